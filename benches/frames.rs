@@ -60,7 +60,7 @@ fn frames(criterion: &mut Criterion) {
             .range_min_m(0.1)
             .range_max_m(6.0)
             .too_near(TooNear::Blocks)
-            .noise(GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).expect("in range"))
+            .noise(GaussianNoise::of_stddev(0.01).expect("in range"))
             .seed(1)
             .sensor(1),
     )

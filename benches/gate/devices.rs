@@ -38,7 +38,7 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
         gate.run(entry("scan_beams", "single rays"), (&mut dual, 1.0), (&mut single, 1.0));
     }
     if gate.options.wants(GROUP, "depth_kinect") {
-        let gaussian = DepthModel::from(GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).expect("in range"));
+        let gaussian = DepthModel::from(GaussianNoise::of_stddev(0.01).expect("in range"));
         let mut kinect = depth_presets::named("kinect_v1").expect("our own preset").model(580.0);
         // Its shadow takes a second ray a pixel, which is another thing to measure.
         kinect.second_eye = None;
@@ -84,8 +84,7 @@ fn scans<'a>(
         let scene = stage.builder.scene();
         let capture =
             if moves { Capture::new(0, keyframes.as_slice()) } else { Capture::new(0, keyframes[0].at) };
-        let workspace = &mut workspace.lend(scanner.workspace_len(&scene, &capture));
         let output = Echoes::new().points(black_box(&mut points)).intensities(black_box(&mut intensities));
-        scanner.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
+        scanner.sense_in(&mut workspace, &scene, &capture, output).expect("outputs of the right size");
     }
 }

@@ -90,7 +90,7 @@ fn depth_frame(gate: &mut Gate<'_>, level: Level, scene: &str, name: &str) {
     let scene = Scene::new(scene);
     let rays = RaySet::new("R1", &scene);
     let built = ours::Built::new(&scene.mesh);
-    let noise = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).expect("in range");
+    let noise = GaussianNoise::of_stddev(0.01).expect("in range");
     let execution = ours::execution(level);
     let mut whole = ours::DepthFrames::new(&rays, noise, execution);
     let mut trace = ours::Caster::new(&rays, execution, ours::Wanted::Distance);
@@ -149,9 +149,8 @@ fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
     let capture = Capture::new(0, built.moment(tag_room::across()));
 
     let mut sense = || {
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
         camera
-            .sense(&scene, &capture, workspace, Picture::new().colour(black_box(&mut pixels)))
+            .sense_in(&mut workspace, &scene, &capture, Picture::new().colour(black_box(&mut pixels)))
             .expect("outputs of the right size");
     };
 
@@ -188,9 +187,8 @@ fn pictures<'a>(built: &'a WorldScene, config: &CameraConfig<'a>, level: Level) 
     move || {
         let scene = built.scene();
         let capture = Capture::new(0, built.moment(tag_room::across()));
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
         camera
-            .sense(&scene, &capture, workspace, Picture::new().colour(black_box(&mut pixels)))
+            .sense_in(&mut workspace, &scene, &capture, Picture::new().colour(black_box(&mut pixels)))
             .expect("outputs of the right size");
     }
 }

@@ -53,8 +53,7 @@ fn frames<'a>(built: &'a WorldScene, optics: &Optics<'a>, level: Level) -> impl 
     move || {
         let scene = built.scene();
         let capture = Capture::new(0, built.moment(tag_room::across()));
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
         let output = DepthFrame::new().depth_32fc1(black_box(&mut depths));
-        camera.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
+        camera.sense_in(&mut workspace, &scene, &capture, output).expect("outputs of the right size");
     }
 }

@@ -101,9 +101,8 @@ fn truth_frames(stage: &Stage, all: bool, level: Level) -> impl FnMut() + use<'_
         if all {
             truth = truth.normal(&mut normal).instance(&mut instance).class(&mut class).flow_back(&mut flow);
         }
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
         camera
-            .sense(&scene, &capture, workspace, Picture::new().truth(truth))
+            .sense_in(&mut workspace, &scene, &capture, Picture::new().truth(truth))
             .expect("outputs of the right size");
     }
 }
@@ -136,9 +135,8 @@ fn pictures(stage: &Stage, rolling: bool, level: Level) -> impl FnMut() + use<'_
         } else {
             Capture::new(0, stage.builder.moment(sensor(0.0)))
         };
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
         camera
-            .sense(&scene, &capture, workspace, Picture::new().colour(black_box(&mut pixels)))
+            .sense_in(&mut workspace, &scene, &capture, Picture::new().colour(black_box(&mut pixels)))
             .expect("outputs of the right size");
     }
 }
@@ -156,8 +154,7 @@ pub fn depths<'a>(
     move || {
         let scene = stage.builder.scene();
         let capture = Capture::new(0, stage.builder.moment(sensor(0.0)));
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
         let output = DepthFrame::new().depth_32fc1(black_box(&mut depths));
-        camera.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
+        camera.sense_in(&mut workspace, &scene, &capture, output).expect("outputs of the right size");
     }
 }

@@ -76,8 +76,9 @@ impl FineMeshes {
         let pose = Pose::from_translation(DVec3::new(0.0, 0.0, 1.0));
         let capture = Capture::new(0, self.builder.moment(pose));
         let output = DepthFrame::new().depth_32fc1(&mut self.depths).colour(&mut self.colours);
-        let workspace = &mut self.workspace.lend(self.camera.workspace_len(&scene, &capture));
-        self.camera.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
+        self.camera
+            .sense_in(&mut self.workspace, &scene, &capture, output)
+            .expect("outputs of the right size");
     }
 }
 

@@ -43,7 +43,7 @@ pub fn camera_config(stddev: f32) -> CameraConfig<'static> {
 /// The same of another height.
 pub fn camera_of_height(height: u32, stddev: f32) -> CameraConfig<'static> {
     CameraConfig::new(PinholeGrid::from_fov(640, height, 1.396_263_4).expect("in range"))
-        .noise(GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).expect("in range"))
+        .noise(GaussianNoise::of_stddev(stddev).expect("in range"))
         .seed(1)
 }
 

@@ -32,8 +32,7 @@ fn draw(builder: &SceneBuilder) -> Result<RgbImage, Box<dyn Error>> {
     let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(eye)));
     let mut pixels = vec![0; camera.frame_len()];
     let mut memory = WorkspaceBuf::default();
-    let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
-    camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
+    camera.sense_in(&mut memory, &scene, &capture, Picture::new().colour(&mut pixels))?;
     Ok(RgbImage::from_raw(SIZE[0], SIZE[1], pixels).ok_or("not a picture of rgb8")?)
 }
 

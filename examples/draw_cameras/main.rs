@@ -61,8 +61,7 @@ impl Studio {
         };
         let mut pixels = vec![0; camera.frame_len()];
         let scene = self.scene.scene();
-        let workspace = &mut self.memory.lend(camera.workspace_len(&scene, &capture));
-        camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
+        camera.sense_in(&mut self.memory, &scene, &capture, Picture::new().colour(&mut pixels))?;
         let picture = RgbImage::from_raw(SIZE[0], SIZE[1], pixels).ok_or("not a picture of rgb8")?;
         self.save(name, &picture)
     }
@@ -80,8 +79,12 @@ impl Studio {
         let capture = Capture::new(0, self.scene.moment(at)).before(self.scene.moment(before));
         let truth = Truth::new().depth(&mut depth).normal(&mut normal).instance(&mut instance);
         let scene = self.scene.scene();
-        let workspace = &mut self.memory.lend(camera.workspace_len(&scene, &capture));
-        camera.sense(&scene, &capture, workspace, Picture::new().truth(truth.flow_back(&mut flow)))?;
+        camera.sense_in(
+            &mut self.memory,
+            &scene,
+            &capture,
+            Picture::new().truth(truth.flow_back(&mut flow)),
+        )?;
         let channels: [(&str, Encoding, &[u8]); 4] = [
             ("truth_depth", Encoding::F32C1, bytemuck::cast_slice(&depth)),
             ("truth_normal", Encoding::F32C3, bytemuck::cast_slice(&normal)),

@@ -7,9 +7,9 @@ use crate::pool::Threads;
 use crate::shots::{GivenEach, Shots};
 use crate::world::World;
 use belvedere_sensors::Sensor;
-use belvedere_sensors::camera::{self, CameraConfig, CameraError, Edges, Picture, PixelFormat};
+use belvedere_sensors::camera::{self, CameraConfig, Edges, Picture, PixelFormat};
 use belvedere_sensors::device::{DeviceConfig, presets};
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
@@ -38,10 +38,7 @@ impl Eye {
         noise: [f32; 2],
         device: Option<&str>,
     ) -> PyResult<Self> {
-        let most = camera::MAX_IMAGE_SIZE;
-        if ![width, height].iter().all(|side| (1..=most).contains(side)) {
-            return Err(value_error(CameraError::ImageSize { size: [width, height] }));
-        }
+        CameraConfig::check_size([width, height]).map_err(value_error)?;
         let rays = match (lens, fov) {
             (Some((name, numbers)), _) => Rays::new(width, height, &name, &numbers)?,
             (None, fov) => Rays::from_fov(width, height, fov.unwrap_or_default())?,
@@ -95,7 +92,8 @@ impl Eye {
 
 /// Noise of a mean and a standard deviation.
 pub(crate) fn gaussian([mean, stddev]: [f32; 2]) -> PyResult<GaussianNoise> {
-    GaussianNoise::new(mean, stddev, 0.0, 0.0, 0.0).map_err(|error| of("noise", error))
+    GaussianNoise::new(GaussianNoiseConfig::default().mean(mean).stddev(stddev))
+        .map_err(|error| of("noise", error))
 }
 
 #[pyclass(frozen, module = "belvedere._native")]
@@ -148,8 +146,7 @@ impl Camera {
                 let mut picture = Picture::new().truth(truth);
                 picture.colour = colour;
                 shots.take(index, memory, |scene, capture, workspace| {
-                    let workspace = &mut workspace.lend(camera.workspace_len(scene, capture));
-                    camera.sense(scene, capture, workspace, picture).map_err(|why| why.to_string())
+                    camera.sense_in(workspace, scene, capture, picture).map_err(|why| why.to_string())
                 })
             })
         })

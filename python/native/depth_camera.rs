@@ -133,8 +133,7 @@ impl DepthCamera {
                     let mut frame = DepthFrame::new().truth(truth);
                     (frame.colour, frame.depth_32fc1, frame.depth_16uc1) = (colour, depth, millimetres);
                     frame.xyz = points;
-                    let workspace = &mut workspace.lend(camera.workspace_len(scene, capture));
-                    camera.sense(scene, capture, workspace, frame).map_err(|why| why.to_string())
+                    camera.sense_in(workspace, scene, capture, frame).map_err(|why| why.to_string())
                 })
             })
         })

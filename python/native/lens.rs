@@ -1,9 +1,10 @@
 //! Lenses: which way the rays of a camera go.
 
 use crate::errors::of;
+use belvedere_sensors::ParameterError;
 use belvedere_sensors::optics::{
-    BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics, KannalaBrandt, Lens, LensError, Mei,
-    Optics, Pinhole, PinholeGrid, RayTableBuf,
+    BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics, KannalaBrandt, Lens, Mei, Optics, Pinhole,
+    PinholeGrid, RayTableBuf,
 };
 use pyo3::PyResult;
 
@@ -81,7 +82,7 @@ enum Named {
 }
 
 /// The model of a lens; none if it does not take so many numbers.
-fn named(name: &str, intrinsics: Intrinsics, numbers: &[f64]) -> Result<Option<Named>, LensError> {
+fn named(name: &str, intrinsics: Intrinsics, numbers: &[f64]) -> Result<Option<Named>, ParameterError> {
     Ok(Some(Named::Lens(match (name, numbers) {
         ("pinhole", []) if intrinsics.skew == 0.0 => return Ok(Some(Named::Pinhole)),
         ("pinhole", []) => Box::new(Pinhole::new(intrinsics)?),

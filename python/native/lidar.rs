@@ -71,8 +71,7 @@ impl Lidar {
                 let mut scan = Scan::new().truth(truth);
                 (scan.ranges, scan.intensities) = (ranges, intensities);
                 shots.take(index, memory, |scene, capture, workspace| {
-                    let workspace = &mut workspace.lend(lidar.workspace_len(scene, capture));
-                    lidar.sense(scene, capture, workspace, scan).map_err(|why| why.to_string())
+                    lidar.sense_in(workspace, scene, capture, scan).map_err(|why| why.to_string())
                 })
             })
         })

@@ -180,8 +180,7 @@ impl Scanner {
                             .sense(scene, &moving, workspace, parts)
                             .map_err(|why| why.to_string());
                     }
-                    let workspace = &mut workspace.lend(scanner.workspace_len(scene, &capture));
-                    scanner.sense(scene, &capture, workspace, parts).map_err(|why| why.to_string())
+                    scanner.sense_in(workspace, scene, &capture, parts).map_err(|why| why.to_string())
                 })
             })
         })

@@ -64,10 +64,9 @@ fn fastest(
     for frame in 0..frames {
         let moving = Capture::new(frame, keyframes.as_slice());
         let capture = if moves { moving } else { Capture::new(frame, keyframes[0].at) };
-        let workspace = &mut workspace.lend(scanner.workspace_len(&scene, &capture));
         let output = Echoes::new().points(black_box(&mut points)).intensities(black_box(&mut intensities));
         let started = Instant::now();
-        scanner.sense(&scene, &capture, workspace, output)?;
+        scanner.sense_in(&mut workspace, &scene, &capture, output)?;
         least = least.min(started.elapsed().as_secs_f64());
     }
     Ok(least)

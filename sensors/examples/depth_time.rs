@@ -40,9 +40,13 @@ fn fastest(
     let mut least = f64::INFINITY;
     for frame in 0..frames {
         let capture = Capture::new(frame, builder.moment(Pose::from_translation(DVec3::Z)));
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
         let started = Instant::now();
-        camera.sense(&scene, &capture, workspace, DepthFrame::new().depth_32fc1(black_box(&mut depths)))?;
+        camera.sense_in(
+            &mut workspace,
+            &scene,
+            &capture,
+            DepthFrame::new().depth_32fc1(black_box(&mut depths)),
+        )?;
         least = least.min(started.elapsed().as_secs_f64());
     }
     Ok(least)
@@ -74,7 +78,7 @@ fn room() -> Result<SceneBuilder, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let builder = room()?;
-    let gaussian = DepthModel::from(GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0)?);
+    let gaussian = DepthModel::from(GaussianNoise::of_stddev(0.01)?);
     let kinect = |name| presets::named(name).map_or(gaussian, |preset| preset.model(580.0));
     let mut without_shadow = kinect("kinect_v1");
     without_shadow.second_eye = None;

@@ -91,8 +91,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         camera.set_device_exposure(Exposure { time_s, gain: device.exposure.gain })?;
         let capture = Capture::new(frame as u64, builder.moment(Pose::IDENTITY));
         let scene = builder.scene();
-        let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
-        camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
+        camera.sense_in(&mut workspace, &scene, &capture, Picture::new().colour(&mut pixels))?;
         std::fs::write(Path::new(&directory).join(format!("{number}.u16")), &pixels)?;
     }
     Ok(())

@@ -6,7 +6,6 @@ use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, MaterialId, Scene
 use belvedere_sensors::trace::rays::{Rays, cast_rays, occluded_rays, workspace_len};
 use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use belvedere_sensors::{Moment, Pose};
-use bytemuck::Zeroable;
 use glam::{DQuat, DVec3};
 
 /// More rays than that take too long.
@@ -51,7 +50,7 @@ pub(crate) fn sense(data: &[u8]) {
 
 /// Takes bytes as a baked scene and others as rays.
 pub(crate) fn sense_scene(scene: &[u8], rays: &[u8]) {
-    let mut lines = vec![CacheLine::zeroed(); scene.len().div_ceil(64)];
+    let mut lines = vec![CacheLine::ZERO; scene.len().div_ceil(64)];
     let aligned: &mut [u8] = &mut bytemuck::cast_slice_mut(&mut lines)[..scene.len()];
     aligned.copy_from_slice(scene);
     if let Ok((scene, poses)) = Scene::from_baked(aligned) {

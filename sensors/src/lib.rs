@@ -1,28 +1,22 @@
-//! Robot sensors by exact ray casting: cameras, depth cameras and lidars.
+#![doc = include_str!("../README.md")]
 //!
-//! `no_std`, no allocation while sensing, no unsafe code, and the same bits from the same input on every machine,
-//! thread count and SIMD level. The layers, bottom up; each uses only those above it in this list:
+//! # How the crate is built
 //!
-//! 1. [`simd`]: the level token and the packet width; [`pose`]: rigid poses in f64; [`srgb`]: the curve of pictures.
-//! 2. [`noise`]: counter-based random numbers, Gazebo's Gaussian noise, the errors of instruments.
-//! 3. [`moment`]: where everything is, and when; [`scene`]: what is looked at, as plain borrowed data.
-//! 4. [`optics`]: which way rays go: the rules of pinhole and lidar, and tables of any lens model.
+//! A configuration is checked once and makes a [`Sensor`], which fills slices of the caller's. A [`scene`] holds shapes and
+//! looks; a [`Moment`] says where the sensor and every instance are, so one scene can be seen at many moments. Cameras see
+//! what is [`VISUAL`](scene::visibility::VISUAL), lidars hit what is [`COLLISION`](scene::visibility::COLLISION), unless
+//! they are configured otherwise.
+//!
+//! Modules use only those above them in this list:
+//!
+//! 1. [`simd`]: SIMD levels; [`pose`]: rigid poses in f64; [`srgb`]: the transfer curve of pictures.
+//! 2. [`noise`]: counter-based random numbers, Gaussian noise, the errors of instruments.
+//! 3. [`moment`]: poses over time; [`scene`]: shapes, materials, lights, as borrowed plain data.
+//! 4. [`optics`]: lens models, and the directions of rays.
 //! 5. [`trace`]: where rays meet the scene.
-//! 6. `shade`: what colour that is.
-//! 7. [`device`]: what a camera's sensor and electronics make of light.
-//! 8. [`camera`], [`depth`], [`lidar`], [`scanner`]: the sensors. A configuration is checked once and makes a [`Sensor`],
-//!    which fills the caller's slices, and does not allocate. [`imu`]: what gyros and accelerometers make of a motion.
-//!
-//! Lengths are metres, angles radians, frames right-handed. A sensor looks along +x, z is up; optical frames
-//! (clouds, [`optics`]) have z forward, x right, y down. Pixel centres are integers.
-//!
-//! What a sensor sees is decided by [`scene::visibility`]: cameras see visuals, lidars hit collision shapes
-//! unless they are told otherwise.
-//!
-//! Features: `std` (default) finds the SIMD level at run time; `alloc` gives the owned
-//! [`SceneBuilder`](scene::SceneBuilder) and [`WorkspaceBuf`](trace::WorkspaceBuf), without which scenes are made of the
-//! caller's arrays ([`SceneSlices`](scene::SceneSlices)); `rayon` spreads a frame over
-//! threads; `nalgebra` converts poses; `parry` takes in shapes of parry3d, and `rapier` mirrors the colliders of rapier3d.
+//! 6. `shade` (private): colours of what they meet.
+//! 7. [`device`]: image sensors and depth devices: what their optics and electronics make of light.
+//! 8. [`camera`], [`depth`], [`lidar`], [`scanner`], [`imu`]: the sensors.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -48,7 +42,7 @@ macro_rules! setters {
 /// Named setters of the parts of an output, none of which is wanted at first.
 macro_rules! outputs {
     ($($(#[$doc:meta])* $field:ident: $kind:ty,)*) => {
-        /// Of nothing.
+        /// An output of which no part is wanted yet.
         pub const fn new() -> Self {
             Self { $($field: None,)* }
         }
@@ -68,6 +62,7 @@ mod memory;
 pub mod moment;
 pub mod noise;
 pub mod optics;
+mod parameter;
 #[cfg(feature = "parry")]
 pub mod parry;
 pub mod pose;
@@ -75,14 +70,24 @@ mod pose_convert;
 #[cfg(feature = "rapier")]
 pub mod rapier;
 pub mod scene;
-pub mod sensor;
+mod sensor;
 mod shade;
 pub mod simd;
 pub mod srgb;
 pub mod trace;
 
+pub use glam;
+
 pub use execution::Execution;
+#[doc(no_inline)]
 pub use moment::{Capture, Keyframe, Moment, Shutter, Slice};
+pub use parameter::{ParameterError, Rule};
+#[doc(no_inline)]
 pub use pose::Pose;
-pub use sensor::{Sensor, camera, depth, imu, lidar, scanner};
+pub use sensor::Sensor;
+#[cfg(feature = "alloc")]
+pub use sensor::any::{AnyOutput, AnySensor};
+#[doc(inline)]
+pub use sensor::{camera, depth, imu, lidar, scanner};
+#[doc(no_inline)]
 pub use trace::SenseError;

@@ -2,10 +2,28 @@
 
 use bytemuck::{Pod, Zeroable};
 
-/// 64 bytes that begin where a line of the cache does.
-#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+/// 64 bytes, aligned to 64: the unit in which callers lend memory to this crate.
+///
+/// ```
+/// use belvedere_sensors::trace::CacheLine;
+/// // Without a heap, a workspace is a static or a local array.
+/// static BUFFER: [CacheLine; 4] = [CacheLine::ZERO; 4];
+/// assert_eq!((size_of_val(&BUFFER), BUFFER.as_ptr() as usize % 64), (256, 0));
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C, align(64))]
 pub struct CacheLine([u8; 64]);
+
+impl CacheLine {
+    /// 64 zero bytes.
+    pub const ZERO: Self = Self([0; 64]);
+}
+
+impl Default for CacheLine {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
 
 /// Cache lines that hold so many bytes.
 pub(crate) const fn lines(bytes: usize) -> usize {

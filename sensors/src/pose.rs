@@ -3,6 +3,7 @@
 //! A pose named `a_from_b` maps the coordinates of frame b to those of frame a, so that
 //! `point_in_a = a_from_b.transform_point(point_in_b)` and `a_from_c = a_from_b * b_from_c`.
 
+pub use crate::pose_convert::NotRigid;
 use bytemuck::{Pod, Zeroable};
 use core::ops::Mul;
 use glam::{DMat3, DQuat, DVec3};

@@ -1,7 +1,122 @@
 //! Poses in the types of other crates.
 
 use crate::pose::Pose;
-use glam::{DAffine3, DMat4};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+
+impl From<(DQuat, DVec3)> for Pose {
+    /// From a rotation, which is normalised, and a translation in metres.
+    ///
+    /// ```
+    /// use belvedere_sensors::Pose;
+    /// use glam::{DQuat, DVec3};
+    /// let quarter = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
+    /// let a_from_b = Pose::from((quarter, DVec3::new(1.0, 0.0, 0.0)));
+    /// assert!((a_from_b.transform_point(DVec3::X) - DVec3::new(1.0, 1.0, 0.0)).length() < 1e-15);
+    /// assert_eq!(<(DQuat, DVec3)>::from(a_from_b).1, DVec3::new(1.0, 0.0, 0.0));
+    /// ```
+    fn from((rotation, translation): (DQuat, DVec3)) -> Self {
+        Self::new(translation, rotation)
+    }
+}
+
+impl From<Pose> for (DQuat, DVec3) {
+    fn from(pose: Pose) -> Self {
+        (pose.rotation(), pose.translation())
+    }
+}
+
+/// Why a matrix is not a [`Pose`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum NotRigid {
+    /// An element is NaN or infinite.
+    NotFinite,
+    /// The upper left 3×3 part scales, shears or mirrors, by more than 1e-6.
+    NotRotation,
+    /// The last row is not 0 0 0 1.
+    NotAffine,
+}
+
+impl core::fmt::Display for NotRigid {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::NotFinite => "the matrix has an element that is NaN or infinite",
+            Self::NotRotation => "the matrix scales, shears or mirrors; a pose only turns and moves",
+            Self::NotAffine => "the last row of the matrix must be 0 0 0 1",
+        })
+    }
+}
+
+impl core::error::Error for NotRigid {}
+
+impl TryFrom<DAffine3> for Pose {
+    type Error = NotRigid;
+
+    /// # Errors
+    /// When the matrix does more than turn and move.
+    fn try_from(affine: DAffine3) -> Result<Self, NotRigid> {
+        let DAffine3 { matrix3, translation } = affine;
+        if !(matrix3.is_finite() && translation.is_finite()) {
+            return Err(NotRigid::NotFinite);
+        }
+        let is_rotation =
+            (matrix3.transpose() * matrix3).abs_diff_eq(DMat3::IDENTITY, 1e-6) && matrix3.determinant() > 0.0;
+        if !is_rotation {
+            return Err(NotRigid::NotRotation);
+        }
+        Ok(Self::new(translation, DQuat::from_mat3(&matrix3)))
+    }
+}
+
+impl TryFrom<DMat4> for Pose {
+    type Error = NotRigid;
+
+    /// ```
+    /// use belvedere_sensors::pose::{NotRigid, Pose};
+    /// use glam::{DMat4, DQuat, DVec3};
+    /// let turned = DMat4::from_rotation_translation(DQuat::from_rotation_x(0.5), DVec3::new(1.0, 2.0, 3.0));
+    /// let pose = Pose::try_from(turned)?;
+    /// assert!((pose.rpy() - DVec3::new(0.5, 0.0, 0.0)).length() < 1e-12);
+    /// assert_eq!(Pose::try_from(DMat4::from_scale(DVec3::splat(2.0))), Err(NotRigid::NotRotation));
+    /// # Ok::<(), NotRigid>(())
+    /// ```
+    ///
+    /// # Errors
+    /// When the matrix does more than turn and move.
+    fn try_from(matrix: DMat4) -> Result<Self, NotRigid> {
+        if !matrix.is_finite() {
+            return Err(NotRigid::NotFinite);
+        }
+        if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+            return Err(NotRigid::NotAffine);
+        }
+        DAffine3::from_mat4(matrix).try_into()
+    }
+}
+
+#[cfg(feature = "mint")]
+impl From<(mint::Quaternion<f64>, mint::Vector3<f64>)> for Pose {
+    /// From a rotation, which is normalised, and a translation in metres, as any crate with `mint` has them.
+    ///
+    /// ```
+    /// use belvedere_sensors::Pose;
+    /// use mint::{Quaternion, Vector3};
+    /// let rotation = Quaternion { v: Vector3 { x: 0.0, y: 0.0, z: 0.0 }, s: 1.0 };
+    /// let pose = Pose::from((rotation, Vector3 { x: 1.0, y: 2.0, z: 3.0 }));
+    /// let (_, translation): (Quaternion<f64>, Vector3<f64>) = pose.into();
+    /// assert_eq!(translation, Vector3 { x: 1.0, y: 2.0, z: 3.0 });
+    /// ```
+    fn from((rotation, translation): (mint::Quaternion<f64>, mint::Vector3<f64>)) -> Self {
+        Self::new(translation.into(), rotation.into())
+    }
+}
+
+#[cfg(feature = "mint")]
+impl From<Pose> for (mint::Quaternion<f64>, mint::Vector3<f64>) {
+    fn from(pose: Pose) -> Self {
+        (pose.rotation().into(), pose.translation().into())
+    }
+}
 
 impl From<Pose> for DAffine3 {
     /// ```

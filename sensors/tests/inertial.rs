@@ -1,7 +1,7 @@
 //! What inertial units read: Allan deviations by the closed forms of the processes, errors by hand.
 
-use belvedere_sensors::imu::{Imu, ImuConfig, ImuError, InertialReading, presets};
-use belvedere_sensors::noise::{Instrument, InstrumentConfig, InstrumentError, Stream};
+use belvedere_sensors::imu::{Imu, ImuConfig, InertialReading, presets};
+use belvedere_sensors::noise::{Instrument, InstrumentConfig, Stream};
 use glam::DVec3;
 
 const STREAM: Stream = Stream { seed: 3, sensor: 5, frame: 0, channel: 18 };
@@ -208,16 +208,31 @@ fn gyro_and_accelerometer_err_apart() {
 #[test]
 fn each_bad_parameter_is_named() {
     let with = |change: fn(InstrumentConfig<3>) -> InstrumentConfig<3>| {
-        Instrument::new(change(InstrumentConfig::default())).unwrap_err()
+        Instrument::new(change(InstrumentConfig::default())).unwrap_err().to_string()
     };
-    assert_eq!(with(|config| config.density([0.0, -1.0, 0.0])), InstrumentError::Negative("density"));
-    assert_eq!(with(|config| config.stddev([f64::NAN; 3])), InstrumentError::Negative("stddev"));
-    assert_eq!(with(|config| config.mean([f64::INFINITY; 3])), InstrumentError::NotFinite("mean"));
-    assert_eq!(with(|config| config.drift_time_s([0.0; 3])), InstrumentError::NotPositive("drift_time_s"));
-    assert_eq!(with(|config| config.limit(f64::NAN)), InstrumentError::NotPositive("limit"));
+    let spread = "it must be a finite number, 0 or more";
+    assert_eq!(
+        with(|config| config.density([0.0, -1.0, 0.0])),
+        format!("density 1 of the instrument is -1; {spread}")
+    );
+    assert_eq!(
+        with(|config| config.stddev([f64::NAN; 3])),
+        format!("stddev 0 of the instrument is NaN; {spread}")
+    );
+    assert_eq!(
+        with(|config| config.mean([0.0, 0.0, f64::INFINITY])),
+        "mean 2 of the instrument is inf; it must be a finite number"
+    );
+    assert_eq!(
+        with(|config| config.drift_time_s([0.0; 3])),
+        "drift_time_s 0 of the instrument is 0; it must be more than 0"
+    );
+    assert_eq!(
+        with(|config| config.limit(f64::NAN)),
+        "limit of the instrument is NaN; it must be more than 0"
+    );
     let unit = Imu::new(ImuConfig::default().gyro(InstrumentConfig::default().drift([-1.0; 3])), 1, 0);
-    assert_eq!(unit, Err(ImuError::Gyro(InstrumentError::Negative("drift"))));
-    assert_eq!(unit.unwrap_err().to_string(), "of the gyro, drift must be finite numbers, 0 or more");
+    assert_eq!(unit.unwrap_err().to_string(), format!("drift 0 of the gyro is -1; {spread}"));
 }
 
 /// FNV-1a.

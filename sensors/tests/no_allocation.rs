@@ -162,7 +162,7 @@ fn tables_of_rays_do_not_allocate() {
         .map(|ray| glam::Vec3::new(0.2, (ray % width) as f32 - 44.5, (ray / width) as f32 - 29.5))
         .map(|direction| direction.normalize().to_array())
         .collect();
-    let mut buffer = vec![<CacheLine as bytemuck::Zeroable>::zeroed(); RayTable::required_len(width, height)];
+    let mut buffer = vec![CacheLine::ZERO; RayTable::required_len(width, height)];
     let mut distances = vec![0.0; directions.len()];
     let mut workspace = WorkspaceBuf::default();
     // A table's frames take what a pinhole's of the same size do.

@@ -7,7 +7,7 @@ use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::depth::{DisparityNoise, SecondEye, published};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::scanner::{
     Beam, Columns, Echoes, Intensity, Laser, Pattern, Raster, Receiver, Returns, Scanner, ScannerConfig,
     Spinning, Weather, presets,
@@ -26,7 +26,10 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     scenery(&mut builder);
     let scene = builder.scene();
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
-    let noise = GaussianNoise::new(0.001, 0.007, 0.002, 0.001, 0.0).unwrap();
+    let noise = GaussianNoise::new(
+        GaussianNoiseConfig::default().mean(0.001).stddev(0.007).bias_mean(0.002).bias_stddev(0.001),
+    )
+    .unwrap();
     // Neither side is a multiple of a tile's.
     let camera = camera_of([333, 245], 1.2).noise(noise);
     let mut workspace = WorkspaceBuf::default();
@@ -308,7 +311,7 @@ fn every_run() {
     let pose = Pose::IDENTITY;
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
-    let config = camera().noise(GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap());
+    let config = camera().noise(GaussianNoise::of_stddev(0.007).unwrap());
     let picture = |seed, frame| picture_with(&builder, config.seed(seed), pose, frame, Execution::default());
     assert!(picture(1, 0) == picture(1, 0));
     assert!(picture(1, 0) != picture(2, 0) && picture(1, 0) != picture(1, 1));

@@ -119,9 +119,8 @@ impl RigContext<'_> {
         output: T::Output<'_>,
     ) -> bool {
         let scene = self.scene.scene();
-        let workspace = &mut self.workspace.lend(sensor.workspace_len(&scene, capture));
         let started = Instant::now();
-        let taken = sensor.sense(&scene, capture, workspace, output);
+        let taken = sensor.sense_in(self.workspace, &scene, capture, output);
         self.rendering += started.elapsed();
         taken
             .inspect_err(|error| tracing::warn!(%error, capture.frame, "a frame of a sensor is left out"))

@@ -16,11 +16,10 @@ use crate::description::model::{self, CameraSensor, DepthCameraPlugin, Lens, Sen
 use crate::description::text::number;
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, StreamSpec};
-use belvedere_sensors::Shutter;
-use belvedere_sensors::camera::CameraError;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use belvedere_sensors::device::depth::{DepthModel, DepthNoise};
 use belvedere_sensors::trace::Faces;
+use belvedere_sensors::{ParameterError, Shutter};
 use std::time::Instant;
 
 impl Behaviour for model::DepthCamera {
@@ -302,7 +301,7 @@ fn focal_px(camera: &CameraSensor, lens: &Lens) -> f64 {
 }
 
 /// SDF's `<noise>` is the colour picture's; Gazebo classic knows none for depth. Back faces are not seen, as in Gazebo.
-fn depth_camera<'a>(eye: &'a Eye, limits: &Limits) -> Result<DepthCamera<'a>, CameraError> {
+fn depth_camera<'a>(eye: &'a Eye, limits: &Limits) -> Result<DepthCamera<'a>, ParameterError> {
     let [min_m, max_m] = limits.range_m;
     let config = DepthCameraConfig::new(eye.config()).min_depth_m(min_m).max_depth_m(max_m);
     let config = config.model(limits.model).faces(Faces::Front);

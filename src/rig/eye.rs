@@ -7,12 +7,13 @@ use super::{Opening, Settings};
 use crate::description::model::{
     AngleFunction, AngleMap, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
 };
+use belvedere_sensors::ParameterError;
 use belvedere_sensors::camera::{Camera, CameraConfig, Edges, PixelFormat};
 use belvedere_sensors::device::{AutoExposure, FrameStatistics};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::{
     self, AngleFunction as Function, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics,
-    KannalaBrandt, LensError, Mapping, Mei, Optics, Pinhole, PinholeGrid, RayTableBuf, WideAngle,
+    KannalaBrandt, Mapping, Mei, Optics, Pinhole, PinholeGrid, RayTableBuf, WideAngle,
 };
 use std::error::Error;
 
@@ -165,7 +166,7 @@ pub(super) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_co
 }
 
 /// The model of a lens; none for a pinhole whose columns and rows are straight, which is a rule and no table.
-fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, LensError> {
+fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, ParameterError> {
     let LensIntrinsics { fx, fy, cx, cy, skew } = lens.intrinsics;
     let intrinsics = Intrinsics { fx, fy, cx, cy, skew };
     Ok(Some(match &lens.model {
@@ -203,7 +204,7 @@ pub(super) fn is_pinhole(lens: &Lens) -> bool {
 ///
 /// # Errors
 /// When a parameter of the lens is out of range.
-pub(super) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, LensError> {
+pub(super) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, ParameterError> {
     let Some(model) = lens_model(lens)? else { return Ok(1.0) };
     let pixels = (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| [column, row]));
     let mapped =

@@ -14,11 +14,10 @@ use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
-use belvedere_sensors::Shutter;
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
-use belvedere_sensors::noise::GaussianNoiseError;
 use belvedere_sensors::scene::visibility;
 use belvedere_sensors::trace::Faces;
+use belvedere_sensors::{ParameterError, Shutter};
 use std::time::Instant;
 
 impl Behaviour for model::Lidar {
@@ -159,10 +158,7 @@ impl Channel for LidarChannel {
 }
 
 /// The lidar of a description.
-pub(super) fn lidar_config(
-    ray: &RaySensor,
-    opening: &Opening<'_>,
-) -> Result<LidarConfig, GaussianNoiseError> {
+pub(super) fn lidar_config(ray: &RaySensor, opening: &Opening<'_>) -> Result<LidarConfig, ParameterError> {
     let (sees, faces) = sight(ray);
     Ok(LidarConfig::new(beams(&ray.horizontal))
         .vertical(beams(&ray.vertical))

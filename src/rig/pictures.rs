@@ -6,20 +6,22 @@ use crate::description::model::{
 };
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{DistortionModel, Encoding, Intrinsics, Text, TextError};
-use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseError};
+use belvedere_sensors::ParameterError;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use bytemuck::Zeroable;
 
 /// The noise of a description.
 ///
 /// # Errors
 /// When a parameter is out of range.
-pub fn noise(noise: &Noise) -> Result<GaussianNoise, GaussianNoiseError> {
+pub fn noise(noise: &Noise) -> Result<GaussianNoise, ParameterError> {
     GaussianNoise::new(
-        noise.mean as f32,
-        noise.stddev as f32,
-        noise.bias_mean as f32,
-        noise.bias_stddev as f32,
-        noise.precision as f32,
+        GaussianNoiseConfig::default()
+            .mean(noise.mean as f32)
+            .stddev(noise.stddev as f32)
+            .bias_mean(noise.bias_mean as f32)
+            .bias_stddev(noise.bias_stddev as f32)
+            .precision(noise.precision as f32),
     )
 }
 

@@ -3,7 +3,8 @@
 use crate::description::model::{Noise, RaySensor};
 use belvedere_bridge::Text;
 use belvedere_bridge::payload::{SensorSettings, Setting};
-use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseError};
+use belvedere_sensors::ParameterError;
+use belvedere_sensors::noise::GaussianNoise;
 
 /// Least and most frames per second. A period of 100 s is longer than any sensor's, one of 1 ms shorter than a camera's.
 const RATES_HZ: [f64; 2] = [0.01, 1000.0];
@@ -61,8 +62,9 @@ impl Settings {
     ///
     /// # Errors
     /// When one of them is out of range.
-    pub fn noise(&self, sensor: &GaussianNoise) -> Result<GaussianNoise, GaussianNoiseError> {
-        sensor.with(self.0[NOISE_MEAN].value as f32, self.0[NOISE_STDDEV].value as f32)
+    pub fn noise(&self, sensor: &GaussianNoise) -> Result<GaussianNoise, ParameterError> {
+        let [mean, stddev] = [NOISE_MEAN, NOISE_STDDEV].map(|name| self.0[name].value as f32);
+        GaussianNoise::new(sensor.config().mean(mean).stddev(stddev))
     }
 
     /// Factor of the light.

@@ -4,3 +4,4 @@ mod benchmark_scenes;
 mod benchmark_verdict;
 mod docs;
 mod layers;
+mod package;

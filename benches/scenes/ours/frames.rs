@@ -46,8 +46,9 @@ impl DepthFrames {
         self.frame += 1;
         let capture = Capture::new(self.frame, built.builder.moment(self.world_from_sensor));
         let output = DepthFrame::new().depth_32fc1(&mut self.depths);
-        let workspace = &mut self.workspace.lend(self.camera.workspace_len(&scene, &capture));
-        self.camera.sense(&scene, &capture, workspace, output).expect("outputs of the right size");
+        self.camera
+            .sense_in(&mut self.workspace, &scene, &capture, output)
+            .expect("outputs of the right size");
     }
 }
 
@@ -90,9 +91,8 @@ impl Moving {
         let capture = Capture::new(0, self.builder.moment(Pose::IDENTITY));
         let mut ranges = [0.0; FAN.samples as usize];
         let scene = self.builder.scene();
-        let workspace = &mut self.workspace.lend(self.lidar.workspace_len(&scene, &capture));
         self.lidar
-            .sense(&scene, &capture, workspace, Scan::new().ranges(&mut ranges))
+            .sense_in(&mut self.workspace, &scene, &capture, Scan::new().ranges(&mut ranges))
             .expect("outputs of the right size");
         std::hint::black_box(ranges);
     }

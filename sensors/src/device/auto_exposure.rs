@@ -1,6 +1,7 @@
 //! Automatic exposure: time and gain follow the mean of the frames.
 
-use super::{DeviceConfig, DeviceError, Exposure, PixelFormat, Tone};
+use super::{DeviceConfig, Exposure, PixelFormat, Tone};
+use crate::ParameterError;
 use crate::srgb;
 
 /// What a frame is metered by.
@@ -68,7 +69,7 @@ impl AutoExposureConfig {
 /// let mut automatic = AutoExposure::new(AutoExposureConfig::default(), start)?;
 /// let next = automatic.next(&FrameStatistics { mean: 0.09, saturated: 0.0 });
 /// assert_eq!(next, Exposure { time_s: 0.008, gain: 1.0 });
-/// # Ok::<(), belvedere_sensors::device::DeviceError>(())
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AutoExposure {
@@ -84,7 +85,7 @@ impl AutoExposure {
     ///
     /// # Errors
     /// Names the parameter that is out of its range.
-    pub fn new(config: AutoExposureConfig, start: Exposure) -> Result<Self, DeviceError> {
+    pub fn new(config: AutoExposureConfig, start: Exposure) -> Result<Self, ParameterError> {
         let [shortest, longest] = config.time_range_s;
         for (parameter, value, range) in [
             ("target", config.target, [1e-4, 0.9]),
@@ -95,9 +96,7 @@ impl AutoExposure {
             ("start.time_s", start.time_s, [1e-9, 3600.0]),
             ("start.gain", start.gain, [1e-3, 1e6]),
         ] {
-            if !(value >= range[0] && value <= range[1]) {
-                return Err(DeviceError { parameter, value, range });
-            }
+            ParameterError::require_in("automatic exposure", parameter, value, range)?;
         }
         Ok(Self { config, exposure: start })
     }

@@ -1,6 +1,7 @@
 //! What a device is like: its data sheet.
 
 use super::Vignetting;
+use crate::ParameterError;
 
 /// Planck's constant times the speed of light, in J·m.
 const PLANCK_LIGHT: f64 = 6.626_070_15e-34 * 299_792_458.0;
@@ -80,27 +81,6 @@ pub enum Tone {
         white_balance: [f64; 3],
     },
 }
-
-/// Why a device cannot be made: a parameter is out of its range.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub struct DeviceError {
-    /// The parameter, as its field is called.
-    pub parameter: &'static str,
-    /// What it was.
-    pub value: f64,
-    /// Least and most that it may be.
-    pub range: [f64; 2],
-}
-
-impl core::fmt::Display for DeviceError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { parameter, value, range: [least, most] } = self;
-        write!(f, "a device's {parameter} of {value}: it must be from {least} to {most}")
-    }
-}
-
-impl core::error::Error for DeviceError {}
 
 impl Default for DeviceConfig {
     /// A sensor without noise but that of light: 5 µm, f/2.8, a quantum efficiency of 0.5, a full well of 16,000
@@ -192,14 +172,8 @@ impl DeviceConfig {
     ///
     /// # Errors
     /// Names the first parameter that is out of its range.
-    pub fn check(&self) -> Result<(), DeviceError> {
-        let check = |parameter, value: f64, range: [f64; 2]| {
-            if value >= range[0] && value <= range[1] {
-                Ok(())
-            } else {
-                Err(DeviceError { parameter, value, range })
-            }
-        };
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let check = |parameter, value, range| ParameterError::require_in("device", parameter, value, range);
         check("exposure.time_s", self.exposure.time_s, [0.0, 3600.0])?;
         check("exposure.gain", self.exposure.gain, [1e-3, 1e6])?;
         check("white_radiance_w_m2_sr", self.white_radiance_w_m2_sr, [0.0, 1e9])?;

@@ -27,6 +27,7 @@ pub mod presets;
 mod signal;
 mod vignetting;
 
+use crate::ParameterError;
 use crate::noise::Stream;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
@@ -34,7 +35,7 @@ use crate::srgb;
 use crate::trace::tiling::BLOCKS;
 pub(crate) use auto_exposure::meter;
 pub use auto_exposure::{AutoExposure, AutoExposureConfig, FrameStatistics, Metering};
-pub use config::{DeviceConfig, DeviceError, Exposure, Tone};
+pub use config::{DeviceConfig, Exposure, Tone};
 use fearless_simd::Simd;
 pub use format::PixelFormat;
 pub use mosaic::Mosaic;
@@ -77,7 +78,7 @@ pub(crate) struct Device {
 }
 
 impl Device {
-    pub(crate) fn new(config: &DeviceConfig) -> Result<Self, DeviceError> {
+    pub(crate) fn new(config: &DeviceConfig) -> Result<Self, ParameterError> {
         config.check()?;
         let dn_per_electron = config.dn_per_electron * config.exposure.gain;
         let converter_e = config.converter_noise_dn / dn_per_electron;

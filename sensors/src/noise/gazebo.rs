@@ -5,109 +5,112 @@
 //! The bias is drawn once per run from N(bias mean, bias stddev), and its sign is flipped with probability ½.
 
 use super::{Stream, standard_normal};
+use crate::ParameterError;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
+
+/// The parameters of [`GaussianNoise`], in the unit of the measured value, as the elements of SDF's `<noise>` are named.
+/// All are 0 by default.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct GaussianNoiseConfig {
+    /// Mean of the noise of each sample, finite.
+    pub mean: f32,
+    /// Standard deviation of the noise of each sample, 0 or more.
+    pub stddev: f32,
+    /// Mean of the bias of a run, finite.
+    pub bias_mean: f32,
+    /// Standard deviation of the bias of a run, 0 or more.
+    pub bias_stddev: f32,
+    /// The step to which outputs are rounded; 0 rounds nothing.
+    pub precision: f32,
+}
+
+impl GaussianNoiseConfig {
+    const NONE: Self = Self { mean: 0.0, stddev: 0.0, bias_mean: 0.0, bias_stddev: 0.0, precision: 0.0 };
+
+    setters! {
+        /// Sets the mean of the noise of each sample.
+        mean: f32,
+        /// Sets the standard deviation of the noise of each sample.
+        stddev: f32,
+        /// Sets the mean of the bias of a run.
+        bias_mean: f32,
+        /// Sets the standard deviation of the bias of a run.
+        bias_stddev: f32,
+        /// Sets the step to which outputs are rounded.
+        precision: f32,
+    }
+}
 
 /// Additive Gaussian noise with a constant bias and an optional rounding, in the unit of the measured value.
 ///
 /// ```
-/// use belvedere_sensors::noise::GaussianNoise;
-/// let lidar = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.001)?;
+/// use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
+/// let lidar = GaussianNoise::new(GaussianNoiseConfig::default().stddev(0.01).precision(0.001))?;
 /// assert_eq!(lidar.apply(2.0, 0.0, 1.234), 2.012); // 2 m + 1.234 σ, to the millimetre
 /// assert_eq!(lidar.apply(f32::INFINITY, 0.0, 1.234), f32::INFINITY);
-/// # Ok::<(), belvedere_sensors::noise::GaussianNoiseError>(())
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GaussianNoise {
-    mean: f32,
-    stddev: f32,
-    bias_mean: f32,
-    bias_stddev: f32,
-    precision: f32,
+    config: GaussianNoiseConfig,
 }
-
-/// Why a [`GaussianNoise`] was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum GaussianNoiseError {
-    /// `mean` is NaN or infinite.
-    Mean,
-    /// `stddev` is negative, NaN or infinite.
-    Stddev,
-    /// `bias_mean` is NaN or infinite.
-    BiasMean,
-    /// `bias_stddev` is negative, NaN or infinite.
-    BiasStddev,
-    /// `precision` is negative, NaN, infinite or too small for a normal f32.
-    Precision,
-}
-
-impl core::fmt::Display for GaussianNoiseError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Mean => "the noise mean must be a finite number",
-            Self::Stddev => "the noise stddev must be a finite number, 0 or more",
-            Self::BiasMean => "the noise bias_mean must be a finite number",
-            Self::BiasStddev => "the noise bias_stddev must be a finite number, 0 or more",
-            Self::Precision => "the noise precision must be 0 (none) or a finite number above 1.2e-38",
-        })
-    }
-}
-
-impl core::error::Error for GaussianNoiseError {}
 
 impl GaussianNoise {
     /// No noise: SDF's default.
-    pub const NONE: Self = Self { mean: 0.0, stddev: 0.0, bias_mean: 0.0, bias_stddev: 0.0, precision: 0.0 };
+    pub const NONE: Self = Self { config: GaussianNoiseConfig::NONE };
 
-    /// From the elements of SDF's `<noise>`, all in the unit of the measured value. A precision of 0 rounds
-    /// nothing.
+    /// Checks the configuration.
     ///
     /// # Errors
     /// Names the first value that is not finite, or negative where it must not be.
-    pub fn new(
-        mean: f32,
-        stddev: f32,
-        bias_mean: f32,
-        bias_stddev: f32,
-        precision: f32,
-    ) -> Result<Self, GaussianNoiseError> {
+    pub fn new(config: GaussianNoiseConfig) -> Result<Self, ParameterError> {
+        let GaussianNoiseConfig { mean, stddev, bias_mean, bias_stddev, precision } = config;
+        let require = |parameter, value: f32, holds, rule| {
+            ParameterError::require("noise", parameter, value.into(), holds, rule)
+        };
         let is_spread = |value: f32| value.is_finite() && value >= 0.0;
-        if !mean.is_finite() {
-            Err(GaussianNoiseError::Mean)
-        } else if !is_spread(stddev) {
-            Err(GaussianNoiseError::Stddev)
-        } else if !bias_mean.is_finite() {
-            Err(GaussianNoiseError::BiasMean)
-        } else if !is_spread(bias_stddev) {
-            Err(GaussianNoiseError::BiasStddev)
-        } else if !(precision == 0.0 || is_spread(precision) && precision.is_normal()) {
-            Err(GaussianNoiseError::Precision)
-        } else {
-            Ok(Self { mean, stddev, bias_mean, bias_stddev, precision })
-        }
+        require("mean", mean, mean.is_finite(), "a finite number")?;
+        require("stddev", stddev, is_spread(stddev), "a finite number, 0 or more")?;
+        require("bias_mean", bias_mean, bias_mean.is_finite(), "a finite number")?;
+        require("bias_stddev", bias_stddev, is_spread(bias_stddev), "a finite number, 0 or more")?;
+        let is_step = precision == 0.0 || is_spread(precision) && precision.is_normal();
+        require("precision", precision, is_step, "0 (none) or a finite number above 1.2e-38")?;
+        Ok(Self { config })
     }
 
-    /// The same bias and rounding with another mean and standard deviation.
+    /// Noise of mean 0, without a bias and without rounding.
+    ///
+    /// ```
+    /// use belvedere_sensors::noise::GaussianNoise;
+    /// assert_eq!(GaussianNoise::of_stddev(0.01)?.apply(2.0, 0.0, -1.0), 1.99);
+    /// # Ok::<(), belvedere_sensors::ParameterError>(())
+    /// ```
     ///
     /// # Errors
-    /// Names the one that is out of range.
-    pub fn with(self, mean: f32, stddev: f32) -> Result<Self, GaussianNoiseError> {
-        Self::new(mean, stddev, self.bias_mean, self.bias_stddev, self.precision)
+    /// When it is negative, NaN or infinite.
+    pub fn of_stddev(stddev: f32) -> Result<Self, ParameterError> {
+        Self::new(GaussianNoiseConfig::default().stddev(stddev))
+    }
+
+    /// What it was made from.
+    pub fn config(&self) -> &GaussianNoiseConfig {
+        &self.config
     }
 
     /// The mean of the noise without the bias.
     pub fn mean(&self) -> f32 {
-        self.mean
+        self.config.mean
     }
 
     /// The standard deviation of the noise.
     pub fn stddev(&self) -> f32 {
-        self.stddev
+        self.config.stddev
     }
 
     /// The step to which outputs are rounded; 0 is none.
     pub fn precision(&self) -> f32 {
-        self.precision
+        self.config.precision
     }
 
     /// True when [`GaussianNoise::apply`] with a bias of 0 changes nothing and no bias will be drawn.
@@ -121,7 +124,7 @@ impl GaussianNoise {
         let stream = Stream { seed, sensor, frame: 0, channel: Stream::BIAS };
         let z = standard_normal(&stream, component);
         let flipped = Stream { channel: Stream::BIAS_SIGN, ..stream }.word(component) >> 31 == 1;
-        let bias = self.bias_mean + self.bias_stddev * z;
+        let bias = self.config.bias_mean + self.config.bias_stddev * z;
         if flipped { -bias } else { bias }
     }
 
@@ -131,13 +134,13 @@ impl GaussianNoise {
     #[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
     #[inline(always)]
     pub fn apply(&self, value: f32, bias: f32, z: f32) -> f32 {
-        let noisy = value + ((bias + self.mean) + self.stddev * z);
-        if self.precision == 0.0 {
+        let noisy = value + ((bias + self.config.mean) + self.config.stddev * z);
+        if self.config.precision == 0.0 {
             return noisy;
         }
         // More steps than f32 can count may go into a value. They are finer than its last bit, and it stays as it is; so no
         // precision has to be refused. Nor does a value leave f32 because its nearest step does.
-        let stepped = round(noisy / self.precision) * self.precision;
+        let stepped = round(noisy / self.config.precision) * self.config.precision;
         if stepped.abs() < f32::INFINITY { stepped } else { noisy }
     }
 
@@ -169,11 +172,11 @@ impl GaussianNoise {
         bias: f32,
         normals: f32x16<S>,
     ) -> f32x16<S> {
-        let noisy = values + (normals * self.stddev + (bias + self.mean));
-        if self.precision == 0.0 {
+        let noisy = values + (normals * self.config.stddev + (bias + self.config.mean));
+        if self.config.precision == 0.0 {
             return noisy;
         }
-        let stepped = round_vector(simd, noisy / self.precision) * self.precision;
+        let stepped = round_vector(simd, noisy / self.config.precision) * self.config.precision;
         stepped.abs().simd_lt(f32x16::splat(simd, f32::INFINITY)).select(stepped, noisy)
     }
 
@@ -181,9 +184,9 @@ impl GaussianNoise {
     #[inline(always)]
     pub(crate) fn apply_all<const N: usize>(&self, values: &mut [f32; N], bias: f32, normals: &[f32; N]) {
         // A loop that asks each time would divide and round each time, and then choose.
-        if self.precision == 0.0 {
+        if self.config.precision == 0.0 {
             for lane in 0..N {
-                values[lane] += (bias + self.mean) + self.stddev * normals[lane];
+                values[lane] += (bias + self.config.mean) + self.config.stddev * normals[lane];
             }
         } else {
             for lane in 0..N {
@@ -242,7 +245,10 @@ mod tests {
         values.extend((0..40_000_u32).map(|index| f32::from_bits(index.wrapping_mul(107_374))));
         values.resize(values.len().next_multiple_of(16), 0.0);
         for precision in [0.0, 1.0, 0.001, 0.3, 1e30] {
-            let noise = GaussianNoise::new(0.01, 0.02, 0.0, 0.0, precision).unwrap();
+            let noise = GaussianNoise::new(
+                GaussianNoiseConfig::default().mean(0.01).stddev(0.02).precision(precision),
+            )
+            .unwrap();
             for sixteen in values.as_chunks::<16>().0 {
                 let together: [f32; 16] = crate::simd::dispatch!(crate::simd::best_level(), simd => {
                     let z = f32x16::splat(simd, -0.75);

@@ -13,6 +13,7 @@
 //! q·τ/√T·√(1 − τ/(2T)·(3 − 4e^(−T/τ) + e^(−2T/τ))): +½ below τ, at most 0.4365·q·√τ (at 1.89 τ), −½ beyond.
 
 use super::{Stream, fill_standard_normal};
+use crate::ParameterError;
 use crate::simd::best_level;
 
 /// Errors of an instrument of `N` axes, in the unit of what they measure. None at first.
@@ -24,7 +25,7 @@ use crate::simd::best_level;
 /// let mut state = gyro.start(&stream);
 /// let read = gyro.measure([0.0, 0.0, 0.5], 0.01, &stream, &mut state);
 /// assert!((read[2].abs() - 0.5).abs() < 0.02 && read[2] != 0.5); // 1e-4/√0.01 = 1e-3 beside a bias of ±0.01
-/// # Ok::<(), belvedere_sensors::noise::InstrumentError>(())
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -125,30 +126,6 @@ impl<const N: usize> InstrumentConfig<N> {
     }
 }
 
-/// Why an [`InstrumentConfig`] was refused: the parameter, and what it may be.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum InstrumentError {
-    /// A parameter is NaN or infinite.
-    NotFinite(&'static str),
-    /// A parameter is negative, NaN or infinite.
-    Negative(&'static str),
-    /// A parameter is not above 0.
-    NotPositive(&'static str),
-}
-
-impl core::fmt::Display for InstrumentError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::NotFinite(name) => write!(f, "{name} must be finite numbers"),
-            Self::Negative(name) => write!(f, "{name} must be finite numbers, 0 or more"),
-            Self::NotPositive(name) => write!(f, "{name} must be above 0"),
-        }
-    }
-}
-
-impl core::error::Error for InstrumentError {}
-
 /// The biases of a running instrument, from [`Instrument::start`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstrumentState<const N: usize> {
@@ -169,34 +146,31 @@ impl<const N: usize> Instrument<N> {
     ///
     /// # Errors
     /// Names the first parameter that is not finite, or below its range.
-    pub fn new(config: InstrumentConfig<N>) -> Result<Self, InstrumentError> {
-        let InstrumentConfig { sensitivity, mean, bias_mean, drift_time_s, limit, .. } = &config;
-        if !sensitivity.iter().flatten().all(|part| part.is_finite()) {
-            return Err(InstrumentError::NotFinite("sensitivity"));
-        }
-        for (name, values) in [("mean", mean), ("bias_mean", bias_mean)] {
-            if !values.iter().all(|value| value.is_finite()) {
-                return Err(InstrumentError::NotFinite(name));
-            }
-        }
-        let InstrumentConfig { stddev, density, bias_stddev, drift, precision, .. } = &config;
-        for (name, values) in [
-            ("stddev", stddev),
-            ("density", density),
-            ("bias_stddev", bias_stddev),
-            ("drift", drift),
-            ("precision", precision),
-        ] {
-            if !values.iter().all(|value| value.is_finite() && *value >= 0.0) {
-                return Err(InstrumentError::Negative(name));
-            }
-        }
-        if !drift_time_s.iter().all(|time| *time > 0.0) {
-            return Err(InstrumentError::NotPositive("drift_time_s"));
-        }
-        if limit.is_nan() || *limit <= 0.0 {
-            return Err(InstrumentError::NotPositive("limit"));
-        }
+    pub fn new(config: InstrumentConfig<N>) -> Result<Self, ParameterError> {
+        Self::named("instrument", config)
+    }
+
+    /// The same with the name by which its errors call it.
+    pub(crate) fn named(of: &'static str, config: InstrumentConfig<N>) -> Result<Self, ParameterError> {
+        type Holds = fn(f64) -> bool;
+        let require_all = |parameter, values: &[f64], holds: Holds, rule| {
+            let wrong = values.iter().position(|value| !holds(*value));
+            wrong.map_or(Ok(()), |axis| Err(ParameterError::new(of, parameter, values[axis], rule).at(axis)))
+        };
+        let finite = |parameter, values| require_all(parameter, values, f64::is_finite, "a finite number");
+        finite("sensitivity", config.sensitivity.as_flattened())?;
+        finite("mean", &config.mean)?;
+        finite("bias_mean", &config.bias_mean)?;
+        let is_spread: Holds = |value| value.is_finite() && value >= 0.0;
+        let spread =
+            |parameter, values| require_all(parameter, values, is_spread, "a finite number, 0 or more");
+        spread("stddev", &config.stddev)?;
+        spread("density", &config.density)?;
+        spread("bias_stddev", &config.bias_stddev)?;
+        spread("drift", &config.drift)?;
+        spread("precision", &config.precision)?;
+        require_all("drift_time_s", &config.drift_time_s, |time_s| time_s > 0.0, "more than 0")?;
+        ParameterError::require(of, "limit", config.limit, config.limit > 0.0, "more than 0")?;
         Ok(Self { config })
     }
 

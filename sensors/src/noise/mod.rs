@@ -19,7 +19,7 @@ pub mod stream;
 
 pub use gaussian::{fill_standard_normal, standard_normal};
 pub(crate) use gaussian::{normal_columns, normal_lines, normals64};
-pub use gazebo::{GaussianNoise, GaussianNoiseError};
-pub use instrument::{Instrument, InstrumentConfig, InstrumentError, InstrumentState};
+pub use gazebo::{GaussianNoise, GaussianNoiseConfig};
+pub use instrument::{Instrument, InstrumentConfig, InstrumentState};
 pub use philox::philox4x32;
 pub use stream::Stream;

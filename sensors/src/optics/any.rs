@@ -3,7 +3,8 @@
 #[cfg(feature = "alloc")]
 use super::RayTableBuf;
 use super::rays::Fan;
-use super::{GridError, MAX_GRID_SIZE, PinholeGrid, RayTable, SphericalGrid};
+use super::{MAX_GRID_SIZE, PinholeGrid, RayTable, SphericalGrid};
+use crate::ParameterError;
 
 /// Directions of rays from a sensor, which looks along +x, y is left, z is up; row after row.
 ///
@@ -11,7 +12,7 @@ use super::{GridError, MAX_GRID_SIZE, PinholeGrid, RayTable, SphericalGrid};
 /// use belvedere_sensors::optics::{Optics, PinholeGrid};
 /// let optics = Optics::from(PinholeGrid::from_fov(640, 480, 1.2)?);
 /// assert_eq!(optics.size(), [640, 480]);
-/// # Ok::<(), belvedere_sensors::optics::LensError>(())
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -70,13 +71,13 @@ impl Optics<'_> {
     }
 
     /// That sizes are 1 to [`MAX_GRID_SIZE`], and angles finite.
-    pub(crate) fn check(&self) -> Result<(), GridError> {
-        let size = |parameter, value| match value {
-            1..=MAX_GRID_SIZE => Ok(()),
-            _ => Err(GridError::Size { parameter, value }),
+    pub(crate) fn check(&self) -> Result<(), ParameterError> {
+        const OF: &str = "grid of rays";
+        let size = |parameter, value: u32| {
+            ParameterError::require_in(OF, parameter, value.into(), [1.0, MAX_GRID_SIZE.into()])
         };
         let number = |parameter, value: f64| {
-            if value.is_finite() { Ok(()) } else { Err(GridError::Number { parameter, value }) }
+            ParameterError::require(OF, parameter, value, value.is_finite(), "a finite number")
         };
         match self {
             Self::Pinhole(lens) => {

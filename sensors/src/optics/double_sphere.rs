@@ -3,7 +3,8 @@
 use super::error::require;
 use super::eucm::bound;
 use super::lens::unit;
-use super::{Intrinsics, Lens, LensError};
+use super::{Intrinsics, Lens};
+use crate::ParameterError;
 use glam::{DVec2, DVec3};
 
 /// A fisheye lens: (x, y)/(αd₂ + (1−α)(ξd₁ + z)) with d₁ = √(x² + y² + z²), d₂ = √(x² + y² + (ξd₁ + z)²).
@@ -43,7 +44,7 @@ impl DoubleSphere {
     ///
     /// # Errors
     /// When one is out of its range, and for intrinsic parameters as in [`Pinhole::new`](super::Pinhole::new).
-    pub fn new(intrinsics: Intrinsics, xi: f64, alpha: f64) -> Result<Self, LensError> {
+    pub fn new(intrinsics: Intrinsics, xi: f64, alpha: f64) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         require("xi", xi, xi > -1.0 && xi <= 1.0, "greater than -1 and at most 1")?;
         require("alpha", alpha, (0.0..=1.0).contains(&alpha), "from 0 to 1")?;

@@ -2,7 +2,8 @@
 
 use super::error::require;
 use super::lens::{length, unit};
-use super::{Intrinsics, Lens, LensError};
+use super::{Intrinsics, Lens};
+use crate::ParameterError;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec2, DVec3};
 
@@ -41,7 +42,7 @@ impl Equirectangular {
     ///
     /// # Errors
     /// When a side is 0.
-    pub fn new(width: u32, height: u32) -> Result<Self, LensError> {
+    pub fn new(width: u32, height: u32) -> Result<Self, ParameterError> {
         let [width, height] = [width, height].map(f64::from);
         require("width", width, width > 0.0, "at least 1")?;
         require("height", height, height > 0.0, "at least 1")?;
@@ -58,7 +59,7 @@ impl Equirectangular {
     ///
     /// # Errors
     /// When an intrinsic parameter is not finite, or a focal length not greater than 0.
-    pub fn with_intrinsics(intrinsics: Intrinsics) -> Result<Self, LensError> {
+    pub fn with_intrinsics(intrinsics: Intrinsics) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         Ok(Self { intrinsics })
     }

@@ -2,7 +2,8 @@
 
 use super::error::require;
 use super::lens::unit;
-use super::{Intrinsics, Lens, LensError};
+use super::{Intrinsics, Lens};
+use crate::ParameterError;
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
@@ -40,7 +41,7 @@ impl Eucm {
     ///
     /// # Errors
     /// When one is out of its range, and for intrinsic parameters as in [`Pinhole::new`](super::Pinhole::new).
-    pub fn new(intrinsics: Intrinsics, alpha: f64, beta: f64) -> Result<Self, LensError> {
+    pub fn new(intrinsics: Intrinsics, alpha: f64, beta: f64) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         require("alpha", alpha, (0.0..=1.0).contains(&alpha), "from 0 to 1")?;
         require("beta", beta, beta > 0.0 && beta.is_finite(), "a finite number greater than 0")?;

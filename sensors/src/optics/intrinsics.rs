@@ -3,8 +3,8 @@
 //! column = fx·x + skew·y + cx, row = fy·y + cy: the upper two rows of OpenCV's camera matrix K. The plane's
 //! (x, y) have no unit; what they are of a direction is the lens model's matter.
 
-use super::LensError;
 use super::error::{require, require_finite};
+use crate::ParameterError;
 use glam::DVec2;
 
 /// Intrinsic parameters in pixels.
@@ -43,14 +43,14 @@ impl Intrinsics {
     /// assert!((intrinsics.fx - 381.36115).abs() < 1e-4 && intrinsics.fx == intrinsics.fy);
     /// assert_eq!((intrinsics.cx, intrinsics.cy), (319.5, 239.5));
     /// ```
-    pub fn from_fov(width: u32, height: u32, horizontal_fov_rad: f64) -> Result<Self, LensError> {
+    pub fn from_fov(width: u32, height: u32, horizontal_fov_rad: f64) -> Result<Self, ParameterError> {
         let inside = horizontal_fov_rad > 0.0 && horizontal_fov_rad < core::f64::consts::PI;
         require("horizontal_fov", horizontal_fov_rad, inside, "between 0 and π")?;
         Self::centred(width, height, f64::from(width) / (2.0 * libm::tan(horizontal_fov_rad * 0.5)))
     }
 
     /// Principal point in the middle of the image, the same focal length both ways.
-    pub(super) fn centred(width: u32, height: u32, focal: f64) -> Result<Self, LensError> {
+    pub(super) fn centred(width: u32, height: u32, focal: f64) -> Result<Self, ParameterError> {
         require("width", f64::from(width), width > 0, "at least 1")?;
         require("height", f64::from(height), height > 0, "at least 1")?;
         let [cx, cy] = [width, height].map(|side| (f64::from(side) - 1.0) * 0.5);
@@ -74,7 +74,7 @@ impl Intrinsics {
     }
 
     /// Refuses what no camera has.
-    pub(super) fn check(&self) -> Result<(), LensError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         for (name, value) in [("fx", self.fx), ("fy", self.fy)] {
             require(name, value, value > 0.0 && value.is_finite(), "a finite number greater than 0")?;
         }

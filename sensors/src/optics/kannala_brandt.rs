@@ -4,7 +4,8 @@ use super::error::require_finite;
 use super::increasing::solve;
 use super::lens::{at_angle, length, unit};
 use super::polynomial::Polynomial;
-use super::{Intrinsics, Lens, LensError};
+use super::{Intrinsics, Lens};
+use crate::ParameterError;
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
@@ -43,7 +44,7 @@ impl KannalaBrandt {
     /// # Errors
     /// When a coefficient is not finite, and for intrinsic parameters as in
     /// [`Pinhole::new`](super::Pinhole::new).
-    pub fn new(intrinsics: Intrinsics, coefficients: [f64; 4]) -> Result<Self, LensError> {
+    pub fn new(intrinsics: Intrinsics, coefficients: [f64; 4]) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         for (name, value) in ["k1", "k2", "k3", "k4"].into_iter().zip(coefficients) {
             require_finite(name, value)?;

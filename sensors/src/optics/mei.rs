@@ -3,7 +3,8 @@
 use super::distortion::Distortion;
 use super::error::{require, require_finite};
 use super::lens::unit;
-use super::{Intrinsics, Lens, LensError};
+use super::{Intrinsics, Lens};
+use crate::ParameterError;
 use glam::{DVec2, DVec3};
 
 /// A fisheye lens or a mirror: the point on the unit sphere goes to v = (x, y)/(z + ξ), then v to
@@ -41,7 +42,7 @@ impl Mei {
     /// # Errors
     /// When ξ is out of its range or a coefficient is not finite, and for intrinsic parameters as in
     /// [`Pinhole::new`](super::Pinhole::new).
-    pub fn new(intrinsics: Intrinsics, xi: f64, coefficients: [f64; 4]) -> Result<Self, LensError> {
+    pub fn new(intrinsics: Intrinsics, xi: f64, coefficients: [f64; 4]) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         require("xi", xi, xi > -1.0 && xi.is_finite(), "a finite number greater than -1")?;
         for (name, value) in ["k1", "k2", "p1", "p2"].into_iter().zip(coefficients) {

@@ -57,7 +57,7 @@ pub use any::Optics;
 pub use brown_conrady::BrownConrady;
 pub use double_sphere::DoubleSphere;
 pub use equirectangular::Equirectangular;
-pub use error::{GridError, LensError, MAX_GRID_SIZE};
+pub use error::MAX_GRID_SIZE;
 pub use eucm::Eucm;
 pub use intrinsics::Intrinsics;
 pub use kannala_brandt::KannalaBrandt;

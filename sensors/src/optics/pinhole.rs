@@ -1,7 +1,8 @@
 //! The pinhole camera: (x/z, y/z), for z > 0.
 
 use super::lens::unit;
-use super::{Intrinsics, Lens, LensError};
+use super::{Intrinsics, Lens};
+use crate::ParameterError;
 use glam::{DVec2, DVec3};
 
 /// A lens without distortion. Its domain are all directions less than 90° from the axis.
@@ -24,7 +25,7 @@ impl Pinhole {
     ///
     /// # Errors
     /// When an intrinsic parameter is not finite, or a focal length not greater than 0.
-    pub fn new(intrinsics: Intrinsics) -> Result<Self, LensError> {
+    pub fn new(intrinsics: Intrinsics) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         Ok(Self { intrinsics })
     }

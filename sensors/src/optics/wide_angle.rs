@@ -2,7 +2,8 @@
 
 use super::error::{require, require_finite};
 use super::lens::{at_angle, length, unit};
-use super::{Intrinsics, LARGEST_TANGENT, Lens, LensError};
+use super::{Intrinsics, LARGEST_TANGENT, Lens};
+use crate::ParameterError;
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::{DVec2, DVec3};
 
@@ -56,7 +57,7 @@ impl Mapping {
         })
     }
 
-    fn check(&self) -> Result<(), LensError> {
+    fn check(&self) -> Result<(), ParameterError> {
         for (name, value) in [("c1", self.c1), ("f", self.f)] {
             require_finite(name, value)?;
         }
@@ -142,7 +143,7 @@ impl WideAngle {
     ///
     /// # Errors
     /// When a parameter is out of its range.
-    pub fn new(intrinsics: Intrinsics, mapping: Mapping, cutoff_angle: f64) -> Result<Self, LensError> {
+    pub fn new(intrinsics: Intrinsics, mapping: Mapping, cutoff_angle: f64) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         mapping.check()?;
         let inside = cutoff_angle > 0.0 && cutoff_angle <= PI;
@@ -164,7 +165,7 @@ impl WideAngle {
         mut mapping: Mapping,
         scale_to_hfov: bool,
         cutoff_angle: f64,
-    ) -> Result<Self, LensError> {
+    ) -> Result<Self, ParameterError> {
         if scale_to_hfov {
             // Any positive c1·f will do, as it is replaced.
             mapping.f = mapping.c1.signum();

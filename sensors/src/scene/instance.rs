@@ -92,7 +92,7 @@ pub struct InstanceConfig {
     /// What its lengths are multiplied by along each of its axes, before it is turned and moved; negative ones
     /// mirror it. What was outside stays outside, also for a mirrored mesh.
     pub scale: [f64; 3],
-    /// How it looks.
+    /// How it looks. Lidars do not need it but for the intensities of a [`Scanner`](crate::scanner::Scanner).
     pub material: MaterialId,
     /// Which sensors see it: a sensor sees an instance if their bits have one in common.
     pub visibility: u32,

@@ -50,7 +50,7 @@ use super::{
 /// let moment = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &poses };
 /// let (mut distance, mut instance) = ([0.0; 3], [0; 3]);
 /// let hits = Hits { distance: Some(&mut distance), instance: Some(&mut instance), ..Default::default() };
-/// let mut workspace = Workspace { buffer: &mut [CacheLine::zeroed(); 256], execution };
+/// let mut workspace = Workspace { buffer: &mut [CacheLine::ZERO; 256], execution };
 /// cast_grid(&scene, &moment, &optics, [0.1, 100.0], visibility::VISUAL, Faces::Front, &mut workspace, hits).unwrap();
 /// assert_eq!(instance, [2, 1, u32::MAX]);
 /// assert_eq!(distance[1], 2.0);

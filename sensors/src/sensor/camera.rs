@@ -6,7 +6,10 @@ mod config;
 use super::Sensor;
 pub use super::edges::Edges;
 use super::edges::{Canvas, Smoothing, TILE_HEIGHT};
+#[cfg(feature = "alloc")]
+pub use super::owned::CameraBuf;
 use super::pixel;
+use crate::ParameterError;
 use crate::device::{Device, Exposure, FrameStatistics, Metering, TileView, meter};
 pub use crate::device::{Mosaic, PixelFormat};
 use crate::execution::SplitRows;
@@ -22,7 +25,7 @@ use crate::trace::grid::{Band, BandWork, Frame, Sight};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use brush::{Brush, ColourRows, sums_len};
-pub use config::{CameraConfig, CameraError, MAX_IMAGE_SIZE};
+pub use config::{CameraConfig, MAX_IMAGE_SIZE};
 use fearless_simd::Simd;
 
 /// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z. Of surfaces it sees the
@@ -43,8 +46,7 @@ use fearless_simd::Simd;
 /// let mut workspace = WorkspaceBuf::default();
 /// let capture = Capture::new(0, builder.moment(Pose::IDENTITY));
 /// let scene = builder.scene();
-/// let workspace = &mut workspace.lend(camera.workspace_len(&scene, &capture));
-/// camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels))?;
+/// camera.sense_in(&mut workspace, &scene, &capture, Picture::new().colour(&mut pixels))?;
 /// let middle = 24 * camera.row_stride() + 32 * 3;
 /// assert_eq!(pixels[middle..middle + 3], [255, 0, 0]);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -60,24 +62,21 @@ impl<'a> Camera<'a> {
     /// Checks the configuration.
     ///
     /// # Errors
-    /// A [`CameraError`] that names the value out of range.
-    pub fn new(config: CameraConfig<'a>) -> Result<Self, CameraError> {
-        let size = config.optics.asked_size();
-        if !size.iter().all(|size| (1..=MAX_IMAGE_SIZE).contains(size)) {
-            return Err(CameraError::ImageSize { size });
-        }
-        config.optics.check().map_err(CameraError::Grid)?;
+    /// A [`ParameterError`] that names the value out of range.
+    pub fn new(config: CameraConfig<'a>) -> Result<Self, ParameterError> {
+        CameraConfig::check_size(config.optics.asked_size())?;
+        config.optics.check()?;
         let (near_m, far_m) = (config.near_m, config.far_m);
-        if !(near_m > 0.0 && near_m < far_m) {
-            return Err(CameraError::Clip { near_m, far_m });
-        }
-        if !(config.exposure.is_finite() && config.exposure >= 0.0) {
-            return Err(CameraError::Exposure(config.exposure));
-        }
+        let in_order = near_m > 0.0 && near_m < far_m;
+        let rule = "more than 0 and less than far_m";
+        ParameterError::require("camera", "near_m", near_m, in_order, rule)?;
+        let is_factor = config.exposure.is_finite() && config.exposure >= 0.0;
+        let rule = "a finite number, 0 or more";
+        ParameterError::require("camera", "exposure", config.exposure.into(), is_factor, rule)?;
         Ok(Self {
             config,
             bias: config.noise.bias(config.seed, config.sensor, 0),
-            device: config.device.as_ref().map(Device::new).transpose().map_err(CameraError::Device)?,
+            device: config.device.as_ref().map(Device::new).transpose()?,
         })
     }
 
@@ -85,11 +84,11 @@ impl<'a> Camera<'a> {
     /// two frames; a camera without a device stays as it is.
     ///
     /// # Errors
-    /// [`CameraError::Device`] when one of them is out of its range; the camera then stays as it was.
-    pub fn set_device_exposure(&mut self, exposure: Exposure) -> Result<(), CameraError> {
+    /// A [`ParameterError`] when one of them is out of its range; the camera then stays as it was.
+    pub fn set_device_exposure(&mut self, exposure: Exposure) -> Result<(), ParameterError> {
         if let Some(config) = self.config.device {
             let config = config.exposure(exposure);
-            self.device = Some(Device::new(&config).map_err(CameraError::Device)?);
+            self.device = Some(Device::new(&config)?);
             self.config.device = Some(config);
         }
         Ok(())
@@ -104,6 +103,12 @@ impl<'a> Camera<'a> {
         check_output("picture", Some(picture.len()), self.frame_len())?;
         let CameraConfig { format, device, .. } = &self.config;
         Ok(meter(picture, self.size(), *format, device.as_ref(), metering))
+    }
+
+    /// The same camera with other optics, which must be checked already.
+    #[cfg(feature = "alloc")]
+    pub(super) fn with_optics<'b>(&self, optics: &Optics<'b>) -> Camera<'b> {
+        Camera { config: self.config.with_optics(optics), bias: self.bias, device: self.device }
     }
 
     /// What it was made from.

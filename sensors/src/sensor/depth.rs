@@ -13,8 +13,10 @@ mod too_near;
 
 use super::Sensor;
 use super::camera::brush::{Brush, ColourRows, sums_len};
-use super::camera::{Camera, CameraConfig, CameraError};
+use super::camera::{Camera, CameraConfig};
 use super::edges::Smoothing;
+#[cfg(feature = "alloc")]
+pub use super::owned::DepthCameraBuf;
 pub use config::{DepthCameraConfig, OutOfRange};
 use contrast::{Brightness, Contrast};
 use develop::{Developer, Measured};
@@ -24,10 +26,13 @@ use rows::{Retouched, Rows};
 use seen::Seen;
 use too_near::{Blocked, Blocking, Obstacles};
 
+use crate::ParameterError;
 use crate::device::depth::{DepthDevice, DepthNoise, Look};
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
+#[cfg(feature = "alloc")]
+use crate::optics::Optics;
 use crate::scene::{Scene, visibility};
 pub use crate::trace::TooNear;
 use crate::trace::beyond::Glazing;
@@ -98,20 +103,34 @@ impl<'a> DepthCamera<'a> {
     /// Checks the configuration.
     ///
     /// # Errors
-    /// A [`CameraError`] that names the value out of range.
-    pub fn new(config: DepthCameraConfig<'a>) -> Result<Self, CameraError> {
+    /// A [`ParameterError`] that names the value out of range.
+    pub fn new(config: DepthCameraConfig<'a>) -> Result<Self, ParameterError> {
         let (min_m, max_m) = (config.min_depth_m, config.max_depth_m);
-        if !(min_m >= 0.0 && min_m < max_m) {
-            return Err(CameraError::Cutoff { min_m, max_m });
-        }
+        let in_order = min_m >= 0.0 && min_m < max_m;
+        let rule = "0 or more, and less than max_depth_m";
+        ParameterError::require("depth camera", "min_depth_m", min_m, in_order, rule)?;
         let camera = Camera::new(config.camera.faces(config.faces))?;
         let noise = match config.model.noise {
             DepthNoise::Gaussian(noise) => noise,
             DepthNoise::Axial(_) | DepthNoise::Disparity(_) => GaussianNoise::NONE,
         };
         let bias = noise.bias(config.camera.seed, config.camera.sensor, 1);
-        let device = DepthDevice::new(&config.model, bias).map_err(CameraError::Device)?;
+        let device = DepthDevice::new(&config.model, bias)?;
         Ok(Self { config, camera, noise, bias, device, limits: [min_m as f32, max_m as f32] })
+    }
+
+    /// The same camera with other optics, which must be checked already.
+    #[cfg(feature = "alloc")]
+    pub(super) fn with_optics<'b>(&self, optics: &Optics<'b>) -> DepthCamera<'b> {
+        let Self { config, camera, noise, bias, device, limits } = self;
+        DepthCamera {
+            config: config.with_optics(optics),
+            camera: camera.with_optics(optics),
+            noise: *noise,
+            bias: *bias,
+            device: *device,
+            limits: *limits,
+        }
     }
 
     /// What it was made from.

@@ -50,8 +50,7 @@ pub(super) use marks::{TILE_HEIGHT, TILE_WIDTH};
 ///     let camera = Camera::new(config.edges(edges)).unwrap();
 ///     let mut pixels = vec![0; camera.frame_len()];
 ///     let mut memory = WorkspaceBuf::default();
-///     let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
-///     camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels)).unwrap();
+///     camera.sense_in(&mut memory, &scene, &capture, Picture::new().colour(&mut pixels)).unwrap();
 ///     pixels.sort_unstable();
 ///     pixels.dedup();
 ///     pixels

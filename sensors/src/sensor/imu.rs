@@ -1,6 +1,7 @@
 //! Inertial measurement units: three gyros and three accelerometers, each triad an [`Instrument`].
 
-use crate::noise::{Instrument, InstrumentConfig, InstrumentError, InstrumentState, Stream};
+use crate::ParameterError;
+use crate::noise::{Instrument, InstrumentConfig, InstrumentState, Stream};
 use glam::DVec3;
 
 /// Errors of a unit's gyros, in rad/s, and accelerometers, in m/s². None at first.
@@ -40,27 +41,6 @@ pub struct ImuState {
     pub accelerometer: InstrumentState<3>,
 }
 
-/// Why an [`ImuConfig`] was refused.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum ImuError {
-    /// For the gyros.
-    Gyro(InstrumentError),
-    /// For the accelerometers.
-    Accelerometer(InstrumentError),
-}
-
-impl core::fmt::Display for ImuError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::Gyro(error) => write!(f, "of the gyro, {error}"),
-            Self::Accelerometer(error) => write!(f, "of the accelerometer, {error}"),
-        }
-    }
-}
-
-impl core::error::Error for ImuError {}
-
 /// An inertial measurement unit.
 ///
 /// ```
@@ -75,7 +55,7 @@ impl core::error::Error for ImuError {}
 ///     heading += 0.01 * unit.measure(&rest, frame, 0.01, &mut state).angular_velocity.z;
 /// }
 /// assert!((heading - 10.0 * bias).abs() < 0.005 && bias.abs() < 3.0 * 0.5_f64.to_radians());
-/// # Ok::<(), belvedere_sensors::imu::ImuError>(())
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Imu {
@@ -90,10 +70,10 @@ impl Imu {
     ///
     /// # Errors
     /// Names the first parameter that is out of range.
-    pub fn new(config: ImuConfig, seed: u64, sensor: u32) -> Result<Self, ImuError> {
+    pub fn new(config: ImuConfig, seed: u64, sensor: u32) -> Result<Self, ParameterError> {
         Ok(Self {
-            gyro: Instrument::new(config.gyro).map_err(ImuError::Gyro)?,
-            accelerometer: Instrument::new(config.accelerometer).map_err(ImuError::Accelerometer)?,
+            gyro: Instrument::named("gyro", config.gyro)?,
+            accelerometer: Instrument::named("accelerometer", config.accelerometer)?,
             seed,
             sensor,
         })

@@ -4,6 +4,7 @@ mod config;
 mod turning;
 
 use super::Sensor;
+use crate::ParameterError;
 use crate::execution::{SplitRows, split_at};
 use crate::moment::{Capture, Shutter, Slice};
 use crate::noise::{Stream, normals64};
@@ -20,7 +21,7 @@ use crate::trace::place::for_each_block;
 use crate::trace::resolve::{Resolver, hit_lanes};
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
-pub use config::{Beams, LidarConfig, LidarError, MAX_BEAMS, MAX_SAMPLES, Sweep};
+pub use config::{Beams, LidarConfig, MAX_BEAMS, MAX_SAMPLES, Sweep};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16};
 
 /// A checked lidar.
@@ -34,15 +35,9 @@ impl Lidar {
     /// Checks the configuration.
     ///
     /// # Errors
-    /// A [`LidarError`] that names the value out of range.
-    pub fn new(config: LidarConfig) -> Result<Self, LidarError> {
-        let beams = u64::from(config.horizontal.samples) * u64::from(config.vertical.samples);
-        if !config.horizontal.is_valid() || !config.vertical.is_valid() || beams > u64::from(MAX_BEAMS) {
-            return Err(LidarError::Beams);
-        }
-        if !(config.range_min_m >= 0.0 && config.range_min_m < config.range_max_m) {
-            return Err(LidarError::Range);
-        }
+    /// A [`ParameterError`] that names the value out of range.
+    pub fn new(config: LidarConfig) -> Result<Self, ParameterError> {
+        config.check()?;
         Ok(Self { config, bias: config.noise.bias(config.seed, config.sensor, 0) })
     }
 

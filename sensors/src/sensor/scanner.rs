@@ -9,7 +9,6 @@ mod clock;
 mod config;
 mod crosstalk;
 mod echoes;
-mod error;
 mod firing;
 mod frame;
 mod intensity;
@@ -25,6 +24,9 @@ mod spinning;
 mod weather;
 
 use super::Sensor;
+#[cfg(feature = "alloc")]
+pub use super::owned::ScannerBuf;
+use crate::ParameterError;
 use crate::execution::{SplitRows, for_each_row};
 use crate::memory::{CacheLine, Cutter};
 use crate::moment::{Capture, Shutter};
@@ -39,7 +41,6 @@ pub use beam::{Beam, Halo, MAX_BEAM_RAYS};
 pub use config::{ScannerConfig, Spread};
 pub use crosstalk::Crosstalk;
 pub use echoes::Echoes;
-pub use error::ScannerError;
 use fearless_simd::Simd;
 pub use firing::Firing;
 use frame::Frame;
@@ -79,7 +80,7 @@ impl<'a> Scanner<'a> {
     ///
     /// # Errors
     /// Names the first parameter that is out of its range.
-    pub fn new(config: ScannerConfig<'a>) -> Result<Self, ScannerError> {
+    pub fn new(config: ScannerConfig<'a>) -> Result<Self, ParameterError> {
         config.check()?;
         let ScannerConfig { beam, halo, crosstalk, returns, intensity, weather, .. } = config;
         let is_lit = intensity != Intensity::Retro
@@ -97,6 +98,13 @@ impl<'a> Scanner<'a> {
             is_lit,
             config,
         })
+    }
+
+    /// The same scanner of another pattern and other spreads, which must be checked already.
+    #[cfg(feature = "alloc")]
+    pub(super) fn with_tables<'b>(&self, pattern: Pattern<'b>, spreads: &'b [Spread]) -> Scanner<'b> {
+        let Self { config, bias, bundle, air, least, is_line, is_lit } = *self;
+        Scanner { config: config.with_tables(pattern, spreads), bias, bundle, air, least, is_line, is_lit }
     }
 
     /// What it was made from.

@@ -1,13 +1,13 @@
 //! Why a frame cannot be taken.
 
-use crate::optics::GridError;
+use crate::ParameterError;
 
 /// Why a frame cannot be taken. Nothing is written then.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SenseError {
     /// The grid of rays.
-    Grid(GridError),
+    Grid(ParameterError),
     /// Not 0 ≤ least < most distance.
     Range {
         /// Least distance in metres.
@@ -32,6 +32,13 @@ pub enum SenseError {
         value: usize,
         /// Elements of the frame.
         need: usize,
+    },
+    /// An [`AnySensor`](crate::AnySensor) was given the output of another kind of sensor.
+    OutputKind {
+        /// The kind of the sensor.
+        sensor: &'static str,
+        /// The kind of sensor that the output is of.
+        output: &'static str,
     },
     /// The workspace is too small.
     Workspace {
@@ -100,6 +107,9 @@ impl core::fmt::Display for SenseError {
             Self::Output { parameter, value, need } => {
                 write!(f, "the output {parameter} holds {value} elements; the frame has {need}")
             }
+            Self::OutputKind { sensor, output } => {
+                write!(f, "the output is that of a {output}; the sensor is a {sensor}")
+            }
             Self::Workspace { value, need } => {
                 write!(f, "the workspace is {value} cache lines long; it must be {need} at least")
             }
@@ -130,8 +140,8 @@ impl core::fmt::Display for SenseError {
 
 impl core::error::Error for SenseError {}
 
-impl From<GridError> for SenseError {
-    fn from(error: GridError) -> Self {
+impl From<ParameterError> for SenseError {
+    fn from(error: ParameterError) -> Self {
         Self::Grid(error)
     }
 }

@@ -7,8 +7,6 @@ use crate::execution::Execution;
 use crate::memory::{CacheLine, Cutter, lines};
 use crate::scene::Aabb;
 use crate::scene::tree::WideNode;
-#[cfg(feature = "alloc")]
-use bytemuck::Zeroable;
 
 /// What a sensor needs to take a frame, lent by the caller.
 #[derive(Debug)]
@@ -61,7 +59,7 @@ impl WorkspaceBuf {
     /// Lends `len` cache lines or more; grows first, if it is too small.
     pub fn lend(&mut self, len: usize) -> Workspace<'_> {
         if self.buffer.len() < len {
-            self.buffer.resize(len, CacheLine::zeroed());
+            self.buffer.resize(len, CacheLine::ZERO);
         }
         Workspace { buffer: &mut self.buffer, execution: self.execution }
     }

@@ -346,7 +346,7 @@ fn ranges_vary_with_what_comes_back() {
     let config = ScannerConfig::new(Pattern::Table(&table)).receiver(Some(receiver)).seed(3);
     let snr = 0.5 / 64.0 / (0.9 / 400.0);
     for stddev in [0.0, 0.03] {
-        let noise = GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).unwrap();
+        let noise = GaussianNoise::of_stddev(stddev).unwrap();
         let (ranges, ..) = still(config.noise(noise), &ball);
         let variance = ranges.iter().map(|range| (f64::from(*range) - 8.0).powi(2)).sum::<f64>() / 40_000.0;
         let expected = 0.09_f64.powi(2) / (2.0 * snr) + f64::from(stddev).powi(2);
@@ -459,42 +459,57 @@ fn what_cannot_be_is_refused() {
     let wide = |divergence_rad, aperture_m, rays| said(plain.beam(Beam { divergence_rad, aperture_m, rays }));
     assert_eq!(
         wide([3e-3, f64::NAN], [0.0; 2], 8),
-        "a scanner's divergence_rad of the beam is NaN; it must be 0 to 0.2 rad"
+        "divergence_rad of the beam of the scanner is NaN; it must be 0 to 0.2 rad"
     );
-    assert!(wide([-1e-3, 0.0], [0.0; 2], 8).starts_with("a scanner's divergence_rad of the beam is -0.001"));
-    assert!(wide([0.0; 2], [0.0, 1.0], 8).starts_with("a scanner's aperture_m of the beam is 1"));
-    assert_eq!(wide([0.0; 2], [0.0; 2], 20), "a scanner's rays of the beam is 20; it must be 1, 7, 8 or 19");
+    assert!(
+        wide([-1e-3, 0.0], [0.0; 2], 8).starts_with("divergence_rad of the beam of the scanner is -0.001")
+    );
+    assert!(wide([0.0; 2], [0.0, 1.0], 8).starts_with("aperture_m of the beam of the scanner is 1"));
+    assert_eq!(
+        wide([0.0; 2], [0.0; 2], 20),
+        "rays of the beam of the scanner is 20; it must be 1, 7, 8 or 19"
+    );
     assert_eq!(
         said(plain.returns(Returns::Several(6))),
-        "a scanner's returns is 6; it must be 1 to 5 of them"
+        "returns of the scanner is 6; it must be 1 to 5 of them"
     );
-    assert!(said(plain.returns(Returns::Several(0))).starts_with("a scanner's returns is 0"));
-    assert_eq!(said(plain.pulse_m(-1.0)), "a scanner's pulse_m is -1; it must be 0 or more, and finite");
+    assert!(said(plain.returns(Returns::Several(0))).starts_with("returns of the scanner is 0"));
+    assert_eq!(said(plain.pulse_m(-1.0)), "pulse_m of the scanner is -1; it must be 0 or more, and finite");
     let receiver = |receiver| said(plain.receiver(Some(receiver)));
     let dark = Receiver::new(100.0);
     assert_eq!(
         receiver(Receiver::new(0.0)),
-        "a scanner's reach_m of the receiver is 0; it must be more than 0, and finite"
+        "reach_m of the receiver of the scanner is 0; it must be more than 0, and finite"
     );
     assert!(
-        receiver(Receiver { resolution_m: f64::NAN, ..dark }).contains("resolution_m of the receiver is NaN")
+        receiver(Receiver { resolution_m: f64::NAN, ..dark })
+            .contains("resolution_m of the receiver of the scanner is NaN")
     );
-    assert!(receiver(Receiver { background: -1.0, ..dark }).contains("background of the receiver is -1"));
+    assert!(
+        receiver(Receiver { background: -1.0, ..dark })
+            .contains("background of the receiver of the scanner is -1")
+    );
     let air = |weather| said(plain.weather(weather));
     let clear = Weather::CLEAR;
-    assert!(air(Weather { visibility_m: 0.5, ..clear }).contains("visibility_m of the weather is 0.5"));
     assert!(
-        air(Weather { rain_mm_per_h: f64::NAN, ..clear }).contains("rain_mm_per_h of the weather is NaN")
+        air(Weather { visibility_m: 0.5, ..clear })
+            .contains("visibility_m of the weather of the scanner is 0.5")
     );
-    assert!(air(Weather { snow_mm_per_h: 51.0, ..clear }).contains("snow_mm_per_h of the weather is 51"));
+    assert!(
+        air(Weather { rain_mm_per_h: f64::NAN, ..clear })
+            .contains("rain_mm_per_h of the weather of the scanner is NaN")
+    );
+    assert!(
+        air(Weather { snow_mm_per_h: 51.0, ..clear })
+            .contains("snow_mm_per_h of the weather of the scanner is 51")
+    );
     let endless = plain.range_max_m(f64::INFINITY).weather(Weather { rain_mm_per_h: 1.0, ..clear });
-    assert!(said(endless).starts_with("a scanner's range_max_m is inf; it must be finite in weather"));
+    assert!(said(endless).starts_with("range_max_m of the scanner is inf; it must be finite in weather"));
     // An output of one return is too short for two.
     let scanner = Scanner::new(plain.returns(Returns::Dual)).unwrap();
     let builder = SceneBuilder::new();
     let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
     let mut memory = WorkspaceBuf::default();
-    let workspace = &mut memory.lend(scanner.workspace_len(&scene, &capture));
-    let short = scanner.sense(&scene, &capture, workspace, Echoes::new().ranges(&mut [0.0]));
+    let short = scanner.sense_in(&mut memory, &scene, &capture, Echoes::new().ranges(&mut [0.0]));
     assert_eq!(short.unwrap_err().to_string(), "the output ranges holds 1 elements; the frame has 2");
 }

@@ -6,7 +6,7 @@ use crate::common::{LIDAR, add, add_grey, depth_camera, glowing, look_at, scan};
 use belvedere_sensors::camera::{CameraConfig, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use belvedere_sensors::device::depth::presets;
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::optics::{
     Intrinsics, KannalaBrandt, Lens, Optics, PinholeGrid, RayTableBuf, SphericalGrid,
 };
@@ -80,8 +80,8 @@ fn the_cloud_is_the_depth_unprojected() {
     let mut builder = SceneBuilder::new();
     ramp(&mut builder);
     let mut config = depth_camera().min_depth_m(1.0).max_depth_m(20.0);
-    config.model = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).unwrap().into();
-    config.camera.noise = GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap();
+    config.model = GaussianNoise::of_stddev(0.01).unwrap().into();
+    config.camera.noise = GaussianNoise::of_stddev(0.007).unwrap();
     for (format, order) in [(PixelFormat::Rgb8, [0, 1, 2]), (PixelFormat::Bgr8, [2, 1, 0])] {
         config.camera.format = format;
         let camera = DepthCamera::new(config).unwrap();
@@ -115,7 +115,7 @@ fn the_colour_is_that_of_the_camera_alone() {
     let mut builder = SceneBuilder::new();
     ramp(&mut builder);
     let mut config = depth_camera();
-    config.camera.noise = GaussianNoise::new(0.0, 0.007, 0.0, 0.0, 0.0).unwrap();
+    config.camera.noise = GaussianNoise::of_stddev(0.007).unwrap();
     let pose = look_at(DVec3::Z, DVec3::X * 30.0, 0.2);
     let frame = whole_frame(&builder, &DepthCamera::new(config).unwrap(), pose);
     let alone =
@@ -154,7 +154,15 @@ fn a_part_alone_is_what_it_is_among_all() {
     ramp(&mut builder);
     add_grey(&mut builder, Shape::Sphere { radius: 0.5 }, Pose::from_translation(DVec3::X * 4.0));
     let pose = look_at(DVec3::Z, DVec3::X * 5.0, 0.2);
-    let noise = GaussianNoise::new(0.001, 0.01, 0.002, 0.001, 0.003).unwrap();
+    let noise = GaussianNoise::new(
+        GaussianNoiseConfig::default()
+            .mean(0.001)
+            .stddev(0.01)
+            .bias_mean(0.002)
+            .bias_stddev(0.001)
+            .precision(0.003),
+    )
+    .unwrap();
     let lens = Intrinsics::from_fov(99, 70, 1.8).unwrap();
     let table = RayTableBuf::from_lens(99, 70, &KannalaBrandt::new(lens, [0.01, 0.0, 0.0, 0.0]).unwrap());
     let table = table.unwrap();
@@ -275,7 +283,7 @@ fn noise_makes_no_depths_out_of_range() {
         add_grey(&mut builder, wall, pose);
         for out_of_range in [OutOfRange::Infinite, OutOfRange::Nan] {
             let mut config = depth_camera().min_depth_m(min).max_depth_m(max);
-            config.model = GaussianNoise::new(0.0, 0.1, 0.0, 0.0, 0.0).unwrap().into();
+            config.model = GaussianNoise::of_stddev(0.1).unwrap().into();
             config.out_of_range = out_of_range;
             let frame = whole_frame(&builder, &DepthCamera::new(config).unwrap(), Pose::IDENTITY);
             let (mut near, mut far) = (0_u32, 0_u32);
@@ -322,7 +330,7 @@ fn what_is_too_near_is_in_the_way_or_seen_through() {
     let mut config = depth_camera().max_depth_m(10.0).faces(Faces::Front);
     config.camera.near_m = 0.5;
     for (noise, stddev) in [(false, 0.0), (true, 0.01)] {
-        config.model = GaussianNoise::new(0.0, stddev, 0.0, 0.0, 0.0).unwrap().into();
+        config.model = GaussianNoise::of_stddev(stddev).unwrap().into();
         for (out_of_range, invalid) in
             [(OutOfRange::Infinite, f32::NEG_INFINITY), (OutOfRange::Nan, f32::NAN)]
         {

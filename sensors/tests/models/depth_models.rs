@@ -6,17 +6,17 @@ use crate::common;
 
 use crate::common::planes::{assert_near, narrow, nguyen_m, plane, rms, take};
 use crate::common::{add_grey, camera_of, depth_camera, depth_frame, scenery};
-use belvedere_sensors::camera::{CameraConfig, CameraError};
+use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::depth::{
     AxialNoise, DepthModel, DisparityNoise, DisparitySteps, LateralNoise, Matching, SecondEye, TimeOfFlight,
     published,
 };
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Pose, Sensor, Shutter, Slice};
+use belvedere_sensors::{Capture, Pose, Rule, Sensor, Shutter, Slice};
 use core::f64::consts::{FRAC_PI_2, SQRT_2};
 use glam::DVec3;
 
@@ -196,7 +196,10 @@ fn what_noise_takes_out_of_the_range_is_out_of_it() {
 #[test]
 fn gaussian_noise_is_a_model() {
     // With a lateral noise too small to reach the next pixel it is the second pass that adds it.
-    let noise = GaussianNoise::new(0.01, 0.02, 0.5, 0.0, 0.001).unwrap();
+    let noise = GaussianNoise::new(
+        GaussianNoiseConfig::default().mean(0.01).stddev(0.02).bias_mean(0.5).precision(0.001),
+    )
+    .unwrap();
     let lateral = LateralNoise { stddev_px: 1e-9, ..LateralNoise::NONE };
     let wide = depth_camera().camera(camera_of([333, 245], 1.2));
     let builder = plane(2.0, 0.5);
@@ -208,15 +211,12 @@ fn gaussian_noise_is_a_model() {
 
 #[test]
 fn bad_parameters_are_named() {
-    let error = |model: DepthModel| match DepthCamera::new(depth_camera().model(model)) {
-        Err(CameraError::Device(error)) => error,
-        other => panic!("{other:?}"),
-    };
+    let error = |model: DepthModel| DepthCamera::new(depth_camera().model(model)).unwrap_err();
     let nan = error(DepthModel::new().window(LateralNoise { stddev_px: f64::NAN, ..LateralNoise::NONE }));
-    assert_eq!((nan.parameter, nan.range), ("lateral.stddev_px", [0.0, 100.0]));
+    assert_eq!((nan.parameter, nan.rule), ("lateral.stddev_px", Rule::Range([0.0, 100.0])));
     let negative = error(DepthModel::new().noise(AxialNoise { slant: [0.0, -0.1], ..AxialNoise::NONE }));
     assert_eq!((negative.parameter, negative.value), ("noise.slant", -0.1));
-    assert_eq!(negative.to_string(), "a device's noise.slant of -0.1: it must be from 0 to 1000");
+    assert_eq!(negative.to_string(), "noise.slant of the device is -0.1; it must be from 0 to 1000");
     let beyond = AxialNoise { slant_from_rad: 1.6, ..AxialNoise::NONE };
     assert_eq!(error(DepthModel::new().noise(beyond)).parameter, "noise.slant_from_rad");
     let steps = DisparitySteps { focal_px: 580.0, baseline_m: 0.0, step_px: 0.1 };
@@ -232,7 +232,7 @@ fn bad_parameters_are_named() {
     let uncommon = light([120e6, 80e6, 1e6]);
     assert_eq!(
         uncommon.to_string(),
-        "a device's frequency in common of time_of_flight.modulation_hz of 1000000: it must be from 1875000 to 120000000"
+        "frequency in common of time_of_flight.modulation_hz of the device is 1000000; it must be from 1875000 to 120000000"
     );
     let matching = Matching { half: 0.0, ..published::D4XX_MATCHING };
     assert_eq!(error(DepthModel::new().matching(matching)).parameter, "matching.half");

@@ -3,7 +3,7 @@
 use crate::common;
 
 use crate::common::{add, camera_of, glowing, picture_with};
-use belvedere_sensors::camera::{Camera, CameraConfig, CameraError, Mosaic, Picture, PixelFormat};
+use belvedere_sensors::camera::{Camera, CameraConfig, Mosaic, Picture, PixelFormat};
 use belvedere_sensors::device::{
     AutoExposure, AutoExposureConfig, DeviceConfig, Exposure, Metering, Tone, Vignetting, presets,
 };
@@ -252,8 +252,7 @@ fn patterns_are_the_same_under_a_rolling_shutter() {
     let take = |capture: Capture<'_>| {
         let mut pixels = vec![0; camera.frame_len()];
         let mut memory = WorkspaceBuf::default();
-        let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
-        camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels)).unwrap();
+        camera.sense_in(&mut memory, &scene, &capture, Picture::new().colour(&mut pixels)).unwrap();
         pixels
     };
     assert_eq!(take(Capture::new(0, moment)), take(Capture::new(1, slices.as_slice())));
@@ -366,18 +365,15 @@ fn eight_bits_of_a_finer_converter() {
 
 #[test]
 fn what_is_out_of_range_is_named() {
-    let refused = |device| match Camera::new(config(device)) {
-        Err(CameraError::Device(error)) => error.to_string(),
-        other => panic!("{other:?}"),
-    };
+    let refused = |device| Camera::new(config(device)).unwrap_err().to_string();
     let device = DeviceConfig::default;
-    assert_eq!(refused(device().prnu(1.5)), "a device's prnu of 1.5: it must be from 0 to 1");
-    assert_eq!(refused(device().bits(7)), "a device's bits of 7: it must be from 8 to 16");
-    assert_eq!(refused(device().bits(40)), "a device's bits of 40: it must be from 8 to 16");
+    assert_eq!(refused(device().prnu(1.5)), "prnu of the device is 1.5; it must be from 0 to 1");
+    assert_eq!(refused(device().bits(7)), "bits of the device is 7; it must be from 8 to 16");
+    assert_eq!(refused(device().bits(40)), "bits of the device is 40; it must be from 8 to 16");
     let message = refused(device().exposure(Exposure { time_s: f64::NAN, gain: 1.0 }));
-    assert_eq!(message, "a device's exposure.time_s of NaN: it must be from 0 to 3600");
+    assert_eq!(message, "exposure.time_s of the device is NaN; it must be from 0 to 3600");
     let message = refused(device().black_level_dn(4095.0));
-    assert_eq!(message, "a device's black_level_dn of 4095: it must be from 0 to 4094");
+    assert_eq!(message, "black_level_dn of the device is 4095; it must be from 0 to 4094");
     let mut camera = Camera::new(config(device())).unwrap();
     assert!(camera.set_device_exposure(Exposure { time_s: -1.0, gain: 1.0 }).is_err());
     assert_eq!(camera.config().device, Some(device()));

@@ -5,7 +5,7 @@ use crate::common::exactness::{Dice, SOLIDS, geosphere};
 use crate::common::{Stage, depth_image, look_at, picture, scenery};
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::optics::{
     BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics, KannalaBrandt, Lens, Mapping, Mei, Optics,
     Pinhole, PinholeGrid, RayTableBuf, WideAngle,
@@ -244,7 +244,7 @@ fn pixels_without_a_ray_are_black() {
     let stage = Stage::from(&builder);
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
     // Far above black, so that it would show.
-    let noise = GaussianNoise::new(0.4, 0.1, 0.0, 0.0, 0.0).unwrap();
+    let noise = GaussianNoise::new(GaussianNoiseConfig::default().mean(0.4).stddev(0.1)).unwrap();
     let [width, height] = SIZE;
     for (name, lens, has_rim) in &lenses() {
         if !has_rim {
@@ -461,7 +461,10 @@ fn fisheye_frame(execution: Execution) -> (Vec<u8>, Vec<u32>) {
     )
     .unwrap();
     let table = RayTableBuf::from_lens(333, 245, &lens).unwrap();
-    let noise = GaussianNoise::new(0.001, 0.007, 0.002, 0.001, 0.0).unwrap();
+    let noise = GaussianNoise::new(
+        GaussianNoiseConfig::default().mean(0.001).stddev(0.007).bias_mean(0.002).bias_stddev(0.001),
+    )
+    .unwrap();
     let camera =
         DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(&table).noise(noise)).model(noise))
             .unwrap();

@@ -19,6 +19,7 @@ mod livox;
 mod mirrors;
 mod moments;
 mod noise_in_sensors;
+mod owned;
 mod plain;
 mod scanner;
 mod scanner_presets;

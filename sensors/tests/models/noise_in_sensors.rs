@@ -7,13 +7,13 @@ use crate::common::{LIDAR, add, camera, depth_camera, depth_frame, glowing, pict
 use belvedere_sensors::Pose;
 use belvedere_sensors::camera::PixelFormat;
 use belvedere_sensors::lidar::{Beams, LidarConfig};
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::scene::{SceneBuilder, Shape};
 use core::f64::consts::{PI, SQRT_2};
 use glam::DVec3;
 
 fn gaussian(mean: f32, stddev: f32) -> GaussianNoise {
-    GaussianNoise::new(mean, stddev, 0.0, 0.0, 0.0).unwrap()
+    GaussianNoise::new(GaussianNoiseConfig::default().mean(mean).stddev(stddev)).unwrap()
 }
 
 fn mean_and_stddev(samples: &[f64]) -> (f64, f64) {
@@ -133,7 +133,7 @@ fn ranges_are_clamped() {
 
 #[test]
 fn biases_last_and_differ() {
-    let noise = GaussianNoise::new(0.0, 0.0, 0.2, 0.05, 0.0).unwrap();
+    let noise = GaussianNoise::new(GaussianNoiseConfig::default().bias_mean(0.2).bias_stddev(0.05)).unwrap();
     let mut biases = Vec::new();
     for sensor in 0..40 {
         let config = lidar(noise, sensor).horizontal(Beams::ONE).vertical(Beams::ONE);
@@ -202,7 +202,8 @@ fn sensors_draw_from_the_channels_that_are_taken() {
         assert!((f32::from(pixel[0]) - 255.0 * (0.5 + 0.05 * normal)).abs() < 0.51, "{pixel:?}, {normal}");
     }
     // The bias of a noise that is nothing else.
-    let bias = GaussianNoise::new(0.0, 0.0, 0.0, 1.0, 0.0).unwrap().bias(LIDAR.seed, 5, 0);
+    let bias =
+        GaussianNoise::new(GaussianNoiseConfig::default().bias_stddev(1.0)).unwrap().bias(LIDAR.seed, 5, 0);
     let stream = Stream { frame: 0, ..seed_and_sensor(Stream::BIAS) };
     fill_standard_normal(best_level(), &stream, 0, &mut normals);
     let flipped = Stream { channel: Stream::BIAS_SIGN, ..stream }.word(0) >> 31 == 1;
@@ -215,14 +216,14 @@ fn sensors_draw_from_the_channels_that_are_taken() {
 fn no_precision_makes_a_finite_value_infinite() {
     for (precision, value) in [(1.2e-38, 10.0), (1e-30, -3e9), (0.001, 3e38), (2e38, 3.3e38), (3.0, f32::MAX)]
     {
-        let noise = GaussianNoise::new(0.0, 0.0, 0.0, 0.0, precision).unwrap();
+        let noise = GaussianNoise::new(GaussianNoiseConfig::default().precision(precision)).unwrap();
         let stepped = noise.apply(value, 0.0, 0.0);
         assert!((stepped / value - 1.0).abs() < 1e-6, "{stepped} of {value} by {precision}");
         assert_eq!(noise.apply(f32::NEG_INFINITY, 0.0, 0.0), f32::NEG_INFINITY);
         assert!(noise.apply(f32::NAN, 0.0, 0.0).is_nan());
     }
     // In a frame as well.
-    let fine = GaussianNoise::new(0.0, 0.0, 0.0, 0.0, 1.2e-38).unwrap();
+    let fine = GaussianNoise::new(GaussianNoiseConfig::default().precision(1.2e-38)).unwrap();
     let camera = depth_camera().camera(common::camera_of([16, 4], 1.2)).model(fine);
     let depths = depth_frame(&wall(0.5), camera, Pose::IDENTITY, 0);
     assert!(depths.iter().all(|depth| (depth - 2.0).abs() < 1e-5), "{depths:?}");

@@ -100,7 +100,7 @@ proptest! {
             camera = camera.optics(&table);
         }
         if noisy {
-            camera = camera.noise(GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).unwrap());
+            camera = camera.noise(GaussianNoise::of_stddev(0.01).unwrap());
         }
         let pose = look_at(DVec3::from_array(eye), DVec3::new(0.5, 0.0, 0.7), roll);
         let (without, with) = (picture(&lit, camera, pose), picture(&also_black, camera, pose));

@@ -7,7 +7,7 @@ mod prisms;
 
 use crate::common::{add_grey, scenery};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan};
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::scanner::{
     Columns, Echoes, Firing, Laser, Pattern, Rosette, Scanner, ScannerConfig, Spinning, presets,
 };

@@ -6,7 +6,7 @@ use belvedere_sensors::camera::{Camera, CameraConfig, Mosaic, Picture, PixelForm
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::DeviceConfig;
 use belvedere_sensors::lidar::{Beams, Lidar, Scan, Sweep};
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
 use belvedere_sensors::scene::{Environment, Scene, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
@@ -23,8 +23,7 @@ fn take<T: Sensor>(
 ) {
     let mut memory = WorkspaceBuf::default();
     memory.execution = execution;
-    let workspace = &mut memory.lend(sensor.workspace_len(scene, capture));
-    sensor.sense(scene, capture, workspace, output).expect("slices as they must be");
+    sensor.sense_in(&mut memory, scene, capture, output).expect("slices as they must be");
 }
 
 fn picture_of(
@@ -83,7 +82,7 @@ fn slices_of_one_moment_are_that_moments_frame() {
         assert!(depths == depth_frame(&scene, config, &sliced), "slices of {lines} lines");
     }
     // Noise is that of the pixel, and so are a mosaic's colours and a device's patterns.
-    let noise = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).unwrap();
+    let noise = GaussianNoise::of_stddev(0.01).unwrap();
     let device = DeviceConfig::default().prnu(0.02).dsnu_e(2.0).read_noise_e(0.1);
     let bayer = config.device(Some(device)).format(PixelFormat::Bayer8(Mosaic::Gbrg));
     let rows = slices(1, 95, |_| moment);
@@ -260,7 +259,10 @@ fn threads_and_levels_change_nothing() {
     let mut builder = SceneBuilder::new();
     let moving = scenery(&mut builder);
     let scene = builder.scene();
-    let noise = GaussianNoise::new(0.001, 0.007, 0.002, 0.001, 0.0).unwrap();
+    let noise = GaussianNoise::new(
+        GaussianNoiseConfig::default().mean(0.001).stddev(0.007).bias_mean(0.002).bias_stddev(0.001),
+    )
+    .unwrap();
     let config = camera_of([333, 245], 1.2).noise(noise);
     // Rows in three moments each: a rolling shutter that blurs.
     let at: Vec<(Pose, Vec<Pose>)> = (0..247_u32)
@@ -304,8 +306,7 @@ fn slices_must_cover_the_frame_in_order() {
         let capture = Capture::new(0, Shutter::Slices(&slices));
         let mut pixels = vec![9; camera.frame_len()];
         let mut memory = WorkspaceBuf::default();
-        let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
-        let result = camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels));
+        let result = camera.sense_in(&mut memory, &scene, &capture, Picture::new().colour(&mut pixels));
         assert!(result.is_ok() || pixels.iter().all(|&byte| byte == 9));
         match result {
             Ok(()) => None,

@@ -157,7 +157,7 @@ fn columns_of_one_moment_are_that_moment_s_scan() {
     let scene = builder.scene();
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
     let moment = builder.moment(pose);
-    let noise = GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0).unwrap();
+    let noise = GaussianNoise::of_stddev(0.01).unwrap();
     let once = Capture::new(3, moment);
     for (config, columns) in [(LIDAR.noise(noise), 720), (turn(16).noise(noise), 360), (turn(40), 360)] {
         let lidar = Lidar::new(config).unwrap();

@@ -8,7 +8,6 @@ use crate::common::{LIDAR, add_grey, camera, depth_camera, depth_image, picture,
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{BakedError, Scene, SceneBuilder, Shape};
 use belvedere_sensors::trace::CacheLine;
-use bytemuck::Zeroable;
 use glam::DVec3;
 use proptest::prelude::*;
 
@@ -26,7 +25,7 @@ fn everything() -> SceneBuilder {
 
 /// Bytes at a multiple of 64.
 fn aligned(bytes: &[u8]) -> Vec<CacheLine> {
-    let mut lines = vec![CacheLine::zeroed(); bytes.len().div_ceil(64)];
+    let mut lines = vec![CacheLine::ZERO; bytes.len().div_ceil(64)];
     bytemuck::cast_slice_mut::<_, u8>(&mut lines)[..bytes.len()].copy_from_slice(bytes);
     lines
 }

@@ -5,7 +5,7 @@ use crate::common::exactness::geosphere;
 use crate::common::{Stage, add, glowing, look_at, picture, picture_with};
 use belvedere_sensors::camera::{CameraConfig, Edges, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
-use belvedere_sensors::noise::GaussianNoise;
+use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, Lens, Pinhole, PinholeGrid, RayTableBuf};
 use belvedere_sensors::scene::{
     Environment, LightConfig, LightKind, MaterialConfig, MaterialId, SceneBuilder, Shape,
@@ -258,7 +258,7 @@ fn a_slanted_edge_is_seen_through_a_box() {
 
 #[test]
 fn what_has_no_edges_keeps_its_bits() {
-    let noise = GaussianNoise::new(0.0, 0.02, 0.0, 0.0, 0.0).unwrap();
+    let noise = GaussianNoise::of_stddev(0.02).unwrap();
     // A patterned floor up to the horizon, which the picture does not show.
     let mut builder = SceneBuilder::new();
     let texels: Vec<[u8; 4]> =
@@ -291,9 +291,8 @@ fn depth_cameras_colours_are_the_same() {
     let (mut colour, mut points) = (vec![0; expected.len()], vec![0; camera.pixels() * POINT_STEP]);
     let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(*pose)));
     let mut memory = WorkspaceBuf::default();
-    let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
     let frame = DepthFrame::new().colour(&mut colour).points(&mut points);
-    camera.sense(&scene, &capture, workspace, frame).unwrap();
+    camera.sense_in(&mut memory, &scene, &capture, frame).unwrap();
     assert!(colour == expected, "the colours differ");
     for (pixel, point) in expected.chunks(3).zip(points.chunks(POINT_STEP)) {
         assert_eq!([point[18], point[17], point[16]], pixel);
@@ -302,7 +301,10 @@ fn depth_cameras_colours_are_the_same() {
 
 /// Smooth pictures of all worlds, with noise, by a pinhole and through a fisheye.
 fn all_pictures(execution: Execution) -> Vec<Vec<u8>> {
-    let noise = GaussianNoise::new(0.001, 0.007, 0.002, 0.001, 0.0).unwrap();
+    let noise = GaussianNoise::new(
+        GaussianNoiseConfig::default().mean(0.001).stddev(0.007).bias_mean(0.002).bias_stddev(0.001),
+    )
+    .unwrap();
     let table = fisheye(1);
     let configs =
         [pinhole(1), CameraConfig::new(&table)].map(|config| config.noise(noise).edges(Edges::Smooth));

@@ -43,9 +43,8 @@ fn compare(shape: Shape, scale: DVec3, pose: Pose, view: Pose) -> (usize, f64) {
     let scene = builder.scene();
     let capture = Capture::new(0, builder.moment(view));
     let mut memory = WorkspaceBuf::default();
-    let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
     let truth = Truth::new().normal(&mut normals);
-    camera.sense(&scene, &capture, workspace, Picture::new().truth(truth)).unwrap();
+    camera.sense_in(&mut memory, &scene, &capture, Picture::new().truth(truth)).unwrap();
 
     let (mut compared, mut worst) = (0, 0.0_f64);
     for (pixel, &found) in normals.iter().enumerate() {

@@ -214,14 +214,12 @@ fn sense(scene: &Scene<'_>, poses: &[Pose]) -> Vec<(&'static str, Vec<u8>)> {
         .flow_back(&mut flow);
     let frame =
         DepthFrame::new().depth_32fc1(&mut depth).colour(&mut colour).points(&mut points).truth(truth);
-    let workspace = &mut memory.lend(sensor.workspace_len(scene, &capture));
-    sensor.sense(scene, &capture, workspace, frame).unwrap();
+    sensor.sense_in(&mut memory, scene, &capture, frame).unwrap();
 
     let lidar = Lidar::new(LIDAR).unwrap();
     let (mut ranges, mut intensities) = (vec![0.0_f32; lidar.beams()], vec![0.0_f32; lidar.beams()]);
-    let workspace = &mut memory.lend(lidar.workspace_len(scene, &capture));
     let scan = Scan::new().ranges(&mut ranges).intensities(&mut intensities);
-    lidar.sense(scene, &capture, workspace, scan).unwrap();
+    lidar.sense_in(&mut memory, scene, &capture, scan).unwrap();
 
     let seen: std::collections::BTreeSet<_> = instance.iter().collect();
     assert_eq!(seen.len(), 8, "all seven instances are seen, and the sky: {seen:?}");

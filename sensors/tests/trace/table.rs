@@ -6,7 +6,6 @@ use belvedere_sensors::scene::{SceneBuilder, Shape, visibility};
 use belvedere_sensors::trace::rays::{Rays, cast_rays, workspace_len};
 use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, grid_workspace_len};
 use belvedere_sensors::{Execution, Pose};
-use bytemuck::Zeroable;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DQuat, DVec3};
 
@@ -32,7 +31,7 @@ impl Directions {
 
     /// Calls `work` with the table.
     fn table<T>(&self, work: impl FnOnce(&RayTable<'_>) -> T) -> T {
-        let mut buffer = vec![CacheLine::zeroed(); RayTable::required_len(self.width, self.height)];
+        let mut buffer = vec![CacheLine::ZERO; RayTable::required_len(self.width, self.height)];
         work(&RayTable::build(self.width, self.height, &self.all, &mut buffer).expect("a valid table"))
     }
 }
@@ -451,7 +450,7 @@ fn the_same_bytes() {
 
 #[test]
 fn bad_tables() {
-    let mut buffer = vec![CacheLine::zeroed(); RayTable::required_len(3, 2)];
+    let mut buffer = vec![CacheLine::ZERO; RayTable::required_len(3, 2)];
     let good = [[1.0, 0.0, 0.0]; 6];
     let mut build = |width, height, directions: &[[f32; 3]]| {
         RayTable::build(width, height, directions, &mut buffer).map(|table| table.direction(0, 0))

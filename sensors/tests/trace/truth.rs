@@ -62,8 +62,7 @@ fn truth_at(level: Level, scene: &Scene<'_>, config: CameraConfig<'_>, capture: 
     }
     let mut memory = WorkspaceBuf::default();
     memory.execution.level = level;
-    let workspace = &mut memory.lend(camera.workspace_len(scene, capture));
-    camera.sense(scene, capture, workspace, Picture::new().truth(channels)).unwrap();
+    camera.sense_in(&mut memory, scene, capture, Picture::new().truth(channels)).unwrap();
     known
 }
 
@@ -364,8 +363,7 @@ fn what_is_missing_is_named() {
     let mut flow = vec![[0.0; 2]; (SIZE[0] * SIZE[1]) as usize];
     let sense = |capture: Capture<'_>, flow: &mut [[f32; 2]]| {
         let mut memory = WorkspaceBuf::default();
-        let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
-        camera.sense(&scene, &capture, workspace, Picture::new().truth(Truth::new().flow(flow)))
+        camera.sense_in(&mut memory, &scene, &capture, Picture::new().truth(Truth::new().flow(flow)))
     };
     let alone = Capture::new(0, moment);
     assert_eq!(sense(alone, &mut flow), Err(SenseError::OtherMoment { parameter: "after" }));

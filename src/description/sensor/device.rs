@@ -5,9 +5,8 @@ use super::reader::Reader;
 use crate::description::model::{AutoExposed, CameraDevice};
 use crate::description::values::child_text;
 use crate::description::xml::Element;
-use belvedere_sensors::device::{
-    AutoExposure, AutoExposureConfig, DeviceConfig, DeviceError, Metering, presets,
-};
+use belvedere_sensors::device::{AutoExposure, AutoExposureConfig, DeviceConfig, Metering, presets};
+use belvedere_sensors::{ParameterError, Rule};
 
 /// A number of the device, by the name of its element.
 type Number = (&'static str, fn(&mut DeviceConfig) -> &mut f64);
@@ -154,19 +153,21 @@ impl Reader<'_> {
     }
 
     /// An error for a parameter that is out of its range, at its element.
-    fn refuse(&mut self, element: &Element, error: &DeviceError, time_range_s: [f64; 2]) {
+    fn refuse(&mut self, element: &Element, error: &ParameterError, time_range_s: [f64; 2]) {
+        let (least, remedy) = match error.rule {
+            Rule::Range([least, most]) => (Some(least), format!("write a number from {least} to {most}")),
+            Rule::Text(rule) => (None, format!("it must be {rule}")),
+        };
         let name = match error.parameter {
             "exposure.time_s" | "start.time_s" => "exposure_time_s",
             "exposure.gain" | "start.gain" => "gain",
-            "time_range_s" if error.value == time_range_s[0] && error.range[0] != time_range_s[0] => {
+            "time_range_s" if error.value == time_range_s[0] && least != Some(time_range_s[0]) => {
                 "shortest_time_s"
             }
             "time_range_s" => "longest_time_s",
             name => name,
         };
         let what = format!("{} is {}", self.what(name), error.value);
-        let [least, most] = error.range;
-        let remedy = format!("write a number from {least} to {most}");
         self.diagnostics.error(Self::place(Some(element), name, element), what, remedy);
     }
 }

@@ -2,7 +2,7 @@
 
 use super::check;
 use super::lateral::{LateralNoise, Shift};
-use crate::device::DeviceError;
+use crate::ParameterError;
 use crate::noise::Stream;
 
 /// Pixels across and down a square of the pattern that has one dot.
@@ -31,7 +31,7 @@ pub struct DotWindow {
 }
 
 impl DotWindow {
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         check("dots.focal_px", self.focal_px, [1e-6, 1e6])?;
         check("dots.baseline_m", self.baseline_m, [1e-6, 1e3])?;
         self.lateral.check()

@@ -2,7 +2,7 @@
 
 use super::check;
 use super::incidence::{slant, slant_of};
-use crate::device::DeviceError;
+use crate::ParameterError;
 use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// Pixels see what lies beside their own ray: to the right and down by one normal number each, anew in every frame. So edges
@@ -51,7 +51,7 @@ impl LateralNoise {
         self.stddev_px + self.slant_px * slant_of(incidence_rad)
     }
 
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         check("lateral.stddev_px", self.stddev_px, [0.0, 100.0])?;
         check("lateral.slant_px", self.slant_px, [0.0, 100.0])
     }

@@ -1,7 +1,7 @@
 //! What a stereo camera finds in its other eye: where there is contrast.
 
 use super::check;
-use crate::device::DeviceError;
+use crate::ParameterError;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 
 /// Pixels to each side of one that its window reaches.
@@ -49,7 +49,7 @@ impl Matching {
         0.5 * libm::erfc((1.0 - contrast / self.half) / (self.spread * core::f64::consts::SQRT_2))
     }
 
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         check("matching.projector", self.projector, [0.0, 10.0])?;
         check("matching.half", self.half, [1e-6, 1.0])?;
         check("matching.full", self.full, [0.0, 1.0])?;

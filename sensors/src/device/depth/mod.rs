@@ -26,7 +26,7 @@ mod time_of_flight;
 mod turns;
 mod window;
 
-use super::DeviceError;
+use crate::ParameterError;
 use crate::noise::GaussianNoise;
 pub use dots::DotWindow;
 pub(crate) use dots::{Dots, dot, find_dot, squares};
@@ -48,11 +48,11 @@ pub use window::Window;
 /// ```
 /// use belvedere_sensors::device::depth::{AxialNoise, DepthModel, SecondEye};
 /// use belvedere_sensors::noise::GaussianNoise;
-/// let gazebo = DepthModel::from(GaussianNoise::new(0.0, 0.01, 0.0, 0.0, 0.0)?);
+/// let gazebo = DepthModel::from(GaussianNoise::of_stddev(0.01)?);
 /// let noise = AxialNoise { polynomial: [0.001, 0.0, 0.002], ..AxialNoise::NONE };
 /// let shadows = DepthModel::new().noise(noise).second_eye(SecondEye::at(0.075));
 /// assert_ne!(gazebo, shadows);
-/// # Ok::<(), belvedere_sensors::noise::GaussianNoiseError>(())
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -129,7 +129,7 @@ impl DepthModel {
     ///
     /// # Errors
     /// Names the first parameter that is out of its range.
-    pub fn check(&self) -> Result<(), DeviceError> {
+    pub fn check(&self) -> Result<(), ParameterError> {
         if let Some(eye) = &self.second_eye {
             eye.check()?;
         }
@@ -155,8 +155,8 @@ impl From<GaussianNoise> for DepthModel {
 }
 
 /// That a parameter is in its range.
-fn check(parameter: &'static str, value: f64, range: [f64; 2]) -> Result<(), DeviceError> {
-    if value >= range[0] && value <= range[1] { Ok(()) } else { Err(DeviceError { parameter, value, range }) }
+fn check(parameter: &'static str, value: f64, range: [f64; 2]) -> Result<(), ParameterError> {
+    ParameterError::require_in("device", parameter, value, range)
 }
 
 /// A checked model of more than Gaussian noise.
@@ -173,7 +173,7 @@ pub(crate) struct DepthDevice {
 
 impl DepthDevice {
     /// None for Gaussian noise alone, which has this bias.
-    pub(crate) fn new(model: &DepthModel, bias: f32) -> Result<Option<Self>, DeviceError> {
+    pub(crate) fn new(model: &DepthModel, bias: f32) -> Result<Option<Self>, ParameterError> {
         model.check()?;
         let step_m = model.steps.map_or(0.0, |steps| steps.step_m(1.0));
         let device = Self {

@@ -3,7 +3,7 @@
 use super::check;
 use super::incidence::{slant, slant_of};
 use super::turns::sin_cos_of_turns;
-use crate::device::DeviceError;
+use crate::ParameterError;
 use crate::noise::GaussianNoise;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 
@@ -39,7 +39,7 @@ impl From<DisparityNoise> for DepthNoise {
 }
 
 impl DepthNoise {
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         match self {
             Self::Gaussian(_) => Ok(()),
             Self::Axial(noise) => noise.check(),
@@ -90,7 +90,7 @@ impl AxialNoise {
         sum.max(0.0)
     }
 
-    fn check(&self) -> Result<(), DeviceError> {
+    fn check(&self) -> Result<(), ParameterError> {
         for term in self.polynomial {
             check("noise.polynomial", term, [-1e3, 1e3])?;
         }
@@ -132,7 +132,7 @@ impl DisparityNoise {
         depth_m * depth_m * self.stddev_px / (self.focal_px * self.baseline_m)
     }
 
-    fn check(&self) -> Result<(), DeviceError> {
+    fn check(&self) -> Result<(), ParameterError> {
         check("noise.focal_px", self.focal_px, [1e-6, 1e6])?;
         check("noise.baseline_m", self.baseline_m, [1e-6, 1e3])?;
         check("noise.stddev_px", self.stddev_px, [0.0, 1e3])?;

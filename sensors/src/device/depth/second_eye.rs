@@ -2,7 +2,7 @@
 //! other imager.
 
 use super::check;
-use crate::device::DeviceError;
+use crate::ParameterError;
 use core::f64::consts::FRAC_PI_2;
 use fearless_simd::{Simd, SimdBase, f32x16, mask32x16};
 use glam::{DMat3, DVec3};
@@ -26,7 +26,7 @@ impl SecondEye {
         Self { right_m, half_view_rad: FRAC_PI_2 }
     }
 
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         check("second_eye.right_m", self.right_m, [-1e3, 1e3])?;
         check("second_eye.half_view_rad", self.half_view_rad, [1e-3, FRAC_PI_2])
     }

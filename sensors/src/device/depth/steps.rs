@@ -1,7 +1,7 @@
 //! The steps of a triangulating sensor: disparities come in parts of a pixel.
 
 use super::check;
-use crate::device::DeviceError;
+use crate::ParameterError;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 
 /// A disparity of `focal_px` · `baseline_m` / z is rounded to a multiple of `step_px`, halves to the even one. At a depth of z
@@ -30,7 +30,7 @@ impl DisparitySteps {
         depth_m * depth_m * self.step_px / (self.focal_px * self.baseline_m)
     }
 
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         check("steps.focal_px", self.focal_px, [1e-6, 1e6])?;
         check("steps.baseline_m", self.baseline_m, [1e-6, 1e3])?;
         check("steps.step_px", self.step_px, [1e-6, 1e3])

@@ -2,7 +2,7 @@
 
 use super::check;
 use super::turns::{sin_cos_of_turns, turns_of};
-use crate::device::DeviceError;
+use crate::ParameterError;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
 /// The speed of light in m/s.
@@ -74,7 +74,7 @@ impl TimeOfFlight {
         self.modulation_hz.into_iter().fold(0.0, f64::max)
     }
 
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         for (index, hz) in self.modulation_hz.into_iter().enumerate() {
             if index == 0 || hz != 0.0 {
                 check("time_of_flight.modulation_hz", hz, [1e3, 1e11])?;

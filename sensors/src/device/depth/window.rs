@@ -3,7 +3,7 @@
 use super::dots::{DotWindow, Dots};
 use super::lateral::{LateralNoise, Shift};
 use super::time_of_flight::{Light, TimeOfFlight};
-use crate::device::DeviceError;
+use crate::ParameterError;
 
 /// What a pixel's depth is taken from.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -38,7 +38,7 @@ impl From<TimeOfFlight> for Window {
 }
 
 impl Window {
-    pub(super) fn check(&self) -> Result<(), DeviceError> {
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
         match self {
             Self::Own => Ok(()),
             Self::Lateral(noise) => noise.check(),

@@ -3,7 +3,8 @@
 
 use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, TINY, bounds_of, max, min, of_rows, whole};
-use crate::optics::{Intrinsics, LensError, Pinhole};
+use crate::ParameterError;
+use crate::optics::{Intrinsics, Pinhole};
 use crate::simd::WIDTH;
 use fearless_simd::{
     Select, Simd, SimdBase, SimdFloat, SimdMask, SimdNarrow, f32x16, f64x8, i32x16, mask32x16,
@@ -23,8 +24,8 @@ impl PinholeGrid {
     ///
     /// # Errors
     /// When a side is 0 or the lens has skew, for which make a [`RayTable`](crate::optics::RayTable).
-    pub fn new(width: u32, height: u32, lens: Pinhole) -> Result<Self, LensError> {
-        let wrong = |name, value, allowed| Err(LensError::Parameter { name, value, allowed });
+    pub fn new(width: u32, height: u32, lens: Pinhole) -> Result<Self, ParameterError> {
+        let wrong = |name, value, rule| Err(ParameterError::new("camera", name, value, rule));
         let skew = lens.intrinsics().skew;
         match (width, height) {
             (0, _) => wrong("width", 0.0, "at least 1"),
@@ -42,12 +43,12 @@ impl PinholeGrid {
     /// let camera = PinholeGrid::from_fov(640, 480, 1.3962634)?;
     /// assert!((camera.intrinsics().fx - 381.36115).abs() < 1e-4);
     /// assert_eq!((camera.intrinsics().cx, camera.intrinsics().cy), (319.5, 239.5));
-    /// # Ok::<(), belvedere_sensors::optics::LensError>(())
+    /// # Ok::<(), belvedere_sensors::ParameterError>(())
     /// ```
     ///
     /// # Errors
     /// When a side is 0, or the field of view (radians) is not between 0 and π.
-    pub fn from_fov(width: u32, height: u32, horizontal_fov_rad: f64) -> Result<Self, LensError> {
+    pub fn from_fov(width: u32, height: u32, horizontal_fov_rad: f64) -> Result<Self, ParameterError> {
         let lens = Pinhole::new(Intrinsics::from_fov(width, height, horizontal_fov_rad)?)?;
         Self::new(width, height, lens)
     }

@@ -2,10 +2,14 @@
 
 use super::{SceneBuilder, room};
 use crate::pose::Pose;
-use crate::scene::{Instance, InstanceConfig, InstanceId, Kind, SceneError, Shape, Triangles, limits};
+use crate::scene::{
+    Instance, InstanceConfig, InstanceId, Kind, MaterialConfig, MaterialId, SceneError, Shape, Triangles,
+    limits,
+};
 
 impl SceneBuilder {
-    /// Takes in an instance.
+    /// Adds an instance. Its material may be left at its default where none was added, as for scenes of lidars: the scene
+    /// then gets a material of [`MaterialConfig::default`], which is its first.
     ///
     /// # Errors
     /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchHeightField`],
@@ -13,6 +17,9 @@ impl SceneBuilder {
     pub fn add_instance(&mut self, config: &InstanceConfig) -> Result<InstanceId, SceneError> {
         room(&self.instances)?;
         let instance = self.check_instance(config, None)?;
+        if self.materials.items().is_empty() {
+            self.add_material(&MaterialConfig::default())?;
+        }
         self.enter(&instance);
         let index = self.instances.add(instance);
         if index as usize == self.poses.len() {
@@ -96,7 +103,8 @@ impl SceneBuilder {
             }
             Kind::Triangles(Triangles::Mesh | Triangles::HeightField) | Kind::Solid(_) => {}
         }
-        if self.materials.get(instance.material).is_none() {
+        let is_first = self.materials.items().is_empty() && config.material == MaterialId(0);
+        if !is_first && self.materials.get(instance.material).is_none() {
             return Err(SceneError::NoSuchMaterial);
         }
         // Slots of all instances together are counted in 31 bits.

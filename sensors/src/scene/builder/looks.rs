@@ -115,8 +115,7 @@ impl SceneBuilder {
     ///     let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));
     ///     let mut pixels = [0; 75];
     ///     let mut memory = WorkspaceBuf::default();
-    ///     let workspace = &mut memory.lend(camera.workspace_len(&scene, &capture));
-    ///     camera.sense(&scene, &capture, workspace, Picture::new().colour(&mut pixels)).unwrap();
+    ///     camera.sense_in(&mut memory, &scene, &capture, Picture::new().colour(&mut pixels)).unwrap();
     ///     pixels[36]
     /// };
     /// assert_eq!(grey_in(&builder), 102); // half of 0.8

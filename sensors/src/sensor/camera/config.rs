@@ -1,8 +1,9 @@
 //! What a camera is like, and why there can be none.
 
-use crate::device::{DeviceConfig, DeviceError, PixelFormat};
+use crate::ParameterError;
+use crate::device::{DeviceConfig, PixelFormat};
 use crate::noise::GaussianNoise;
-use crate::optics::{GridError, Optics};
+use crate::optics::Optics;
 use crate::sensor::edges::Edges;
 use crate::trace::Faces;
 
@@ -16,7 +17,7 @@ pub const MAX_IMAGE_SIZE: u32 = 16384;
 /// use belvedere_sensors::optics::PinholeGrid;
 /// let config = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.2)?).format(PixelFormat::Mono8).far_m(100.0);
 /// assert_eq!((config.near_m, config.far_m), (0.02, 100.0));
-/// # Ok::<(), belvedere_sensors::optics::LensError>(())
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -92,6 +93,37 @@ impl<'a> CameraConfig<'a> {
         sensor: u32,
     }
 
+    /// The same with other optics, of other lifetime.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn with_optics<'b>(&self, optics: &Optics<'b>) -> CameraConfig<'b> {
+        let Self { optics: _, format, near_m, far_m, faces, exposure, edges, noise, device, seed, sensor } =
+            *self;
+        CameraConfig {
+            optics: *optics,
+            format,
+            near_m,
+            far_m,
+            faces,
+            exposure,
+            edges,
+            noise,
+            device,
+            seed,
+            sensor,
+        }
+    }
+
+    /// Whether a picture can have so many pixels across and down, before optics are made for it.
+    ///
+    /// # Errors
+    /// When one of them is not 1 … [`MAX_IMAGE_SIZE`].
+    pub fn check_size([width, height]: [u32; 2]) -> Result<(), ParameterError> {
+        for (parameter, value) in [("width", width), ("height", height)] {
+            ParameterError::require_in("camera", parameter, value.into(), [1.0, MAX_IMAGE_SIZE.into()])?;
+        }
+        Ok(())
+    }
+
     /// Sets which way the rays go.
     #[must_use]
     pub fn optics(mut self, optics: impl Into<Optics<'a>>) -> Self {
@@ -99,60 +131,3 @@ impl<'a> CameraConfig<'a> {
         self
     }
 }
-
-/// Why a camera cannot be made.
-#[derive(Debug, Clone, Copy, PartialEq)]
-#[non_exhaustive]
-pub enum CameraError {
-    /// Width or height is 0 or more than [`MAX_IMAGE_SIZE`].
-    ImageSize {
-        /// Pixels across and down.
-        size: [u32; 2],
-    },
-    /// The grid of rays.
-    Grid(GridError),
-    /// Not 0 < near < far.
-    Clip {
-        /// In metres.
-        near_m: f64,
-        /// In metres.
-        far_m: f64,
-    },
-    /// The valid range of a depth camera is not 0 ≤ min < max.
-    Cutoff {
-        /// In metres.
-        min_m: f64,
-        /// In metres.
-        max_m: f64,
-    },
-    /// The exposure is negative, NaN or infinite.
-    Exposure(f32),
-    /// A parameter of the device is out of its range.
-    Device(DeviceError),
-}
-
-impl core::fmt::Display for CameraError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::ImageSize { size: [width, height] } => {
-                write!(
-                    f,
-                    "a picture of {width} × {height}: width and height must be 1 to {MAX_IMAGE_SIZE} pixels"
-                )
-            }
-            Self::Grid(error) => error.fmt(f),
-            Self::Clip { near_m, far_m } => {
-                write!(f, "clip distances of {near_m} and {far_m} m: they must be 0 < near < far")
-            }
-            Self::Cutoff { min_m, max_m } => {
-                write!(f, "valid depths from {min_m} to {max_m} m: they must be 0 <= min < max")
-            }
-            Self::Exposure(exposure) => {
-                write!(f, "an exposure of {exposure}: it must be a finite number, 0 or more")
-            }
-            Self::Device(error) => error.fmt(f),
-        }
-    }
-}
-
-impl core::error::Error for CameraError {}

@@ -1,8 +1,11 @@
 //! What a depth camera is like.
 
+use crate::ParameterError;
 use crate::device::depth::DepthModel;
 use crate::device::depth::presets::DepthPreset;
-use crate::optics::{LensError, PinholeGrid};
+#[cfg(feature = "alloc")]
+use crate::optics::Optics;
+use crate::optics::PinholeGrid;
 use crate::sensor::camera::CameraConfig;
 use crate::trace::{Faces, TooNear};
 
@@ -44,6 +47,14 @@ impl<'a> DepthCameraConfig<'a> {
         }
     }
 
+    /// The same with other optics, of other lifetime.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn with_optics<'b>(&self, optics: &Optics<'b>) -> DepthCameraConfig<'b> {
+        let Self { camera, faces, min_depth_m, max_depth_m, out_of_range, too_near, model } = *self;
+        let camera = camera.with_optics(optics);
+        DepthCameraConfig { camera, faces, min_depth_m, max_depth_m, out_of_range, too_near, model }
+    }
+
     /// A camera of a preset: its picture, its range and its model.
     ///
     /// ```
@@ -58,7 +69,7 @@ impl<'a> DepthCameraConfig<'a> {
     ///
     /// # Errors
     /// None with the presets of this crate.
-    pub fn of_preset(preset: &DepthPreset) -> Result<Self, LensError> {
+    pub fn of_preset(preset: &DepthPreset) -> Result<Self, ParameterError> {
         let [width, height] = preset.size;
         let lens = PinholeGrid::from_fov(width, height, preset.horizontal_fov_deg.to_radians())?;
         let [min_m, max_m] = preset.range_m;

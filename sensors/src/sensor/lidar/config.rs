@@ -1,9 +1,11 @@
 //! What a lidar is like.
 
+use crate::ParameterError;
 use crate::noise::GaussianNoise;
 use crate::optics::MAX_GRID_SIZE;
 use crate::scene::visibility;
 use crate::trace::{Faces, TooNear};
+use core::f64::consts::{PI, TAU};
 
 /// Most beams of a lidar.
 pub const MAX_BEAMS: u32 = 16_777_216;
@@ -23,6 +25,37 @@ pub struct Beams {
 }
 
 impl Beams {
+    /// `samples` beams in equal steps around a full turn, the first to the rear (−π), none of them twice:
+    /// the last is one step before +π, where [`Beams::between_degrees`] from −180° to 180° would have its first again.
+    ///
+    /// ```
+    /// use belvedere_sensors::lidar::Beams;
+    /// let turn = Beams::turn(360);
+    /// assert!((turn.increment().to_degrees() - 1.0).abs() < 1e-12);
+    /// assert!(turn.angle(180).abs() < 1e-12); // straight ahead
+    /// ```
+    pub const fn turn(samples: u32) -> Self {
+        let step = if samples > 0 { TAU / samples as f64 } else { 0.0 };
+        Self { samples, min_angle_rad: -PI, max_angle_rad: PI - step }
+    }
+
+    /// `samples` beams from one angle to another, both included; angles in degrees, as data sheets have them.
+    ///
+    /// ```
+    /// use belvedere_sensors::lidar::Beams;
+    /// // Hokuyo UTM-30LX: 270° in steps of a quarter of a degree.
+    /// let line = Beams::between_degrees(1081, -135.0, 135.0);
+    /// assert!((line.increment().to_degrees() - 0.25).abs() < 1e-12);
+    /// ```
+    pub const fn between_degrees(samples: u32, min_angle_deg: f64, max_angle_deg: f64) -> Self {
+        let rad_per_deg = PI / 180.0;
+        Self {
+            samples,
+            min_angle_rad: min_angle_deg * rad_per_deg,
+            max_angle_rad: max_angle_deg * rad_per_deg,
+        }
+    }
+
     /// A single beam at angle 0.
     pub const ONE: Self = Self { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
 
@@ -40,11 +73,15 @@ impl Beams {
         }
     }
 
-    pub(super) fn is_valid(&self) -> bool {
-        (1..=MAX_SAMPLES).contains(&self.samples)
-            && self.min_angle_rad.is_finite()
-            && self.max_angle_rad.is_finite()
-            && self.min_angle_rad <= self.max_angle_rad
+    /// That there are beams, at angles in order. `names` are those of the three parameters.
+    fn check(&self, [samples, min_angle, max_angle]: [&'static str; 3]) -> Result<(), ParameterError> {
+        let Self { samples: count, min_angle_rad, max_angle_rad } = *self;
+        ParameterError::require_in("lidar", samples, count.into(), [1.0, MAX_SAMPLES.into()])?;
+        for (parameter, angle) in [(min_angle, min_angle_rad), (max_angle, max_angle_rad)] {
+            ParameterError::require("lidar", parameter, angle, angle.is_finite(), "a finite number")?;
+        }
+        let in_order = min_angle_rad <= max_angle_rad;
+        ParameterError::require("lidar", max_angle, max_angle_rad, in_order, "min_angle_rad or more")
     }
 }
 
@@ -62,8 +99,7 @@ pub enum Sweep {
 ///
 /// ```
 /// use belvedere_sensors::lidar::{Beams, LidarConfig};
-/// let line = Beams { samples: 360, min_angle_rad: -3.1, max_angle_rad: 3.1 };
-/// let config = LidarConfig::new(line).range_min_m(0.12).range_max_m(3.5);
+/// let config = LidarConfig::new(Beams::turn(360)).range_min_m(0.12).range_max_m(3.5);
 /// assert_eq!((config.vertical.samples, config.range_max_m), (1, 3.5));
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -136,26 +172,22 @@ impl LidarConfig {
         /// Sets the number of the sensor in the simulation.
         sensor: u32,
     }
-}
 
-/// Why a lidar cannot be made.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum LidarError {
-    /// No beams, more than [`MAX_SAMPLES`] along an axis or [`MAX_BEAMS`] in all, or angles that are not finite or
-    /// not in order.
-    Beams,
-    /// Not 0 ≤ smallest < largest range.
-    Range,
-}
-
-impl core::fmt::Display for LidarError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::Beams => "a lidar needs 1 to 32767 beams a line and lines, 16777216 beams in all, and finite angles, min <= max",
-            Self::Range => "the ranges must be 0 <= min < max",
-        })
+    /// Whether there can be such a lidar.
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let names = ["horizontal.samples", "horizontal.min_angle_rad", "horizontal.max_angle_rad"];
+        self.horizontal.check(names)?;
+        self.vertical.check(["vertical.samples", "vertical.min_angle_rad", "vertical.max_angle_rad"])?;
+        let beams = f64::from(self.horizontal.samples) * f64::from(self.vertical.samples);
+        ParameterError::require_in("lidar", "number of all beams", beams, [1.0, MAX_BEAMS.into()])?;
+        let (min_m, max_m) = (self.range_min_m, self.range_max_m);
+        let in_order = min_m >= 0.0 && min_m < max_m;
+        ParameterError::require(
+            "lidar",
+            "range_min_m",
+            min_m,
+            in_order,
+            "0 or more, and less than range_max_m",
+        )
     }
 }
-
-impl core::error::Error for LidarError {}

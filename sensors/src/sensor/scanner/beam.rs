@@ -1,7 +1,7 @@
 //! The beam of a laser as wide as it is: rays that stand for parts of it.
 
-use super::error::ScannerError;
 use super::firing::Firing;
+use crate::ParameterError;
 use crate::simd::{sin_cos, sqrt};
 use core::f64::consts::TAU;
 use glam::DVec3;
@@ -46,8 +46,8 @@ impl Halo {
     /// No light beside the beam.
     pub const NONE: Self = Self { share: 0.0, radius_rad: 0.0 };
 
-    pub(super) fn check(&self) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if !(0.0..=0.5).contains(&self.share) {
             return wrong("share of the halo", self.share, "0 to 0.5");
         }
@@ -67,8 +67,8 @@ impl Beam {
     /// A single ray, as thin as a line.
     pub const RAY: Self = Self { divergence_rad: [0.0; 2], aperture_m: [0.0; 2], rays: 1 };
 
-    pub(super) fn check(&self) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         let within = 0.0..=0.2;
         if let Some(value) = self.divergence_rad.into_iter().find(|value| !within.contains(value)) {
             return wrong("divergence_rad of the beam", value, "0 to 0.2 rad");

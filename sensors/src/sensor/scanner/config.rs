@@ -2,11 +2,11 @@
 
 use super::beam::{Beam, Halo};
 use super::crosstalk::Crosstalk;
-use super::error::ScannerError;
 use super::intensity::{Intensity, Receiver};
 use super::pattern::Pattern;
 use super::returns::Returns;
 use super::weather::Weather;
+use crate::ParameterError;
 use crate::noise::GaussianNoise;
 use crate::scene::visibility;
 use crate::trace::Faces;
@@ -147,12 +147,57 @@ impl<'a> ScannerConfig<'a> {
         sensor: u32,
     }
 
+    /// The same with another pattern and other spreads.
+    #[cfg(feature = "alloc")]
+    pub(crate) fn with_tables<'b>(&self, pattern: Pattern<'b>, spreads: &'b [Spread]) -> ScannerConfig<'b> {
+        let Self {
+            pattern: _,
+            spreads: _,
+            frame_time_ns,
+            range_min_m,
+            range_max_m,
+            visibility,
+            faces,
+            noise,
+            beam,
+            halo,
+            crosstalk,
+            pulse_m,
+            returns,
+            intensity,
+            receiver,
+            weather,
+            seed,
+            sensor,
+        } = *self;
+        ScannerConfig {
+            pattern,
+            frame_time_ns,
+            range_min_m,
+            range_max_m,
+            visibility,
+            faces,
+            noise,
+            spreads,
+            beam,
+            halo,
+            crosstalk,
+            pulse_m,
+            returns,
+            intensity,
+            receiver,
+            weather,
+            seed,
+            sensor,
+        }
+    }
+
     /// Whether there can be such a scanner.
     ///
     /// # Errors
     /// Names the first parameter that is out of its range.
-    pub fn check(&self) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub fn check(&self) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if !(1..=MOST_NS).contains(&self.frame_time_ns) {
             return wrong("frame_time_ns", self.frame_time_ns as f64, "1 up to an hour");
         }
@@ -164,8 +209,9 @@ impl<'a> ScannerConfig<'a> {
         }
         let mut before = 0.0;
         for (index, spread) in self.spreads.iter().enumerate() {
-            let wrong =
-                |parameter, value, rule| Err(ScannerError { parameter, index: Some(index), value, rule });
+            let wrong = |parameter, value, rule| {
+                Err(ParameterError::new("scanner", parameter, value, rule).at(index))
+            };
             if !(before..f64::INFINITY).contains(&spread.from_m) {
                 return wrong(
                     "from_m of spread",

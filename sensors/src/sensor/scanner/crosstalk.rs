@@ -1,6 +1,6 @@
 //! Pulses of other lidars that a receiver takes for its own.
 
-use super::error::ScannerError;
+use crate::ParameterError;
 use crate::noise::Stream;
 
 /// Pulses of other lidars, which fire when they like: a share of the firings hears one, at a range that has nothing to do with
@@ -16,8 +16,8 @@ impl Crosstalk {
     /// No other lidars.
     pub const NONE: Self = Self { chance: 0.0 };
 
-    pub(super) fn check(self, range_max_m: f64) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(self, range_max_m: f64) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if !(0.0..=1.0).contains(&self.chance) {
             return wrong("chance of crosstalk", self.chance, "0 to 1");
         }

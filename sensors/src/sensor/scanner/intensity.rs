@@ -1,7 +1,7 @@
 //! How much of a pulse a surface sends back, what the receiver notices of it, and what is reported as intensity.
 
-use super::error::ScannerError;
 use super::returns::Echo;
+use crate::ParameterError;
 use crate::scene::Scene;
 
 /// What is reported as the intensity of a return.
@@ -46,8 +46,8 @@ impl Receiver {
         Self { reach_m, resolution_m: 0.0, background: 0.0 }
     }
 
-    pub(super) fn check(&self) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if !(self.reach_m > 0.0 && self.reach_m < f64::INFINITY) {
             return wrong("reach_m of the receiver", self.reach_m, "more than 0, and finite");
         }

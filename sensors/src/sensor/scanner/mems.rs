@@ -1,8 +1,8 @@
 //! Scanners with one small mirror that swings about two axes, as those of MEMS lidars.
 
 use super::clock::{Clock, Ticks, turns};
-use super::error::ScannerError;
 use super::firing::{Firing, FiringLanes};
+use crate::ParameterError;
 use crate::simd::sin_cos;
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
@@ -45,6 +45,9 @@ pub struct Mems<'a> {
 }
 
 impl MirrorAxis {
+    /// An axis about which the mirror does not swing.
+    pub const STILL: Self = Self { amplitude_rad: 0.0, cycles_per_min: 0, phase_rad: 0.0, wave: Wave::Sine };
+
     fn check(&self) -> Result<(), (&'static str, f64, &'static str)> {
         if !(0.0..FRAC_PI_2).contains(&self.amplitude_rad) {
             return Err(("amplitude_rad", self.amplitude_rad, "0 to less than π/2"));
@@ -79,8 +82,8 @@ impl MirrorAxis {
 }
 
 impl Mems<'_> {
-    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if self.firing_time_ns == 0 || self.firing_time_ns > frame_time_ns {
             return wrong("firing_time_ns", self.firing_time_ns as f64, "1 up to the frame's time");
         }

@@ -1,13 +1,13 @@
 //! Which way a laser scanner fires, from where, and when.
 
 use super::clock::Ticks;
-use super::error::ScannerError;
 use super::firing::{Firing, FiringLanes};
 use super::mems::Mems;
 use super::prisms::Prisms;
 use super::raster::Raster;
 use super::rosette::Rosette;
 use super::spinning::Spinning;
+use crate::ParameterError;
 
 /// Most firings of a frame.
 pub const MAX_FIRINGS: usize = 16_777_216;
@@ -35,7 +35,7 @@ pub enum Pattern<'a> {
 
 impl Pattern<'_> {
     /// That there are firings in each frame, in the order of time.
-    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
         match self {
             Self::Spinning(spinning) => spinning.check(frame_time_ns)?,
             Self::Rosette(rosette) => rosette.check(frame_time_ns)?,
@@ -46,12 +46,7 @@ impl Pattern<'_> {
         }
         let most = self.most_firings(frame_time_ns);
         if !(1..=MAX_FIRINGS as u128).contains(&most) {
-            return Err(ScannerError {
-                parameter: "firings of a frame",
-                index: None,
-                value: most as f64,
-                rule: "1 to 16777216",
-            });
+            return Err(ParameterError::new("scanner", "firings of a frame", most as f64, "1 to 16777216"));
         }
         Ok(())
     }
@@ -148,11 +143,12 @@ impl FrameFirings<'_> {
     }
 }
 
-fn check_table(firings: &[Firing], frame_time_ns: u64) -> Result<(), ScannerError> {
+fn check_table(firings: &[Firing], frame_time_ns: u64) -> Result<(), ParameterError> {
     let end = frame_time_ns as f64 * 1e-9;
     let mut before = 0.0;
     for (index, firing) in firings.iter().enumerate() {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: Some(index), value, rule });
+        let wrong =
+            |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule).at(index));
         let length = firing.direction.length();
         if !firing.origin.is_finite() {
             return wrong("origin of firing", firing.origin.x + firing.origin.y + firing.origin.z, "finite");

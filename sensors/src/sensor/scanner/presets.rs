@@ -10,7 +10,7 @@ mod velodyne;
 mod vls128;
 
 use super::{Beam, Columns, Laser, Pattern, ScannerConfig, Spinning, Spread};
-use crate::noise::GaussianNoise;
+use crate::noise::{GaussianNoise, GaussianNoiseConfig};
 pub use continental::HFL_110;
 use core::f64::consts::TAU;
 pub use hokuyo::{URG_04LX, UTM_30LX};
@@ -88,18 +88,18 @@ impl Preset {
     /// let scanner = Scanner::new(VLP_16.config(100_000_000))?;
     /// assert_eq!(scanner.firings(0), 1809 * 16);
     /// assert!((scanner.firing(0, 1).direction.z - 1_f64.to_radians().sin()).abs() < 1e-12);
-    /// # Ok::<(), belvedere_sensors::scanner::ScannerError>(())
+    /// # Ok::<(), belvedere_sensors::ParameterError>(())
     /// ```
     #[must_use]
     pub fn config(&self, frame_time_ns: u64) -> ScannerConfig<'static> {
         let [stddev, bias, step] = [self.stddev_m, self.bias_stddev_m, self.resolution_m].map(|x| x as f32);
-        let noise = GaussianNoise::new(0.0, stddev, 0.0, bias, step);
+        let noise = GaussianNoiseConfig::default().stddev(stddev).bias_stddev(bias).precision(step);
         let [min_m, max_m] = self.range_m;
         ScannerConfig::new(self.pattern)
             .frame_time_ns(frame_time_ns)
             .range_min_m(min_m)
             .range_max_m(max_m)
-            .noise(noise.unwrap_or_default())
+            .noise(GaussianNoise::new(noise).unwrap_or_default())
             .spreads(self.spreads)
             .beam(self.beam)
     }

@@ -1,8 +1,8 @@
 //! Scanners whose lasers look through prisms and by mirrors that turn about one axis, as Livox's HAP and Mid-360.
 
 use super::clock::{Clock, MINUTE_NS, Ticks, turns};
-use super::error::ScannerError;
 use super::firing::FiringLanes;
+use crate::ParameterError;
 use crate::simd::{LANES, Lanes, sin_cos, sqrt};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
@@ -91,8 +91,11 @@ pub struct Prisms<'a> {
 type Rays = [Lanes<f64>; 3];
 
 impl Prisms<'_> {
-    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
-        let wrong = |parameter, index, value, rule| Err(ScannerError { parameter, index, value, rule });
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
+        let wrong = |parameter, index, value, rule| {
+            let error = ParameterError::new("scanner", parameter, value, rule);
+            Err(ParameterError { index, ..error })
+        };
         if self.volley_time_ns == 0 || u64::from(self.volley_time_ns) > frame_time_ns {
             return wrong("volley_time_ns", None, f64::from(self.volley_time_ns), "1 up to the frame's time");
         }

@@ -1,7 +1,7 @@
 //! Scanners that look at a grid of pixels, one after the other or all at once: flash lidars, mirrors that swing.
 
-use super::error::ScannerError;
 use super::firing::{Firing, FiringLanes};
+use crate::ParameterError;
 use crate::simd::sin_cos;
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
@@ -21,8 +21,8 @@ pub struct Raster {
 }
 
 impl Raster {
-    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if let Some(none) = self.pixels.into_iter().find(|pixels| *pixels == 0) {
             return wrong("pixels", f64::from(none), "1 or more");
         }

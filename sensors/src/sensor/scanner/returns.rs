@@ -1,6 +1,6 @@
 //! What of a pulse comes back, and which of it is reported.
 
-use super::error::ScannerError;
+use crate::ParameterError;
 
 /// Most returns of a firing.
 pub const MAX_RETURNS: usize = 5;
@@ -40,15 +40,10 @@ impl Returns {
         }
     }
 
-    pub(super) fn check(self) -> Result<(), ScannerError> {
+    pub(super) fn check(self) -> Result<(), ParameterError> {
         match self {
             Self::Several(count) | Self::Ranked(count) if !(1..=MAX_RETURNS).contains(&count.into()) => {
-                Err(ScannerError {
-                    parameter: "returns",
-                    index: None,
-                    value: f64::from(count),
-                    rule: "1 to 5 of them",
-                })
+                Err(ParameterError::new("scanner", "returns", f64::from(count), "1 to 5 of them"))
             }
             _ => Ok(()),
         }

@@ -1,8 +1,8 @@
 //! Scanners with two prisms that turn one behind the other (Risley), as Livox's Mid-40 and Mid-70.
 
 use super::clock::{Clock, Ticks, turns};
-use super::error::ScannerError;
 use super::firing::{Firing, FiringLanes};
+use crate::ParameterError;
 use crate::simd::{sin_cos, sqrt};
 use core::f64::consts::TAU;
 use glam::DVec3;
@@ -27,8 +27,8 @@ pub struct Rosette {
 }
 
 impl Rosette {
-    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if self.firing_time_ns == 0 || self.firing_time_ns > frame_time_ns {
             return wrong("firing_time_ns", self.firing_time_ns as f64, "1 up to the frame's time");
         }

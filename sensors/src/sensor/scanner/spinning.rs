@@ -1,8 +1,8 @@
 //! Scanners whose head turns: lasers one above the other, columns side by side.
 
 use super::clock::{Clock, Ticks};
-use super::error::ScannerError;
 use super::firing::FiringLanes;
+use crate::ParameterError;
 use crate::simd::{LANES, sin_cos};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -81,8 +81,8 @@ pub struct Spinning<'a> {
 }
 
 impl Spinning<'_> {
-    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if !(1..=MAX_LASERS).contains(&self.lasers.len()) {
             return wrong("lasers", self.lasers.len() as f64, "1 to 4096 of them");
         }
@@ -104,8 +104,9 @@ impl Spinning<'_> {
         }
         let (column_s, mut before) = (self.column_time_s(frame_time_ns), 0.0);
         for (index, laser) in self.lasers.iter().enumerate() {
-            let wrong =
-                |parameter, value, rule| Err(ScannerError { parameter, index: Some(index), value, rule });
+            let wrong = |parameter, value, rule| {
+                Err(ParameterError::new("scanner", parameter, value, rule).at(index))
+            };
             if !(-FRAC_PI_2..=FRAC_PI_2).contains(&laser.elevation_rad) {
                 return wrong("elevation_rad of laser", laser.elevation_rad, "-π/2 to π/2");
             }

@@ -1,7 +1,7 @@
 //! What stands in the air between a scanner and what it looks at.
 
 use super::beam::Beam;
-use super::error::ScannerError;
+use crate::ParameterError;
 use crate::noise::{Stream, fill_standard_normal};
 use crate::simd::{Level, sin_cos, sqrt};
 use core::f64::consts::{FRAC_PI_4, LN_10, PI};
@@ -49,8 +49,8 @@ impl Weather {
         LN_20 / self.visibility_m + rain_db_per_km * (LN_10 / 10_000.0) + snow
     }
 
-    pub(super) fn check(&self) -> Result<(), ScannerError> {
-        let wrong = |parameter, value, rule| Err(ScannerError { parameter, index: None, value, rule });
+    pub(super) fn check(&self) -> Result<(), ParameterError> {
+        let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if self.visibility_m.is_nan() || self.visibility_m < 1.0 {
             return wrong("visibility_m of the weather", self.visibility_m, "1 m or more");
         }
@@ -64,14 +64,14 @@ impl Weather {
     }
 
     /// Whether hardly any firing meets more drops than there is room for, of a beam and of the least that a receiver notices.
-    pub(super) fn check_drops(&self, beam: &Beam, least: f64) -> Result<(), ScannerError> {
+    pub(super) fn check_drops(&self, beam: &Beam, least: f64) -> Result<(), ParameterError> {
         const RAIN: &str = "number of raindrops that a firing notices on average";
         const SNOW: &str = "number of snowflakes that a firing notices on average";
         for (parameter, drops) in [RAIN, SNOW].into_iter().zip(Air::new(self, beam, least).drops) {
             let Some(Noticed { expected: value, .. }) = drops else { continue };
             if value.is_nan() || value > MOST_EXPECTED {
                 let rule = "12 at most: by less of it, a narrower beam or a shorter reach of the receiver";
-                return Err(ScannerError { parameter, index: None, value, rule });
+                return Err(ParameterError::new("scanner", parameter, value, rule));
             }
         }
         Ok(())
@@ -360,10 +360,10 @@ mod tests {
         let rain = Weather { rain_mm_per_h: 500.0, ..Weather::CLEAR };
         assert!(
             refused(rain, 1000.0)
-                .starts_with("a scanner's number of raindrops that a firing notices on average is 5")
+                .starts_with("number of raindrops that a firing notices on average of the scanner is 5")
         );
         assert!(refused(rain, 1e300).contains(" is inf; it must be 12 at most"));
         let snow = Weather { snow_mm_per_h: 50.0, ..Weather::CLEAR };
-        assert!(refused(snow, 1e6).starts_with("a scanner's number of snowflakes"));
+        assert!(refused(snow, 1e6).starts_with("number of snowflakes"));
     }
 }

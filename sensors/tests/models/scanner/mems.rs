@@ -88,10 +88,12 @@ fn what_no_mirror_does_is_refused() {
     let said = |mems: Mems<'_>| Scanner::new(config(mems)).unwrap_err().to_string();
     let axis = |amplitude_rad| MirrorAxis { amplitude_rad, ..SINE };
     let swinging = |axes: [MirrorAxis; 2]| said(Mems { axes: &axes, ..MEMS });
-    assert!(said(Mems { firing_time_ns: 0, ..MEMS }).contains("firing_time_ns is 0"));
-    assert!(swinging([axis(f64::NAN), EVEN]).contains("amplitude_rad is NaN"));
-    assert!(swinging([SINE, axis(1.6)]).contains("amplitude_rad is 1.6"));
-    assert!(swinging([MirrorAxis { phase_rad: 7.0, ..SINE }, EVEN]).contains("phase_rad is 7"));
-    assert!(swinging([axis(1.2), EVEN]).contains("incidence_rad is 0.4"));
-    assert!(said(Mems { incidence_rad: -0.1, ..MEMS }).contains("incidence_rad is -0.1"));
+    assert!(said(Mems { firing_time_ns: 0, ..MEMS }).contains("firing_time_ns of the scanner is 0"));
+    assert!(swinging([axis(f64::NAN), EVEN]).contains("amplitude_rad of the scanner is NaN"));
+    assert!(swinging([SINE, axis(1.6)]).contains("amplitude_rad of the scanner is 1.6"));
+    assert!(
+        swinging([MirrorAxis { phase_rad: 7.0, ..SINE }, EVEN]).contains("phase_rad of the scanner is 7")
+    );
+    assert!(swinging([axis(1.2), EVEN]).contains("incidence_rad of the scanner is 0.4"));
+    assert!(said(Mems { incidence_rad: -0.1, ..MEMS }).contains("incidence_rad of the scanner is -0.1"));
 }

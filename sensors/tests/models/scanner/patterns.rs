@@ -18,8 +18,7 @@ fn at_one_moment_a_scanner_is_a_lidar() {
     let mut expected = vec![0.0; lidar.beams()];
     let scene = builder.scene();
     let mut memory = WorkspaceBuf::default();
-    let workspace = &mut memory.lend(lidar.workspace_len(&scene, &capture));
-    lidar.sense(&scene, &capture, workspace, Scan::new().ranges(&mut expected)).unwrap();
+    lidar.sense_in(&mut memory, &scene, &capture, Scan::new().ranges(&mut expected)).unwrap();
     let lasers: Vec<_> = (0..16)
         .map(|row| Laser { elevation_rad: vertical.angle(row), ..Laser::at_degrees(0.0, 0.0) })
         .collect();
@@ -124,7 +123,8 @@ fn ranges_have_the_noise_that_they_are_told() {
     };
     ball.add_instance(&config).unwrap();
     let capture = Capture::new(3, ball.moment(Pose::IDENTITY));
-    let noise = GaussianNoise::new(0.1, 0.02, 0.0, 0.0, 0.002).unwrap();
+    let noise =
+        GaussianNoise::new(GaussianNoiseConfig::default().mean(0.1).stddev(0.02).precision(0.002)).unwrap();
     let config = presets::VLP_16.config(100_000_000).noise(noise).seed(5);
     let scanner = Scanner::new(config).unwrap();
     let (count, most) = (scanner.firings(3), scanner.most_firings());
@@ -210,61 +210,64 @@ fn what_cannot_be_is_refused() {
     };
     assert_eq!(
         with(&|lasers| lasers[3].elevation_rad = f64::NAN),
-        "a scanner's elevation_rad of laser 3 is NaN; it must be -π/2 to π/2"
+        "elevation_rad of laser 3 of the scanner is NaN; it must be -π/2 to π/2"
     );
     assert_eq!(
         with(&|lasers| lasers[2].time_s = 1e-6),
-        "a scanner's time_s of laser 3 is 0; it must be not before that of the laser before, and less than a column's"
+        "time_s of laser 3 of the scanner is 0; it must be not before that of the laser before, and less than a column's"
     );
-    assert!(with(&|lasers| lasers[31].time_s = 1e-3).starts_with("a scanner's time_s of laser 31 is 0.001"));
+    assert!(
+        with(&|lasers| lasers[31].time_s = 1e-3).starts_with("time_s of laser 31 of the scanner is 0.001")
+    );
     assert!(
         with(&|lasers| lasers[5].origin_m[1] = f64::INFINITY)
-            .starts_with("a scanner's origin_m of laser 5 is inf")
+            .starts_with("origin_m of laser 5 of the scanner is inf")
     );
-    assert!(
-        with(&|lasers| lasers[5].azimuth_rad = f64::NAN).starts_with("a scanner's azimuth_rad of laser 5")
-    );
-    assert_eq!(with(&Vec::clear), "a scanner's lasers is 0; it must be 1 to 4096 of them");
+    assert!(with(&|lasers| lasers[5].azimuth_rad = f64::NAN).starts_with("azimuth_rad of laser 5"));
+    assert_eq!(with(&Vec::clear), "lasers of the scanner is 0; it must be 1 to 4096 of them");
     let many = vec![Laser::at_degrees(0.0, 0.0); 4096];
     let columns = |per_turn| Columns::Turn { per_turn, first: 0, count: per_turn };
     let head = |lasers, columns| Spinning { lasers, columns, first_azimuth_rad: 0.0, clockwise: true };
     let of = |spinning| said(ScannerConfig::new(Pattern::Spinning(spinning)));
     assert_eq!(
         of(head(&many, columns(4097))),
-        "a scanner's firings of a frame is 16781312; it must be 1 to 16777216"
+        "firings of a frame of the scanner is 16781312; it must be 1 to 16777216"
     );
-    assert!(of(head(&many, columns(0))).starts_with("a scanner's per_turn is 0"));
+    assert!(of(head(&many, columns(0))).starts_with("per_turn of the scanner is 0"));
     assert!(
         of(head(&many, Columns::Turn { per_turn: 9, first: 5, count: 5 }))
-            .starts_with("a scanner's first + count is 10")
+            .starts_with("first + count of the scanner is 10")
     );
-    assert!(of(head(&many, Columns::Every { time_ns: 0 })).starts_with("a scanner's time_ns is 0"));
+    assert!(of(head(&many, Columns::Every { time_ns: 0 })).starts_with("time_ns of the scanner is 0"));
     for first_azimuth_rad in [f64::NAN, f64::NEG_INFINITY, 6.3, -6.3, 1e15] {
         let turned = Spinning { first_azimuth_rad, ..head(&many, columns(8)) };
         assert_eq!(
             of(turned),
-            format!("a scanner's first_azimuth_rad is {first_azimuth_rad}; it must be -2π to 2π")
+            format!("first_azimuth_rad of the scanner is {first_azimuth_rad}; it must be -2π to 2π")
         );
     }
     let ahead = Firing { time_s: 0.0, origin: DVec3::ZERO, direction: DVec3::X, laser: 0 };
     let table = |firings: &[Firing]| said(ScannerConfig::new(Pattern::Table(firings)));
-    assert!(table(&[]).starts_with("a scanner's firings of a frame is 0"));
+    assert!(table(&[]).starts_with("firings of a frame of the scanner is 0"));
     assert!(
         table(&[ahead, Firing { direction: DVec3::ZERO, ..ahead }])
-            .starts_with("a scanner's length of the direction of firing 1 is 0")
+            .starts_with("length of the direction of firing 1 of the scanner is 0")
     );
     assert!(
-        table(&[Firing { time_s: 0.01, ..ahead }, ahead]).starts_with("a scanner's time_s of firing 1 is 0")
+        table(&[Firing { time_s: 0.01, ..ahead }, ahead])
+            .starts_with("time_s of firing 1 of the scanner is 0")
     );
-    assert!(table(&[Firing { time_s: 0.1, ..ahead }]).starts_with("a scanner's time_s of firing 0 is 0.1"));
+    assert!(
+        table(&[Firing { time_s: 0.1, ..ahead }]).starts_with("time_s of firing 0 of the scanner is 0.1")
+    );
     let table = [ahead];
     let plain = ScannerConfig::new(Pattern::Table(&table));
     assert_eq!(
         said(plain.range_min_m(f64::NAN)),
-        "a scanner's range_min_m is NaN; it must be 0 or more, and finite"
+        "range_min_m of the scanner is NaN; it must be 0 or more, and finite"
     );
-    assert!(said(plain.range_min_m(100.0)).starts_with("a scanner's range_max_m is 100"));
-    assert!(said(plain.frame_time_ns(0)).starts_with("a scanner's frame_time_ns is 0"));
+    assert!(said(plain.range_min_m(100.0)).starts_with("range_max_m of the scanner is 100"));
+    assert!(said(plain.frame_time_ns(0)).starts_with("frame_time_ns of the scanner is 0"));
     let rosette = Rosette {
         firing_time_ns: 1000,
         speeds_rpm: [1, 2],
@@ -272,7 +275,7 @@ fn what_cannot_be_is_refused() {
         refractive_index: 1.5,
         is_flat_inwards: false,
     };
-    assert!(said(plain.pattern(Pattern::Rosette(rosette))).starts_with("a scanner's wedge_rad is 1.57"));
+    assert!(said(plain.pattern(Pattern::Rosette(rosette))).starts_with("wedge_rad of the scanner is 1.57"));
 
     let scanner = Scanner::new(plain).unwrap();
     let builder = SceneBuilder::new();
@@ -310,8 +313,7 @@ fn what_cannot_be_is_refused() {
     let (keyframes, mut ranges) = (keys(&[0.0, 1.0]), [0.0]);
     let (scene, capture) = (builder.scene(), Capture::new(0, keyframes.as_slice()));
     let mut memory = WorkspaceBuf::default();
-    let workspace = &mut memory.lend(lidar.workspace_len(&scene, &capture));
-    let said = lidar.sense(&scene, &capture, workspace, Scan::new().ranges(&mut ranges)).unwrap_err();
+    let said = lidar.sense_in(&mut memory, &scene, &capture, Scan::new().ranges(&mut ranges)).unwrap_err();
     assert_eq!(
         said.to_string(),
         "the shutter must be one moment or slices: this sensor's rays have no times"

@@ -20,7 +20,7 @@ use glam::{DVec2, DVec3};
 /// ```
 /// use belvedere_sensors::optics::{Optics, RayTable};
 /// let directions = [[1.0, 0.0, 0.0], [0.8, -0.6, 0.0]];
-/// let mut buffer = vec![bytemuck::Zeroable::zeroed(); RayTable::required_len(2, 1)];
+/// let mut buffer = vec![belvedere_sensors::trace::CacheLine::ZERO; RayTable::required_len(2, 1)];
 /// let table = RayTable::build(2, 1, &directions, &mut buffer)?;
 /// assert_eq!(table.direction(1, 0), directions[1]);
 /// let grid = Optics::Table(table);
@@ -30,6 +30,8 @@ use glam::{DVec2, DVec3};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayTable<'a> {
     fan: Fan,
+    /// What all slices below are cut off.
+    pub(super) buffer: &'a [CacheLine],
     /// All x, y and z of each block of sixteen rays; where it reaches over the edge, its last rays repeat.
     pub(super) directions: &'a [[[f32; WIDTH]; 3]],
     /// The lanes of each block that have no ray, a bit each.
@@ -134,6 +136,7 @@ impl<'a> RayTable<'a> {
         let rows = look_up(scales[1], fan.height);
         Self {
             fan,
+            buffer,
             directions,
             missing,
             has_missing,

@@ -49,10 +49,14 @@ impl RayTableBuf {
         build: impl FnOnce(&mut [CacheLine]) -> Result<RayTable<'_>, TableError>,
     ) -> Result<Self, TableError> {
         check_size(width, height)?;
-        let zero = <CacheLine as bytemuck::Zeroable>::zeroed();
-        let mut buffer = alloc::vec![zero; RayTable::required_len(width, height)];
+        let mut buffer = alloc::vec![CacheLine::ZERO; RayTable::required_len(width, height)];
         let plan = build(&mut buffer)?.plan();
         Ok(Self { plan, buffer })
+    }
+
+    /// Copies a table into memory of its own.
+    pub(crate) fn copy_of(table: &RayTable<'_>) -> Self {
+        Self { plan: table.plan(), buffer: table.buffer.to_vec() }
     }
 
     /// Lends the table to a sensor.

@@ -6,7 +6,6 @@ use crate::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use crate::trace::rays::{Rays, cast_rays, occluded_rays, workspace_len};
 use crate::trace::{CacheLine, Faces, Hits, Workspace};
 use crate::{Execution, Pose};
-use bytemuck::Zeroable;
 use glam::{DQuat, DVec3};
 
 struct Found {
@@ -19,7 +18,7 @@ struct Found {
 /// Casts at every level, sees that all agree to the bit, and gives the answers.
 fn cast(builder: &SceneBuilder, reference: DVec3, rays: &Rays<'_>, faces: Faces) -> Found {
     let scene = builder.scene();
-    let mut buffer = vec![CacheLine::zeroed(); workspace_len(&scene)];
+    let mut buffer = vec![CacheLine::ZERO; workspace_len(&scene)];
     let count = rays.directions.len();
     let mut answers = levels().into_iter().map(|level| {
         let mut found = Found {

@@ -1,0 +1,95 @@
+//! Why a configuration is refused.
+
+/// A parameter of a configuration is out of its range. It is the error of all sensors, lenses, devices and noise models.
+///
+/// ```
+/// use belvedere_sensors::{camera::*, optics::PinholeGrid, Rule};
+/// let lens = PinholeGrid::from_fov(64, 48, 1.0)?;
+/// let error = Camera::new(CameraConfig::new(lens).near_m(2.0).far_m(1.0)).unwrap_err();
+/// assert_eq!((error.of, error.parameter, error.value), ("camera", "near_m", 2.0));
+/// assert_eq!(error.rule, Rule::Text("more than 0 and less than far_m"));
+/// assert_eq!(error.to_string(), "near_m of the camera is 2; it must be more than 0 and less than far_m");
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
+pub struct ParameterError {
+    /// What the parameter belongs to, such as "camera".
+    pub of: &'static str,
+    /// The parameter, named as its field or argument is.
+    pub parameter: &'static str,
+    /// Which one of a list, counted from 0.
+    pub index: Option<usize>,
+    /// The value that was given.
+    pub value: f64,
+    /// What the value must be.
+    pub rule: Rule,
+}
+
+/// What the value of a parameter must be.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Rule {
+    /// In words that follow "it must be".
+    Text(&'static str),
+    /// From the first to the second number, both included.
+    Range([f64; 2]),
+}
+
+impl ParameterError {
+    pub(crate) const fn new(
+        of: &'static str,
+        parameter: &'static str,
+        value: f64,
+        rule: &'static str,
+    ) -> Self {
+        Self { of, parameter, index: None, value, rule: Rule::Text(rule) }
+    }
+
+    /// The same for one of a list.
+    pub(crate) const fn at(mut self, index: usize) -> Self {
+        self.index = Some(index);
+        self
+    }
+
+    /// Refuses a value for which `holds` is not true; comparisons with NaN never are.
+    pub(crate) fn require(
+        of: &'static str,
+        parameter: &'static str,
+        value: f64,
+        holds: bool,
+        rule: &'static str,
+    ) -> Result<(), Self> {
+        if holds { Ok(()) } else { Err(Self::new(of, parameter, value, rule)) }
+    }
+
+    /// Refuses a value outside a range, of which both ends are allowed.
+    pub(crate) fn require_in(
+        of: &'static str,
+        parameter: &'static str,
+        value: f64,
+        range: [f64; 2],
+    ) -> Result<(), Self> {
+        if value >= range[0] && value <= range[1] {
+            Ok(())
+        } else {
+            Err(Self { of, parameter, index: None, value, rule: Rule::Range(range) })
+        }
+    }
+}
+
+impl core::fmt::Display for ParameterError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let Self { of, parameter, index, value, rule } = self;
+        f.write_str(parameter)?;
+        if let Some(index) = index {
+            write!(f, " {index}")?;
+        }
+        write!(f, " of the {of} is {value}; it must be ")?;
+        match rule {
+            Rule::Text(text) => f.write_str(text),
+            Rule::Range([least, most]) => write!(f, "from {least} to {most}"),
+        }
+    }
+}
+
+impl core::error::Error for ParameterError {}

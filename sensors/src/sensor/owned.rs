@@ -1,0 +1,259 @@
+//! Sensors that own the tables which their configurations borrow.
+
+use super::Sensor;
+use super::camera::{Camera, Picture};
+use super::depth::{DepthCamera, DepthFrame};
+use super::scanner::{
+    Echoes, Face, Firing, Laser, MAX_WHEELS, Mems, MirrorAxis, Pattern, Prisms, Scanner, Spinning, Spread,
+    Swing, Wheel,
+};
+use crate::moment::Capture;
+use crate::optics::{Optics, RayTableBuf, SphericalGrid};
+use crate::scene::Scene;
+use crate::trace::{SenseError, Workspace};
+use alloc::vec::Vec;
+
+/// A [`Camera`] that owns its table of rays, made by [`Camera::to_buf`], so that a struct can hold a fisheye camera.
+///
+/// ```
+/// use belvedere_sensors::{camera::*, optics::*, scene::SceneBuilder, trace::WorkspaceBuf, Capture, Pose, Sensor};
+/// struct Robot {
+///     fisheye: CameraBuf,
+/// }
+/// let intrinsics = Intrinsics { fx: 20.0, fy: 20.0, cx: 31.5, cy: 23.5, skew: 0.0 };
+/// let table = RayTableBuf::from_lens(64, 48, &KannalaBrandt::new(intrinsics, [0.0; 4])?)?;
+/// let robot = Robot { fisheye: Camera::new(CameraConfig::new(&table))?.to_buf() };
+/// drop(table);
+///
+/// let world = SceneBuilder::new();
+/// let capture = Capture::new(0, world.moment(Pose::IDENTITY));
+/// let mut pixels = vec![0; robot.fisheye.camera().frame_len()];
+/// let picture = Picture::new().colour(&mut pixels);
+/// robot.fisheye.sense_in(&mut WorkspaceBuf::default(), &world.scene(), &capture, picture)?;
+/// assert_eq!(pixels, [179; 64 * 48 * 3]); // nothing but the background
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct CameraBuf {
+    /// Has no optics but those that own nothing.
+    camera: Camera<'static>,
+    table: Option<RayTableBuf>,
+}
+
+/// A [`DepthCamera`] that owns its table of rays, made by [`DepthCamera::to_buf`].
+#[derive(Debug, Clone)]
+pub struct DepthCameraBuf {
+    /// Has no optics but those that own nothing.
+    camera: DepthCamera<'static>,
+    table: Option<RayTableBuf>,
+}
+
+/// A [`Scanner`] that owns its lasers, wheels, firings and spreads, made by [`Scanner::to_buf`].
+///
+/// ```
+/// use belvedere_sensors::scanner::{Columns, Laser, Pattern, Scanner, ScannerBuf, ScannerConfig, Spinning};
+/// fn head(lasers: u32) -> Result<ScannerBuf, Box<dyn std::error::Error>> {
+///     let lasers: Vec<_> = (0..lasers).map(|laser| Laser::at_degrees(f64::from(laser), 0.0)).collect();
+///     let columns = Columns::Turn { per_turn: 360, first: 0, count: 360 };
+///     let head = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.0, clockwise: false };
+///     Ok(Scanner::new(ScannerConfig::new(Pattern::Spinning(head)))?.to_buf())
+/// }
+/// assert_eq!(head(16)?.with(|scanner| scanner.firings(0)), 16 * 360);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug, Clone)]
+pub struct ScannerBuf {
+    /// Has a pattern that owns nothing.
+    scanner: Scanner<'static>,
+    pattern: PatternBuf,
+    spreads: Vec<Spread>,
+}
+
+/// The optics without their table, and the table.
+fn own_optics(optics: &Optics<'_>) -> (Optics<'static>, Option<RayTableBuf>) {
+    match optics {
+        Optics::Pinhole(grid) => (Optics::Pinhole(*grid), None),
+        Optics::Spherical(grid) => (Optics::Spherical(*grid), None),
+        Optics::Table(table) => {
+            let placeholder = SphericalGrid {
+                columns: 1,
+                rows: 1,
+                first_azimuth_rad: 0.0,
+                azimuth_step_rad: 0.0,
+                first_elevation_rad: 0.0,
+                elevation_step_rad: 0.0,
+            };
+            (Optics::Spherical(placeholder), Some(RayTableBuf::copy_of(table)))
+        }
+    }
+}
+
+/// The optics of a sensor that were taken apart by [`own_optics`].
+fn lend_optics<'a>(optics: &Optics<'static>, table: Option<&'a RayTableBuf>) -> Optics<'a> {
+    table.map_or(*optics, Optics::from)
+}
+
+impl Camera<'_> {
+    /// The same camera with a copy of its table of rays.
+    pub fn to_buf(&self) -> CameraBuf {
+        let (optics, table) = own_optics(&self.config().optics);
+        CameraBuf { camera: self.with_optics(&optics), table }
+    }
+}
+
+impl CameraBuf {
+    /// The camera; this copies some hundred bytes, and checks and allocates nothing.
+    pub fn camera(&self) -> Camera<'_> {
+        self.camera.with_optics(&lend_optics(&self.camera.config().optics, self.table.as_ref()))
+    }
+}
+
+impl DepthCamera<'_> {
+    /// The same camera with a copy of its table of rays.
+    pub fn to_buf(&self) -> DepthCameraBuf {
+        let (optics, table) = own_optics(&self.camera().config().optics);
+        DepthCameraBuf { camera: self.with_optics(&optics), table }
+    }
+}
+
+impl DepthCameraBuf {
+    /// The camera; this copies some hundred bytes, and checks and allocates nothing.
+    pub fn camera(&self) -> DepthCamera<'_> {
+        self.camera.with_optics(&lend_optics(&self.camera.camera().config().optics, self.table.as_ref()))
+    }
+}
+
+impl Sensor for CameraBuf {
+    type Output<'a> = Picture<'a>;
+
+    fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
+        self.camera().workspace_len(scene, capture)
+    }
+
+    fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: Picture<'_>,
+    ) -> Result<(), SenseError> {
+        self.camera().sense(scene, capture, workspace, output)
+    }
+}
+
+impl Sensor for DepthCameraBuf {
+    type Output<'a> = DepthFrame<'a>;
+
+    fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
+        self.camera().workspace_len(scene, capture)
+    }
+
+    fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: DepthFrame<'_>,
+    ) -> Result<(), SenseError> {
+        self.camera().sense(scene, capture, workspace, output)
+    }
+}
+
+/// A [`Pattern`] that owns what it is made of.
+#[derive(Debug, Clone)]
+enum PatternBuf {
+    /// Borrows nothing.
+    Plain(Pattern<'static>),
+    Spinning(Spinning<'static>, Vec<Laser>),
+    Prisms {
+        prisms: Prisms<'static>,
+        lasers_rad: Vec<f64>,
+        wheels: Vec<(Wheel<'static>, Vec<Face>)>,
+    },
+    Mems(Mems<'static>, [MirrorAxis; 2]),
+    Table(Vec<Firing>),
+}
+
+const STILL: [MirrorAxis; 2] = [MirrorAxis::STILL; 2];
+
+impl PatternBuf {
+    fn copy_of(pattern: &Pattern<'_>) -> Self {
+        match *pattern {
+            Pattern::Rosette(rosette) => Self::Plain(Pattern::Rosette(rosette)),
+            Pattern::Raster(raster) => Self::Plain(Pattern::Raster(raster)),
+            Pattern::Spinning(Spinning { lasers, columns, first_azimuth_rad, clockwise }) => Self::Spinning(
+                Spinning { lasers: &[], columns, first_azimuth_rad, clockwise },
+                lasers.to_vec(),
+            ),
+            Pattern::Prisms(Prisms { volley_time_ns, laser_time_ns, axis, lasers_rad, wheels }) => {
+                let own_wheel = |wheel: &Wheel<'_>| {
+                    let Wheel { speed_rpm, phase_rad, swing, faces } = *wheel;
+                    (Wheel { speed_rpm, phase_rad, swing, faces: &[] }, faces.to_vec())
+                };
+                Self::Prisms {
+                    prisms: Prisms { volley_time_ns, laser_time_ns, axis, lasers_rad: &[], wheels: &[] },
+                    lasers_rad: lasers_rad.to_vec(),
+                    wheels: wheels.iter().map(own_wheel).collect(),
+                }
+            }
+            Pattern::Mems(Mems { firing_time_ns, incidence_rad, axes }) => {
+                Self::Mems(Mems { firing_time_ns, incidence_rad, axes: &STILL }, *axes)
+            }
+            Pattern::Table(firings) => Self::Table(firings.to_vec()),
+        }
+    }
+
+    fn with<R>(&self, work: impl FnOnce(Pattern<'_>) -> R) -> R {
+        match self {
+            Self::Plain(pattern) => work(*pattern),
+            Self::Spinning(spinning, lasers) => work(Pattern::Spinning(Spinning { lasers, ..*spinning })),
+            Self::Prisms { prisms, lasers_rad, wheels } => {
+                let none = Wheel { speed_rpm: 0, phase_rad: 0.0, swing: Swing::NONE, faces: &[] };
+                let mut all = [none; MAX_WHEELS];
+                for (place, (wheel, faces)) in all.iter_mut().zip(wheels) {
+                    *place = Wheel { faces, ..*wheel };
+                }
+                work(Pattern::Prisms(Prisms { lasers_rad, wheels: &all[..wheels.len()], ..*prisms }))
+            }
+            Self::Mems(mems, axes) => work(Pattern::Mems(Mems { axes, ..*mems })),
+            Self::Table(firings) => work(Pattern::Table(firings)),
+        }
+    }
+}
+
+impl Scanner<'_> {
+    /// The same scanner with copies of its lasers, wheels, firings and spreads.
+    pub fn to_buf(&self) -> ScannerBuf {
+        let nothing = Pattern::Table(&[]);
+        ScannerBuf {
+            scanner: self.with_tables(nothing, &[]),
+            pattern: PatternBuf::copy_of(&self.config().pattern),
+            spreads: self.config().spreads.to_vec(),
+        }
+    }
+}
+
+impl ScannerBuf {
+    /// Calls `work` with the scanner, for which some hundred bytes are copied, and nothing is checked or allocated.
+    pub fn with<R>(&self, work: impl FnOnce(&Scanner<'_>) -> R) -> R {
+        self.pattern.with(|pattern| work(&self.scanner.with_tables(pattern, &self.spreads)))
+    }
+}
+
+impl Sensor for ScannerBuf {
+    type Output<'a> = Echoes<'a>;
+
+    fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
+        self.with(|scanner| scanner.workspace_len(scene, capture))
+    }
+
+    fn sense(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: Echoes<'_>,
+    ) -> Result<(), SenseError> {
+        self.with(|scanner| scanner.sense(scene, capture, workspace, output))
+    }
+}

@@ -1,7 +1,7 @@
 //! Capsules along z: a cylinder and a ball at each end.
 
+use super::common_origin::power_of_point;
 use super::cylinder::Side;
-use super::outside::beyond;
 use super::real::Real;
 use super::surface::{Surface, around};
 use super::{Inside, cylinder, dot, sphere};
@@ -46,14 +46,14 @@ struct Ball {
     height: f64,
     /// Square of the distance of its centre.
     distance_squared: f64,
-    per_beyond: f64,
+    per_power: f64,
 }
 
 impl Ball {
     fn new(distance: f64, height: f64, radius: f64) -> Option<Self> {
         let distance_squared = dot([distance, height], [distance, height]);
-        let beyond = beyond(sqrt(distance_squared), radius)?;
-        Some(Self { height, distance_squared, per_beyond: 1.0 / beyond })
+        let power = power_of_point(sqrt(distance_squared), radius)?;
+        Some(Self { height, distance_squared, per_power: 1.0 / power })
     }
 }
 
@@ -85,9 +85,9 @@ impl Outside {
         let discriminant =
             self.radius_squared * (x * x + y * y + z * z) - (ball.distance_squared * (y * y) + cross * cross);
         let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
-        let on_ball = (root - (self.side.distance * x + ball.height * z)) * ball.per_beyond;
-        let beyond_end = if discriminant >= 0.0 { on_ball } else { 0.0 };
-        let inverse = if on_side { inverse } else { beyond_end };
+        let on_ball = (root - (self.side.distance * x + ball.height * z)) * ball.per_power;
+        let on_cap = if discriminant >= 0.0 { on_ball } else { 0.0 };
+        let inverse = if on_side { inverse } else { on_cap };
         if meets { inverse } else { 0.0 }
     }
 }

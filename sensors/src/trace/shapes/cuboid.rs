@@ -1,7 +1,7 @@
 //! Boxes: three slabs (Kay & Kajiya 1986).
 
 use super::Inside;
-use super::outside::{Slab, first, greater, lesser};
+use super::common_origin::{Slab, first, greater, lesser};
 use super::real::Real;
 use super::surface::{Surface, flat};
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Closed cylinders along z: an endless cylinder cut by a slab.
 
-use super::outside::{Slab, beyond, first, greater, lesser, turn};
+use super::common_origin::{Slab, first, greater, lesser, power_of_point, turn};
 use super::real::Real;
 use super::surface::{Surface, around, flat};
 use super::{Inside, dot};
@@ -53,32 +53,32 @@ pub(super) struct Side {
     /// Of the axis.
     pub(super) distance: f64,
     /// The square of a tangent's length; negative within.
-    beyond: f64,
-    per_beyond: f64,
+    power: f64,
+    per_power: f64,
 }
 
 impl Side {
     pub(super) fn new(origin: [f64; 3], radius: f64, rows: &mut [[f64; 3]; 3]) -> Option<Self> {
         let [x, y, _] = origin;
         let distance = sqrt(dot([x, y], [x, y]));
-        let beyond = beyond(distance, radius)?;
+        let power = power_of_point(distance, radius)?;
         let (cos, sin) = if distance > 0.0 { (x / distance, y / distance) } else { (1.0, 0.0) };
         turn(rows, [[cos, sin, 0.0], [-sin, cos, 0.0], [0.0, 0.0, 1.0]]);
-        Some(Self { radius_squared: radius * radius, distance, beyond, per_beyond: 1.0 / beyond })
+        Some(Self { radius_squared: radius * radius, distance, power, per_power: 1.0 / power })
     }
 
     /// Whether the sensor is in it.
     pub(super) fn is_around(&self) -> bool {
-        self.beyond < 0.0
+        self.power < 0.0
     }
 
     /// 1/t of where a ray enters, if the sensor is outside, and of where it leaves; and whether it meets it.
     #[inline(always)]
     pub(super) fn ends(&self, x: f64, y: f64) -> ([f64; 2], bool) {
-        let discriminant = self.radius_squared * (x * x) - self.beyond * (y * y);
+        let discriminant = self.radius_squared * (x * x) - self.power * (y * y);
         let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
         let middle = -self.distance * x;
-        ([(middle + root) * self.per_beyond, (middle - root) * self.per_beyond], discriminant >= 0.0)
+        ([(middle + root) * self.per_power, (middle - root) * self.per_power], discriminant >= 0.0)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Ellipsoids along the axes: the unit ball in a frame that is stretched to it.
 
-use super::outside::turn;
+use super::common_origin::turn;
 use super::real::Real;
 use super::surface::{Surface, around};
 use super::{Inside, sphere};

@@ -9,6 +9,7 @@
 //! by cancellation (Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection").
 
 pub(crate) mod capsule;
+mod common_origin;
 pub(crate) mod cone;
 pub(crate) mod cuboid;
 pub(crate) mod cylinder;

@@ -1,7 +1,7 @@
 //! Balls around the origin.
 
 use super::Inside;
-use super::outside::{beyond, turn};
+use super::common_origin::{power_of_point, turn};
 use super::real::Real;
 use super::surface::{Surface, around};
 use crate::simd::sqrt;
@@ -29,27 +29,27 @@ pub(crate) struct Outside {
     /// Of the centre.
     distance: f64,
     /// The square of a tangent's length.
-    beyond: f64,
-    per_beyond: f64,
+    power: f64,
+    per_power: f64,
 }
 
 impl Outside {
     pub(super) fn new(origin: [f64; 3], radius: f64, rows: &mut [[f64; 3]; 3]) -> Option<Self> {
         let origin = DVec3::from_array(origin);
         let distance = origin.length();
-        let beyond = beyond(distance, radius).filter(|&beyond| beyond > 0.0)?;
+        let power = power_of_point(distance, radius).filter(|&power| power > 0.0)?;
         let z = origin / distance;
         let (x, y) = z.any_orthonormal_pair();
         turn(rows, [x, y, z].map(|axis| axis.to_array()));
-        Some(Self { radius_squared: radius * radius, distance, beyond, per_beyond: 1.0 / beyond })
+        Some(Self { radius_squared: radius * radius, distance, power, per_power: 1.0 / power })
     }
 
     /// 1/t of a ray.
     #[inline(always)]
     pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
-        let discriminant = self.radius_squared * (z * z) - self.beyond * (x * x + y * y);
+        let discriminant = self.radius_squared * (z * z) - self.power * (x * x + y * y);
         let root = sqrt(if discriminant > 0.0 { discriminant } else { 0.0 });
-        let inverse = (root - self.distance * z) * self.per_beyond;
+        let inverse = (root - self.distance * z) * self.per_power;
         if discriminant >= 0.0 { inverse } else { 0.0 }
     }
 }

@@ -46,7 +46,7 @@ pub enum Maker {
 pub struct Mode {
     /// The columns of a turn.
     pub columns: Columns,
-    /// The frame rate in Hz: turns per second.
+    /// The rotation rate, in turns per second.
     pub rate_hz: f64,
 }
 

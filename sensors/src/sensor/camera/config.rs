@@ -31,11 +31,12 @@ pub struct CameraConfig<'a> {
     pub near_m: f64,
     /// The far clip distance in metres, measured like `near_m` and greater than it. Nothing farther is visible.
     pub far_m: f64,
-    /// Which sides of surfaces are visible.
+    /// The sides of surfaces that are visible.
     ///
-    /// With [`Faces::Front`], back faces are culled, as renderers and Gazebo do. A camera inside its own housing then
-    /// sees out of it. A mesh whose triangles run clockwise, seen from outside, shows the inside of its far side or
-    /// nothing. With [`Faces::Both`] back faces are visible too, shaded with their normal turned towards the camera.
+    /// With [`Faces::Front`], back faces are culled, as in most renderers and in Gazebo. A camera inside its own
+    /// housing then sees out of it. A mesh whose triangles run clockwise, seen from outside, shows the inside of its
+    /// far side or nothing. With [`Faces::Both`] no surface is seen through: back faces are visible too, shaded with
+    /// their normal turned towards the camera.
     pub faces: Faces,
     /// The factor by which light is multiplied before it reaches the sensor, finite and at least 0; 1 leaves the scene
     /// as it is lit. Colours are proportional to it until they saturate at 1, as the electrons of a sensor are to its

@@ -15,11 +15,12 @@ use crate::trace::{Faces, TooNear};
 pub struct DepthCameraConfig<'a> {
     /// The lens, the clip distances and the colour picture. Its `faces` are ignored.
     pub camera: CameraConfig<'a>,
-    /// Which sides of surfaces are visible, for depths, colours, point cloud and ground truth alike, so that all of
+    /// The sides of surfaces that are visible, in depths, colours, point cloud and ground truth alike, so that all of
     /// them show the same surfaces.
     ///
-    /// With [`Faces::Both`] a mesh whose triangles run clockwise is measured as well, and so is the inside of a housing
-    /// around the camera. With [`Faces::Front`], as in Gazebo, only front faces are visible.
+    /// With [`Faces::Both`] no surface is seen through: a mesh whose triangles run clockwise is measured as well, and
+    /// so is the inside of a housing around the camera. With [`Faces::Front`], as in Gazebo, only front faces are
+    /// visible.
     pub faces: Faces,
     /// Depths at or below this value are too near, in metres.
     pub min_depth_m: f64,

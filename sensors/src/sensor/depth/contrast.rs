@@ -46,8 +46,8 @@ pub(super) struct Contrast<'a> {
 impl Contrast<'_> {
     /// Returns which of up to sixteen pixels of a row are matched, and the factor by which their noise grows.
     ///
-    /// `seen` holds their depths and the cosines that they face; each has a standard normal number. Pixels without a
-    /// depth count as matched.
+    /// `seen` holds their depths, and their cosines of incidence relative to those of a plane parallel to the picture;
+    /// `normals` holds a standard normal number for each. Pixels without a depth count as matched.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &self,

@@ -87,7 +87,7 @@ impl Beams {
     }
 }
 
-/// Whether the slices of a lidar's [`Shutter`](crate::Shutter) are columns or scan lines.
+/// The way a lidar sweeps: whether the slices of its [`Shutter`](crate::Shutter) are columns or scan lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sweep {
     /// A lidar that turns: the lines of a slice are columns, that is, the beams of all scan lines at some azimuths.
@@ -121,9 +121,9 @@ pub struct LidarConfig {
     /// A bit mask of the instances that are visible: those whose own mask has a bit in common with this one; see
     /// [`visibility`].
     pub visibility: u32,
-    /// Which sides of surfaces are visible.
+    /// The sides of surfaces that are visible.
     pub faces: Faces,
-    /// Whether the slices of a shutter are columns or scan lines.
+    /// The way the lidar sweeps: whether the slices of a shutter are columns or scan lines.
     pub sweep: Sweep,
     /// Noise of a range in metres. Noisy ranges are clamped to the two limits.
     pub noise: GaussianNoise,

@@ -14,7 +14,9 @@ use crate::trace::Faces;
 /// The longest time of a frame: an hour.
 const MOST_NS: u64 = 3_600_000_000_000;
 
-/// Range noise that depends on the range, from some range on, in addition to the general noise.
+/// Additional range noise that depends on the range.
+///
+/// It applies from [`Spread::from_m`] on, until the next spread begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
     /// The range from which on this noise applies, in metres.
@@ -54,7 +56,7 @@ pub struct ScannerConfig<'a> {
     /// A bit mask of the instances that are visible: those whose own mask has a bit in common with this one; see
     /// [`visibility`].
     pub visibility: u32,
-    /// Which sides of surfaces are visible.
+    /// The sides of surfaces that are visible.
     pub faces: Faces,
     /// Noise of each range.
     pub noise: GaussianNoise,

@@ -10,7 +10,7 @@ use glam::DVec3;
 /// No instance was hit.
 pub(crate) const MISS: u32 = u32::MAX;
 
-/// Which sides of surfaces count as hits.
+/// The sides of surfaces that count as hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Faces {
     /// Front faces only, as in a renderer with back-face culling. A camera inside its own housing sees out of it.

@@ -31,8 +31,8 @@ pub struct Beam {
     pub rays: u32,
 }
 
-/// Stray light around the beam, from the lens and from dirt on it: a disc of uniform brightness, sampled by eight rays
-/// on a ring of 0.707 of its radius.
+/// Stray light around the beam, from the lens and from what lies on it: a disc of uniform brightness, sampled by eight
+/// rays on a ring of 0.707 of its radius.
 ///
 /// From most surfaces it is too weak to be detected. But a retroreflector sends back up to a hundred times as much
 /// light and blooms: beams beside it have a return at its range, and it looks larger.

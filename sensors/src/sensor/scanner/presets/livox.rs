@@ -40,8 +40,8 @@ pub const MID_70: Preset = Preset {
 
 /// Livox Mid-360: four lasers that fire at once, 200 000 points per second all around, from −7.2° to 52.2°.
 ///
-/// σ is 30 mm at 0.2 m and 20 mm at 10 m; here these hold up to 1 m and beyond. The largest range is 70 m, for a
-/// surface of 80 %.
+/// σ is 30 mm at 0.2 m and 20 mm at 10 m; here the first holds up to 1 m and the second beyond. The largest range is
+/// 70 m, for a surface of 80 %.
 ///
 /// The optics reproduce the scan table that Livox published for its simulation (800 000 points, 4 s). Lasers look up,
 /// ±0.709° and ±2.126° from the axis. Above them, a wedge of 31.17° with an index of 1.593 turns to the right at 10345

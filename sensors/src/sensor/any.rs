@@ -1,4 +1,4 @@
-//! Any of the sensors, for lists of different ones.
+//! A sensor of any kind, for lists of different sensors.
 
 use super::Sensor;
 use super::camera::{CameraBuf, Picture};
@@ -9,7 +9,7 @@ use crate::moment::Capture;
 use crate::scene::Scene;
 use crate::trace::{SenseError, Workspace};
 
-/// One sensor of any kind, which owns all it needs.
+/// A sensor of any kind that owns all its data.
 ///
 /// ```
 /// use belvedere_sensors::{camera::*, lidar::*, optics::PinholeGrid, scene::SceneBuilder, trace::WorkspaceBuf};
@@ -42,22 +42,22 @@ pub enum AnySensor {
     Camera(CameraBuf),
     /// A depth camera, which fills a [`DepthFrame`].
     Depth(DepthCameraBuf),
-    /// A lidar with an even grid of beams, which fills a [`Scan`].
+    /// A lidar with a regular grid of beams, which fills a [`Scan`].
     Lidar(Lidar),
-    /// A lidar that fires beam by beam, which fills [`Echoes`].
+    /// A lidar with an arbitrary firing pattern, which fills [`Echoes`].
     Scanner(ScannerBuf),
 }
 
-/// Where the frame of an [`AnySensor`] goes: the output of its kind of sensor.
+/// The output buffers of a frame of an [`AnySensor`]; the variant must match the kind of sensor.
 #[derive(Debug)]
 pub enum AnyOutput<'a> {
-    /// For an [`AnySensor::Camera`].
+    /// The output of an [`AnySensor::Camera`].
     Camera(Picture<'a>),
-    /// For an [`AnySensor::Depth`].
+    /// The output of an [`AnySensor::Depth`].
     Depth(DepthFrame<'a>),
-    /// For an [`AnySensor::Lidar`].
+    /// The output of an [`AnySensor::Lidar`].
     Lidar(Scan<'a>),
-    /// For an [`AnySensor::Scanner`].
+    /// The output of an [`AnySensor::Scanner`].
     Scanner(Echoes<'a>),
 }
 
@@ -76,7 +76,7 @@ impl Sensor for AnySensor {
     /// Takes a frame.
     ///
     /// # Errors
-    /// [`SenseError::OutputKind`] when the output is that of another kind of sensor, and those of the sensor.
+    /// [`SenseError::OutputKind`] if the output belongs to another kind of sensor; otherwise the errors of the sensor.
     fn sense(
         &self,
         scene: &Scene<'_>,
@@ -122,7 +122,7 @@ impl AnyOutput<'_> {
     }
 }
 
-/// Conversions from the sensors, by value, and from the outputs.
+/// Implements `From` for [`AnySensor`] from each sensor (by value), and for [`AnyOutput`] from each output.
 macro_rules! from {
     ($($sensor:ty, $value:ident => $kind:ident($owned:expr), $output:ident;)*) => {$(
         impl From<$sensor> for AnySensor {

@@ -1,4 +1,4 @@
-//! Colour cameras: textured, lit, with shadows and Gazebo's pixel noise.
+//! Colour cameras with textures, lighting and shadows, and with Gazebo's pixel noise.
 
 pub(super) mod brush;
 mod config;
@@ -28,8 +28,10 @@ use brush::{Brush, ColourRows, sums_len};
 pub use config::{CameraConfig, MAX_IMAGE_SIZE};
 use fearless_simd::Simd;
 
-/// A checked colour camera. It looks along +x of its frame, its picture's right is −y and down is −z. Of surfaces it sees the
-/// outside, unless [`CameraConfig::faces`](CameraConfig#structfield.faces) says otherwise.
+/// A colour camera, with a checked configuration.
+///
+/// The camera looks along +x of its frame; right in the picture is −y and down is −z. Only front faces of surfaces are
+/// visible, unless [`CameraConfig::faces`](CameraConfig#structfield.faces) says otherwise.
 ///
 /// ```
 /// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
@@ -59,10 +61,10 @@ pub struct Camera<'a> {
 }
 
 impl<'a> Camera<'a> {
-    /// Checks the configuration.
+    /// Creates a camera after checking its configuration.
     ///
     /// # Errors
-    /// A [`ParameterError`] that names the value out of range.
+    /// Returns a [`ParameterError`] that names the value out of range.
     pub fn new(config: CameraConfig<'a>) -> Result<Self, ParameterError> {
         CameraConfig::check_size(config.optics.asked_size())?;
         config.optics.check()?;
@@ -80,11 +82,11 @@ impl<'a> Camera<'a> {
         })
     }
 
-    /// Gives the device another time of exposure and gain from the next frame on, as automatic exposure does between
-    /// two frames; a camera without a device stays as it is.
+    /// Sets exposure time and gain of the device from the next frame on, as automatic exposure does between two frames.
+    /// A camera without a device is not changed.
     ///
     /// # Errors
-    /// A [`ParameterError`] when one of them is out of its range; the camera then stays as it was.
+    /// Returns a [`ParameterError`] if one of them is out of range; the camera is not changed in that case.
     pub fn set_device_exposure(&mut self, exposure: Exposure) -> Result<(), ParameterError> {
         if let Some(config) = self.config.device {
             let config = config.exposure(exposure);
@@ -94,44 +96,46 @@ impl<'a> Camera<'a> {
         Ok(())
     }
 
-    /// How bright a picture of this camera is, for [`AutoExposure`](crate::device::AutoExposure): what is in the picture
-    /// is taken back to linear light. Of eight rows two are looked at.
+    /// Measures the brightness of a picture of this camera, for [`AutoExposure`](crate::device::AutoExposure).
+    ///
+    /// The pixel values are converted back to linear light. Two of every eight rows are sampled.
     ///
     /// # Errors
-    /// When `picture` is not [`Camera::frame_len`] long.
+    /// Fails if `picture` is not [`Camera::frame_len`] bytes long.
     pub fn meter(&self, picture: &[u8], metering: Metering) -> Result<FrameStatistics, SenseError> {
         check_output("picture", Some(picture.len()), self.frame_len())?;
         let CameraConfig { format, device, .. } = &self.config;
         Ok(meter(picture, self.size(), *format, device.as_ref(), metering))
     }
 
-    /// The same camera with other optics, which must be checked already.
+    /// Returns the same camera with other optics, which must have been checked.
     #[cfg(feature = "alloc")]
     pub(super) fn with_optics<'b>(&self, optics: &Optics<'b>) -> Camera<'b> {
         Camera { config: self.config.with_optics(optics), bias: self.bias, device: self.device }
     }
 
-    /// What it was made from.
+    /// Returns the configuration that the camera was created with.
     pub fn config(&self) -> &CameraConfig<'a> {
         &self.config
     }
 
-    /// Pixels across and down.
+    /// Returns the width and height of the picture in pixels.
     pub fn size(&self) -> [usize; 2] {
         self.config.optics.size()
     }
 
-    /// Bytes from one row to the next: rows are not padded.
+    /// Returns the number of bytes from one row to the next. Rows are not padded.
     pub fn row_stride(&self) -> usize {
         self.size()[0] * self.config.format.bytes()
     }
 
-    /// Bytes of a picture.
+    /// Returns the number of bytes of a picture.
     pub fn frame_len(&self) -> usize {
         self.row_stride() * self.size()[1]
     }
 
-    /// Where only front faces count, a housing seen from within has none: a camera in its own housing sees out.
+    /// Returns which hits count. With back-face culling, the inside of a housing is invisible: a camera sees out of its
+    /// own.
     pub(crate) fn sight(&self) -> Sight {
         Sight {
             faces: self.config.faces,
@@ -140,7 +144,7 @@ impl<'a> Camera<'a> {
         }
     }
 
-    /// Marks of a picture.
+    /// Returns the number of marks of a picture: one per pixel if edges are smoothed, otherwise 0.
     pub(super) fn marks(&self, shutter: &Shutter<'_>) -> usize {
         let [width, height] = self.size();
         let kept = self.config.edges == Edges::Smooth
@@ -149,13 +153,13 @@ impl<'a> Camera<'a> {
         if kept { width * height } else { 0 }
     }
 
-    /// What the formats of 16 bits count up to.
+    /// Returns the largest value of the 16-bit formats.
     pub(super) fn full_scale(&self) -> f32 {
         self.device.map_or(65_535.0, |device| device.full_scale())
     }
 
-    /// Exposure, device or the curve of sRGB, and noise of a tile. Where there is no ray there is no light: a pixel is black, or what a device
-    /// makes of darkness.
+    /// Applies exposure, then the device or the sRGB curve, then noise to a tile. Pixels without a ray (`missing`)
+    /// receive no light: they are black, or show the dark signal of the device.
     #[inline(always)]
     pub(super) fn expose<S: Simd>(
         &self,
@@ -187,7 +191,7 @@ impl<'a> Camera<'a> {
     }
 }
 
-/// Where there is no ray, a pixel is black.
+/// Makes pixels without a ray black.
 #[inline(always)]
 fn blacken(colours: &mut Colours, missing: u64) {
     if missing == 0 {
@@ -200,21 +204,21 @@ fn blacken(colours: &mut Colours, missing: u64) {
     }
 }
 
-/// Where the parts of a picture go. Rows run from the top, not padded.
+/// The output buffers of a picture. Rows run from top to bottom without padding.
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct Picture<'a> {
-    /// Colours in the format of the camera, [`Camera::frame_len`] bytes.
+    /// The colours in the pixel format of the camera, [`Camera::frame_len`] bytes.
     pub colour: Option<&'a mut [u8]>,
-    /// What is true of each pixel.
+    /// Ground truth for each pixel.
     pub truth: Option<Truth<'a>>,
 }
 
 impl<'a> Picture<'a> {
     outputs! {
-        /// Sets where colours go.
+        /// Sets the buffer for colours.
         colour: &'a mut [u8],
-        /// Sets where truth goes.
+        /// Sets the buffers for ground truth.
         truth: Truth<'a>,
     }
 }
@@ -297,7 +301,7 @@ impl BandWork<Rows<'_>> for Painter<'_> {
     }
 }
 
-/// The parts of a picture, cut between rows of blocks.
+/// The outputs of a picture, split between rows of blocks.
 struct Rows<'a> {
     wants_colour: bool,
     colour: ColourRows<'a>,
@@ -317,7 +321,7 @@ impl SplitRows for Rows<'_> {
     }
 }
 
-/// A picture whose edges are painted over, from some row of tiles on.
+/// The rest of a picture from some row of tiles on, whose edges are painted over.
 struct Retouched<'a> {
     camera: &'a Camera<'a>,
     frame: u64,

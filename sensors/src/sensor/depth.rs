@@ -1,4 +1,4 @@
-//! Depth cameras: depth along the optical axis, the colour picture that belongs to it, and the cloud of points.
+//! Depth cameras: depth along the optical axis, the registered colour picture, and the point cloud.
 
 mod config;
 mod contrast;
@@ -46,45 +46,50 @@ use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
-/// Bytes of a point of the cloud: x 0, y 4, z 8, rgb 16, all f32, as `gazebo_ros_openni_kinect` lays it out.
+/// The number of bytes of a point of the cloud. The fields x, y, z and rgb are at offsets 0, 4, 8 and 16, all `f32`, as
+/// `gazebo_ros_openni_kinect` lays them out.
 pub const POINT_STEP: usize = 32;
 
-/// Where the parts of a depth frame go; what is none is not worked out. Rows run from the top, not padded.
+/// The output buffers of a depth frame. Parts that are `None` are not computed. Rows run from top to bottom without
+/// padding.
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct DepthFrame<'a> {
-    /// Depth in metres (32FC1), one per pixel.
+    /// Depths in metres (32FC1), one per pixel.
     pub depth_32fc1: Option<&'a mut [f32]>,
-    /// Depth in millimetres (16UC1), one per pixel; 0 where invalid.
+    /// Depths in millimetres (16UC1), one per pixel; 0 where invalid.
     pub depth_16uc1: Option<&'a mut [u16]>,
-    /// Colours in the format of the camera, [`Camera::frame_len`] bytes.
+    /// The colours in the pixel format of the camera, [`Camera::frame_len`] bytes.
     pub colour: Option<&'a mut [u8]>,
-    /// Points in the optical frame, [`POINT_STEP`] bytes per pixel, with the colours of the moment of their depths.
+    /// The point cloud in the optical frame, [`POINT_STEP`] bytes per pixel. A point has the colour of the moment at
+    /// which its depth is measured.
     pub points: Option<&'a mut [u8]>,
-    /// Coordinates of the same points without their colours, one per pixel, in metres: NaN where there is no depth.
+    /// The coordinates of the same points without colours, one per pixel, in metres; NaN where there is no depth.
     pub xyz: Option<&'a mut [[f32; 3]]>,
-    /// What is true of each pixel.
+    /// Ground truth for each pixel.
     pub truth: Option<Truth<'a>>,
 }
 
 impl<'a> DepthFrame<'a> {
     outputs! {
-        /// Sets where depths in metres go.
+        /// Sets the buffer for depths in metres.
         depth_32fc1: &'a mut [f32],
-        /// Sets where depths in millimetres go.
+        /// Sets the buffer for depths in millimetres.
         depth_16uc1: &'a mut [u16],
-        /// Sets where colours go.
+        /// Sets the buffer for colours.
         colour: &'a mut [u8],
-        /// Sets where the cloud goes.
+        /// Sets the buffer for the point cloud.
         points: &'a mut [u8],
-        /// Sets where coordinates of points go.
+        /// Sets the buffer for the coordinates of points.
         xyz: &'a mut [[f32; 3]],
-        /// Sets where truth goes.
+        /// Sets the buffers for ground truth.
         truth: Truth<'a>,
     }
 }
 
-/// A checked depth camera; it looks along +x of its frame like a [`Camera`]. It sees both sides of surfaces, unless
+/// A depth camera, with a checked configuration.
+///
+/// Like a [`Camera`], it looks along +x of its frame. Both sides of surfaces are visible, unless
 /// [`DepthCameraConfig::faces`](DepthCameraConfig#structfield.faces) says otherwise.
 #[derive(Debug, Clone, Copy)]
 pub struct DepthCamera<'a> {
@@ -93,17 +98,17 @@ pub struct DepthCamera<'a> {
     /// Noise that is added while rays are traced, and its bias.
     noise: GaussianNoise,
     bias: f32,
-    /// What makes a frame of what is seen, in a second pass.
+    /// The device model, applied in a second pass over the frame.
     device: Option<DepthDevice>,
-    /// Depths at or below the first are too near, at or above the second too far.
+    /// Depths at or below the first limit are too near; those at or above the second are too far.
     limits: [f32; 2],
 }
 
 impl<'a> DepthCamera<'a> {
-    /// Checks the configuration.
+    /// Creates a depth camera after checking its configuration.
     ///
     /// # Errors
-    /// A [`ParameterError`] that names the value out of range.
+    /// Returns a [`ParameterError`] that names the value out of range.
     pub fn new(config: DepthCameraConfig<'a>) -> Result<Self, ParameterError> {
         let (min_m, max_m) = (config.min_depth_m, config.max_depth_m);
         let in_order = min_m >= 0.0 && min_m < max_m;
@@ -119,7 +124,7 @@ impl<'a> DepthCamera<'a> {
         Ok(Self { config, camera, noise, bias, device, limits: [min_m as f32, max_m as f32] })
     }
 
-    /// The same camera with other optics, which must be checked already.
+    /// Returns the same camera with other optics, which must have been checked.
     #[cfg(feature = "alloc")]
     pub(super) fn with_optics<'b>(&self, optics: &Optics<'b>) -> DepthCamera<'b> {
         let Self { config, camera, noise, bias, device, limits } = self;
@@ -133,22 +138,22 @@ impl<'a> DepthCamera<'a> {
         }
     }
 
-    /// What it was made from.
+    /// Returns the configuration that the camera was created with.
     pub fn config(&self) -> &DepthCameraConfig<'a> {
         &self.config
     }
 
-    /// The colour camera in the same place, pixel for pixel, which sees the same sides of surfaces.
+    /// Returns the colour camera that is registered to the depths pixel by pixel. It sees the same sides of surfaces.
     pub fn camera(&self) -> &Camera<'a> {
         &self.camera
     }
 
-    /// Pixels of a frame.
+    /// Returns the number of pixels of a frame.
     pub fn pixels(&self) -> usize {
         self.camera.size().into_iter().product()
     }
 
-    /// The random numbers of the depths of a tile, block by block.
+    /// Returns the random numbers for the depths of a tile, block by block.
     #[inline(always)]
     fn normals<S: Simd>(
         &self,
@@ -160,14 +165,14 @@ impl<'a> DepthCamera<'a> {
         let CameraConfig { seed, sensor, .. } = self.config.camera;
         let stream = Stream { seed, sensor, frame, channel: Stream::DEPTH };
         match tiling {
-            // The four samples of each line that lie in the same block lie in the same column.
+            // The four samples of a line that lie in the same block lie in the same column.
             Tiling::Square => normal_columns(simd, &stream, samples),
             Tiling::Rows => normal_lines(simd, &stream, samples),
         }
     }
 
-    /// Measured depths in metres, from true and noisy ones: REP-117 values where there is none. What noise takes out of
-    /// the valid range is out of it, as what was there before.
+    /// Limits noisy depths, in metres, to the valid range; depths outside become REP-117 values. A depth is outside if
+    /// either the true or the noisy value is.
     #[inline(always)]
     fn limited<S: Simd>(&self, simd: S, truth: f32x16<S>, noisy: f32x16<S>) -> f32x16<S> {
         let [min, max] = self.limits;
@@ -176,7 +181,7 @@ impl<'a> DepthCamera<'a> {
         noisy.max(truth).simd_ge(max).select(far, measured)
     }
 
-    /// Measured depths as 32FC1 shows them.
+    /// Returns measured depths with the out-of-range values that 32FC1 has.
     #[inline(always)]
     fn shown<S: Simd>(&self, simd: S, depths: f32x16<S>) -> f32x16<S> {
         match self.config.out_of_range {
@@ -355,7 +360,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
             seen.write(simd, band, device, &camera.camera.sight(), self.obstacles);
         }
         for row in band.block_rows() {
-            // Depths are those of a line's first slice.
+            // The depths of a line are those of its first slice.
             let is_first = (row * tiling.size()[1]) as i32 >= band.fresh_from;
             for column in 0..brush.tiles {
                 let tile = [column, row];
@@ -381,7 +386,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                         depths = lines_of(simd, tiling, depths);
                     }
                     if wants_points {
-                        // Of a mean, the points have the colours of its first moment.
+                        // Where light is averaged over moments, the points have the colours of the first one.
                         let light = (output.wants_colour && output.colour.sums()).then_some(brush.colours);
                         brush.expose(simd, tile);
                         output.write_points(simd, &depths, &brush.colours, band, tile);

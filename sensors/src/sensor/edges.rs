@@ -1,12 +1,13 @@
-//! Anti-aliased edges: more rays where neighbouring pixels disagree.
+//! Anti-aliased edges: more rays where neighbouring pixels differ.
 //!
-//! A picture is traced and shaded with a ray a pixel first, and a [mark](Marks) is kept of each pixel: its colour, and
-//! what it shows. Where a neighbour shows something else in another colour, an edge of a shape or of a shadow runs
-//! between the two: there the pixel's colour becomes the mean of [`SAMPLES`] rays spread over its square, in linear light
-//! and before exposure and noise. Patterns on a surface are filtered already, by their footprints.
+//! A picture is first traced and shaded with one ray per pixel, and a [mark](Marks) is kept of each pixel: its colour,
+//! and a number for what it shows (instance, face, side of a shadow). Where a neighbour shows something else in another
+//! colour, an edge of a shape or of a shadow runs between the two. There the pixel becomes the mean of [`SAMPLES`] rays
+//! spread over its square, in linear light and before exposure and noise. Textures on a surface are already filtered by
+//! the footprints of the rays.
 //!
-//! Marks are compared once the picture is complete, so that bands do not show, and in the same pieces whatever the number
-//! of threads. Pixels without an edge keep their bits.
+//! Marks are compared once the picture is complete, so that the borders of bands do not show, and in chunks that do not
+//! depend on the number of threads. Pixels without an edge keep their exact values.
 
 mod marks;
 
@@ -31,7 +32,7 @@ pub(crate) use marks::Marks;
 use marks::{COLOUR, NO_RAY, beyond};
 pub(super) use marks::{TILE_HEIGHT, TILE_WIDTH};
 
-/// What becomes of the edges of shapes and shadows in a picture.
+/// The treatment of the edges of shapes and shadows in a picture.
 ///
 /// ```
 /// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
@@ -61,31 +62,33 @@ pub(super) use marks::{TILE_HEIGHT, TILE_WIDTH};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Edges {
-    /// A pixel has the colour that its middle sees: edges are stairs.
+    /// One ray per pixel, through its centre. Edges are aliased.
     #[default]
     Sharp,
-    /// A pixel at an edge has the mean colour of four rays spread over it. Not in pictures that are taken at several
-    /// moments ([`Shutter::Slices`](crate::Shutter::Slices)), nor of a grid of angles: their edges stay sharp.
+    /// Anti-aliasing: a pixel at an edge has the mean colour of four rays spread over it. Edges stay sharp in pictures
+    /// taken at several moments ([`Shutter::Slices`](crate::Shutter::Slices)) and in pictures of a grid of angles
+    /// ([`SphericalGrid`](crate::optics::SphericalGrid)).
     Smooth,
 }
 
-/// Rays of a pixel at an edge.
+/// The number of rays of a pixel at an edge.
 const SAMPLES: usize = 4;
-/// Where in the pixel they go, to the right and down of its middle: no two in one of its four rows or columns.
+/// Offsets of these rays to the right and down from the pixel's centre. No two lie in the same of its four rows or
+/// columns.
 const OFFSETS: [[f64; 2]; SAMPLES] = [[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]];
-/// Pixels whose rays are traced at a time.
+/// The number of pixels whose rays are traced together.
 const PIXELS: usize = LANES / SAMPLES;
-/// Rows of tiles that are searched and painted at a time.
+/// The number of rows of tiles that are searched and painted together.
 const CHUNK: usize = 8;
-/// Tiles of a row that are searched at a time.
+/// The number of tiles of a row that are searched together.
 const GROUP: usize = 16;
-/// Pixels that are painted together.
+/// The number of pixels that are painted together.
 const QUEUE: usize = 8 * PIXELS;
 
-/// A picture that pixels are painted over in.
+/// A picture in which pixels are painted over.
 pub(crate) trait Canvas: SplitRows {
-    /// Paints some lanes of a tile, a bit each; the colours of the others mean nothing. `place` is the tile's
-    /// column, and its row in this part of the picture.
+    /// Paints the lanes of a tile that are set in the mask `lanes`; the colours of the others are undefined. `place` is
+    /// the column of the tile, and its row in this part of the picture.
     fn paint<S: Simd>(
         &mut self,
         simd: S,
@@ -103,12 +106,12 @@ pub(crate) struct Smoothing<'a> {
     camera_rays: CameraRays<'a>,
     sight: Sight,
     marks: &'a [u32],
-    /// Of the picture.
+    /// The width and height of the picture.
     size: [usize; 2],
 }
 
 impl<'a> Smoothing<'a> {
-    /// None, if there are no marks.
+    /// Returns `None` if there are no marks, or if the optics are a grid of angles.
     pub(crate) fn new(
         frame: &'a Frame<'a>,
         optics: &Optics<'a>,
@@ -140,7 +143,7 @@ impl<'a> Smoothing<'a> {
         for_each_row(execution, 0..down.div_ceil(CHUNK), Chunks(canvas), &work);
     }
 
-    /// Paints the edges in some rows of so many tiles.
+    /// Paints the edges in some rows of `across` tiles each.
     #[inline(always)]
     fn paint_chunk<S: Simd>(
         &self,
@@ -180,12 +183,12 @@ impl<'a> Smoothing<'a> {
         self.put_down(simd, &mut bench.tile, &pixels[..waiting], rows.start, canvas);
     }
 
-    /// The pixels of some tiles of a row at which there is an edge, a bit each.
+    /// Finds the pixels at edges in some tiles of a row: a bit mask per tile.
     #[inline(always)]
     fn find<S: Simd>(&self, simd: S, group: core::ops::Range<usize>, row: usize) -> [u64; GROUP] {
         const MARGIN: usize = WIDTH;
         let [width, height] = self.size;
-        // The marks of these rows, and around them.
+        // The marks of these rows, with a border around them.
         let mut near = [[NO_RAY; MARGIN + GROUP * TILE_WIDTH + MARGIN]; TILE_HEIGHT + 2];
         let first = group.start * TILE_WIDTH;
         let (before, after) = (first.saturating_sub(1), (group.end * TILE_WIDTH + 1).min(width));
@@ -219,8 +222,8 @@ impl<'a> Smoothing<'a> {
         edges
     }
 
-    /// Traces the rays of up to sixteen pixels and gives these their mean colours. Compiled once a level, whatever the
-    /// canvas.
+    /// Traces the rays of up to sixteen pixels and sets these pixels to their mean colours. Compiled once per SIMD
+    /// level, for all canvases.
     #[inline(never)]
     fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
         let Bench { packet, local, tile, shader, through, resolver, colours } = bench;
@@ -245,7 +248,7 @@ impl<'a> Smoothing<'a> {
         }
     }
 
-    /// The rays of a pixel lie in lanes side by side: so a row of lanes sees few surfaces.
+    /// Sets up the rays. The rays of a pixel lie in neighbouring lanes, so that a row of lanes sees few surfaces.
     #[inline(always)]
     fn aim(&self, pixels: &[Pixel], packet: &mut Packet, tile: &mut Tile) {
         let axes = self.view.world_from_sensor.rotation_matrix();
@@ -286,8 +289,8 @@ impl<'a> Smoothing<'a> {
         }
     }
 
-    /// Paints pixels, of neighbouring tiles one after the other, into the part of a picture that begins at a row of
-    /// tiles.
+    /// Paints pixels into the part of a picture that begins at the tile row `first_row`. Pixels of the same tile must
+    /// be adjacent.
     #[inline(never)]
     fn put_down<S: Simd>(
         &self,
@@ -326,13 +329,13 @@ impl<'a> Smoothing<'a> {
 /// A pixel at an edge.
 #[derive(Clone, Copy)]
 struct Pixel {
-    /// Column and row of its tile.
+    /// Column and row of the pixel's tile.
     tile: [usize; 2],
     lane: usize,
     colour: [f32; 3],
 }
 
-/// What is worked with, from piece to piece.
+/// Working memory that is reused from chunk to chunk.
 struct Bench<'a> {
     packet: Packet,
     local: LocalRays,
@@ -357,7 +360,7 @@ impl<'a> Bench<'a> {
     }
 }
 
-/// A canvas, cut by chunks.
+/// A canvas, split between chunks of rows.
 struct Chunks<C>(C);
 
 impl<C: SplitRows> SplitRows for Chunks<C> {

@@ -1,43 +1,43 @@
-//! Inertial measurement units: three gyros and three accelerometers, each triad an [`Instrument`].
+//! Inertial measurement units: three gyros and three accelerometers; each triad is an [`Instrument`].
 
 use crate::ParameterError;
 use crate::noise::{Instrument, InstrumentConfig, InstrumentState, Stream};
 use glam::DVec3;
 
-/// Errors of a unit's gyros, in rad/s, and accelerometers, in m/s². None at first.
+/// Errors of an inertial measurement unit: gyros in rad/s, accelerometers in m/s². By default there are none.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ImuConfig {
-    /// Of rates of turn.
+    /// Errors of the angular velocity, in rad/s.
     pub gyro: InstrumentConfig<3>,
-    /// Of specific forces.
+    /// Errors of the specific force, in m/s².
     pub accelerometer: InstrumentConfig<3>,
 }
 
 impl ImuConfig {
     setters! {
-        /// Of rates of turn.
+        /// Sets the errors of the angular velocity.
         gyro: InstrumentConfig<3>,
-        /// Of specific forces.
+        /// Sets the errors of the specific force.
         accelerometer: InstrumentConfig<3>,
     }
 }
 
-/// A motion as it is felt, or what a unit reads of it, in the unit's axes.
+/// Angular velocity and specific force in the axes of the unit: true ones, or the values that the unit measures.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct InertialReading {
-    /// In rad/s.
+    /// Angular velocity in rad/s.
     pub angular_velocity: DVec3,
-    /// In m/s²: acceleration less gravity, which is +g upwards at rest and 0 in free fall.
+    /// Specific force in m/s²: acceleration minus gravity, which is +g upwards at rest and 0 in free fall.
     pub specific_force: DVec3,
 }
 
-/// A running unit's biases, from [`Imu::start`].
+/// The biases of a running unit, returned by [`Imu::start`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImuState {
-    /// Of the gyros.
+    /// State of the gyros.
     pub gyro: InstrumentState<3>,
-    /// Of the accelerometers.
+    /// State of the accelerometers.
     pub accelerometer: InstrumentState<3>,
 }
 
@@ -66,10 +66,10 @@ pub struct Imu {
 }
 
 impl Imu {
-    /// Of these errors, with the random numbers of a seed and a sensor's number.
+    /// Creates a unit with these errors. `seed` and `sensor` (the number of the sensor) select its random numbers.
     ///
     /// # Errors
-    /// Names the first parameter that is out of range.
+    /// Returns a [`ParameterError`] that names the first parameter out of range.
     pub fn new(config: ImuConfig, seed: u64, sensor: u32) -> Result<Self, ParameterError> {
         Ok(Self {
             gyro: Instrument::named("gyro", config.gyro)?,
@@ -79,18 +79,19 @@ impl Imu {
         })
     }
 
-    /// Its errors.
+    /// Returns the errors that the unit was created with.
     pub const fn config(&self) -> ImuConfig {
         ImuConfig { gyro: *self.gyro.config(), accelerometer: *self.accelerometer.config() }
     }
 
-    /// Begins a run.
+    /// Begins a run: draws the biases that hold for it.
     pub fn start(&self) -> ImuState {
         let [gyro, accelerometer] = self.streams(0);
         ImuState { gyro: self.gyro.start(&gyro), accelerometer: self.accelerometer.start(&accelerometer) }
     }
 
-    /// What it reads of a motion in a frame that comes `period_s` after the one before: frames one after the other.
+    /// Measures a motion in a frame that comes `period_s` seconds after the previous one. Frames must be measured in
+    /// order.
     pub fn measure(
         &self,
         truth: &InertialReading,
@@ -105,14 +106,14 @@ impl Imu {
         InertialReading { angular_velocity: DVec3::from(turn), specific_force: DVec3::from(force) }
     }
 
-    /// Of gyro and accelerometer.
+    /// Returns the random number streams of gyros and accelerometers.
     fn streams(&self, frame: u64) -> [Stream; 2] {
         let Self { seed, sensor, .. } = *self;
         [0, 1].map(|which| Stream { seed, sensor, frame, channel: Stream::INSTRUMENT + which })
     }
 }
 
-/// Units of data sheets.
+/// Errors of particular products, from their data sheets.
 pub mod presets {
     use super::{ImuConfig, InstrumentConfig};
     use core::f64::consts::PI;
@@ -120,8 +121,9 @@ pub mod presets {
     const DEGREE: f64 = PI / 180.0;
     const GRAVITY: f64 = 9.80665;
 
-    /// Analog Devices ADIS16448, as flown on small helicopters: densities, bias walks and correlation times of the
-    /// `RotorS` simulator's unit of that name, biases of a run, steps and ranges of the data sheet.
+    /// Returns the errors of the Analog Devices ADIS16448, as flown on small helicopters. Noise densities, bias random
+    /// walks and correlation times are those of the unit of that name in the `RotorS` simulator. Turn-on biases,
+    /// resolutions and ranges are from the data sheet.
     #[must_use]
     pub fn adis16448() -> ImuConfig {
         let gyro = InstrumentConfig::default()
@@ -141,10 +143,10 @@ pub mod presets {
         ImuConfig { gyro, accelerometer }
     }
 
-    /// Names of the presets, as files ask for them.
+    /// The names of the presets, as files refer to them.
     pub const NAMES: [&str; 1] = ["adis16448"];
 
-    /// The preset of that name.
+    /// Returns the preset of that name, or `None` if there is none.
     #[must_use]
     pub fn named(name: &str) -> Option<ImuConfig> {
         match name {

@@ -1,4 +1,4 @@
-//! Lidars with fixed beams: ranges and intensities, with Gazebo's range noise.
+//! Lidars with a regular grid of beams: ranges and intensities, with Gazebo's range noise.
 
 mod config;
 mod turning;
@@ -24,7 +24,7 @@ use crate::trace::{SenseError, Truth, Workspace};
 pub use config::{Beams, LidarConfig, MAX_BEAMS, MAX_SAMPLES, Sweep};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16};
 
-/// A checked lidar.
+/// A lidar with a regular grid of beams from one point, with a checked configuration.
 #[derive(Debug, Clone, Copy)]
 pub struct Lidar {
     config: LidarConfig,
@@ -32,21 +32,21 @@ pub struct Lidar {
 }
 
 impl Lidar {
-    /// Checks the configuration.
+    /// Creates a lidar after checking its configuration.
     ///
     /// # Errors
-    /// A [`ParameterError`] that names the value out of range.
+    /// Returns a [`ParameterError`] that names the value out of range.
     pub fn new(config: LidarConfig) -> Result<Self, ParameterError> {
         config.check()?;
         Ok(Self { config, bias: config.noise.bias(config.seed, config.sensor, 0) })
     }
 
-    /// What it was made from.
+    /// Returns the configuration that the lidar was created with.
     pub fn config(&self) -> &LidarConfig {
         &self.config
     }
 
-    /// Beams of a scan.
+    /// Returns the number of beams of a scan.
     pub fn beams(&self) -> usize {
         self.config.horizontal.samples as usize * self.config.vertical.samples as usize
     }
@@ -63,7 +63,7 @@ impl Lidar {
         })
     }
 
-    /// That truth has a place for each beam, and moments for its flow.
+    /// Checks that ground truth has a place for each beam and that the capture has the moments for its flow.
     fn check_truth(
         &self,
         truth: Option<&Truth<'_>>,
@@ -77,12 +77,12 @@ impl Lidar {
         if turns && truth.is_some_and(|truth| truth.flow.is_some() || truth.flow_back.is_some()) {
             return Err(SenseError::FlowOfColumns);
         }
-        // Without flow, the other moments are not looked at.
+        // Without flow, the other moments are not used.
         let capture = if turns { &Capture::new(capture.frame, capture.shutter) } else { capture };
         check_truth(truth, scene, &self.optics(), capture)
     }
 
-    /// What counts as a hit.
+    /// Returns which hits count.
     fn sight(&self) -> Sight {
         let nearest = match self.config.too_near {
             TooNear::Blocks => 0.0,
@@ -91,7 +91,7 @@ impl Lidar {
         Sight { faces: self.config.faces, range: [nearest, self.config.range_max_m], within: f64::INFINITY }
     }
 
-    /// The slices, if they are of columns.
+    /// Returns the slices if they are columns.
     fn slices_of_columns<'a>(&self, shutter: &Shutter<'a>) -> Option<&'a [Slice<'a>]> {
         match (self.config.sweep, *shutter) {
             (Sweep::Columns, Shutter::Slices(slices)) => Some(slices),
@@ -99,7 +99,7 @@ impl Lidar {
         }
     }
 
-    /// Turns true ranges of whole scan lines, from one on, into measured ones.
+    /// Converts the true ranges of whole scan lines to measured ones. `first_line` is the number of the first line.
     #[inline(always)]
     fn measure_lines<S: Simd>(&self, simd: S, frame: u64, first_line: usize, ranges: &mut [f32]) {
         let samples = self.config.horizontal.samples as usize;
@@ -111,7 +111,8 @@ impl Lidar {
         }
     }
 
-    /// Turns true ranges of up to 64 beams into measured ones. Noise is counted by 64 beams along each line.
+    /// Converts the true ranges of up to 64 beams to measured ones. Noise is counted in blocks of 64 beams along each
+    /// line.
     #[inline(always)]
     fn measure<S: Simd>(&self, simd: S, frame: u64, block: u32, ranges: &mut [f32]) {
         let config = &self.config;
@@ -127,31 +128,34 @@ impl Lidar {
     }
 }
 
-/// Where the parts of a scan go: lines from the first angle on, beams of each from the first on.
+/// The output buffers of a scan, in row-major order: scan lines from the first vertical angle on, and the beams of each
+/// from the first horizontal angle on.
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct Scan<'a> {
-    /// Metres along the beam, one each; +∞ where nothing is in range, −∞ where something is too near (REP-117).
+    /// Ranges along the beams in metres, one per beam; +∞ where nothing is in range, −∞ where something is too near
+    /// (REP-117).
     pub ranges: Option<&'a mut [f32]>,
-    /// What the surface is said to send back, one each; 0 where there is no range.
+    /// The [`laser_retro`](crate::scene::InstanceConfig::laser_retro) of the surface that is hit, one per beam; 0 where
+    /// there is no range.
     pub intensities: Option<&'a mut [f32]>,
-    /// What is true of each beam.
+    /// Ground truth for each beam.
     pub truth: Option<Truth<'a>>,
 }
 
 impl<'a> Scan<'a> {
     outputs! {
-        /// Sets where ranges go.
+        /// Sets the buffer for ranges.
         ranges: &'a mut [f32],
-        /// Sets where intensities go.
+        /// Sets the buffer for intensities.
         intensities: &'a mut [f32],
-        /// Sets where truth goes.
+        /// Sets the buffers for ground truth.
         truth: Truth<'a>,
     }
 }
 
 impl Scan<'_> {
-    /// To be lent once more.
+    /// Reborrows the buffers.
     fn reborrow(&mut self) -> Scan<'_> {
         Scan {
             ranges: self.ranges.as_deref_mut(),
@@ -160,7 +164,7 @@ impl Scan<'_> {
         }
     }
 
-    /// The parts of the first beams, and of the rest.
+    /// Splits off the parts of the first beams.
     fn split_at(self, beams: usize) -> (Self, Self) {
         let (ranges, ranges_rest) = split_at(self.ranges, beams);
         let (intensities, intensities_rest) = split_at(self.intensities, beams);
@@ -215,7 +219,7 @@ struct Scanner<'a> {
     lidar: &'a Lidar,
     capture: &'a Capture<'a>,
     sight: Sight,
-    /// The lines are whole ones: ranges are measured. Of parts of lines they stay true.
+    /// Whether the lines are whole ones, so that ranges are measured here. In parts of lines they stay true.
     is_whole: bool,
 }
 
@@ -265,7 +269,7 @@ impl BandWork<Lines<'_>> for Scanner<'_> {
     }
 }
 
-/// Scan lines, cut between two rows of blocks.
+/// Scan lines, split between rows of blocks.
 struct Lines<'a> {
     scan: Scan<'a>,
     samples: usize,

@@ -1,6 +1,7 @@
-//! The sensors: what a device makes of a frame.
+//! The sensors: cameras, depth cameras, lidars and inertial measurement units.
 //!
-//! A configuration is checked once, and makes a [`Sensor`]; each of its frames goes into memory of the caller's.
+//! A configuration is checked once and becomes a [`Sensor`]. Each of its frames is written to memory that the caller
+//! provides.
 
 #[cfg(feature = "alloc")]
 pub(crate) mod any;
@@ -23,7 +24,7 @@ use crate::trace::{SenseError, Workspace};
 /// A sensor that takes frames of a scene: [`Camera`](camera::Camera), [`DepthCamera`](depth::DepthCamera),
 /// [`Lidar`](lidar::Lidar), [`Scanner`](scanner::Scanner).
 ///
-/// The trait is not object-safe, as each sensor has outputs of its own. A list of different sensors is a
+/// The trait is not object-safe because each sensor has its own type of output. For a list of different sensors use a
 /// `Vec` of [`AnySensor`](crate::AnySensor).
 ///
 /// ```
@@ -49,19 +50,21 @@ use crate::trace::{SenseError, Workspace};
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Sensor {
-    /// Where the parts of a frame go: slices of the caller's, each of which may be left out; what is left out is not
-    /// worked out.
+    /// The output buffers of a frame: slices that the caller provides. Each of them is optional; parts without a buffer
+    /// are not computed.
     type Output<'a>;
 
-    /// Cache lines of a [`Workspace`] that a frame takes. Frames of one sensor need the same if the scene has as many
-    /// instances and the shutter as many slices, that are cut and overlap alike.
+    /// Returns the number of cache lines of [`Workspace`] memory that a frame needs.
+    ///
+    /// It depends on the number of instances in the scene, on the number of slices of the shutter, and on how these
+    /// slices divide the lines and overlap. While none of that changes, all frames of a sensor need the same amount.
     fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize;
 
-    /// Takes a frame, and allocates nothing. [`Sensor::sense_in`] is shorter where there is a heap.
+    /// Takes a frame without allocating. Where a heap is available, [`Sensor::sense_in`] is shorter.
     ///
     /// # Errors
-    /// When the output, the workspace, the moments or the slices are not as the frame needs them. Nothing is written
-    /// then.
+    /// Fails if the output buffers, the workspace, the moments or the slices do not fit the frame. Nothing is written
+    /// in that case.
     fn sense(
         &self,
         scene: &Scene<'_>,
@@ -70,10 +73,10 @@ pub trait Sensor {
         output: Self::Output<'_>,
     ) -> Result<(), SenseError>;
 
-    /// Takes a frame in a workspace that grows to what the frame needs, and keeps it for the next ones.
+    /// Takes a frame in a workspace that grows to the size that the frame needs and is reused by later frames.
     ///
     /// # Errors
-    /// When the output, the moments or the slices are not as the frame needs them. Nothing is written then.
+    /// Fails if the output buffers, the moments or the slices do not fit the frame. Nothing is written in that case.
     #[cfg(feature = "alloc")]
     fn sense_in(
         &self,

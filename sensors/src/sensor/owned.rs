@@ -1,4 +1,4 @@
-//! Sensors that own the tables which their configurations borrow.
+//! Sensors that own the tables that their configurations borrow.
 
 use super::Sensor;
 use super::camera::{Camera, Picture};
@@ -13,7 +13,7 @@ use crate::scene::Scene;
 use crate::trace::{SenseError, Workspace};
 use alloc::vec::Vec;
 
-/// A [`Camera`] that owns its table of rays, made by [`Camera::to_buf`], so that a struct can hold a fisheye camera.
+/// A [`Camera`] that owns its ray table, created by [`Camera::to_buf`]. It allows a struct to own a fisheye camera.
 ///
 /// ```
 /// use belvedere_sensors::{camera::*, optics::*, scene::SceneBuilder, trace::WorkspaceBuf, Capture, Pose, Sensor};
@@ -35,20 +35,20 @@ use alloc::vec::Vec;
 /// ```
 #[derive(Debug, Clone)]
 pub struct CameraBuf {
-    /// Has no optics but those that own nothing.
+    /// Its optics are a placeholder if they have a table, so that nothing is borrowed.
     camera: Camera<'static>,
     table: Option<RayTableBuf>,
 }
 
-/// A [`DepthCamera`] that owns its table of rays, made by [`DepthCamera::to_buf`].
+/// A [`DepthCamera`] that owns its ray table, created by [`DepthCamera::to_buf`].
 #[derive(Debug, Clone)]
 pub struct DepthCameraBuf {
-    /// Has no optics but those that own nothing.
+    /// Its optics are a placeholder if they have a table, so that nothing is borrowed.
     camera: DepthCamera<'static>,
     table: Option<RayTableBuf>,
 }
 
-/// A [`Scanner`] that owns its lasers, wheels, firings and spreads, made by [`Scanner::to_buf`].
+/// A [`Scanner`] that owns its lasers, wheels, firings and spreads, created by [`Scanner::to_buf`].
 ///
 /// ```
 /// use belvedere_sensors::scanner::{Columns, Laser, Pattern, Scanner, ScannerBuf, ScannerConfig, Spinning};
@@ -63,13 +63,13 @@ pub struct DepthCameraBuf {
 /// ```
 #[derive(Debug, Clone)]
 pub struct ScannerBuf {
-    /// Has a pattern that owns nothing.
+    /// Its pattern is an empty placeholder, so that nothing is borrowed.
     scanner: Scanner<'static>,
     pattern: PatternBuf,
     spreads: Vec<Spread>,
 }
 
-/// The optics without their table, and the table.
+/// Splits optics into a part that borrows nothing and a copy of the table, if there is one.
 fn own_optics(optics: &Optics<'_>) -> (Optics<'static>, Option<RayTableBuf>) {
     match optics {
         Optics::Pinhole(grid) => (Optics::Pinhole(*grid), None),
@@ -88,13 +88,13 @@ fn own_optics(optics: &Optics<'_>) -> (Optics<'static>, Option<RayTableBuf>) {
     }
 }
 
-/// The optics of a sensor that were taken apart by [`own_optics`].
+/// Puts together the optics that [`own_optics`] split.
 fn lend_optics<'a>(optics: &Optics<'static>, table: Option<&'a RayTableBuf>) -> Optics<'a> {
     table.map_or(*optics, Optics::from)
 }
 
 impl Camera<'_> {
-    /// The same camera with a copy of its table of rays.
+    /// Returns the same camera with its own copy of the ray table.
     pub fn to_buf(&self) -> CameraBuf {
         let (optics, table) = own_optics(&self.config().optics);
         CameraBuf { camera: self.with_optics(&optics), table }
@@ -102,14 +102,14 @@ impl Camera<'_> {
 }
 
 impl CameraBuf {
-    /// The camera; this copies some hundred bytes, and checks and allocates nothing.
+    /// Returns the camera. This copies some hundred bytes, but checks and allocates nothing.
     pub fn camera(&self) -> Camera<'_> {
         self.camera.with_optics(&lend_optics(&self.camera.config().optics, self.table.as_ref()))
     }
 }
 
 impl DepthCamera<'_> {
-    /// The same camera with a copy of its table of rays.
+    /// Returns the same camera with its own copy of the ray table.
     pub fn to_buf(&self) -> DepthCameraBuf {
         let (optics, table) = own_optics(&self.camera().config().optics);
         DepthCameraBuf { camera: self.with_optics(&optics), table }
@@ -117,7 +117,7 @@ impl DepthCamera<'_> {
 }
 
 impl DepthCameraBuf {
-    /// The camera; this copies some hundred bytes, and checks and allocates nothing.
+    /// Returns the camera. This copies some hundred bytes, but checks and allocates nothing.
     pub fn camera(&self) -> DepthCamera<'_> {
         self.camera.with_optics(&lend_optics(&self.camera.camera().config().optics, self.table.as_ref()))
     }
@@ -159,10 +159,10 @@ impl Sensor for DepthCameraBuf {
     }
 }
 
-/// A [`Pattern`] that owns what it is made of.
+/// A [`Pattern`] that owns its tables.
 #[derive(Debug, Clone)]
 enum PatternBuf {
-    /// Borrows nothing.
+    /// A pattern that borrows nothing.
     Plain(Pattern<'static>),
     Spinning(Spinning<'static>, Vec<Laser>),
     Prisms {
@@ -222,7 +222,7 @@ impl PatternBuf {
 }
 
 impl Scanner<'_> {
-    /// The same scanner with copies of its lasers, wheels, firings and spreads.
+    /// Returns the same scanner with its own copies of lasers, wheels, firings and spreads.
     pub fn to_buf(&self) -> ScannerBuf {
         let nothing = Pattern::Table(&[]);
         ScannerBuf {
@@ -234,7 +234,7 @@ impl Scanner<'_> {
 }
 
 impl ScannerBuf {
-    /// Calls `work` with the scanner, for which some hundred bytes are copied, and nothing is checked or allocated.
+    /// Calls `work` with the scanner. This copies some hundred bytes, but checks and allocates nothing.
     pub fn with<R>(&self, work: impl FnOnce(&Scanner<'_>) -> R) -> R {
         self.pattern.with(|pattern| work(&self.scanner.with_tables(pattern, &self.spreads)))
     }

@@ -1,4 +1,4 @@
-//! Encoding of colours into bytes, with the noise of a camera.
+//! Encoding of colours into bytes, with the pixel noise of a camera.
 
 use crate::device::{LUMA, PixelFormat, Planes};
 use crate::noise::GaussianNoise;
@@ -8,7 +8,7 @@ use crate::srgb;
 use crate::trace::tiling::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
 
-/// Linear light as pictures hold it.
+/// Applies the sRGB transfer curve to linear light.
 #[inline(always)]
 pub(crate) fn encode(colours: &mut Colours) {
     for channel in colours {
@@ -18,7 +18,7 @@ pub(crate) fn encode(colours: &mut Colours) {
     }
 }
 
-/// Light times a factor; clamped, where it is too much, when it becomes a byte.
+/// Multiplies light by a factor. Values above 1 are clamped when they are converted to bytes.
 #[inline(always)]
 pub(crate) fn expose(colours: &mut Colours, exposure: f32) {
     for channel in colours {
@@ -28,8 +28,8 @@ pub(crate) fn expose(colours: &mut Colours, exposure: f32) {
     }
 }
 
-/// Adds to each lane's colour its noise, the same to all three channels. What leaves [0, 1] is clamped when it
-/// becomes a byte, as Gazebo does.
+/// Adds noise to the colours, the same in all three channels of a lane. Values outside [0, 1] are clamped when they are
+/// converted to bytes, as in Gazebo.
 #[inline(always)]
 pub(crate) fn add_noise(colours: &mut Colours, noise: &GaussianNoise, bias: f32, normals: &Lanes<f32>) {
     for channel in colours {
@@ -37,25 +37,25 @@ pub(crate) fn add_noise(colours: &mut Colours, noise: &GaussianNoise, bias: f32,
     }
 }
 
-/// Value in [0, 1] to the nearest byte; what lies outside is clamped.
+/// Rounds a value in [0, 1] to the nearest byte; values outside are clamped.
 #[inline(always)]
 pub(crate) fn to_byte(value: f32) -> u8 {
-    // `as` saturates and makes NaN 0.
+    // `as` saturates and converts NaN to 0.
     (value * 255.0 + 0.5) as u8
 }
 
-/// Values in [0, 1] to the nearest of whole numbers up to `full_scale`; what lies outside is clamped.
+/// Scales values in [0, 1] to `full_scale` and rounds to the nearest integers; values outside are clamped.
 #[inline(always)]
 fn to_levels<S: Simd>(simd: S, values: f32x16<S>, full_scale: f32) -> u32x16<S> {
     let scaled = values * full_scale + 0.5;
-    // NaN is not greater than 0 and becomes it.
+    // NaN is not greater than 0 and so becomes 0.
     let zero = f32x16::splat(simd, 0.0);
     let scaled = scaled.simd_gt(zero).select(scaled, zero);
     let most = f32x16::splat(simd, full_scale);
     scaled.simd_lt(most).select(scaled, most).to_int()
 }
 
-/// Three channels as bytes, the first lowest.
+/// Packs three channels into bytes, the first in the lowest.
 #[inline(always)]
 pub(super) fn to_bytes<S: Simd>(simd: S, channels: [f32x16<S>; 3]) -> u32x16<S> {
     let [first, second, third] = channels;
@@ -67,8 +67,8 @@ pub(super) fn to_bytes<S: Simd>(simd: S, channels: [f32x16<S>; 3]) -> u32x16<S> 
 /// Bytes of the largest pixel.
 const MOST_BYTES: usize = 4;
 
-/// Writes some lanes of a tile of 16 × 4 pixels, a bit each, as [`write_tile`] writes all. `rows` begins with the tile's
-/// first.
+/// Writes the lanes of a 16 × 4 tile that are set in the mask `lanes`, as [`write_tile`] writes all of them. `rows`
+/// begins with the first row of the tile.
 #[inline(always)]
 pub(crate) fn write_lanes<S: Simd>(
     simd: S,
@@ -80,7 +80,7 @@ pub(crate) fn write_lanes<S: Simd>(
 ) {
     let bytes = format.0.bytes();
     let mut tile = [0; LANES * MOST_BYTES];
-    // Tiles begin in even columns and rows: to a mosaic they are all alike.
+    // All tiles begin in even columns and rows, so a mosaic pattern has the same phase in each of them.
     write_tile(simd, colours, format, (Tiling::Square, [0; 2]), &mut tile[..LANES * bytes], WIDTH * bytes);
     let mut rest = lanes;
     while rest != 0 {
@@ -91,8 +91,10 @@ pub(crate) fn write_lanes<S: Simd>(
     }
 }
 
-/// Writes a tile's colours into the rows of a picture. `tile` is its column and row, `rows` begins with its first;
-/// `full_scale` is that of the formats of 16 bits. Compiled once a level, whatever sensor the picture is of.
+/// Writes the colours of a tile into the rows of a picture.
+///
+/// `tile` is its column and row, `rows` begins with its first row, and `full_scale` applies to the 16-bit formats.
+/// Compiled once per SIMD level, for all sensors.
 #[inline(never)]
 pub(crate) fn write_tile<S: Simd>(
     simd: S,
@@ -125,7 +127,7 @@ fn write_formatted<S: Simd>(
         }
         _ => colours.each_ref(),
     };
-    // Each pixel's bytes, the first lowest.
+    // The bytes of each pixel, the first in the lowest.
     let mut packed = [0_u32; LANES];
     for first in (0..LANES).step_by(WIDTH) {
         let sixteen = |channel: &Lanes<f32>| {
@@ -178,7 +180,7 @@ fn write_formatted<S: Simd>(
     }
 }
 
-/// Pixels of three bytes, four at a time in three words.
+/// Writes pixels of three bytes, four at a time as three words.
 #[inline(always)]
 fn write_pixels(packed: &[u32], row: &mut [u8]) {
     let (fours, rest) = row.as_chunks_mut::<12>();
@@ -189,7 +191,7 @@ fn write_pixels(packed: &[u32], row: &mut [u8]) {
             *bytes = word.to_le_bytes();
         }
     }
-    // The last ones of a row whose length is no multiple of four.
+    // The remaining pixels of a row whose length is not a multiple of four.
     for (pixel, packed) in rest.as_chunks_mut::<3>().0.iter_mut().zip(&packed[4 * written..]) {
         let [first, second, third, _] = packed.to_le_bytes();
         *pixel = [first, second, third];

@@ -1,7 +1,7 @@
-//! Laser scanners as they are built: each firing at a time and from a place of its own.
+//! Laser scanners as real devices work: each firing has its own time and origin.
 //!
-//! A [`Lidar`](crate::lidar::Lidar) is Gazebo's: an even grid of beams from one point. A [`Scanner`] has a
-//! [`Pattern`] of firings, and traces each from where the sensor and everything else is at its time
+//! A [`Lidar`](crate::lidar::Lidar) is Gazebo's: a regular grid of beams from one point. A [`Scanner`] has a
+//! [`Pattern`] of firings, and traces each of them from the poses that the sensor and all instances have at its time
 //! ([`Shutter::Moving`]).
 
 mod beam;
@@ -58,28 +58,28 @@ pub use spinning::{Columns, Laser, MAX_LASERS, Spinning};
 use weather::Air;
 pub use weather::{DropSizes, Weather};
 
-/// Pieces that a frame is dealt out in, at the most. Nothing else depends on it.
+/// The largest number of pieces into which a frame is divided. Results do not depend on it.
 const MOST_PIECES: usize = 16;
-/// A checked scanner.
+/// A laser scanner, with a checked configuration.
 #[derive(Debug, Clone, Copy)]
 pub struct Scanner<'a> {
     config: ScannerConfig<'a>,
     bias: f32,
     bundle: Bundle,
     air: Air,
-    /// The least that is noticed of what comes back.
+    /// The smallest power that the receiver detects.
     least: f64,
-    /// Whether its beams are single rays, of which all comes back.
+    /// Whether beams are single rays with one return, whose power does not matter.
     is_line: bool,
-    /// Whether it is asked how much comes back.
+    /// Whether the power of returns must be computed.
     is_lit: bool,
 }
 
 impl<'a> Scanner<'a> {
-    /// Checks the configuration.
+    /// Creates a scanner after checking its configuration.
     ///
     /// # Errors
-    /// Names the first parameter that is out of its range.
+    /// Returns a [`ParameterError`] that names the first parameter out of range.
     pub fn new(config: ScannerConfig<'a>) -> Result<Self, ParameterError> {
         config.check()?;
         let ScannerConfig { beam, halo, crosstalk, returns, intensity, weather, .. } = config;
@@ -100,34 +100,35 @@ impl<'a> Scanner<'a> {
         })
     }
 
-    /// The same scanner of another pattern and other spreads, which must be checked already.
+    /// Returns the same scanner with another pattern and other spreads, which must have been checked.
     #[cfg(feature = "alloc")]
     pub(super) fn with_tables<'b>(&self, pattern: Pattern<'b>, spreads: &'b [Spread]) -> Scanner<'b> {
         let Self { config, bias, bundle, air, least, is_line, is_lit } = *self;
         Scanner { config: config.with_tables(pattern, spreads), bias, bundle, air, least, is_line, is_lit }
     }
 
-    /// What it was made from.
+    /// Returns the configuration that the scanner was created with.
     pub fn config(&self) -> &ScannerConfig<'a> {
         &self.config
     }
 
-    /// Returns of each firing, for which there is room in an [`Echoes`].
+    /// Returns the number of returns per firing, which the buffers of an [`Echoes`] must have room for.
     pub fn returns(&self) -> usize {
         self.config.returns.count()
     }
 
-    /// Firings that no frame has more of, for which there is room in an [`Echoes`].
+    /// Returns the largest number of firings that a frame can have, which the buffers of an [`Echoes`] must have room
+    /// for.
     pub fn most_firings(&self) -> usize {
         self.config.pattern.most_firings(self.config.frame_time_ns) as usize
     }
 
-    /// Firings of a frame.
+    /// Returns the number of firings of a frame.
     pub fn firings(&self, frame: u64) -> usize {
         self.in_frame(frame).count
     }
 
-    /// A firing of a frame, in the order of time; the last for those that it does not have.
+    /// Returns a firing of a frame, in the order of time. If `index` is too large, this is the last one.
     pub fn firing(&self, frame: u64, index: usize) -> Firing {
         let firings = self.in_frame(frame);
         firings.firing(index.min(firings.count.saturating_sub(1)))
@@ -137,7 +138,7 @@ impl<'a> Scanner<'a> {
         self.config.pattern.in_frame(frame, self.config.frame_time_ns)
     }
 
-    /// Whether ranges are what they are.
+    /// Returns true if measured ranges equal the true ones.
     #[inline(always)]
     fn is_exact(&self) -> bool {
         self.config.noise.is_none()
@@ -145,11 +146,12 @@ impl<'a> Scanner<'a> {
             && self.config.receiver.is_none_or(|receiver| receiver.resolution_m == 0.0)
     }
 
-    /// What is measured of a range with a standard normal: by the noise of all ranges, that of such a range, and some more.
+    /// Returns the measured range for a true one and a standard normal number `z`. Noise is that of all ranges, that of
+    /// the spread at this range, and `more` (a standard deviation in metres).
     #[inline(always)]
     fn measured(&self, truth: f64, z: f32, more: f64) -> f32 {
         let config = &self.config;
-        // Independent ones are one whose variance is the sum.
+        // The variances of independent errors add up.
         let (own, spread) = (f64::from(config.noise.stddev()), Spread::stddev_at(config.spreads, truth));
         let variance = spread * spread + more * more;
         let more = sqrt(own * own + variance) - own;
@@ -158,13 +160,13 @@ impl<'a> Scanner<'a> {
         config.noise.apply_to_range(truth as f32, bias, z, limits)
     }
 
-    /// By how much ranges vary more of what comes back weaker.
+    /// Returns the standard deviation of a range that follows from the power of its return: the weaker, the larger.
     fn spread(&self, echo: &Echo) -> f64 {
         let resolution_m = self.config.receiver.map_or(0.0, |receiver| receiver.resolution_m);
         resolution_m / sqrt(2.0 * echo.weight / self.least)
     }
 
-    /// What counts as a hit.
+    /// Returns which hits count.
     fn sight(&self) -> Sight {
         Sight { faces: self.config.faces, range: [0.0, self.config.range_max_m], within: f64::INFINITY }
     }
@@ -194,7 +196,7 @@ impl Sensor for Scanner<'_> {
         let execution = workspace.execution;
         let Cutter(memory) = workspace.cut(self.workspace_len(scene, capture))?;
         let firings = self.in_frame(capture.frame);
-        // Whole volleys, so that they do not depend on how pieces are cut.
+        // Whole volleys of 64 firings, so that volleys do not depend on how pieces are divided.
         let in_piece = firings.count.div_ceil(MOST_PIECES).next_multiple_of(LANES).max(LANES);
         let ScannerConfig { seed, sensor, .. } = self.config;
         let noise = Stream { seed, sensor, frame: capture.frame, channel: Stream::RANGE };
@@ -228,12 +230,12 @@ impl Sensor for Scanner<'_> {
     }
 }
 
-/// Memory for the views of some pieces, and where their echoes go.
+/// The memory for the views of some pieces, and the outputs of their echoes.
 struct Pieces<'a> {
-    /// Of each piece but the last.
+    /// The number of firings of each piece but the last.
     firings: usize,
     returns: usize,
-    /// Cache lines of a piece's views.
+    /// The number of cache lines of a piece's views.
     stride: usize,
     memory: &'a mut [CacheLine],
     echoes: Echoes<'a>,

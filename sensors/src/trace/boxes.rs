@@ -1,31 +1,34 @@
-//! Boxes around what is seen of things, from a picture of their instances.
+//! Bounding boxes of the visible parts of instances, from a picture of instance indices.
 
-/// What is seen of one instance: nothing hides these pixels.
+/// The bounding box of the visible pixels of one instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SeenBox {
-    /// First column and row.
+    /// The first column and row.
     pub min: [u32; 2],
-    /// Last column and row, themselves seen; less than the first if nothing is.
+    /// The last column and row, inclusive; less than the first if nothing is visible.
     pub max: [u32; 2],
-    /// How many pixels.
+    /// The number of visible pixels.
     pub pixels: u32,
 }
 
 impl SeenBox {
-    /// Of nothing.
+    /// The box of an instance that is not visible.
     pub const EMPTY: Self = Self { min: [u32::MAX; 2], max: [0; 2], pixels: 0 };
 
-    /// Whether anything is seen.
+    /// Returns true if no pixel is visible.
     pub const fn is_empty(&self) -> bool {
         self.pixels == 0
     }
 }
 
-/// Writes what is seen of each instance of a scene into `boxes`, by its index. `instance` is
-/// [`Truth::instance`](super::Truth::instance), rows of `width` pixels; what `boxes` has no place for is left out.
+/// Computes the bounding box of the visible part of each instance of a scene, and writes it into `boxes` by the index
+/// of the instance.
 ///
-/// Together with [`Scene::bounds`](crate::scene::Scene::bounds), the box of the whole thing in its own frame, this is what
-/// detectors are trained with: how much is seen, and where all of it is.
+/// `instance` is [`Truth::instance`](super::Truth::instance), in rows of `width` pixels. Instances for which `boxes`
+/// has no element are ignored.
+///
+/// Together with [`Scene::bounds`](crate::scene::Scene::bounds), the box of the whole object in its own frame, this is
+/// the data that detectors are trained with: how much of an object is visible, and where all of it is.
 ///
 /// ```
 /// use belvedere_sensors::trace::{SeenBox, seen_boxes};

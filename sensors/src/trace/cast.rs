@@ -1,4 +1,4 @@
-//! Casting whole grids of rays, for those who want hits rather than a sensor's frame.
+//! Casting grids of rays, for applications that need hits rather than a sensor's frame.
 
 use super::error::{SenseError, check_output};
 use super::grid::{Band, BandWork, Frame, Sight};
@@ -18,28 +18,32 @@ use crate::scene::Scene;
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 
-/// Where the answers go, one for each ray, row after row; what is none is not worked out.
+/// The output buffers of [`cast_grid`], one element per ray in row-major order. Channels that are `None` are not
+/// computed.
 #[derive(Debug, Default)]
 pub struct Hits<'a> {
-    /// Along the ray, in units of its direction's length (1 in a grid), so metres; +∞ where nothing is hit.
+    /// Distances along the ray, in units of the length of its direction. In a grid this length is 1, so they are
+    /// metres; +∞ where nothing is hit.
     pub distance: Option<&'a mut [f32]>,
-    /// Unit normals, outwards, in the axes of the world; left as they are where nothing is hit.
+    /// Outward unit normals in the axes of the world; not written where nothing is hit.
     pub normal: Option<&'a mut [[f32; 3]]>,
     /// Indices of instances in the scene; `u32::MAX` where nothing is hit.
     pub instance: Option<&'a mut [u32]>,
-    /// Triangles of meshes, as they were given; 0 for other shapes; `u32::MAX` where nothing is hit.
+    /// Indices of triangles of meshes, in the order in which they were given; 0 for other shapes, `u32::MAX` where
+    /// nothing is hit.
     pub primitive: Option<&'a mut [u32]>,
-    /// Weights of the second and third corner of the triangle; 0 for other shapes, left as they are where nothing
-    /// is hit.
+    /// Barycentric coordinates: the weights of the second and third corner of the triangle. They are 0 for other
+    /// shapes, and not written where nothing is hit.
     pub barycentrics: Option<&'a mut [[f32; 2]]>,
 }
 
-/// Casts a grid of rays from the origin of a sensor, and finds where each first hits something between `range`
-/// (least and most distance in metres; for a pinhole, depth) on an instance that `visibility` has a bit in
-/// common with.
+/// Casts a grid of rays from the origin of a sensor and finds the first hit of each.
+///
+/// `range` holds the least and the greatest distance in metres; for a pinhole these are depths. Only instances whose
+/// mask has a bit in common with `visibility` are hit.
 ///
 /// # Errors
-/// A [`SenseError`] that names what cannot be. Nothing is written then.
+/// Returns a [`SenseError`] that names the invalid input. Nothing is written in that case.
 #[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn cast_grid(
     scene: &Scene<'_>,
@@ -68,7 +72,7 @@ pub fn cast_grid(
     Ok(())
 }
 
-/// Cache lines of a [`Workspace`] that [`cast_grid`] takes.
+/// Returns the number of cache lines of [`Workspace`] memory that [`cast_grid`] needs.
 pub fn grid_workspace_len(scene: &Scene<'_>, grid: &Optics<'_>) -> usize {
     let nowhere = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &[] };
     Frame::workspace_len(scene, grid, &Shutter::Global(nowhere))

@@ -1,95 +1,95 @@
-//! Why a frame cannot be taken.
+//! The errors of taking a frame.
 
 use crate::ParameterError;
 
-/// Why a frame cannot be taken. Nothing is written then.
+/// The reason why a frame cannot be taken. Nothing is written in that case.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SenseError {
-    /// The grid of rays.
+    /// A parameter of the optics is invalid.
     Grid(ParameterError),
-    /// Not 0 ≤ least < most distance.
+    /// The distances are not 0 ≤ least < most.
     Range {
-        /// Least distance in metres.
+        /// The least distance in metres.
         least: f64,
-        /// Greatest.
+        /// The greatest distance in metres.
         most: f64,
     },
-    /// An input is not one element a ray.
+    /// An input does not have one element per ray.
     Input {
-        /// Which.
+        /// The name of the input.
         parameter: &'static str,
-        /// Its elements.
+        /// Its number of elements.
         value: usize,
-        /// How many rays there are.
+        /// The number of rays.
         need: usize,
     },
     /// An output is not as long as the frame.
     Output {
-        /// Which.
+        /// The name of the output.
         parameter: &'static str,
-        /// Its elements.
+        /// Its number of elements.
         value: usize,
-        /// Elements of the frame.
+        /// The number of elements of the frame.
         need: usize,
     },
     /// An [`AnySensor`](crate::AnySensor) was given the output of another kind of sensor.
     OutputKind {
         /// The kind of the sensor.
         sensor: &'static str,
-        /// The kind of sensor that the output is of.
+        /// The kind of sensor to which the output belongs.
         output: &'static str,
     },
     /// The workspace is too small.
     Workspace {
-        /// Its cache lines.
+        /// The number of cache lines that it has.
         value: usize,
-        /// Those that it takes.
+        /// The number of cache lines that the frame needs.
         need: usize,
     },
-    /// A moment does not have one pose for each instance of the scene.
+    /// A moment does not have exactly one pose per instance of the scene.
     Poses {
-        /// How many it has.
+        /// The number of poses that it has.
         value: usize,
-        /// How many instances there are.
+        /// The number of instances.
         need: usize,
     },
     /// The sensor's pose is NaN or infinite.
     Pose,
-    /// A landmark is on an instance that the scene does not have.
+    /// A landmark refers to an instance that the scene does not have.
     Instance {
-        /// Its index.
+        /// The index of the instance.
         value: u32,
-        /// How many there are.
+        /// The number of instances of the scene.
         instances: usize,
     },
-    /// A flow is wanted, and the capture has no such moment.
+    /// Flow is requested, but the capture lacks the moment for it.
     OtherMoment {
-        /// Which: `before` or `after`.
+        /// The missing moment: `before` or `after`.
         parameter: &'static str,
     },
-    /// Flow is wanted of a lidar whose columns are seen at moments of their own.
+    /// Flow is requested of a lidar whose columns are seen at different moments.
     FlowOfColumns,
-    /// Flow is wanted of a sensor each of whose rays has a time of its own.
+    /// Flow is requested of a sensor whose rays have different times.
     FlowOfFirings,
-    /// The sensor's rays have no times of their own, and a [`Shutter::Moving`](crate::Shutter::Moving) is given; or they
-    /// have, and slices are.
+    /// The kind of shutter does not suit the sensor: a [`Shutter::Moving`](crate::Shutter::Moving) is given to a sensor
+    /// whose rays do not have individual times, or slices to one whose rays do.
     Shutter {
-        /// What it takes instead.
+        /// The rule that the shutter must follow.
         rule: &'static str,
     },
-    /// Keyframes that are not as a [`Shutter::Moving`](crate::Shutter::Moving) must have them.
+    /// The keyframes of a [`Shutter::Moving`](crate::Shutter::Moving) are invalid.
     Keyframes {
-        /// Which of them.
+        /// The index of the invalid or missing keyframe.
         keyframe: usize,
-        /// What it must.
+        /// The rule that the keyframe must follow.
         rule: &'static str,
     },
-    /// Slices of lines that are not as a [`Shutter`](crate::Shutter) must have them.
+    /// The slices of a [`Shutter`](crate::Shutter) are invalid.
     Slices {
-        /// Which of them.
+        /// The index of the invalid or missing slice.
         slice: usize,
-        /// What it must.
+        /// The rule that the slice must follow.
         rule: &'static str,
     },
 }

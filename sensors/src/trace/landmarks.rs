@@ -1,4 +1,4 @@
-//! Where known points of things are seen: corners of tags, keypoints.
+//! Landmarks: where known points of instances, such as corners of tags or keypoints, appear in a picture.
 
 use super::error::{SenseError, check_output};
 use super::flow::at_its_line;
@@ -23,48 +23,51 @@ const TOUCHING: f64 = 1e-5;
 /// The same of the thing that bears the point, whose surface may be drawn a hair above it.
 const BEARING: f64 = 1e-3;
 
-/// A point of a thing.
+/// A point that is fixed to an instance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Landmark {
-    /// Index of the instance that bears it.
+    /// The index of the instance.
     pub instance: u32,
-    /// Metres, in the frame of the instance's pose.
+    /// The point in metres, in the frame of the instance's pose.
     pub point: DVec3,
-    /// Of the surface that bears it, outwards, in the same frame and of any length: it is seen from that side only. 0 for
-    /// a point that is seen from everywhere.
+    /// The outward normal of the surface at the point, in the same frame and of any length. The point is visible from
+    /// that side only; with a normal of 0 it is visible from everywhere.
     pub normal: DVec3,
 }
 
-/// How a [`Landmark`] is seen.
+/// The place at which a [`Landmark`] is seen, and whether it is visible.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sighting {
-    /// Column and row; centres of pixels are integers. NaN where the optics have no pixel for it: behind a pinhole, and
-    /// beyond the pixels of other optics.
+    /// Column and row; centres of pixels are integers. NaN where the optics have no pixel for the point: behind a
+    /// pinhole, and outside the pixels of other optics.
     pub pixel: [f64; 2],
-    /// Metres along the optical axis, when the point's line is taken.
+    /// The depth along the optical axis in metres, at the moment at which the point's line is taken.
     pub depth: f64,
-    /// Which slice of the shutter has the point's line; 0 if all is taken at one moment.
+    /// The index of the shutter's slice that has the point's line; 0 if all lines are taken at one moment.
     pub slice: usize,
-    /// Whether it lies in the picture, within the range, on the side that faces the sensor, and behind nothing.
+    /// Whether the point lies in the picture and within the range, faces the sensor, and is not occluded.
     pub visible: bool,
 }
 
 impl Sighting {
-    /// Of nothing.
+    /// The sighting of a landmark that the optics have no pixel for.
     pub const NONE: Self = Self { pixel: [f64::NAN; 2], depth: f64::NAN, slice: 0, visible: false };
 }
 
-/// Cache lines of a [`Workspace`] that [`see_landmarks`] takes.
+/// Returns the number of cache lines of [`Workspace`] memory that [`see_landmarks`] needs.
 pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize {
     view_lines(scene.instances().len(), 1) + rays_len(optics, &optics.fan(), 0)
 }
 
-/// Finds where a camera sees points of things: through any lens, and each when its row is taken, as the picture shows
-/// it. `range` is that of the camera, least and greatest distance in metres; for a pinhole, depth. What hides a point is
-/// what cameras see, visuals from their front. One ray is cast to each point; what it touches there does not hide it.
+/// Computes where a camera sees landmarks, through any lens and at the moment at which each one's row is taken, as in
+/// the picture.
 ///
-/// Of a shutter whose slices overlap it is the first of the line that counts. A point that a turning camera has in several
-/// rows is told of in one of them.
+/// `range` holds the least and the greatest distance of the camera in metres; for a pinhole these are depths. Points
+/// can be occluded by everything that is visible to cameras: front faces of visuals. One ray is cast to each point; the
+/// surface that it touches there does not occlude the point.
+///
+/// If slices of a shutter overlap, the first slice of a line counts. A point that a turning camera shows in several
+/// rows is reported in one of them.
 ///
 /// ```
 /// use belvedere_sensors::optics::{Intrinsics, Optics, Pinhole, PinholeGrid};
@@ -78,7 +81,7 @@ pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize 
 ///     material,
 ///     ..Default::default()
 /// })?;
-/// // A corner of its face, and the same of its back.
+/// A corner of the front face, and the same one of the back face.
 /// let corner = |x| Landmark { instance: plate.0, point: DVec3::new(x, 0.5, 0.5), normal: DVec3::X * x };
 /// let lens = Pinhole::new(Intrinsics { fx: 399.5, fy: 399.5, cx: 319.5, cy: 239.5, skew: 0.0 })?;
 /// let optics = Optics::from(PinholeGrid::new(640, 480, lens)?);
@@ -88,7 +91,7 @@ pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize 
 /// let shutter = Shutter::Global(builder.moment(Pose::IDENTITY));
 /// let mut seen = [Sighting::NONE; 2];
 /// see_landmarks(&scene, &shutter, &optics, [0.1, 10.0], workspace, &[corner(-0.005), corner(0.005)], &mut seen)?;
-/// // 0.5 m to the left and up at a depth of 3.995 m: 50 pixels.
+/// 0.5 m to the left and up, at a depth of 3.995 m: 50 pixels.
 /// assert!((seen[0].pixel[0] - 269.5).abs() < 1e-9 && (seen[0].pixel[1] - 189.5).abs() < 1e-9);
 /// assert_eq!((seen[0].depth, seen[0].visible), (3.995, true));
 /// assert!(!seen[1].visible);
@@ -96,8 +99,9 @@ pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize 
 /// ```
 ///
 /// # Errors
-/// A [`SenseError`] that names what cannot be: optics, range, moments, an instance that is not there, outputs that are not
-/// one a landmark, or a workspace of less than [`landmarks_workspace_len`]. Nothing is written then.
+/// Returns a [`SenseError`] if the optics, the range or a moment is invalid, if an instance does not exist, if `seen`
+/// is not as long as `landmarks`, or if the workspace has less than [`landmarks_workspace_len`]. Nothing is written in
+/// that case.
 pub fn see_landmarks(
     scene: &Scene<'_>,
     shutter: &Shutter<'_>,

@@ -1,4 +1,4 @@
-//! The memory that a frame works in: one buffer of the caller's.
+//! The working memory of a frame: one buffer that the caller provides.
 
 use super::error::SenseError;
 use super::top::top_nodes;
@@ -8,12 +8,12 @@ use crate::memory::{CacheLine, Cutter, lines};
 use crate::scene::Aabb;
 use crate::scene::tree::WideNode;
 
-/// What a sensor needs to take a frame, lent by the caller.
+/// The working memory and the execution settings of a frame, lent by the caller.
 #[derive(Debug)]
 pub struct Workspace<'a> {
-    /// As many cache lines as the sensor's [`workspace_len`](crate::Sensor::workspace_len) says, or more.
+    /// At least as many cache lines as the sensor's [`workspace_len`](crate::Sensor::workspace_len) returns.
     pub buffer: &'a mut [CacheLine],
-    /// SIMD level and threads.
+    /// The SIMD level and the threads.
     pub execution: Execution,
 }
 
@@ -45,18 +45,18 @@ impl Workspace<'_> {
     }
 }
 
-/// An owned [`Workspace`]: allocates when a frame needs more than any before, and never else.
+/// An owned [`Workspace`]. It allocates only if a frame needs more memory than all frames before.
 #[cfg(feature = "alloc")]
 #[derive(Debug, Default, Clone)]
 pub struct WorkspaceBuf {
     buffer: alloc::vec::Vec<CacheLine>,
-    /// SIMD level and threads.
+    /// The SIMD level and the threads.
     pub execution: Execution,
 }
 
 #[cfg(feature = "alloc")]
 impl WorkspaceBuf {
-    /// Lends `len` cache lines or more; grows first, if it is too small.
+    /// Lends at least `len` cache lines, growing the buffer first if it is too small.
     pub fn lend(&mut self, len: usize) -> Workspace<'_> {
         if self.buffer.len() < len {
             self.buffer.resize(len, CacheLine::ZERO);

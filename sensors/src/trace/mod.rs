@@ -1,9 +1,9 @@
-//! Ray casting: where rays first meet a scene.
+//! Ray casting: finding where rays first hit a scene.
 //!
-//! Each frame begins by placing the scene's instances around the sensor ([`Workspace`] is the memory for it) and
-//! building a tree over them; each mesh has its own tree. Then the tree is walked once for all rays of the frame,
-//! which share an origin. Shadow rays go through the same trees 64 at a time, with interval bounds: a subtree
-//! that none can meet is left out for all.
+//! Each frame begins by placing the instances of the scene around the sensor, in the memory of a [`Workspace`], and
+//! building a tree over them; each mesh has its own tree. The tree is then walked once for all rays of the frame, which
+//! share an origin. Shadow rays traverse the same trees in packets of 64, with interval bounds: a subtree that no ray
+//! of the packet can hit is skipped for all of them.
 
 mod bands;
 pub(crate) mod beyond;

@@ -1,10 +1,10 @@
-//! What is nearer than a sensor can measure.
+//! The treatment of surfaces nearer than a sensor can measure.
 
-/// What happens to something nearer than the smallest distance.
+/// The treatment of surfaces nearer than the smallest distance of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TooNear {
-    /// REP-117: it is in the way, and the distance is −∞.
+    /// REP-117: they are in the way, and the distance is −∞.
     Blocks,
-    /// As Gazebo: the ray begins at the smallest distance and sees what lies behind.
+    /// As in Gazebo: rays begin at the smallest distance, and see what lies behind.
     SeenThrough,
 }

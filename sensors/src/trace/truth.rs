@@ -1,4 +1,4 @@
-//! What is true of what each ray meets, from the same rays as a sensor's frame.
+//! Ground truth for each ray, computed from the same rays as a sensor's frame.
 
 use super::error::{SenseError, check_output};
 use super::flow::Flow;
@@ -14,31 +14,34 @@ use crate::optics::Optics;
 use crate::scene::Scene;
 use fearless_simd::{Select, Simd, SimdBase, u32x16};
 
-/// Where truth goes, one for each ray, row after row; what is none is not worked out.
+/// The output buffers of ground truth, one element per ray in row-major order. Channels that are `None` are not
+/// computed.
 ///
-/// It is what the sensor's rays meet between its nearest and farthest distance, before any noise, limit or encoding. Of a
-/// shutter whose slices overlap it is that of a line's first.
+/// Ground truth describes what the sensor's rays hit between its smallest and largest distance, before any noise, limit
+/// or encoding. If slices of a shutter overlap, it is that of the first slice of a line.
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct Truth<'a> {
-    /// Metres along the optical axis; +∞ where nothing is met.
+    /// Depths along the optical axis in metres; +∞ where nothing is hit.
     pub depth: Option<&'a mut [f32]>,
-    /// Metres along the ray; +∞ where nothing is met.
+    /// Ranges along the ray in metres; +∞ where nothing is hit.
     pub range: Option<&'a mut [f32]>,
-    /// Unit normals, outwards, in the axes of the world; 0 where nothing is met.
+    /// Outward unit normals in the axes of the world; 0 where nothing is hit.
     pub normal: Option<&'a mut [[f32; 3]]>,
-    /// Indices of instances in the scene; `u32::MAX` where nothing is met.
+    /// Indices of instances in the scene; `u32::MAX` where nothing is hit.
     pub instance: Option<&'a mut [u32]>,
-    /// [Classes](crate::scene::InstanceConfig::class) of instances; 0 where nothing is met.
+    /// [Classes](crate::scene::InstanceConfig::class) of instances; 0 where nothing is hit.
     pub class: Option<&'a mut [u32]>,
-    /// Radians between the ray, backwards, and the normal; more than π/2 where a surface is met from inside, NaN where
-    /// nothing is met.
+    /// Angles of incidence in radians, between the reversed ray and the normal. They are more than π/2 where a surface
+    /// is hit from inside, and NaN where nothing is hit.
     pub incidence: Option<&'a mut [f32]>,
-    /// Pixels to the right and down to where the same point of the same thing is seen at [`Capture::after`], to be had in
-    /// any direction that the optics have a pixel for; NaN where there is none, and where nothing is met. It may be hidden
-    /// then.
+    /// Optical flow in pixels, to the right and down: from the pixel to where the same point of the same instance is
+    /// seen at [`Capture::after`].
+    ///
+    /// It is NaN where nothing is hit, and where the optics have no pixel for the new direction. The point may be
+    /// occluded at that moment.
     pub flow: Option<&'a mut [[f32; 2]]>,
-    /// The same at [`Capture::before`].
+    /// Optical flow to [`Capture::before`], defined like `flow`.
     pub flow_back: Option<&'a mut [[f32; 2]]>,
 }
 
@@ -89,21 +92,21 @@ pub(crate) fn check_truth(
 
 impl<'a> Truth<'a> {
     outputs! {
-        /// Sets where depths go.
+        /// Sets the buffer for depths.
         depth: &'a mut [f32],
-        /// Sets where ranges go.
+        /// Sets the buffer for ranges.
         range: &'a mut [f32],
-        /// Sets where normals go.
+        /// Sets the buffer for normals.
         normal: &'a mut [[f32; 3]],
-        /// Sets where indices of instances go.
+        /// Sets the buffer for indices of instances.
         instance: &'a mut [u32],
-        /// Sets where classes go.
+        /// Sets the buffer for classes.
         class: &'a mut [u32],
-        /// Sets where angles of incidence go.
+        /// Sets the buffer for angles of incidence.
         incidence: &'a mut [f32],
-        /// Sets where the flow to the moment after goes.
+        /// Sets the buffer for the flow to [`Capture::after`].
         flow: &'a mut [[f32; 2]],
-        /// Sets where the flow to the moment before goes.
+        /// Sets the buffer for the flow to [`Capture::before`].
         flow_back: &'a mut [[f32; 2]],
     }
 

@@ -1,4 +1,4 @@
-//! How a camera colours the tiles of a traced band: light, its mean over the moments of a shutter, exposure and noise.
+//! Colouring the tiles of a traced band: light, its mean over the moments of a shutter, exposure and noise.
 
 use super::{Camera, CameraConfig};
 use crate::device::TileView;
@@ -19,11 +19,11 @@ use crate::trace::resolve::Resolver;
 use crate::trace::tiling::Tiling;
 use fearless_simd::Simd;
 
-/// Rows of colours, cut between rows of tiles.
+/// Rows of colours, split between rows of tiles.
 pub(in crate::sensor) struct ColourRows<'a> {
-    /// None if nobody wants the picture itself.
+    /// `None` if the picture itself is not requested.
     pixels: Option<&'a mut [u8]>,
-    /// Light of each tile, summed over the moments that see it; empty if none is seen at more than one.
+    /// The light of each tile, summed over the moments that see it; empty if no tile is seen at more than one moment.
     sums: &'a mut [Colours],
     marks: Marks<'a>,
     /// Bytes of a row of tiles.
@@ -32,12 +32,12 @@ pub(in crate::sensor) struct ColourRows<'a> {
     tiles: usize,
 }
 
-/// Cache lines of [`ColourRows::sums`].
+/// Returns the number of cache lines of [`ColourRows::sums`].
 pub(in crate::sensor) fn sums_len(fan: &Fan, shutter: &Shutter<'_>) -> usize {
     lines(sums(fan, shutter) * size_of::<Colours>())
 }
 
-/// Tiles whose light is summed: all or none.
+/// Returns the number of tiles whose light is summed: all or none.
 fn sums(fan: &Fan, shutter: &Shutter<'_>) -> usize {
     if shutter.blurs() { Tiling::of(fan).across(fan.width as usize) * fan.blocks_down() } else { 0 }
 }
@@ -65,7 +65,7 @@ impl<'a> ColourRows<'a> {
 }
 
 impl ColourRows<'_> {
-    /// Whether light is summed over moments.
+    /// Returns true if light is summed over moments.
     #[inline(always)]
     pub(in crate::sensor) fn sums(&self) -> bool {
         !self.sums.is_empty()
@@ -94,11 +94,11 @@ pub(in crate::sensor) struct Brush<'a> {
     seen: Tile,
     shader: Shader,
     through: Through,
-    /// If it is colours alone that are wanted, as a tile has them when it is not looked at ray by ray.
+    /// A shortcut for tiles of a single colour; `None` where each lane must be shaded by itself.
     uniform: Option<UniformTiles>,
     sight: Sight,
     space: ColourSpace,
-    /// Of the last tile that was seen: its light, and then its colours.
+    /// The light of the last tile seen, and after [`Brush::expose`] its colours.
     pub(in crate::sensor) colours: Colours,
     tiling: Tiling,
     /// Tiles across.
@@ -135,7 +135,7 @@ impl<'a> Brush<'a> {
         }
     }
 
-    /// Works out the light of a tile.
+    /// Computes the light of a tile.
     #[inline(always)]
     pub(in crate::sensor) fn see<S: Simd>(&mut self, simd: S, band: &Band<'_>, tile: [usize; 2]) {
         if let Some(uniform) = &mut self.uniform
@@ -156,7 +156,7 @@ impl<'a> Brush<'a> {
         }
     }
 
-    /// Marks what was seen last, if marks are kept.
+    /// Writes the marks of the last tile seen, if marks are kept.
     #[inline(always)]
     pub(in crate::sensor) fn mark<S: Simd>(
         &self,
@@ -176,7 +176,8 @@ impl<'a> Brush<'a> {
         output.marks.put(simd, &shown, 1.0, &self.shader, self.seen.missing, place);
     }
 
-    /// Makes the light seen last the mean over the moments of the shutter; false if there are some to come.
+    /// Replaces the light of the last tile by its mean over the moments of the shutter. Returns false if further
+    /// moments are to come.
     #[inline(always)]
     pub(in crate::sensor) fn take_mean(
         &mut self,
@@ -202,7 +203,7 @@ impl<'a> Brush<'a> {
         is_last
     }
 
-    /// Turns light into what the device makes of it.
+    /// Converts light to the values that the camera outputs.
     #[inline(always)]
     pub(in crate::sensor) fn expose<S: Simd>(&mut self, simd: S, [column, row]: [usize; 2]) {
         let view = TileView {
@@ -215,7 +216,7 @@ impl<'a> Brush<'a> {
         self.camera.expose(simd, (frame, self.space), &view, missing, &mut self.colours);
     }
 
-    /// Writes the colours into the picture, if it is wanted.
+    /// Writes the colours into the picture, if it is requested.
     #[inline(always)]
     pub(in crate::sensor) fn write<S: Simd>(
         &self,

@@ -1,4 +1,4 @@
-//! What a camera is like, and why there can be none.
+//! The configuration of a camera.
 
 use crate::ParameterError;
 use crate::device::{DeviceConfig, PixelFormat};
@@ -7,10 +7,10 @@ use crate::optics::Optics;
 use crate::sensor::edges::Edges;
 use crate::trace::Faces;
 
-/// Largest width and height of a picture in pixels.
+/// The largest width and height of a picture in pixels.
 pub const MAX_IMAGE_SIZE: u32 = 16384;
 
-/// What a camera is like.
+/// The configuration of a camera.
 ///
 /// ```
 /// use belvedere_sensors::camera::{CameraConfig, PixelFormat};
@@ -22,38 +22,43 @@ pub const MAX_IMAGE_SIZE: u32 = 16384;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct CameraConfig<'a> {
-    /// Which way the ray of each pixel goes; 1 … [`MAX_IMAGE_SIZE`] pixels across and down.
+    /// The lens: the direction of the ray of each pixel. Width and height are 1 … [`MAX_IMAGE_SIZE`] pixels.
     pub optics: Optics<'a>,
-    /// Layout of a pixel.
+    /// The pixel format.
     pub format: PixelFormat,
-    /// What is nearer is not seen: metres along the optical axis of a pinhole, and along the ray of any other lens,
-    /// more than 0.
+    /// The near clip distance in metres, more than 0: along the optical axis for a pinhole, along the ray for any other
+    /// lens. Nothing nearer is visible.
     pub near_m: f64,
-    /// What is farther is not seen, measured as `near_m`, more than it.
+    /// The far clip distance in metres, measured like `near_m` and greater than it. Nothing farther is visible.
     pub far_m: f64,
-    /// Which sides of surfaces it sees. With [`Faces::Front`], as renderers cull back faces and Gazebo does, a camera inside its
-    /// own housing sees out, and a mesh whose triangles run clockwise, seen from outside, shows its far inside or nothing.
-    /// With [`Faces::Both`] nothing is seen through; the inside of a surface is shaded with its normal turned to the camera.
+    /// The sides of surfaces that are visible.
+    ///
+    /// With [`Faces::Front`], back faces are culled, as in most renderers and in Gazebo. A camera inside its own
+    /// housing then sees out of it. A mesh whose triangles run clockwise, seen from outside, shows the inside of its
+    /// far side or nothing. With [`Faces::Both`] no surface is seen through: back faces are visible too, shaded with
+    /// their normal turned towards the camera.
     pub faces: Faces,
-    /// Factor of the light that reaches the sensor, finite, 0 or more: 1 as the scene is lit. Colours are proportional to
-    /// it until they saturate at 1, as the electrons of a sensor are to its time of exposure (the linear model of EMVA
-    /// 1288); shading computes in such proportional colours, without gamma.
+    /// The factor by which light is multiplied before it reaches the sensor, finite and at least 0; 1 leaves the scene
+    /// as it is lit. Colours are proportional to it until they saturate at 1, as the electrons of a sensor are to its
+    /// exposure time (the linear model of EMVA 1288). Shading computes such linear colours, without gamma.
     pub exposure: f32,
-    /// What becomes of edges.
+    /// The treatment of edges: sharp or anti-aliased.
     pub edges: Edges,
-    /// Noise of a colour value in [0, 1], which exposure leaves as it is; one sample a pixel, the same for R, G and B.
+    /// Noise of a colour value in [0, 1], independent of exposure. There is one sample per pixel, the same for R, G and
+    /// B.
     pub noise: GaussianNoise,
-    /// Sensor and electronics; without them a picture is the colours as they are shaded. `exposure` is a factor of the
-    /// light that reaches the device, and `noise` is added to what it gives.
+    /// The image sensor and its electronics. Without a device, the picture holds the colours as they are shaded.
+    /// `exposure` scales the light that reaches the device, and `noise` is added to its output.
     pub device: Option<DeviceConfig>,
-    /// Seed of the simulation.
+    /// The seed of the simulation.
     pub seed: u64,
-    /// Number of the sensor in the simulation.
+    /// The number of the sensor in the simulation.
     pub sensor: u32,
 }
 
 impl<'a> CameraConfig<'a> {
-    /// An RGB camera that sees the outside of surfaces from 0.02 to 300 m, without noise, of seed and number 0.
+    /// Creates the configuration of an RGB camera that sees front faces from 0.02 to 300 m, without noise, with seed
+    /// and sensor number 0.
     pub fn new(optics: impl Into<Optics<'a>>) -> Self {
         Self {
             optics: optics.into(),
@@ -71,21 +76,21 @@ impl<'a> CameraConfig<'a> {
     }
 
     setters! {
-        /// Sets the layout of a pixel.
+        /// Sets the pixel format.
         format: PixelFormat,
-        /// Sets the nearest that is seen, in metres.
+        /// Sets the near clip distance, in metres.
         near_m: f64,
-        /// Sets the farthest that is seen, in metres.
+        /// Sets the far clip distance, in metres.
         far_m: f64,
-        /// Sets which sides of surfaces it sees.
+        /// Sets which sides of surfaces are visible.
         faces: Faces,
-        /// Sets the exposure.
+        /// Sets the factor by which light is multiplied.
         exposure: f32,
-        /// Sets what becomes of edges.
+        /// Sets the treatment of edges.
         edges: Edges,
         /// Sets the noise of a colour value.
         noise: GaussianNoise,
-        /// Sets sensor and electronics.
+        /// Sets the image sensor and its electronics.
         device: Option<DeviceConfig>,
         /// Sets the seed of the simulation.
         seed: u64,
@@ -93,7 +98,7 @@ impl<'a> CameraConfig<'a> {
         sensor: u32,
     }
 
-    /// The same with other optics, of other lifetime.
+    /// Returns the same configuration with other optics, which may have another lifetime.
     #[cfg(feature = "alloc")]
     pub(crate) fn with_optics<'b>(&self, optics: &Optics<'b>) -> CameraConfig<'b> {
         let Self { optics: _, format, near_m, far_m, faces, exposure, edges, noise, device, seed, sensor } =
@@ -113,10 +118,10 @@ impl<'a> CameraConfig<'a> {
         }
     }
 
-    /// Whether a picture can have so many pixels across and down, before optics are made for it.
+    /// Checks the width and height of a picture in pixels, before optics are created for it.
     ///
     /// # Errors
-    /// When one of them is not 1 … [`MAX_IMAGE_SIZE`].
+    /// Returns a [`ParameterError`] if one of them is not in 1 … [`MAX_IMAGE_SIZE`].
     pub fn check_size([width, height]: [u32; 2]) -> Result<(), ParameterError> {
         for (parameter, value) in [("width", width), ("height", height)] {
             ParameterError::require_in("camera", parameter, value.into(), [1.0, MAX_IMAGE_SIZE.into()])?;
@@ -124,7 +129,7 @@ impl<'a> CameraConfig<'a> {
         Ok(())
     }
 
-    /// Sets which way the rays go.
+    /// Sets the lens: the direction of the ray of each pixel.
     #[must_use]
     pub fn optics(mut self, optics: impl Into<Optics<'a>>) -> Self {
         self.optics = optics.into();

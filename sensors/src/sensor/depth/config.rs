@@ -1,4 +1,4 @@
-//! What a depth camera is like.
+//! The configuration of a depth camera.
 
 use crate::ParameterError;
 use crate::device::depth::DepthModel;
@@ -9,32 +9,36 @@ use crate::optics::PinholeGrid;
 use crate::sensor::camera::CameraConfig;
 use crate::trace::{Faces, TooNear};
 
-/// What a depth camera is like.
+/// The configuration of a depth camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DepthCameraConfig<'a> {
-    /// Geometry, clip distances, and the colour picture. Its `faces` do not count.
+    /// The lens, the clip distances and the colour picture. Its `faces` are ignored.
     pub camera: CameraConfig<'a>,
-    /// Which sides of surfaces it sees, in depths, colours, cloud and truth alike, so that these are of the same surfaces.
-    /// With [`Faces::Both`] nothing is seen through: a mesh whose triangles run clockwise is measured as well, and so is the
-    /// inside of a housing around the camera. With [`Faces::Front`], as in Gazebo, only outsides are seen.
+    /// The sides of surfaces that are visible, in depths, colours, point cloud and ground truth alike, so that all of
+    /// them show the same surfaces.
+    ///
+    /// With [`Faces::Both`] no surface is seen through: a mesh whose triangles run clockwise is measured as well, and
+    /// so is the inside of a housing around the camera. With [`Faces::Front`], as in Gazebo, only front faces are
+    /// visible.
     pub faces: Faces,
-    /// Depth at or below is too near, in metres.
+    /// Depths at or below this value are too near, in metres.
     pub min_depth_m: f64,
-    /// Depth at or above is too far, in metres; may be infinite.
+    /// Depths at or above this value are too far, in metres; it may be infinite.
     pub max_depth_m: f64,
-    /// What stands for too near and too far.
+    /// The values that stand for too near and too far.
     pub out_of_range: OutOfRange,
-    /// What happens to depths nearer than the camera's `near_m`. The colour picture does not show what is there in
-    /// either case, as that of a [`Camera`](crate::camera::Camera).
+    /// The treatment of surfaces nearer than the camera's `near_m`. In the colour picture they are invisible in either
+    /// case, as in that of a [`Camera`](crate::camera::Camera).
     pub too_near: TooNear,
-    /// What the device makes of true depths; what it takes to the limits or beyond is too near or too far.
+    /// The model by which the device measures true depths. Depths that it moves to the limits or beyond are too near or
+    /// too far.
     pub model: DepthModel,
 }
 
 impl<'a> DepthCameraConfig<'a> {
-    /// A depth camera without noise, whose depths are limited by the clip distances alone, and which sees both sides of
-    /// surfaces.
+    /// Creates the configuration of a depth camera without noise, which sees both sides of surfaces. Its depths are
+    /// limited by the clip distances alone.
     pub fn new(camera: CameraConfig<'a>) -> Self {
         Self {
             camera,
@@ -47,7 +51,7 @@ impl<'a> DepthCameraConfig<'a> {
         }
     }
 
-    /// The same with other optics, of other lifetime.
+    /// Returns the same configuration with other optics, which may have another lifetime.
     #[cfg(feature = "alloc")]
     pub(crate) fn with_optics<'b>(&self, optics: &Optics<'b>) -> DepthCameraConfig<'b> {
         let Self { camera, faces, min_depth_m, max_depth_m, out_of_range, too_near, model } = *self;
@@ -55,7 +59,7 @@ impl<'a> DepthCameraConfig<'a> {
         DepthCameraConfig { camera, faces, min_depth_m, max_depth_m, out_of_range, too_near, model }
     }
 
-    /// A camera of a preset: its picture, its range and its model.
+    /// Creates the configuration of a preset: its picture, range and model.
     ///
     /// ```
     /// use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig};
@@ -68,7 +72,7 @@ impl<'a> DepthCameraConfig<'a> {
     /// ```
     ///
     /// # Errors
-    /// None with the presets of this crate.
+    /// Never fails for the presets of this crate.
     pub fn of_preset(preset: &DepthPreset) -> Result<Self, ParameterError> {
         let [width, height] = preset.size;
         let lens = PinholeGrid::from_fov(width, height, preset.horizontal_fov_deg.to_radians())?;
@@ -78,21 +82,21 @@ impl<'a> DepthCameraConfig<'a> {
     }
 
     setters! {
-        /// Sets the camera.
+        /// Sets the lens, the clip distances and the colour picture.
         camera: CameraConfig<'a>,
-        /// Sets which sides of surfaces it sees: [`Faces::Front`] for what Gazebo renders.
+        /// Sets which sides of surfaces are visible: [`Faces::Front`] for what Gazebo renders.
         faces: Faces,
-        /// Sets the depth at and below which is too near, in metres.
+        /// Sets the depth at and below which surfaces are too near, in metres.
         min_depth_m: f64,
-        /// Sets the depth at and above which is too far, in metres.
+        /// Sets the depth at and above which surfaces are too far, in metres.
         max_depth_m: f64,
-        /// Sets what stands for too near and too far.
+        /// Sets the values that stand for too near and too far.
         out_of_range: OutOfRange,
-        /// Sets what happens to depths nearer than the camera's `near_m`.
+        /// Sets the treatment of surfaces nearer than the camera's `near_m`.
         too_near: TooNear,
     }
 
-    /// Sets what the device makes of true depths: a model, or Gaussian noise in metres alone.
+    /// Sets the model by which the device measures true depths: a [`DepthModel`], or just Gaussian noise in metres.
     #[must_use]
     pub fn model(mut self, model: impl Into<DepthModel>) -> Self {
         self.model = model.into();
@@ -100,11 +104,11 @@ impl<'a> DepthCameraConfig<'a> {
     }
 }
 
-/// What a 32FC1 depth outside the valid range becomes. In 16UC1 it is 0 in any case, and in the cloud NaN.
+/// The value of a 32FC1 depth outside the valid range. In 16UC1 it is always 0, and in the point cloud NaN.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OutOfRange {
-    /// REP-117: too near is −∞, too far or nothing there +∞. What the device cannot measure is NaN.
+    /// REP-117: −∞ if too near; +∞ if too far or if nothing is hit. Depths that the device cannot measure are NaN.
     Infinite,
-    /// As Gazebo's Kinect plugin: NaN.
+    /// NaN, as from Gazebo's Kinect plugin.
     Nan,
 }

@@ -1,4 +1,4 @@
-//! How bright pixels are, and how much that differs around one: what a stereo camera finds it by.
+//! Brightness of pixels and its contrast, by which a stereo camera matches them.
 
 use crate::device::LUMA;
 use crate::device::depth::{Matcher, REACH};
@@ -7,14 +7,14 @@ use crate::shade::Colours;
 use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, f32x16, mask32x16};
 
-/// The pixels beside one that its window's differences are of.
+/// The number of pixels to each side of a pixel that its window needs: its reach, and one more for the differences.
 const BESIDE: usize = REACH + 1;
 
-/// Brightnesses of a frame in the workspace, row after row: 0 … 1.
+/// The brightnesses of a frame in the workspace, in row-major order, each 0 … 1.
 pub(super) struct Brightness<'a>(pub(super) &'a mut [f32]);
 
 impl<'a> Brightness<'a> {
-    /// Cache lines of so many pixels.
+    /// Returns the number of cache lines for this number of pixels.
     pub(super) const fn workspace_len(pixels: usize) -> usize {
         lines(pixels * size_of::<f32>())
     }
@@ -23,19 +23,19 @@ impl<'a> Brightness<'a> {
         Self(memory.take(pixels))
     }
 
-    /// Writes those of some lanes of a tile, from a pixel on.
+    /// Writes the brightnesses of `count` lanes of a tile, beginning at the pixel `first`.
     #[inline(always)]
     pub(super) fn write(&mut self, colours: &Colours, lane: usize, (first, count): (usize, usize)) {
         for (x, value) in self.0[first..first + count].iter_mut().enumerate() {
             let [red, green, blue] = [0, 1, 2].map(|channel| colours[channel][lane + x]);
             let light = red * LUMA[0] + green * LUMA[1] + blue * LUMA[2];
-            // What is not a number is dark.
+            // NaN becomes dark.
             *value = if light > 0.0 { light.min(1.0) } else { 0.0 };
         }
     }
 }
 
-/// What pixels are found by.
+/// The data by which pixels are matched.
 #[derive(Clone, Copy)]
 pub(super) struct Contrast<'a> {
     pub(super) matcher: Matcher,
@@ -44,8 +44,10 @@ pub(super) struct Contrast<'a> {
 }
 
 impl Contrast<'_> {
-    /// Which of up to sixteen pixels of a row are found, and how much noisier they are: by their depths and what they face,
-    /// and a normal number each. All of those are that have no depth anyway.
+    /// Returns which of up to sixteen pixels of a row are matched, and the factor by which their noise grows.
+    ///
+    /// `seen` holds their depths, and their cosines of incidence relative to those of a plane parallel to the picture;
+    /// `normals` holds a standard normal number for each. Pixels without a depth count as matched.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &self,
@@ -59,8 +61,8 @@ impl Contrast<'_> {
         (is_found | has_none, has_none.select(f32x16::splat(simd, 1.0), noisier))
     }
 
-    /// Sums over the windows of some pixels of a row, of squares of what the neighbours of each to the left and right differ.
-    /// Beyond the picture is what is at its edge.
+    /// Sums squared differences between the left and right neighbours over the windows of some pixels of a row. Outside
+    /// the picture, its edge pixels are repeated.
     #[inline(always)]
     fn squares<S: Simd>(&self, simd: S, [column, row, count]: [usize; 3]) -> f32x16<S> {
         let [width, height] = self.size;

@@ -1,4 +1,4 @@
-//! The second pass over a frame: what the device makes of what is seen.
+//! The second pass over a frame: applies the device model to true depths.
 
 use super::contrast::Contrast;
 use super::ends::{Ends, MOST_ROWS};
@@ -13,14 +13,14 @@ use crate::simd::{WIDTH, dispatch};
 use crate::trace::tiling::{BLOCKS, Tiling};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
-/// Where measured depths go, cut between rows of pixels.
+/// The outputs of measured depths, split between rows of pixels.
 pub(super) struct Measured<'a> {
     pub(super) depth_32fc1: Option<&'a mut [f32]>,
     pub(super) depth_16uc1: Option<&'a mut [u16]>,
-    /// Points, of which coordinates are written and nothing else.
+    /// The point cloud, of which only coordinates are written.
     pub(super) points: Option<&'a mut [u8]>,
     pub(super) xyz: Option<&'a mut [[f32; 3]]>,
-    /// Pixels across.
+    /// The width of the picture.
     pub(super) width: usize,
 }
 
@@ -47,14 +47,14 @@ impl SplitRows for Measured<'_> {
 
 const _: () = assert!(CHUNK <= MOST_ROWS * LINES);
 
-/// Makes a frame of what is seen.
+/// Computes measured depths from the true ones.
 pub(super) struct Developer<'a> {
     pub(super) camera: &'a DepthCamera<'a>,
     pub(super) device: &'a DepthDevice,
     pub(super) looker: Looker<'a>,
-    /// What was found of the projected dots, if the device looks for them.
+    /// The projected dots that were found, if the device measures by dots.
     pub(super) pattern: Option<Pattern<'a>>,
-    /// What it is found by in the second eye, if contrast counts.
+    /// The contrast by which the second eye matches pixels, if the device models it.
     pub(super) contrast: Option<Contrast<'a>>,
 }
 

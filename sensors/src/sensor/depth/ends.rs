@@ -1,4 +1,4 @@
-//! Where surfaces end: only there does a look beside a pixel see anything else.
+//! Tiles near the borders of surfaces. Only there can a ray beside that of a pixel meet another surface.
 
 use super::look::{LINES, Looker, load};
 use super::surface::is_same_surface;
@@ -7,25 +7,25 @@ use crate::simd::WIDTH;
 use crate::trace::tiling::Tiling;
 use fearless_simd::{Simd, SimdMask};
 
-/// How far around a tile ends are looked for: a tile to each side, and two rows of tiles above and below.
+/// How far around a tile borders are searched: one tile to each side, and two rows of tiles above and below.
 const REACH: [usize; 2] = [1, 2];
-/// Most rows of tiles that are searched together, without those around.
+/// The largest number of tile rows that are searched together, without those around them.
 pub(super) const MOST_ROWS: usize = 8;
-/// A bit for each tile of the widest picture.
+/// A bit for each tile of a row, as wide as the widest picture.
 type Row = [u64; MAX_IMAGE_SIZE as usize / WIDTH / 64];
 const NO_ENDS: Row = [0; MAX_IMAGE_SIZE as usize / WIDTH / 64];
-/// Rows of tiles, with those around.
+/// Rows of tiles, including those around.
 const ROWS: usize = MOST_ROWS + 2 * REACH[1];
 
 /// The tiles of some rows in which a surface ends, a bit each.
 pub(super) struct Ends {
-    /// The first of the rows, counted in tiles.
+    /// The first of these rows, counted in tiles.
     first: usize,
     rows: [Row; ROWS],
 }
 
 impl Ends {
-    /// Searches rows of tiles, and those around that [`Ends::are_near`] asks for.
+    /// Searches rows of tiles, and those around them that [`Ends::are_near`] needs.
     #[inline(always)]
     pub(super) fn find<S: Simd>(simd: S, looker: &Looker<'_>, tile_rows: core::ops::Range<usize>) -> Self {
         let [width, height] = looker.size;
@@ -41,7 +41,7 @@ impl Ends {
         ends
     }
 
-    /// Whether a surface ends in a tile or near it.
+    /// Returns true if a surface ends in a tile or near it.
     #[inline(always)]
     pub(super) fn are_near(&self, [tile, tile_row]: [usize; 2]) -> bool {
         let top = (tile_row - self.first).saturating_sub(REACH[1]);
@@ -54,7 +54,7 @@ impl Ends {
     }
 }
 
-/// Whether a surface ends between two pixels of a tile, or between it and the next to the right or below.
+/// Returns true if a surface ends between two pixels of a tile, or between the tile and the next to the right or below.
 #[inline(always)]
 fn is_end<S: Simd>(simd: S, looker: &Looker<'_>, [column, first_row]: [usize; 2]) -> bool {
     let [width, height] = looker.size;

@@ -1,4 +1,4 @@
-//! How pixels look at what is seen: along their own ray, beside it, or at all light that reaches them.
+//! Sampling of the true depths: along a pixel's own ray, beside it, or as a mixture of light from around it.
 
 use super::surface::is_same_surface;
 use crate::device::depth::{Around, DepthDevice, FREQUENCIES, Light, Look, Sampling};
@@ -10,32 +10,32 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, i32x16};
 
 /// Rows of pixels whose random numbers are drawn together.
 pub(super) const LINES: usize = Tiling::Square.size()[1];
-/// Rows of pixels that one thread takes at a time.
+/// Rows of pixels that a thread takes at a time.
 pub(super) const CHUNK: usize = 8 * LINES;
 
 const ACROSS: [f32; WIDTH] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
-/// Normal numbers of the four lines of a tile: to the right and down, if pixels look beside their own ray; of light one for each
-/// of several frequencies.
+/// Standard normal numbers for the four lines of a tile. For lateral noise they are offsets to the right and down; for
+/// time of flight there is one for each modulation frequency.
 pub(super) type Offsets<S> = Option<[[f32x16<S>; BLOCKS]; FREQUENCIES]>;
 
-/// A frame that is seen, and the rays of its pixels.
+/// The true depths of a frame, and the rays of its pixels.
 #[derive(Clone, Copy)]
 pub(super) struct Looker<'a> {
     pub(super) rays: Rays<'a>,
-    /// Pixels across and down.
+    /// Width and height of the picture.
     pub(super) size: [usize; 2],
-    /// Radians from one pixel to the next, in the middle of the picture.
+    /// The angle from one pixel to the next in the middle of the picture, in radians.
     pub(super) pixel_rad: f32,
-    /// Seed, sensor and frame of its random numbers.
+    /// Seed, sensor and frame of the random numbers.
     pub(super) numbers: Stream,
-    /// Depths, of light ranges, and cosines of incidence.
+    /// Depths (ranges for time of flight) and cosines of incidence.
     pub(super) seen: &'a [[f32; 2]],
 }
 
 impl<'a> Looker<'a> {
-    /// Of random numbers of that seed, sensor and frame.
+    /// Creates a looker. `numbers` holds the seed, sensor and frame of its random numbers.
     pub(super) fn new(rays: &Rays<'a>, size: [usize; 2], numbers: Stream, seen: &'a [[f32; 2]]) -> Self {
         let middle = size.map(|size| size as i32 / 2);
         let step = rays.neighbours(middle[0], middle[1]).steps()[0];
@@ -46,7 +46,7 @@ impl<'a> Looker<'a> {
         Stream { channel, ..self.numbers }
     }
 
-    /// The random numbers of the lines of a tile.
+    /// Draws the random numbers for the lines of a tile, if the device needs any.
     #[inline(always)]
     pub(super) fn offsets<S: Simd>(
         &self,
@@ -67,8 +67,8 @@ impl<'a> Looker<'a> {
         Some(numbers)
     }
 
-    /// True depths, and cosines of incidence there, of up to sixteen pixels of a row: the first one's column and row, and
-    /// how many.
+    /// Returns the true depths, and the cosines of incidence there, of up to sixteen pixels of a row. They are given by
+    /// the column and row of the first, and their number.
     #[inline(always)]
     pub(super) fn look<S: Simd>(
         &self,
@@ -100,13 +100,14 @@ impl<'a> Looker<'a> {
         }
     }
 
-    /// Radians from one pixel to the next.
+    /// Returns the angle from one pixel to the next, in radians.
     #[inline(always)]
     pub(super) fn steps<S: Simd>(&self, simd: S) -> f32x16<S> {
         f32x16::splat(simd, self.pixel_rad)
     }
 
-    /// What the rays meet that are nearest to these places in the picture, and their columns and rows.
+    /// Returns the depths and cosines at the pixels nearest to these places in the picture, and the columns and rows of
+    /// these pixels.
     #[inline(always)]
     fn nearest<S: Simd>(&self, simd: S, [x, y]: [f32x16<S>; 2]) -> [[f32x16<S>; 2]; 2] {
         let [width, height] = self.size;
@@ -121,7 +122,7 @@ impl<'a> Looker<'a> {
         [load(simd, &seen), [columns, rows]]
     }
 
-    /// Depths between those of the rays around; cosines of the nearest.
+    /// Interpolates depths bilinearly between the four rays around; the cosines are those of the nearest.
     #[inline(always)]
     fn between<S: Simd>(&self, simd: S, [x, y]: [f32x16<S>; 2]) -> [f32x16<S>; 2] {
         let [width, height] = self.size;
@@ -146,7 +147,8 @@ impl<'a> Looker<'a> {
         [f32x16::load_array(simd, depths), cosines]
     }
 
-    /// Depths that light tells of, and cosines of the pixels' own.
+    /// Returns the depths that time of flight measures from light that mixes over neighbouring pixels, and the cosines
+    /// of the pixels themselves.
     #[inline(always)]
     fn light<S: Simd>(
         &self,
@@ -156,7 +158,7 @@ impl<'a> Looker<'a> {
         (offsets, line): (&Offsets<S>, usize),
     ) -> [f32x16<S>; 2] {
         let [width, height] = self.size;
-        // Nothing comes from beyond the picture.
+        // No light comes from outside the picture.
         let mut values = [[[f32::INFINITY; WIDTH + 2]; 2]; 3];
         for (y, values) in values.iter_mut().enumerate() {
             let Some(row) = (row + y).checked_sub(1).filter(|row| *row < height) else { continue };
@@ -185,7 +187,7 @@ impl<'a> Looker<'a> {
         [light.ranges(simd, &around, noise) * forward, cosine]
     }
 
-    /// What part of its range is the depth of each of some pixels of a row; 1 in the lanes beyond.
+    /// Returns the ratio of depth to range of some pixels of a row; 1 in the lanes beyond them.
     #[inline(always)]
     pub(super) fn forward<S: Simd>(&self, simd: S, [column, row, count]: [usize; 3]) -> f32x16<S> {
         let mut forward = [1.0; WIDTH];
@@ -196,13 +198,13 @@ impl<'a> Looker<'a> {
     }
 }
 
-/// Places from the first pixel to the last.
+/// Clamps places to the picture, from the first pixel to the last.
 #[inline(always)]
 fn inside<S: Simd>(simd: S, places: f32x16<S>, size: usize) -> f32x16<S> {
     places.max(f32x16::splat(simd, 0.0)).min(f32x16::splat(simd, (size - 1) as f32))
 }
 
-/// Up to sixteen depths and cosines; 0 in the lanes beyond.
+/// Loads up to sixteen depths and cosines; 0 in the lanes beyond.
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, seen: &[[f32; 2]]) -> [f32x16<S>; 2] {
     if let Some(seen) = seen.as_flattened().first_chunk::<{ 2 * WIDTH }>() {

@@ -1,4 +1,4 @@
-//! The dots of structured light in a frame: where they are, and at which disparities they are found.
+//! The dots of structured light in a frame: their places, and the disparities at which they are found.
 
 use super::look::{CHUNK, LINES, Looker};
 use crate::device::depth::{DepthDevice, Dots, Look, dot, find_dot, squares};
@@ -9,18 +9,18 @@ use crate::simd::{WIDTH, dispatch};
 use crate::trace::tiling::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
-/// The dots of a frame that are found.
+/// The dots of a frame, and the disparities at which they are found.
 #[derive(Clone, Copy)]
 pub(super) struct Pattern<'a> {
     dots: Dots,
     size: [usize; 2],
     /// Column and row of the dot of each square.
     places: &'a [[u16; 2]],
-    /// The disparity of each; 0 if it is not found.
+    /// The disparity of each dot; 0 if the dot is not found.
     found: &'a [f32],
 }
 
-/// Rows of an output, so many values to each piece.
+/// An output split into pieces of `piece` values.
 struct Pieces<'a, T> {
     values: &'a mut [T],
     piece: usize,
@@ -34,7 +34,7 @@ impl<T: Send> SplitRows for Pieces<'_, T> {
 }
 
 impl<'a> Pattern<'a> {
-    /// Cache lines that a frame takes.
+    /// Returns the number of cache lines that a frame needs.
     pub(super) fn workspace_len(size: [usize; 2]) -> usize {
         let (pixels, squares) = (size.iter().product::<usize>(), squares(size).iter().product::<usize>());
         lines(pixels * size_of::<f32>())
@@ -42,7 +42,7 @@ impl<'a> Pattern<'a> {
             + lines(squares * size_of::<f32>())
     }
 
-    /// Finds the dots of a frame, if the device looks for them.
+    /// Finds the dots of a frame, if the device measures by dots.
     pub(super) fn find(
         looker: &Looker<'_>,
         device: &DepthDevice,
@@ -80,7 +80,7 @@ impl<'a> Pattern<'a> {
         Some(Self { dots, size, places, found })
     }
 
-    /// The depths of up to sixteen pixels of a row.
+    /// Returns the depths of up to sixteen pixels of a row.
     #[inline(always)]
     pub(super) fn depths<S: Simd>(&self, simd: S, [column, row, count]: [usize; 3]) -> f32x16<S> {
         let mut depths = [0.0; WIDTH];
@@ -91,7 +91,7 @@ impl<'a> Pattern<'a> {
     }
 }
 
-/// The disparities of some rows of a picture before dots are looked for; 0 where there is none.
+/// Computes the disparities of some rows of a picture before dots are searched; 0 where there is no depth.
 #[inline(always)]
 fn disparities<S: Simd>(
     simd: S,

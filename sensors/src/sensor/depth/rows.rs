@@ -1,4 +1,4 @@
-//! Where the parts of a depth frame go, cut between rows of tiles.
+//! The outputs of a depth frame, split between rows of tiles.
 
 use super::contrast::Brightness;
 use super::seen::Seen;
@@ -19,21 +19,21 @@ use crate::trace::place::Place;
 use crate::trace::tiling::{BLOCKS, Tiling};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, f32x4, f32x16};
 
-/// From where on a point has its colour.
+/// The offset of the colour in a point, in bytes.
 const POINT_RGB: usize = 16;
 
-/// The colour of a point.
+/// Returns the colour of a point as bytes.
 #[inline(always)]
 fn rgb(colour: [f32; 3]) -> [u8; 4] {
     let [red, green, blue] = colour.map(to_byte);
     [blue, green, red, 0]
 }
 
-/// Coordinates of sixteen points side by side in a row: right, down and ahead, and 0; NaN where there is no depth.
+/// The coordinates of sixteen neighbouring points of a row: right, down, ahead and 0; NaN where there is no depth.
 pub(super) struct Places([[f32; 4]; WIDTH]);
 
 impl Places {
-    /// Of pixels of that row from that column on, which is a multiple of sixteen.
+    /// Computes the points of sixteen pixels of a row, beginning at a column that is a multiple of sixteen.
     #[inline(always)]
     pub(super) fn new<S: Simd>(
         simd: S,
@@ -61,7 +61,7 @@ impl Places {
         Self(places)
     }
 
-    /// Writes as many as there is room for.
+    /// Writes as many coordinates as there is room for.
     #[inline(always)]
     pub(super) fn write(&self, output: &mut [[f32; 3]]) {
         for (output, &[x, y, z, _]) in output.iter_mut().zip(&self.0) {
@@ -69,7 +69,7 @@ impl Places {
         }
     }
 
-    /// Writes as many as there is room for into points whose colours stay.
+    /// Writes as many coordinates as there is room for into points, without changing their colours.
     #[inline(always)]
     pub(super) fn write_places(&self, points: &mut [u8]) {
         for (point, place) in points.as_chunks_mut::<POINT_STEP>().0.iter_mut().zip(&self.0) {
@@ -77,7 +77,7 @@ impl Places {
         }
     }
 
-    /// Writes whole points, as many as there is room for.
+    /// Writes as many whole points as there is room for.
     #[inline(always)]
     fn write_points(&self, colours: &[u32; WIDTH], points: &mut [u8]) {
         let points = points.as_chunks_mut::<POINT_STEP>().0.iter_mut();
@@ -88,7 +88,7 @@ impl Places {
     }
 }
 
-/// Words as bytes, the lowest first.
+/// Writes words as bytes, in little-endian order.
 #[inline(always)]
 fn write_words(words: &[u32; 4], bytes: &mut [u8]) {
     for (bytes, word) in bytes.as_chunks_mut::<4>().0.iter_mut().zip(words) {
@@ -96,7 +96,7 @@ fn write_words(words: &[u32; 4], bytes: &mut [u8]) {
     }
 }
 
-/// Depths in millimetres; 0 where there is none that 16 bits hold.
+/// Converts depths to millimetres; 0 where they do not fit into 16 bits.
 #[inline(always)]
 pub(super) fn millimetres<S: Simd>(simd: S, depths: f32x16<S>) -> [u16; WIDTH] {
     let millimetres = depths * 1000.0 + 0.5;
@@ -107,20 +107,20 @@ pub(super) fn millimetres<S: Simd>(simd: S, depths: f32x16<S>) -> [u16; WIDTH] {
     simd.narrow_u32x8(first, second).into()
 }
 
-/// The parts of a frame, cut between rows of tiles.
+/// The outputs of a frame, split between rows of tiles.
 pub(super) struct Rows<'a> {
     pub(super) depth_32fc1: Option<&'a mut [f32]>,
     pub(super) depth_16uc1: Option<&'a mut [u16]>,
     pub(super) points: Option<&'a mut [u8]>,
     pub(super) xyz: Option<&'a mut [[f32; 3]]>,
-    /// What the device is to read; without one, depths are measured as they are traced.
+    /// The true depths that the device model reads. Without one, depths are measured as they are traced.
     pub(super) seen: Option<Seen<'a>>,
-    /// What it finds pixels by.
+    /// The brightnesses that the device model reads.
     pub(super) brightness: Option<Brightness<'a>>,
     pub(super) truth: Option<Truth<'a>>,
-    /// Pixels across.
+    /// The width of the picture.
     pub(super) width: usize,
-    /// Rows of a tile.
+    /// The number of rows of a tile.
     pub(super) lines_in_tile: usize,
     pub(super) wants_colour: bool,
     pub(super) colour: ColourRows<'a>,
@@ -171,21 +171,22 @@ impl SplitRows for Rows<'_> {
 }
 
 impl Rows<'_> {
-    /// Whether points are asked for, with colours or without.
+    /// Returns true if points are requested, with or without colours.
     #[inline(always)]
     pub(super) fn wants_places(&self) -> bool {
         self.points.is_some() || self.xyz.is_some()
     }
 
-    /// Whether depths are to be measured as they are traced: they are asked for, and no device is to read them.
+    /// Returns true if depths are measured as they are traced: they are requested, and there is no device model to read
+    /// them.
     #[inline(always)]
     pub(super) fn wants_measured(&self) -> bool {
         let wants_depth = self.depth_32fc1.is_some() || self.depth_16uc1.is_some() || self.wants_places();
         wants_depth && self.seen.is_none()
     }
 
-    /// The lines of a tile that lie in the picture: number, column and row, first pixel in the output, and how many pixels
-    /// there are.
+    /// Iterates over the lines of a tile that lie in the picture: number, column and row, index of the first pixel in
+    /// the output, and number of pixels.
     #[inline(always)]
     fn lines_of(
         &self,
@@ -220,7 +221,7 @@ impl Rows<'_> {
         }
     }
 
-    /// Writes how bright a tile is, if that counts.
+    /// Writes the brightnesses of a tile, if the device model reads them.
     #[inline(always)]
     pub(super) fn write_brightness(&mut self, colours: &Colours, band: &Band<'_>, tile: [usize; 2]) {
         let lines = self.lines_of(band, tile);
@@ -230,7 +231,8 @@ impl Rows<'_> {
         }
     }
 
-    /// Writes what is asked for of the points of a tile, from the depths of its lines. Without [`Rows::points`], colours do not matter.
+    /// Writes the requested outputs for the points of a tile, from the depths of its lines. Colours are only used for
+    /// [`Rows::points`].
     #[inline(always)]
     pub(super) fn write_points<S: Simd>(
         &mut self,
@@ -256,7 +258,7 @@ impl Rows<'_> {
     }
 }
 
-/// A frame whose edges are painted over, from some row of tiles on.
+/// The rest of a frame from some row of tiles on, whose edges are painted over.
 pub(super) struct Retouched<'a> {
     pub(super) camera: &'a Camera<'a>,
     pub(super) frame: u64,

@@ -1,4 +1,4 @@
-//! What a device reads: true depths of a frame, and how the rays meet the surfaces, in the workspace.
+//! The input of a device model: true depths of a frame and angles of incidence, in the workspace.
 
 use super::too_near::Obstacles;
 use crate::device::depth::{DepthDevice, Eye, Look};
@@ -16,13 +16,16 @@ use crate::trace::second_look::SecondLook;
 use crate::trace::tiling::BLOCKS;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 
-/// What is seen of pixels, row after row: the true depth in metres, of light the range; +∞ where nothing is met, −∞ where
-/// something too near is in the way, NaN where the second eye does not see it. And the cosine of the angle of incidence, 1 where
-/// nothing is met or nobody asks: side by side, since who looks beside its own ray looks at both.
+/// True depths in metres (ranges for time of flight), each with the cosine of its angle of incidence, in row-major
+/// order.
+///
+/// The depth is +∞ where nothing is hit, −∞ where something too near is in the way, and NaN where the second eye does
+/// not see the point. The cosine is 1 where nothing is hit or where the device does not need it. Both lie side by side
+/// because lateral noise reads both of another pixel.
 pub(super) struct Seen<'a>(pub(super) &'a mut [[f32; 2]]);
 
 impl<'a> Seen<'a> {
-    /// Cache lines of so many pixels.
+    /// Returns the number of cache lines for this number of pixels.
     pub(super) const fn workspace_len(pixels: usize) -> usize {
         lines(pixels * size_of::<[f32; 2]>())
     }
@@ -31,18 +34,18 @@ impl<'a> Seen<'a> {
         Self(memory.take(pixels))
     }
 
-    /// To be lent once more.
+    /// Reborrows the memory.
     pub(super) fn reborrow(&mut self) -> Seen<'_> {
         Seen(&mut *self.0)
     }
 
-    /// The first pixels, and the rest.
+    /// Splits off the first pixels.
     pub(super) fn split_at(self, pixels: usize) -> (Self, Self) {
         let (seen, rest) = self.0.split_at_mut(pixels.min(self.0.len()));
         (Self(seen), Self(rest))
     }
 
-    /// Writes what the rays of a band see. Compiled once a level.
+    /// Writes the depths and cosines of a band. Compiled once per SIMD level.
     #[inline(never)]
     pub(super) fn write<S: Simd>(
         &mut self,
@@ -126,7 +129,7 @@ impl<'a> Seen<'a> {
     }
 }
 
-/// The lanes of four blocks of a row whose rays meet what the second eye does not see, sixteen bits to each block.
+/// Returns the lanes of four blocks of a row whose hits the second eye does not see, sixteen bits per block.
 #[inline(always)]
 fn hidden<S: Simd>(
     simd: S,
@@ -151,7 +154,7 @@ fn hidden<S: Simd>(
         }
         let [x, y, z] = local;
         beyond |= (!eye.has_in_view(simd, [x, y]).to_bitmask() & 0xffff) << (part * WIDTH);
-        // Single precision is enough: what is nearer by a thousandth counts as the same.
+        // Single precision is enough: occluders that are nearer by only a thousandth do not count.
         let mut points = local;
         for axis in 0..3 {
             points[axis] = (x * axes[0][axis] + y * axes[1][axis]) + z * axes[2][axis];

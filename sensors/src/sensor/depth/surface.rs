@@ -1,9 +1,12 @@
-//! What may be one surface.
+//! A test whether two depths may belong to one surface.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 
-/// Where two depths, each with its cosine of incidence, may be of one surface, that is seen so many radians apart: by as much
-/// as that a depth changes at most by (1 + tan θ) of itself per radian, in a view of less than 90°, and half as much again.
+/// Returns where two depths, each with its cosine of incidence, may belong to one surface; `apart` is the angle between
+/// their rays in radians.
+///
+/// In a view of less than 90°, the depth of a surface changes at most by (1 + tan θ) times itself per radian. One and a
+/// half times that is allowed.
 #[inline(always)]
 pub(super) fn is_same_surface<S: Simd>(
     simd: S,
@@ -20,6 +23,6 @@ pub(super) fn is_same_surface<S: Simd>(
     }
     let cosine = own[1].max(other[1]);
     let sine = (one - cosine * cosine).max(zero).sqrt();
-    // Multiplied by the cosine, which may be 0.
+    // Both sides are multiplied by the cosine, which may be 0.
     same | (change * cosine).simd_le(most * (sine + cosine))
 }

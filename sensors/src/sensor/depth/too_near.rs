@@ -1,16 +1,16 @@
-//! Where something is nearer than the camera sees.
+//! Pixels in front of which something is nearer than the near clip distance.
 
 use crate::execution::SplitRows;
 use crate::trace::grid::{Band, BandWork};
 use crate::trace::image::NO_HIT;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
-/// The lanes of each block that something too near is in the way of, a bit each; empty if nothing is.
+/// The lanes of each block that something too near blocks, a bit each; empty if nothing is too near.
 #[derive(Clone, Copy)]
 pub(super) struct Obstacles<'a>(pub(super) &'a [u16]);
 
 impl Obstacles<'_> {
-    /// The depths of a block of the grid, −∞ where something is in the way.
+    /// Returns the depths of a block of the grid, with −∞ where something is in the way.
     #[inline(always)]
     pub(super) fn hide<S: Simd>(self, simd: S, block: usize, depths: f32x16<S>) -> f32x16<S> {
         let Some(&lanes) = self.0.get(block) else { return depths };
@@ -19,7 +19,7 @@ impl Obstacles<'_> {
     }
 }
 
-/// Finds out where something is too near.
+/// Finds the lanes that something too near blocks.
 pub(super) struct Blocking;
 
 impl BandWork<Blocked<'_>> for Blocking {
@@ -35,7 +35,7 @@ impl BandWork<Blocked<'_>> for Blocking {
     }
 }
 
-/// A bit for each lane of each block, cut between rows of blocks.
+/// A bit for each lane of each block, split between rows of blocks.
 pub(super) struct Blocked<'a> {
     pub(super) lanes: &'a mut [u16],
     pub(super) across: usize,

@@ -1,4 +1,4 @@
-//! What is kept of each pixel, so that edges can be found once the picture is complete.
+//! Marks of the pixels of a picture, from which edges are found once it is complete.
 
 use crate::execution::SplitRows;
 use crate::sensor::pixel::to_bytes;
@@ -7,20 +7,20 @@ use crate::simd::load_row;
 use crate::trace::tiling::Tiling;
 use fearless_simd::{Bytes, Select, Simd, SimdBase, u8x64, u32x16};
 
-/// Pixels across a tile, and down.
+/// Width and height of a tile in pixels.
 pub(crate) const TILE_WIDTH: usize = Tiling::Square.size()[0];
 pub(crate) const TILE_HEIGHT: usize = Tiling::Square.size()[1];
-/// By how much of 255 some channel must differ for an edge to be one.
+/// There is an edge where some channel differs by more than this, of 255.
 const LEAST_DIFFERENCE: u32 = 24;
 
-/// The mark of a pixel without a ray, and of what lies beyond the picture.
+/// The mark of a pixel without a ray, and of anything outside the picture.
 pub(super) const NO_RAY: u32 = 0;
-/// Set in all others.
+/// A bit that is set in all other marks.
 const RAY: u32 = 1 << 31;
-/// Bits of a mark that hold the colour; those above, what the pixel shows.
+/// The bits of a mark that hold the colour. The higher ones hold a number for what the pixel shows.
 pub(super) const COLOUR: u32 = 0x00ff_ffff;
 
-/// What is kept of each pixel of a picture, row after row; of none, if edges are sharp.
+/// The marks of the pixels of a picture, in row-major order; empty if edges are sharp.
 pub(crate) struct Marks<'a> {
     marks: &'a mut [u32],
     width: usize,
@@ -31,7 +31,7 @@ impl<'a> Marks<'a> {
         Self { marks, width }
     }
 
-    /// Marks the pixels of a tile, given by its column and its row among these.
+    /// Writes the marks of a tile, given by its column and by its row in this part of the picture.
     #[inline(always)]
     pub(crate) fn put<S: Simd>(
         &mut self,
@@ -68,10 +68,10 @@ impl SplitRows for Marks<'_> {
     }
 }
 
-/// By how much marks differ from others beyond what makes an edge; 0 where there is none.
+/// Returns by how much the difference of marks exceeds the threshold of an edge; 0 where there is no edge.
 #[inline(always)]
 pub(super) fn beyond<S: Simd>(simd: S, own: u32x16<S>, other: u32x16<S>) -> u32x16<S> {
-    // In each byte, how much more is let pass: anything where the same is seen, or nothing.
+    // The tolerance in each byte: any difference where both show the same, otherwise the threshold.
     let elsewhere = (own ^ other).simd_gt(u32x16::splat(simd, COLOUR)) & other.simd_ne(NO_RAY);
     let least = u32x16::splat(simd, (LEAST_DIFFERENCE * 0x0001_0101) | !COLOUR);
     let passed: u8x64<S> = elsewhere.select(least, u32x16::splat(simd, u32::MAX)).bitcast();

@@ -1,4 +1,4 @@
-//! What a lidar is like.
+//! The configuration of a lidar.
 
 use crate::ParameterError;
 use crate::noise::GaussianNoise;
@@ -7,26 +7,28 @@ use crate::scene::visibility;
 use crate::trace::{Faces, TooNear};
 use core::f64::consts::{PI, TAU};
 
-/// Most beams of a lidar.
+/// The largest number of beams of a lidar.
 pub const MAX_BEAMS: u32 = 16_777_216;
 
-/// Most beams of a scan line, and most scan lines.
+/// The largest number of beams of a scan line, and of scan lines.
 pub const MAX_SAMPLES: u32 = MAX_GRID_SIZE;
 
-/// Angles of the beams along one axis, first and last included.
+/// The angles of the beams along one axis, first and last included.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beams {
-    /// How many, 1 … [`MAX_SAMPLES`].
+    /// The number of beams, 1 … [`MAX_SAMPLES`].
     pub samples: u32,
-    /// Angle of the first in radians.
+    /// The angle of the first beam, in radians.
     pub min_angle_rad: f64,
-    /// Angle of the last in radians, not less than the first.
+    /// The angle of the last beam, in radians; not less than that of the first.
     pub max_angle_rad: f64,
 }
 
 impl Beams {
-    /// `samples` beams in equal steps around a full turn, the first to the rear (−π), none of them twice:
-    /// the last is one step before +π, where [`Beams::between_degrees`] from −180° to 180° would have its first again.
+    /// Creates `samples` beams in equal steps around a full turn, beginning at the rear (−π), without a duplicate at
+    /// the end.
+    ///
+    /// The last beam is one step before +π; [`Beams::between_degrees`] from −180° to 180° would repeat the first.
     ///
     /// ```
     /// use belvedere_sensors::lidar::Beams;
@@ -39,7 +41,7 @@ impl Beams {
         Self { samples, min_angle_rad: -PI, max_angle_rad: PI - step }
     }
 
-    /// `samples` beams from one angle to another, both included; angles in degrees, as data sheets have them.
+    /// Creates `samples` beams from one angle to another, both included. The angles are in degrees, as in data sheets.
     ///
     /// ```
     /// use belvedere_sensors::lidar::Beams;
@@ -59,12 +61,12 @@ impl Beams {
     /// A single beam at angle 0.
     pub const ONE: Self = Self { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
 
-    /// Angle of beam `index`: min + i·(max − min)/(samples − 1), as Gazebo spaces them.
+    /// Returns the angle of beam `index` in radians: min + i·(max − min)/(samples − 1), as Gazebo spaces them.
     pub fn angle(&self, index: u32) -> f64 {
         self.min_angle_rad + f64::from(index) * self.increment()
     }
 
-    /// Angle from one beam to the next; 0 for a single one.
+    /// Returns the angle from one beam to the next in radians; 0 if there is only one beam.
     pub fn increment(&self) -> f64 {
         if self.samples > 1 {
             (self.max_angle_rad - self.min_angle_rad) / f64::from(self.samples - 1)
@@ -73,7 +75,7 @@ impl Beams {
         }
     }
 
-    /// That there are beams, at angles in order. `names` are those of the three parameters.
+    /// Checks that there are beams at ordered angles. `names` are the names of the three parameters.
     fn check(&self, [samples, min_angle, max_angle]: [&'static str; 3]) -> Result<(), ParameterError> {
         let Self { samples: count, min_angle_rad, max_angle_rad } = *self;
         ParameterError::require_in("lidar", samples, count.into(), [1.0, MAX_SAMPLES.into()])?;
@@ -85,17 +87,17 @@ impl Beams {
     }
 }
 
-/// Which beams of a lidar are taken together, where its [`Shutter`](crate::Shutter) has slices.
+/// The way a lidar sweeps: whether the slices of its [`Shutter`](crate::Shutter) are columns or scan lines.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Sweep {
-    /// It turns: the lines of a slice are columns, the beams of all scan lines at some azimuths.
+    /// A lidar that turns: the lines of a slice are columns, that is, the beams of all scan lines at some azimuths.
     #[default]
     Columns,
-    /// It nods: the lines of a slice are scan lines.
+    /// A lidar that nods: the lines of a slice are scan lines.
     Rows,
 }
 
-/// What a lidar is like.
+/// The configuration of a lidar.
 ///
 /// ```
 /// use belvedere_sensors::lidar::{Beams, LidarConfig};
@@ -105,33 +107,35 @@ pub enum Sweep {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct LidarConfig {
-    /// Beams of a scan line; angle 0 is +x, counter-clockwise about +z.
+    /// The azimuths of the beams of a scan line: 0 is +x, positive angles are counter-clockwise about +z.
     pub horizontal: Beams,
-    /// Scan lines; angles up from the xy plane, beyond ±π/2 over the pole and down on the other side.
+    /// The elevations of the scan lines, upwards from the xy plane. Beyond ±π/2 they go over the pole and down on the
+    /// other side.
     pub vertical: Beams,
-    /// Smallest range in metres, at least 0.
+    /// The smallest range in metres, at least 0.
     pub range_min_m: f64,
-    /// Largest range in metres, more than the smallest.
+    /// The largest range in metres, greater than the smallest.
     pub range_max_m: f64,
-    /// What happens nearer than the smallest range.
+    /// The treatment of surfaces nearer than the smallest range.
     pub too_near: TooNear,
-    /// Which instances it sees: those that have a bit of it in common; see [`visibility`].
+    /// A bit mask of the instances that are visible: those whose own mask has a bit in common with this one; see
+    /// [`visibility`].
     pub visibility: u32,
-    /// Which sides of their surfaces.
+    /// The sides of surfaces that are visible.
     pub faces: Faces,
-    /// Which beams are taken together.
+    /// The way the lidar sweeps: whether the slices of a shutter are columns or scan lines.
     pub sweep: Sweep,
-    /// Noise of a range in metres; the noisy range is clamped to the two limits.
+    /// Noise of a range in metres. Noisy ranges are clamped to the two limits.
     pub noise: GaussianNoise,
-    /// Seed of the simulation.
+    /// The seed of the simulation.
     pub seed: u64,
-    /// Number of the sensor in the simulation.
+    /// The number of the sensor in the simulation.
     pub sensor: u32,
 }
 
 impl LidarConfig {
-    /// One scan line, seen from 0 to 30 m, without noise, of seed and number 0. Both sides of collision shapes are hit,
-    /// as by Gazebo's CPU ray.
+    /// Creates the configuration of a lidar with one scan line and ranges from 0 to 30 m, without noise, with seed and
+    /// sensor number 0. It hits both sides of collision shapes, as Gazebo's CPU ray sensor does.
     pub const fn new(horizontal: Beams) -> Self {
         Self {
             horizontal,
@@ -149,21 +153,21 @@ impl LidarConfig {
     }
 
     setters! {
-        /// Sets the beams of a scan line.
+        /// Sets the azimuths of the beams of a scan line.
         horizontal: Beams,
-        /// Sets the scan lines.
+        /// Sets the elevations of the scan lines.
         vertical: Beams,
         /// Sets the smallest range, in metres.
         range_min_m: f64,
         /// Sets the largest range, in metres.
         range_max_m: f64,
-        /// Sets what happens nearer than the smallest range.
+        /// Sets the treatment of surfaces nearer than the smallest range.
         too_near: TooNear,
-        /// Sets which instances it sees: [`visibility::VISUAL`] for what Gazebo renders on a GPU.
+        /// Sets which instances are visible: [`visibility::VISUAL`] for what Gazebo renders on a GPU.
         visibility: u32,
-        /// Sets which sides of surfaces it sees: [`Faces::Front`] for what Gazebo renders on a GPU.
+        /// Sets which sides of surfaces are visible: [`Faces::Front`] for what Gazebo renders on a GPU.
         faces: Faces,
-        /// Sets which beams are taken together.
+        /// Sets whether the slices of a shutter are columns or scan lines.
         sweep: Sweep,
         /// Sets the noise of a range, in metres.
         noise: GaussianNoise,
@@ -173,7 +177,7 @@ impl LidarConfig {
         sensor: u32,
     }
 
-    /// Whether there can be such a lidar.
+    /// Checks the configuration.
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         let names = ["horizontal.samples", "horizontal.min_angle_rad", "horizontal.max_angle_rad"];
         self.horizontal.check(names)?;

@@ -1,7 +1,8 @@
-//! Scans of a lidar that turns: slices are columns, each with a moment of its own.
+//! Scans of a turning lidar: each slice is a group of columns, with a moment of its own.
 //!
-//! The columns of a slice are a small grid with the directions of the whole one, traced like a scan of one moment. Its
-//! beams lie side by side in the workspace, so that threads share nothing, and go to their columns at the end.
+//! The columns of a slice form a small grid with the directions of the whole one, which is traced like a scan of one
+//! moment. Its beams are first written side by side into the workspace, so that threads share no memory, and are copied
+//! to their columns at the end.
 
 use super::{Lidar, Lines, Scan, Scanner};
 use crate::execution::{Execution, SplitRows, for_each_row};
@@ -15,19 +16,20 @@ use crate::trace::grid::Frame;
 use core::ops::Range;
 use fearless_simd::Simd;
 
-/// Pieces that slices are dealt out in, at the most: each needs memory of its own for a view. Nothing else depends on it.
+/// The largest number of pieces into which slices are divided. Each needs memory for a view of its own. Results do not
+/// depend on this number.
 const MOST_PIECES: usize = 16;
 
-/// How the slices of a scan are dealt out.
+/// The division of a scan's slices into pieces.
 struct Plan<'a> {
     lidar: &'a Lidar,
     scene: &'a Scene<'a>,
     optics: Optics<'static>,
     slices: &'a [Slice<'a>],
-    /// Slices of a piece; the last may have fewer.
+    /// The number of slices of a piece; the last may have fewer.
     in_piece: usize,
     pieces: usize,
-    /// Cache lines in which any slice can be traced.
+    /// The number of cache lines in which any slice can be traced.
     stride: usize,
 }
 
@@ -45,17 +47,17 @@ impl<'a> Plan<'a> {
         plan
     }
 
-    /// The columns of a slice that none before it has.
+    /// Returns the columns of a slice that no earlier slice has.
     fn columns(&self, slice: usize) -> Range<u32> {
         self.end_before(slice)..self.slices[slice].lines.end
     }
 
-    /// Columns of all slices before one.
+    /// Returns the number of columns of all slices before this one.
     fn end_before(&self, slice: usize) -> u32 {
         slice.checked_sub(1).map_or(0, |before| self.slices[before].lines.end)
     }
 
-    /// The slices of a piece.
+    /// Returns the slices of a piece.
     fn of_piece(&self, piece: usize) -> Range<usize> {
         let end = self.slices.len();
         (piece * self.in_piece).min(end)..((piece + 1) * self.in_piece).min(end)
@@ -65,7 +67,7 @@ impl<'a> Plan<'a> {
         self.lidar.config.vertical.samples as usize
     }
 
-    /// Beams of all slices before one.
+    /// Returns the number of beams of all slices before this one.
     fn beams_before(&self, slice: usize) -> usize {
         self.end_before(slice) as usize * self.rows()
     }
@@ -101,7 +103,7 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// Cache lines that a scan takes.
+/// Returns the number of cache lines that a scan needs.
 pub(super) fn workspace_len(lidar: &Lidar, scene: &Scene<'_>, slices: &[Slice<'_>]) -> usize {
     let samples = lidar.config.horizontal.samples;
     let ends = || slices.iter().map(|slice| slice.lines.end);
@@ -113,7 +115,7 @@ pub(super) fn workspace_len(lidar: &Lidar, scene: &Scene<'_>, slices: &[Slice<'_
     plan.pieces * plan.stride + measured + Truth::elsewhere_len(lidar.beams())
 }
 
-/// Takes a scan by slices of columns. They have been checked, as have the outputs.
+/// Takes a scan by slices of columns. Slices and outputs must have been checked.
 pub(super) fn sense(
     lidar: &Lidar,
     scene: &Scene<'_>,
@@ -149,10 +151,10 @@ pub(super) fn sense(
     }
 }
 
-/// Memory for the slices of some pieces, and where their beams go.
+/// The memory of some pieces, and the outputs of their beams.
 struct Pieces<'p, 'a> {
     plan: &'p Plan<'p>,
-    /// The first of them.
+    /// The number of the first piece.
     next: usize,
     memory: &'a mut [CacheLine],
     scan: Scan<'a>,
@@ -171,7 +173,7 @@ impl SplitRows for Pieces<'_, '_> {
     }
 }
 
-/// Takes the beams of all slices to their columns.
+/// Copies the beams of all slices to their columns.
 fn gather(plan: &Plan<'_>, traced: &Scan<'_>, output: &mut Scan<'_>) {
     put(plan, traced.ranges.as_deref(), output.ranges.as_deref_mut());
     put(plan, traced.intensities.as_deref(), output.intensities.as_deref_mut());
@@ -184,7 +186,7 @@ fn gather(plan: &Plan<'_>, traced: &Scan<'_>, output: &mut Scan<'_>) {
     put(plan, traced.incidence.as_deref(), output.incidence.as_deref_mut());
 }
 
-/// The same of one output, if it is wanted.
+/// Copies one output, if it is requested.
 fn put<T: Copy>(plan: &Plan<'_>, traced: Option<&[T]>, output: Option<&mut [T]>) {
     let (Some(traced), Some(output)) = (traced, output) else { return };
     for slice in 0..plan.slices.len() {

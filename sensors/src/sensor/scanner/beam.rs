@@ -1,4 +1,4 @@
-//! The beam of a laser as wide as it is: rays that stand for parts of it.
+//! Laser beams of finite width, sampled by several rays.
 
 use super::firing::Firing;
 use crate::ParameterError;
@@ -6,14 +6,14 @@ use crate::simd::{sin_cos, sqrt};
 use core::f64::consts::TAU;
 use glam::DVec3;
 
-/// Most rays of a beam.
+/// The largest number of rays of a beam.
 pub const MAX_BEAM_RAYS: usize = 19;
 
-/// The cross section of a laser's beam: an ellipse, all of it equally bright, that grows with the range.
+/// The cross section of a laser beam: an ellipse of uniform brightness that grows with the range.
 ///
-/// It is traced as rays, each of which stands for as much of the area as the others: one in the middle, and the others evenly on
-/// rings around it, as HELIOS++ has them (L. Winiwarter et al., 2022, doi:10.1016/j.rse.2021.112772). A ring's radius is
-/// that which halves the area that its rays stand for; its first ray lies to the left.
+/// A beam is sampled by rays that represent equal areas: one in the middle and the others evenly spaced on rings around
+/// it, as in HELIOS++ (L. Winiwarter et al., 2022, doi:10.1016/j.rse.2021.112772). The radius of a ring halves the area
+/// that its rays represent; its first ray lies to the left.
 ///
 /// | `rays` | rings: rays at share of the radius |
 /// |---:|---|
@@ -23,22 +23,24 @@ pub const MAX_BEAM_RAYS: usize = 19;
 /// | 19 | 1 at 0, 6 at 0.459, 12 at 0.827 |
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Beam {
-    /// Angle by which it widens, from side to side, and from top to bottom: radians, 0 to 0.2.
+    /// The full divergence, horizontal and vertical, in radians: 0 to 0.2.
     pub divergence_rad: [f64; 2],
-    /// Its width and height where it leaves the scanner: metres, 0 to 0.2.
+    /// The width and height of the beam where it leaves the scanner, in metres: 0 to 0.2.
     pub aperture_m: [f64; 2],
-    /// Rays that stand for it: 1, 7, 8 or 19.
+    /// The number of rays that sample the beam: 1, 7, 8 or 19.
     pub rays: u32,
 }
 
-/// Light beside the beam, of the lens and of what lies on it: a disc, all of it equally bright, which eight rays on a ring of
-/// 0.707 of its radius stand for. Of most surfaces nothing is noticed of it; but a retroreflector, which sends back up to a
-/// hundred times as much, blooms: beams beside it have a return at its range, and it looks larger.
+/// Stray light around the beam, from the lens and from what lies on it: a disc of uniform brightness, sampled by eight
+/// rays on a ring of 0.707 of its radius.
+///
+/// From most surfaces it is too weak to be detected. But a retroreflector sends back up to a hundred times as much
+/// light and blooms: beams beside it have a return at its range, and it looks larger.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Halo {
-    /// Share of the light, 0 to 0.5.
+    /// The share of the light that is stray light, 0 to 0.5.
     pub share: f64,
-    /// Radius, 0 to 0.2 rad.
+    /// The radius of the disc, 0 to 0.2 rad.
     pub radius_rad: f64,
 }
 
@@ -58,13 +60,13 @@ impl Halo {
     }
 }
 
-/// Rays of a halo.
+/// The number of rays of a halo.
 const HALO_RAYS: usize = 8;
-/// Most rays of a beam and its halo.
+/// The largest number of rays of a beam and its halo.
 pub(super) const MOST_RAYS: usize = MAX_BEAM_RAYS + HALO_RAYS;
 
 impl Beam {
-    /// A single ray, as thin as a line.
+    /// A single, infinitely thin ray.
     pub const RAY: Self = Self { divergence_rad: [0.0; 2], aperture_m: [0.0; 2], rays: 1 };
 
     pub(super) fn check(&self) -> Result<(), ParameterError> {
@@ -83,7 +85,7 @@ impl Beam {
     }
 }
 
-/// Rays on the rings of so many in all; none if there is no such beam.
+/// Returns the numbers of rays on the rings of a beam with this total; `None` if no beam has so many.
 const fn ring(rays: u32) -> Option<[u32; 3]> {
     match rays {
         1 => Some([1, 0, 0]),
@@ -94,17 +96,17 @@ const fn ring(rays: u32) -> Option<[u32; 3]> {
     }
 }
 
-/// Where the rays of a beam lie in it.
+/// The rays of a beam, relative to its middle.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bundle {
-    /// Of it and its halo.
+    /// The number of rays of the beam and its halo.
     pub(super) rays: usize,
-    /// Of it alone: the first.
+    /// The number of rays of the beam alone, which come first.
     pub(super) own: usize,
-    /// Left and up, how far off its middle they begin, and by how much they get farther off it, a metre.
+    /// The offsets of the rays from the middle, left and up: at the start in metres, and their growth per metre.
     starts: [[f64; 2]; MOST_RAYS],
     slopes: [[f64; 2]; MOST_RAYS],
-    /// What part of the light each stands for, of its own and of the halo's.
+    /// The shares of the light that one ray of the beam and one of the halo represent.
     shares: [f64; 2],
 }
 
@@ -138,24 +140,24 @@ impl Bundle {
         Self { rays, own, starts, slopes, shares }
     }
 
-    /// What part of the light a ray stands for.
+    /// Returns the share of the light that a ray represents.
     #[inline(always)]
     pub(super) fn share(&self, ray: usize) -> f64 {
         self.shares[usize::from(ray >= self.own)]
     }
 
-    /// The cross section of a firing's beam: left and up.
+    /// Returns the axes of the cross section of a firing's beam: left and up.
     #[inline(always)]
     pub(super) fn axes(firing: &Firing) -> [DVec3; 2] {
         let ahead = firing.direction;
-        // Straight up and down, left is the sensor's.
+        // For a beam straight up or down, left is that of the sensor.
         let left = DVec3::new(-ahead.y, ahead.x, 0.0);
         let level = left.length_squared();
         let left = if level > 1e-20 { left * (1.0 / sqrt(level)) } else { DVec3::Y };
         [left, ahead.cross(left)]
     }
 
-    /// A ray of a beam from a place, in a direction, with a cross section: where it starts, and its unit direction.
+    /// Returns the start and the unit direction of a ray of a beam with this origin, direction and cross section.
     #[inline(always)]
     pub(super) fn ray(&self, ray: usize, origin: DVec3, ahead: DVec3, [left, up]: [DVec3; 2]) -> [DVec3; 2] {
         let ([x, y], [aside, above]) = (self.starts[ray], self.slopes[ray]);

@@ -1,22 +1,24 @@
-//! What goes on from frame to frame: the times of firings that know of no frames.
+//! Firing times that continue from frame to frame, independent of frame boundaries.
 
-/// A minute, in which what turns so many times a minute makes a whole number of turns.
+/// One minute in nanoseconds. Everything whose speed is a whole number of turns per minute makes a whole number of
+/// turns in it.
 pub(super) const MINUTE_NS: i128 = 60_000_000_000;
 
-/// Turns at a time since some minute began, less whole ones, which are left out before anything is rounded.
+/// Returns the fraction of a turn at a time since the beginning of some minute. Whole turns are removed before
+/// rounding.
 #[inline(always)]
 pub(super) fn turns(at_ns: i128, per_min: i64) -> f64 {
     (at_ns * i128::from(per_min)).rem_euclid(MINUTE_NS) as f64 / MINUTE_NS as f64
 }
 
-/// Something that ticks without regard to frames: from time 0 on, every so many nanoseconds.
+/// A clock that ticks every `tick_ns` nanoseconds from time 0 on, independent of frames.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Clock {
     pub(super) tick_ns: u64,
 }
 
 impl Clock {
-    /// The ticks in a frame.
+    /// Returns the ticks in a frame.
     pub(super) fn in_frame(self, frame: u64, frame_time_ns: u64) -> Ticks {
         let tick = u128::from(self.tick_ns);
         let begin = u128::from(frame) * u128::from(frame_time_ns);
@@ -29,7 +31,7 @@ impl Clock {
         }
     }
 
-    /// Ticks that no frame has more of.
+    /// Returns the largest number of ticks that a frame can have.
     pub(super) fn most(self, frame_time_ns: u64) -> u64 {
         frame_time_ns.div_ceil(self.tick_ns)
     }
@@ -39,26 +41,26 @@ impl Clock {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Ticks {
     tick_ns: u64,
-    /// From the frame's beginning to the first.
+    /// The time from the beginning of the frame to the first tick.
     first_ns: u64,
     pub(super) count: u64,
-    /// From time 0 to the frame's beginning.
+    /// The time from time 0 to the beginning of the frame.
     pub(super) begin_ns: u128,
 }
 
 impl Ticks {
-    /// Nanoseconds from the frame's beginning to one of them.
+    /// Returns the time of a tick, in nanoseconds after the beginning of the frame.
     pub(super) fn at_ns(&self, tick: u64) -> u64 {
         self.first_ns + tick * self.tick_ns
     }
 
-    /// Nanoseconds from the beginning of the minute in which the frame begins to one of them.
+    /// Returns the time of a tick, in nanoseconds after the beginning of the minute in which the frame begins.
     #[inline(always)]
     pub(super) fn in_minute_ns(&self, tick: u64) -> i128 {
         (self.begin_ns % MINUTE_NS as u128) as i128 + i128::from(self.at_ns(tick))
     }
 
-    /// The same as [`Ticks::at_ns`] in seconds.
+    /// Returns [`Ticks::at_ns`] in seconds.
     pub(super) fn time_s(&self, tick: u64) -> f64 {
         self.at_ns(tick) as f64 * 1e-9
     }

@@ -1,4 +1,4 @@
-//! What a scanner is like.
+//! The configuration of a scanner.
 
 use super::beam::{Beam, Halo};
 use super::crosstalk::Crosstalk;
@@ -14,18 +14,20 @@ use crate::trace::Faces;
 /// The longest time of a frame: an hour.
 const MOST_NS: u64 = 3_600_000_000_000;
 
-/// How much ranges from some distance on vary besides their noise.
+/// Additional range noise that depends on the range.
+///
+/// It applies from [`Spread::from_m`] on, until the next spread begins.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spread {
-    /// From this range on, in metres.
+    /// The range from which on this noise applies, in metres.
     pub from_m: f64,
-    /// Standard deviation of a range r in metres: the first is of it as a whole, the second a metre, the third a metre
-    /// squared; σ = a + b·r + c·r².
+    /// The coefficients a, b and c of the standard deviation in metres, σ = a + b·r + c·r², at a range of r metres.
+    /// Their units are m, 1 and 1/m.
     pub stddev: [f64; 3],
 }
 
 impl Spread {
-    /// That of the last of some that begins before a range, in metres.
+    /// Returns the standard deviation at a range in metres: that of the last spread that begins at or before it.
     #[inline(always)]
     pub(super) fn stddev_at(spreads: &[Self], range_m: f64) -> f64 {
         let mut stddev = 0.0;
@@ -39,52 +41,58 @@ impl Spread {
     }
 }
 
-/// What a scanner is like.
+/// The configuration of a scanner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ScannerConfig<'a> {
-    /// Which way it fires, from where, and when.
+    /// The firing pattern: direction, origin and time of each firing.
     pub pattern: Pattern<'a>,
-    /// From a frame to the next, in nanoseconds: of a head that turns, the time of a turn.
+    /// The time from one frame to the next, in nanoseconds. For a spinning head it is the time of one turn.
     pub frame_time_ns: u64,
-    /// Smallest range in metres, at least 0. What is nearer is not measured, and hides what is behind it.
+    /// The smallest range in metres, at least 0. Nearer surfaces are not measured, but hide those behind them.
     pub range_min_m: f64,
-    /// Largest range in metres, more than the smallest.
+    /// The largest range in metres, greater than the smallest.
     pub range_max_m: f64,
-    /// Which instances it sees: those that have a bit of it in common; see [`visibility`].
+    /// A bit mask of the instances that are visible: those whose own mask has a bit in common with this one; see
+    /// [`visibility`].
     pub visibility: u32,
-    /// Which sides of their surfaces.
+    /// The sides of surfaces that are visible.
     pub faces: Faces,
     /// Noise of each range.
     pub noise: GaussianNoise,
-    /// What depends on the range of it, nearest first: variances add.
+    /// Additional range noise that depends on the range, ordered by increasing distance. Its variance adds to that of
+    /// `noise`.
     pub spreads: &'a [Spread],
-    /// How wide its beams are.
+    /// The size of the beams and the rays that sample them.
     pub beam: Beam,
-    /// What light there is beside them.
+    /// Stray light around the beams, which makes retroreflectors bloom.
     pub halo: Halo,
-    /// What is heard of other lidars.
+    /// Pulses received from other lidars.
     pub crosstalk: Crosstalk,
-    /// How far apart in range what a beam meets is told apart, in metres: half the length of a pulse.
+    /// The smallest range difference at which two surfaces in a beam give separate returns, in metres: half the length
+    /// of a pulse.
     pub pulse_m: f64,
-    /// Which returns of a firing are reported.
+    /// The returns that are reported for each firing.
     pub returns: Returns,
-    /// What is reported as their intensity.
+    /// The quantity that is reported as the intensity of a return.
     pub intensity: Intensity,
-    /// How little is noticed of what comes back; without one, all is, but for weather, in which it reaches as far as ranges
-    /// go.
+    /// The receiver, which detects returns above a threshold. With `None`, all returns are detected; only in weather, a
+    /// receiver whose reach is the largest range is assumed.
     pub receiver: Option<Receiver>,
-    /// What stands in the air.
+    /// The weather: fog, rain and snow.
     pub weather: Weather,
-    /// Seed of the simulation.
+    /// The seed of the simulation.
     pub seed: u64,
-    /// Number of the sensor in the simulation.
+    /// The number of the sensor in the simulation.
     pub sensor: u32,
 }
 
 impl<'a> ScannerConfig<'a> {
-    /// Ten frames a second, seen from 0 to 100 m without noise, of seed and number 0. Both sides of collision shapes are hit,
-    /// by single rays, in clear air; returns are told apart by a metre.
+    /// Creates a configuration with ten frames per second and ranges from 0 to 100 m, without noise, with seed and
+    /// sensor number 0.
+    ///
+    /// Beams are single rays in clear air, and hit both sides of collision shapes. Surfaces 1 m apart give separate
+    /// returns.
     pub const fn new(pattern: Pattern<'a>) -> Self {
         Self {
             pattern,
@@ -109,37 +117,37 @@ impl<'a> ScannerConfig<'a> {
     }
 
     setters! {
-        /// Sets which way it fires, from where, and when.
+        /// Sets the firing pattern.
         pattern: Pattern<'a>,
-        /// Sets the time from a frame to the next, in nanoseconds.
+        /// Sets the time from one frame to the next, in nanoseconds.
         frame_time_ns: u64,
         /// Sets the smallest range, in metres.
         range_min_m: f64,
         /// Sets the largest range, in metres.
         range_max_m: f64,
-        /// Sets which instances it sees.
+        /// Sets which instances are visible.
         visibility: u32,
-        /// Sets which sides of surfaces it sees.
+        /// Sets which sides of surfaces are visible.
         faces: Faces,
         /// Sets the noise of each range.
         noise: GaussianNoise,
-        /// Sets what depends on the range of it.
+        /// Sets the additional range noise that depends on the range.
         spreads: &'a [Spread],
-        /// Sets how wide its beams are.
+        /// Sets the size of the beams and the rays that sample them.
         beam: Beam,
-        /// Sets what light there is beside them.
+        /// Sets the stray light around the beams.
         halo: Halo,
-        /// Sets what is heard of other lidars.
+        /// Sets the pulses received from other lidars.
         crosstalk: Crosstalk,
-        /// Sets how far apart in range what a beam meets is told apart, in metres.
+        /// Sets the smallest range difference at which two surfaces in a beam give separate returns, in metres.
         pulse_m: f64,
-        /// Sets which returns of a firing are reported.
+        /// Sets the returns that are reported for each firing.
         returns: Returns,
-        /// Sets what is reported as their intensity.
+        /// Sets the quantity that is reported as the intensity of a return.
         intensity: Intensity,
-        /// Sets how little is noticed of what comes back.
+        /// Sets the receiver.
         receiver: Option<Receiver>,
-        /// Sets what stands in the air.
+        /// Sets the weather.
         weather: Weather,
         /// Sets the seed of the simulation.
         seed: u64,
@@ -147,7 +155,7 @@ impl<'a> ScannerConfig<'a> {
         sensor: u32,
     }
 
-    /// The same with another pattern and other spreads.
+    /// Returns the same configuration with another pattern and other spreads.
     #[cfg(feature = "alloc")]
     pub(crate) fn with_tables<'b>(&self, pattern: Pattern<'b>, spreads: &'b [Spread]) -> ScannerConfig<'b> {
         let Self {
@@ -192,10 +200,10 @@ impl<'a> ScannerConfig<'a> {
         }
     }
 
-    /// Whether there can be such a scanner.
+    /// Checks the configuration.
     ///
     /// # Errors
-    /// Names the first parameter that is out of its range.
+    /// Returns a [`ParameterError`] that names the first parameter out of range.
     pub fn check(&self) -> Result<(), ParameterError> {
         let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if !(1..=MOST_NS).contains(&self.frame_time_ns) {
@@ -245,7 +253,7 @@ impl<'a> ScannerConfig<'a> {
         self.pattern.check(self.frame_time_ns)
     }
 
-    /// The receiver that there is, if not all is noticed.
+    /// Returns the receiver that applies, or `None` if all returns are detected.
     pub(super) fn effective_receiver(&self) -> Option<Receiver> {
         self.receiver.or((self.weather != Weather::CLEAR).then_some(Receiver::new(self.range_max_m)))
     }

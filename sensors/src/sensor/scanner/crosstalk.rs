@@ -1,14 +1,16 @@
-//! Pulses of other lidars that a receiver takes for its own.
+//! Crosstalk: pulses of other lidars that a receiver takes for its own.
 
 use crate::ParameterError;
 use crate::noise::Stream;
 
-/// Pulses of other lidars, which fire when they like: a share of the firings hears one, at a range that has nothing to do with
-/// the scene, any from 0 to the largest alike. It is as strong as what a white surface that faces the scanner sends back
-/// from there in clear air.
+/// Crosstalk: pulses received from other lidars, which are not synchronised with the scanner.
+///
+/// A share of the firings receives one, at a range that is independent of the scene and uniformly distributed from 0 to
+/// the largest range. It is as strong as the return of a white surface that faces the scanner at that range in clear
+/// air.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crosstalk {
-    /// Share of the firings, 0 to 1.
+    /// The share of the firings that receive a pulse of another lidar, 0 to 1.
     pub chance: f64,
 }
 
@@ -27,7 +29,7 @@ impl Crosstalk {
         Ok(())
     }
 
-    /// The range at which a firing hears another lidar, if it does.
+    /// Returns the range at which a firing receives a pulse of another lidar, if it does.
     pub(super) fn heard(self, noise: &Stream, firing: u32, range_max_m: f64) -> Option<f64> {
         if self.chance == 0.0 {
             return None;

@@ -1,4 +1,4 @@
-//! What a frame of a scanner tells.
+//! The outputs of a scanner's frame.
 
 use super::firing::Firing;
 use crate::execution::split_at;
@@ -7,46 +7,49 @@ use crate::trace::truth::OfRay;
 use crate::trace::{SenseError, Truth};
 use glam::DVec3;
 
-/// Where the parts of a frame go, in the order of the firings: of times, lasers and truth as many as
-/// [`Scanner::most_firings`](super::Scanner::most_firings) says, of the others as many for each of its
-/// [returns](super::Returns), those of a firing one after the other. Those of firings that a frame does not have are NaN.
+/// The output buffers of a scanner's frame, in the order of the firings.
+///
+/// Times, lasers and ground truth have [`Scanner::most_firings`](super::Scanner::most_firings) elements. Ranges, points
+/// and intensities have that many for each of the scanner's [returns](super::Returns); those of a firing are adjacent.
+/// If a frame has fewer firings, the remaining elements are NaN.
 #[derive(Debug, Default)]
 #[non_exhaustive]
 pub struct Echoes<'a> {
-    /// Measured metres from where the firing started; +∞ where nothing is in range, −∞ where something is too near (REP-117).
+    /// Measured ranges in metres from the origin of the firing; +∞ where nothing is in range, −∞ where something is too
+    /// near (REP-117).
     pub ranges: Option<&'a mut [f32]>,
-    /// Where that is in the frame of the sensor, as that was at the time of the firing, in metres; NaN where there is no
+    /// The measured points in metres, in the frame of the sensor at the time of the firing; NaN where there is no
     /// range.
     pub points: Option<&'a mut [[f32; 3]]>,
-    /// What comes back, as [`Intensity`](super::Intensity) says; 0 where there is no range.
+    /// Intensities as defined by [`Intensity`](super::Intensity); 0 where there is no range.
     pub intensities: Option<&'a mut [f32]>,
-    /// Seconds after the beginning of the frame.
+    /// Times of the firings in seconds after the beginning of the frame.
     pub times: Option<&'a mut [f64]>,
-    /// Which laser fires, from 0; `u32::MAX` for firings that a frame does not have.
+    /// The numbers of the lasers that fire, counted from 0; `u32::MAX` for firings that a frame does not have.
     pub lasers: Option<&'a mut [u32]>,
-    /// What is true of the ray in the middle of each beam. Flow is not worked out.
+    /// Ground truth for the ray in the middle of each beam. Flow is not available.
     pub truth: Option<Truth<'a>>,
 }
 
 impl<'a> Echoes<'a> {
     outputs! {
-        /// Sets where ranges go.
+        /// Sets the buffer for ranges.
         ranges: &'a mut [f32],
-        /// Sets where points go.
+        /// Sets the buffer for points.
         points: &'a mut [[f32; 3]],
-        /// Sets where intensities go.
+        /// Sets the buffer for intensities.
         intensities: &'a mut [f32],
-        /// Sets where times go.
+        /// Sets the buffer for times.
         times: &'a mut [f64],
-        /// Sets where the lasers' numbers go.
+        /// Sets the buffer for the numbers of the lasers.
         lasers: &'a mut [u32],
-        /// Sets where truth goes.
+        /// Sets the buffers for ground truth.
         truth: Truth<'a>,
     }
 }
 
 impl Echoes<'_> {
-    /// The parts of the first firings, of so many returns, and of the rest.
+    /// Splits off the parts of the first firings, each with this number of returns.
     pub(super) fn split_at(self, firings: usize, returns: usize) -> (Self, Self) {
         let (ranges, ranges_rest) = split_at(self.ranges, firings * returns);
         let (points, points_rest) = split_at(self.points, firings * returns);
@@ -81,7 +84,7 @@ impl Echoes<'_> {
         truth.check_len(firings)
     }
 
-    /// Puts a return.
+    /// Writes a return.
     #[inline(always)]
     pub(super) fn put(&mut self, index: usize, range: f32, point: DVec3, intensity: f32) {
         if let Some(ranges) = &mut self.ranges {
@@ -95,7 +98,7 @@ impl Echoes<'_> {
         }
     }
 
-    /// Puts when and by what was fired.
+    /// Writes the time and the laser of a firing.
     #[inline(always)]
     pub(super) fn put_firing(&mut self, index: usize, firing: &Firing) {
         if let Some(times) = &mut self.times {
@@ -106,7 +109,7 @@ impl Echoes<'_> {
         }
     }
 
-    /// Those of firings that there are not.
+    /// Fills the elements of firings that the frame does not have.
     pub(super) fn fill_with_nothing(&mut self, firings: usize) {
         if let Some(ranges) = &mut self.ranges {
             ranges.fill(f32::NAN);

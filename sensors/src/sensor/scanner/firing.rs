@@ -1,22 +1,22 @@
-//! What a scanner fires.
+//! Firings of a scanner.
 
 use crate::simd::{LANES, Lanes};
 use glam::DVec3;
 
-/// A pulse of a laser.
+/// A laser pulse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Firing {
-    /// Seconds after the beginning of the frame.
+    /// The time in seconds after the beginning of the frame.
     pub time_s: f64,
-    /// Where it starts, in the frame of the sensor (x ahead, y left, z up) as that is at the time.
+    /// The origin in metres, in the frame of the sensor (x ahead, y left, z up) at the time of the firing.
     pub origin: DVec3,
-    /// Which way it goes there; a unit vector.
+    /// The direction in that frame; a unit vector.
     pub direction: DVec3,
-    /// Which laser it is of, from 0.
+    /// The number of the laser, counted from 0.
     pub laser: u32,
 }
 
-/// Up to 64 firings, lane by lane.
+/// Up to 64 firings, one per lane.
 pub(super) struct FiringLanes {
     pub(super) time_s: Lanes<f64>,
     pub(super) origin: [Lanes<f64>; 3],

@@ -1,4 +1,4 @@
-//! A frame of a scanner as it is taken: firing by firing, 64 rays at a time.
+//! Taking a frame of a scanner: firing by firing, 64 rays at a time.
 
 use super::Scanner;
 use super::ScannerConfig;
@@ -29,30 +29,30 @@ pub(super) struct Frame<'a> {
     pub(super) scanner: &'a Scanner<'a>,
     pub(super) scene: &'a Scene<'a>,
     pub(super) execution: Execution,
-    /// Where its noise comes from.
+    /// The random number stream of range noise.
     pub(super) noise: Stream,
     pub(super) firings: FrameFirings<'a>,
     pub(super) motions: Motions<'a>,
-    /// What all firings see, if there is but one motion.
+    /// The view of all firings, if there is only one motion.
     pub(super) view: Option<View<'a>>,
-    /// Firings of a piece; the last may have fewer.
+    /// The number of firings of a piece; the last may have fewer.
     pub(super) in_piece: usize,
-    /// Whether there are mirrors or panes.
+    /// Whether the scene has mirrors or panes.
     pub(super) has_mirrors: bool,
 }
 
-/// What up to 64 firings are worked out in.
+/// Working memory for up to 64 firings.
 struct Bench {
     lanes: FiringLanes,
     volley: Volley,
-    /// A standard normal for each return.
+    /// A standard normal number for each return.
     normals: [f32; LANES * MAX_RETURNS],
-    /// What comes back of one firing.
+    /// The echoes of one firing.
     echoing: Echoing<MOST_ECHOES>,
 }
 
-/// Most echoes of a firing: of each ray what it meets, and what it meets beyond mirrors and panes; of the air; and of another
-/// lidar.
+/// The largest number of echoes of a firing: for each ray its hit and the hits beyond mirrors and panes, then those of
+/// the air and one pulse of another lidar.
 const MOST_ECHOES: usize = MOST_RAYS * (1 + SURFACES_BEYOND) + MOST_IN_AIR + 1;
 
 impl Bench {
@@ -66,12 +66,13 @@ impl Bench {
     }
 }
 
-/// What the beams of some firings are measured with: firings, what their rays have met, normals, and what comes back.
+/// The data from which the returns of beams are computed: firings, hits of their rays, normal numbers, and memory for
+/// echoes.
 type BeamBench<'b> =
     (&'b FiringLanes, &'b Volley, &'b [f32; LANES * MAX_RETURNS], &'b mut Echoing<MOST_ECHOES>);
 
 impl<'a> Frame<'a> {
-    /// The first of some firings that is not in a motion, or the end of them.
+    /// Returns the first of some firings that does not belong to a motion, or the end of the firings.
     fn end_of(&self, motion: usize, firings: Range<usize>) -> usize {
         match self.motions.next_s(motion) {
             Some(next_s) => {
@@ -82,7 +83,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// What is seen during a motion.
+    /// Creates the view of a motion.
     pub(super) fn view<'m>(&self, motion: usize, memory: &'m mut [CacheLine]) -> View<'m>
     where
         'a: 'm,
@@ -144,7 +145,7 @@ impl<'a> Frame<'a> {
             let normals = &mut bench.normals[..count * returns];
             fill_standard_normal(self.execution.level, &self.noise, (first * returns) as u32, normals);
         }
-        // As many firings as there are rays for.
+        // As many firings as the 64 rays of a volley suffice for.
         let (mut lane, most) = (0, LANES / self.scanner.bundle.rays);
         while lane < count {
             let lanes = lane..count.min(lane + most);
@@ -172,7 +173,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// The rays of some firings, those of each one after the other.
+    /// Sets up the rays of some firings; those of a firing are adjacent.
     #[inline(always)]
     fn aim(&self, view: &View<'_>, motion: usize, firings: Range<usize>, bench: &mut Bench) {
         let Bench { lanes, volley, .. } = bench;
@@ -196,7 +197,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// What single rays measure, of which all comes back.
+    /// Measures single rays whose power does not matter.
     #[inline(always)]
     fn measure_lines(
         &self,
@@ -215,7 +216,8 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// What beams measure among mirrors and panes. By itself, since what follows rays beyond them takes 200 KB of the stack.
+    /// Measures beams in a scene with mirrors or panes. This is a separate function because following rays beyond them
+    /// takes 200 KB of stack.
     #[inline(never)]
     fn measure_mirrored<S: Simd>(
         &self,
@@ -231,7 +233,7 @@ impl<'a> Frame<'a> {
         self.measure_beams((view, resolver), first, firings, bench, behind, echoes);
     }
 
-    /// What beams measure: their returns.
+    /// Computes the returns of beams.
     fn measure_beams(
         &self,
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
@@ -264,7 +266,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// What surfaces send back of one firing.
+    /// Adds the echoes of surfaces that the rays of one firing hit directly.
     fn listen(
         &self,
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
@@ -290,7 +292,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// What surfaces send back of one firing by way of mirrors and panes.
+    /// Adds the echoes of surfaces that one firing hits by way of mirrors and panes.
     fn listen_beyond(
         &self,
         resolver: &mut Resolver<'_>,
@@ -311,7 +313,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// What one firing hears of another lidar.
+    /// Adds the pulse of another lidar that one firing receives, if any.
     fn listen_to_others(&self, firing: u32, echoing: &mut Echoing<MOST_ECHOES>) {
         let ScannerConfig { crosstalk, intensity, range_max_m, .. } = self.scanner.config;
         if let Some(range) = crosstalk.heard(&self.noise, firing, range_max_m) {
@@ -320,7 +322,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// What the air sends back of one firing.
+    /// Adds the echoes of the air (fog, rain and snow) to one firing.
     fn listen_to_air(
         &self,
         volley: &Volley,
@@ -346,7 +348,7 @@ impl<'a> Frame<'a> {
         air.for_each_drop(self.execution.level, &self.noise, firing, within, push);
     }
 
-    /// Where a range leads to, in the frame of the sensor: without noise to more than a range in f32 says.
+    /// Returns the measured point in the frame of the sensor. Without noise it is more accurate than the `f32` range.
     #[inline(always)]
     fn point(&self, firing: &Firing, met: f64, range: f32) -> DVec3 {
         if !range.is_finite() {
@@ -367,7 +369,7 @@ impl<'a> Frame<'a> {
     }
 }
 
-/// How many of the first indices a condition holds for.
+/// Returns for how many of the first indices a condition holds.
 fn partition(count: usize, holds: impl Fn(usize) -> bool) -> usize {
     let (mut low, mut high) = (0, count);
     while low < high {

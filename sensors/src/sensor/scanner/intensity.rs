@@ -1,47 +1,50 @@
-//! How much of a pulse a surface sends back, what the receiver notices of it, and what is reported as intensity.
+//! The power that a surface sends back, the threshold of the receiver, and the reported intensity.
 
 use super::returns::Echo;
 use crate::ParameterError;
 use crate::scene::Scene;
 
-/// What is reported as the intensity of a return.
+/// The quantity that is reported as the intensity of a return.
 ///
-/// What comes back of a pulse from a surface of reflectivity ρ at a range r is, in units of what a white surface sends back
-/// from 1 m, P = ρ·cos θ·e^(−2αr)/r², with the angle of incidence θ and the [weather](super::Weather)'s extinction α
-/// (V. Kilic et al., "Lidar Light Scattering Augmentation (LISA)", 2021, arXiv:2107.07004). ρ is that of the instance's
-/// [`laser_retro`](crate::scene::InstanceConfig::laser_retro), on the scale of Velodyne's calibrated reflectivity: up to
-/// 100 it is a diffuse surface's in per cent; 101 to 255 is a retroreflector, which sends back 1 to 100 times as much as
-/// a white surface, whatever the angle. Where it is 0, as it is where nothing is written, ρ is the mean of the diffuse colour of
-/// the material.
+/// The power of a return from a surface of reflectivity ρ at a range r, in units of the return of a white surface at 1
+/// m, is P = ρ·cos θ·e^(−2αr)/r², where θ is the angle of incidence and α the extinction of the
+/// [weather](super::Weather) (V. Kilic et al., "Lidar Light Scattering Augmentation (LISA)", 2021, arXiv:2107.07004).
+///
+/// ρ follows from the [`laser_retro`](crate::scene::InstanceConfig::laser_retro) of the instance, on the scale of
+/// Velodyne's calibrated reflectivity. Up to 100 it is the reflectivity of a diffuse surface in per cent. From 101 to
+/// 255 it is a retroreflector, which sends back 1 to 100 times as much as a white surface, at any angle. If it is 0,
+/// the default, ρ is the mean of the diffuse colour of the material.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Intensity {
-    /// [`laser_retro`](crate::scene::InstanceConfig::laser_retro) as it is written, of several surfaces the mean.
+    /// The [`laser_retro`](crate::scene::InstanceConfig::laser_retro) as given; the mean if a return comes from several
+    /// surfaces.
     #[default]
     Retro,
-    /// P.
+    /// The power P.
     Power,
-    /// Calibrated for range, as Velodyne's: P·r² in per cent up to 100, and beyond on the scale of retroreflectors up to
-    /// 255.
+    /// Reflectivity calibrated for range, like Velodyne's: P·r² in per cent up to 100, and beyond that on the scale of
+    /// retroreflectors up to 255.
     Reflectivity,
 }
 
-/// How little a receiver notices.
+/// A receiver, which detects returns from a certain power on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Receiver {
-    /// From so far, in metres, a surface of reflectivity 0.9 that faces the scanner is just noticed in clear air and the
-    /// dark: what is weaker than P = 0.9/reach² is lost.
+    /// The reach in metres: the range up to which a surface of reflectivity 0.9 that faces the scanner is detected in
+    /// clear air and darkness. Returns weaker than P = 0.9/reach² are lost.
     pub reach_m: f64,
-    /// Standard deviation of ranges, in metres, is this over √(2·SNR), besides all other noise; SNR is P over the least that
-    /// is noticed.
+    /// The standard deviation of ranges is this length in metres, divided by √(2·SNR), in addition to all other noise.
+    /// The SNR is P divided by the smallest power that is detected.
     pub resolution_m: f64,
-    /// Power of the noise that sunlight adds, in units of that in the dark: the least that is noticed grows by
-    /// √(1 + background).
+    /// The power of the noise that sunlight adds, in units of the noise in darkness. The smallest power that is
+    /// detected grows by √(1 + background).
     pub background: f64,
 }
 
 impl Receiver {
-    /// One with a reach, in the dark, whose ranges do not depend on what comes back.
+    /// Creates a receiver with a reach in metres, in darkness, whose range noise does not depend on the power of
+    /// returns.
     pub const fn new(reach_m: f64) -> Self {
         Self { reach_m, resolution_m: 0.0, background: 0.0 }
     }
@@ -60,19 +63,20 @@ impl Receiver {
         Ok(())
     }
 
-    /// The least that it notices.
+    /// Returns the smallest power that is detected.
     pub(super) fn least(&self) -> f64 {
         0.9 / (self.reach_m * self.reach_m) * crate::simd::sqrt(1.0 + self.background)
     }
 }
 
-/// `laser_retro` up to which surfaces are diffuse, and that of the best retroreflector.
+/// The largest `laser_retro` of a diffuse surface, and that of the best retroreflector.
 const DIFFUSE: f64 = 100.0;
 const MOST: f64 = 255.0;
-/// What the best retroreflector sends back, in units of a white surface.
+/// The light that the best retroreflector sends back, in units of a white surface.
 const GAIN: f64 = 100.0;
 
-/// What an instance sends back of light that meets it at an angle, in units of a white surface that faces it.
+/// Returns the light that an instance sends back at an angle of incidence, in units of a white surface that faces the
+/// scanner.
 #[inline(always)]
 pub(super) fn reflected(scene: &Scene<'_>, instance: u32, cos_incidence: f64) -> f64 {
     let instance = &scene.instances[instance as usize];
@@ -90,7 +94,7 @@ pub(super) fn reflected(scene: &Scene<'_>, instance: u32, cos_incidence: f64) ->
 }
 
 impl Intensity {
-    /// What is reported of a return.
+    /// Returns the intensity of a return.
     pub(super) fn of(self, echo: &Echo) -> f32 {
         (match self {
             Self::Retro => echo.signal / echo.weight,
@@ -100,7 +104,8 @@ impl Intensity {
         }) as f32
     }
 
-    /// What an echo adds to that: of a surface with a `laser_retro` or none, of which so much comes back.
+    /// Returns the contribution of an echo to the intensity. `weight` is its power; `laser_retro` is that of the
+    /// surface, or 0.
     #[inline(always)]
     pub(super) fn signal(self, range: f64, weight: f64, laser_retro: f32) -> f64 {
         match self {

@@ -1,4 +1,4 @@
-//! Scanners with one small mirror that swings about two axes, as those of MEMS lidars.
+//! MEMS scanners: one small mirror that oscillates about two axes.
 
 use super::clock::{Clock, Ticks, turns};
 use super::firing::{Firing, FiringLanes};
@@ -7,45 +7,48 @@ use crate::simd::sin_cos;
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
 
-/// How a mirror swings about an axis.
+/// The waveform of a mirror's oscillation about an axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wave {
-    /// As a sine, which resonance makes.
+    /// A sine, as of a mirror in resonance.
     Sine,
-    /// Evenly to and fro.
+    /// A triangle: back and forth at constant speed.
     Triangle,
 }
 
-/// The swinging of a mirror about one of its axes. Beams turn by twice as much.
+/// The oscillation of a mirror about one of its axes. The beam turns by twice the angle of the mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MirrorAxis {
-    /// How far the mirror turns to either side, in radians.
+    /// The largest angle of the mirror to either side, in radians.
     pub amplitude_rad: f64,
-    /// How often a minute it goes to and fro.
+    /// The frequency in cycles per minute.
     pub cycles_per_min: u32,
-    /// Where in its cycle it is at time 0, in radians: at 0 it passes the middle, towards the left or upwards.
+    /// The phase at time 0, in radians. At phase 0 the mirror passes its middle position, turning to the left or
+    /// upwards.
     pub phase_rad: f64,
-    /// What it swings like.
+    /// The waveform.
     pub wave: Wave,
 }
 
-/// One laser and a mirror that swings about two axes: two sines draw a Lissajous figure, a sine and a triangle rows that are
-/// bent at their ends. Which way beams go follows from the mirror, so the field is bent as that of a device is.
+/// One laser and a mirror that oscillates about two axes.
 ///
-/// At rest the beam goes along +x. The laser is above the mirror, in the plane of x and z. The mirror turns to the left and
+/// Two sines draw a Lissajous figure; a sine and a triangle draw rows that are bent at their ends. The directions of
+/// the beams follow from the reflection at the mirror, so the field of view has the distortion of a real device.
+///
+/// At rest the beam goes along +x. The laser is above the mirror, in the xz plane. The mirror turns to the left and
 /// right in a frame that turns up and down.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mems<'a> {
-    /// From a firing to the next, in nanoseconds.
+    /// The time from one firing to the next, in nanoseconds.
     pub firing_time_ns: u64,
-    /// Between the laser's beam and the normal of the mirror at rest, in radians.
+    /// The angle between the laser's beam and the normal of the mirror at rest, in radians.
     pub incidence_rad: f64,
-    /// To the left and right, within the frame; and up and down, with it.
+    /// The oscillations: to the left and right within the frame, and up and down together with the frame.
     pub axes: &'a [MirrorAxis; 2],
 }
 
 impl MirrorAxis {
-    /// An axis about which the mirror does not swing.
+    /// An axis about which the mirror does not move.
     pub const STILL: Self = Self { amplitude_rad: 0.0, cycles_per_min: 0, phase_rad: 0.0, wave: Wave::Sine };
 
     fn check(&self) -> Result<(), (&'static str, f64, &'static str)> {
@@ -58,14 +61,14 @@ impl MirrorAxis {
         Ok(())
     }
 
-    /// How far the mirror is turned, in radians.
+    /// Returns the angle of the mirror at a time, in radians.
     #[inline(always)]
     fn turned(&self, at_ns: i128) -> f64 {
         let cycles = turns(at_ns, self.cycles_per_min.into());
         match self.wave {
             Wave::Sine => self.amplitude_rad * sin_cos(cycles * TAU + self.phase_rad).0,
             Wave::Triangle => {
-                // Quarters of a cycle from where it passes the middle: up, down, down, up.
+                // Quarters of a cycle, beginning at the middle position: up, down, down, up.
                 let cycle = cycles + self.phase_rad / TAU;
                 let quarters = (cycle - crate::simd::floor(cycle)) * 4.0;
                 let share = if quarters < 1.0 {
@@ -92,7 +95,7 @@ impl Mems<'_> {
                 return wrong(parameter, value, rule);
             }
         }
-        // The normal is never farther from the laser than that.
+        // The largest angle between the normal and the direction of the laser.
         let most = self.incidence_rad + self.axes[0].amplitude_rad + self.axes[1].amplitude_rad;
         if !(self.incidence_rad >= 0.0 && most < FRAC_PI_2) {
             let rule =
@@ -117,12 +120,12 @@ impl Mems<'_> {
         }
     }
 
-    /// Which way the beam goes when the mirror is turned so.
+    /// Returns the direction of the beam for these angles of the mirror.
     #[inline(always)]
     fn reflected(&self, across_rad: f64, up_rad: f64) -> DVec3 {
         let (sin, cos) = sin_cos(2.0 * self.incidence_rad);
         let beam = DVec3::new(-cos, 0.0, -sin);
-        // The normal at rest is halfway between +x and the laser; the frame turns it about y with what it holds.
+        // At rest the normal is halfway between +x and the laser. The frame turns the mirror about y.
         let (left, ahead) = sin_cos(across_rad);
         let (sin, cos) = sin_cos(self.incidence_rad + up_rad);
         let normal = DVec3::new(ahead * cos, left, ahead * sin);

@@ -1,4 +1,4 @@
-//! How the sensor and everything else go during a frame.
+//! The motion of the sensor and of the instances during a frame.
 
 use crate::Pose;
 use crate::moment::{Keyframe, Moment, Shutter};
@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use crate::trace::SenseError;
 use crate::trace::view::{View, ViewMemory, check_moment};
 
-/// The farthest that the last motion goes on behind its end, as a share of it.
+/// How far the last motion is extrapolated, in multiples of its duration from its start.
 const MOST_SHARE: f64 = 2.0;
 
 /// The motions of a frame: from each keyframe to the next, or none at a single moment.
@@ -41,15 +41,15 @@ impl<'a> Motions<'a> {
         }
     }
 
-    /// The motion that a time is in.
+    /// Returns the motion to which a time belongs.
     pub(super) fn at(&self, time_s: f64) -> usize {
         let Self::Between(keyframes) = self else { return 0 };
         let begun = keyframes.partition_point(|keyframe| keyframe.time_s <= time_s);
-        // Before the first and after the last, those go on.
+        // Times before the first and after the last keyframe belong to the first and the last motion.
         begun.saturating_sub(1).min(keyframes.len() - 2)
     }
 
-    /// When the motion after one begins, if there is one.
+    /// Returns the time at which the motion after this one begins, if there is one.
     pub(super) fn next_s(&self, motion: usize) -> Option<f64> {
         match self {
             Self::Between(keyframes) if motion + 2 < keyframes.len() => Some(keyframes[motion + 1].time_s),
@@ -57,7 +57,7 @@ impl<'a> Motions<'a> {
         }
     }
 
-    /// What is seen during a motion; of the last, up to a time.
+    /// Creates the view of a motion. That of the last motion covers the time up to `last_s`.
     pub(super) fn view<'m>(
         &self,
         scene: &Scene<'a>,
@@ -79,7 +79,7 @@ impl<'a> Motions<'a> {
         }
     }
 
-    /// Where the sensor is at a time, and what share of the motion is over then.
+    /// Returns the pose of the sensor at a time, and the fraction of the motion that has passed.
     #[inline(always)]
     pub(super) fn pose(&self, motion: usize, time_s: f64) -> (Pose, f64) {
         match self {
@@ -93,7 +93,7 @@ impl<'a> Motions<'a> {
     }
 }
 
-/// That there is motion from the beginning of a frame to its end.
+/// Checks that the keyframes cover the frame from its beginning to its end.
 fn check_keyframes(scene: &Scene<'_>, keyframes: &[Keyframe<'_>], end_s: f64) -> Result<(), SenseError> {
     let wrong = |keyframe, rule| Err(SenseError::Keyframes { keyframe, rule });
     if keyframes.len() < 2 {
@@ -111,14 +111,14 @@ fn check_keyframes(scene: &Scene<'_>, keyframes: &[Keyframe<'_>], end_s: f64) ->
     if keyframes[0].time_s > 0.0 {
         return wrong(0, "be at the beginning of the frame, 0 s, or before");
     }
-    // Of a whole number of nanoseconds, a simulator may know its time to less.
+    // A simulator may know its time less precisely than to a nanosecond.
     if keyframes[keyframes.len() - 1].time_s < end_s - 1e-9 {
         return wrong(keyframes.len() - 1, "be at the end of the frame or after");
     }
     Ok(())
 }
 
-/// The share of the way between two keyframes that is over at a time.
+/// Returns the fraction of the way between two keyframes that has passed at a time.
 fn share(from: &Keyframe<'_>, to: &Keyframe<'_>, time_s: f64) -> f64 {
     ((time_s - from.time_s) / (to.time_s - from.time_s)).clamp(0.0, MOST_SHARE)
 }

@@ -1,4 +1,4 @@
-//! Which way a laser scanner fires, from where, and when.
+//! Firing patterns: direction, origin and time of each firing.
 
 use super::clock::Ticks;
 use super::firing::{Firing, FiringLanes};
@@ -9,32 +9,32 @@ use super::rosette::Rosette;
 use super::spinning::Spinning;
 use crate::ParameterError;
 
-/// Most firings of a frame.
+/// The largest number of firings of a frame.
 pub const MAX_FIRINGS: usize = 16_777_216;
 
-/// The firings of a scanner, frame after frame.
+/// A firing pattern: the firings of a scanner, frame after frame.
 ///
-/// A frame begins at a multiple of its [time](super::ScannerConfig::frame_time_ns) and has all firings that begin
-/// before the next.
+/// A frame begins at a multiple of its [time](super::ScannerConfig::frame_time_ns) and contains all firings that begin
+/// before the next frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Pattern<'a> {
-    /// A head that turns once a frame, with lasers one above the other.
+    /// A head that turns once per frame, with lasers above each other.
     Spinning(Spinning<'a>),
-    /// Two prisms that turn.
+    /// Two rotating prisms (Risley prisms).
     Rosette(Rosette),
-    /// Several lasers behind prisms and mirrors that turn.
+    /// Several lasers behind rotating prisms and mirrors.
     Prisms(Prisms<'a>),
-    /// A mirror that swings about two axes.
+    /// A mirror that oscillates about two axes.
     Mems(Mems<'a>),
-    /// Pixels over a field of view, one after the other or all at once.
+    /// A grid of pixels over a field of view, scanned one after the other or all at once.
     Raster(Raster),
-    /// The same firings in each frame, in the order of their times: whatever else there is.
+    /// Any other pattern: the same firings in each frame, in the order of time.
     Table(&'a [Firing]),
 }
 
 impl Pattern<'_> {
-    /// That there are firings in each frame, in the order of time.
+    /// Checks that each frame has firings, in the order of time.
     pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
         match self {
             Self::Spinning(spinning) => spinning.check(frame_time_ns)?,
@@ -51,7 +51,7 @@ impl Pattern<'_> {
         Ok(())
     }
 
-    /// Firings that no frame has more of.
+    /// Returns the largest number of firings that a frame can have.
     pub(super) fn most_firings(&self, frame_time_ns: u64) -> u128 {
         match self {
             Self::Spinning(spinning) => spinning.most_firings(frame_time_ns),
@@ -63,7 +63,7 @@ impl Pattern<'_> {
         }
     }
 
-    /// The firings of a frame.
+    /// Returns the firings of a frame.
     pub(super) fn in_frame(&self, frame: u64, frame_time_ns: u64) -> FrameFirings<'_> {
         let (ticks, count) = match self {
             Self::Spinning(spinning) => {
@@ -95,13 +95,13 @@ impl Pattern<'_> {
 pub(super) struct FrameFirings<'a> {
     pattern: &'a Pattern<'a>,
     frame_time_ns: u64,
-    /// Of a pattern that goes on without regard to frames.
+    /// The ticks of a pattern that continues independent of frames.
     ticks: Option<Ticks>,
     pub(super) count: usize,
 }
 
 impl FrameFirings<'_> {
-    /// When one of them is, in seconds after the frame's beginning.
+    /// Returns the time of a firing, in seconds after the beginning of the frame.
     pub(super) fn time_s(&self, index: usize) -> f64 {
         match self.pattern {
             Pattern::Spinning(spinning) => spinning.time_s(self.ticks.as_ref(), self.frame_time_ns, index),
@@ -114,14 +114,14 @@ impl FrameFirings<'_> {
         }
     }
 
-    /// One of them.
+    /// Returns a firing.
     pub(super) fn firing(&self, index: usize) -> Firing {
         let mut volley = FiringLanes::new();
         self.fill(index, 1, &mut volley);
         volley.lane(0)
     }
 
-    /// Up to 64 of them.
+    /// Fills lanes with up to 64 firings.
     #[inline(always)]
     pub(super) fn fill(&self, first: usize, count: usize, lanes: &mut FiringLanes) {
         match (self.pattern, &self.ticks) {
@@ -137,7 +137,7 @@ impl FrameFirings<'_> {
                     lanes.set(lane, firing);
                 }
             }
-            // They tick.
+            // These patterns always have ticks.
             (Pattern::Rosette(_) | Pattern::Prisms(_) | Pattern::Mems(_), None) => {}
         }
     }

@@ -1,4 +1,4 @@
-//! Scanners as their makers' manuals have them.
+//! Scanner presets, from the manuals of their makers.
 
 mod continental;
 mod hokuyo;
@@ -21,7 +21,7 @@ pub use slamtec::{RPLIDAR_A1, RPLIDAR_A2};
 pub use velodyne::{HDL_32E, VLP_16};
 pub use vls128::VLS_128;
 
-/// Who makes scanners; by which a driver knows how to send what they measure.
+/// The maker of a scanner, from which a driver knows the format of its messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Maker {
@@ -41,47 +41,48 @@ pub enum Maker {
     Velodyne,
 }
 
-/// A choice of columns and turns.
+/// An operating mode of a spinning head: columns and rotation rate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mode {
     /// The columns of a turn.
     pub columns: Columns,
-    /// Turns a second.
+    /// The rotation rate, in turns per second.
     pub rate_hz: f64,
 }
 
-/// A scanner of a maker: what of it is fixed. How fast its head turns is chosen.
+/// A scanner of a maker. It holds the fixed properties; the frame rate is chosen.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Preset {
-    /// What files call it.
+    /// The name by which files refer to the scanner.
     pub name: &'static str,
-    /// Who makes it.
+    /// The maker.
     pub maker: Maker,
-    /// Lasers and firings; as it comes, if there is a choice of columns.
+    /// The firing pattern; if there are several modes, that of the default one.
     pub pattern: Pattern<'static>,
-    /// The choices of columns and turns that it has; none if it turns at any rate in its bounds.
+    /// The operating modes. If the list is empty, any frame rate within `rates_hz` is possible.
     pub modes: &'static [Mode],
-    /// Slowest and fastest head, in turns a second.
+    /// The lowest and the highest frame rate, in Hz. For a spinning head this is the rotation rate.
     pub rates_hz: [f64; 2],
-    /// Turns a second as it comes.
+    /// The default frame rate, in Hz.
     pub rate_hz: f64,
-    /// Smallest and largest range, in metres.
+    /// The smallest and the largest range, in metres.
     pub range_m: [f64; 2],
-    /// Standard deviation of a range, in metres; where data sheets promise bounds, a third of them.
+    /// The standard deviation of a range, in metres; a third of the bounds if a data sheet gives bounds.
     pub stddev_m: f64,
-    /// What depends on the range of it.
+    /// Additional range noise that depends on the range.
     pub spreads: &'static [Spread],
-    /// Standard deviation of what all ranges of a run are wrong by, in metres.
+    /// The standard deviation of the bias that all ranges of a run have in common, in metres.
     pub bias_stddev_m: f64,
-    /// Step of a range, in metres.
+    /// The resolution of a range, in metres.
     pub resolution_m: f64,
-    /// How wide its beams are, as single rays; lines where nothing is published.
+    /// The size of the beams, which are traced as single rays; without width if nothing is published.
     pub beam: Beam,
 }
 
 impl Preset {
-    /// A scanner as it is, from one turn to the next in so many nanoseconds; of seed and number 0.
+    /// Returns the configuration of the scanner with this time from one frame (one turn) to the next in nanoseconds,
+    /// with seed and sensor number 0.
     ///
     /// ```
     /// use belvedere_sensors::scanner::{Scanner, presets::VLP_16};
@@ -104,7 +105,7 @@ impl Preset {
             .beam(self.beam)
     }
 
-    /// Columns of a frame; none if there is no choice of them.
+    /// Returns the number of columns per frame, or `None` if the scanner has no operating modes.
     #[must_use]
     pub fn columns(&self) -> Option<u32> {
         match self.pattern {
@@ -113,8 +114,10 @@ impl Preset {
         }
     }
 
-    /// The same with so many columns a frame and turns a second: the first of its choices that has what is said of
-    /// both. None if it has no such choice.
+    /// Returns the preset with this number of columns per frame and this frame rate; `None` for either accepts any
+    /// value.
+    ///
+    /// It is the first operating mode that matches. Returns `None` if no mode matches.
     ///
     /// ```
     /// use belvedere_sensors::scanner::presets::OS1_128;
@@ -147,7 +150,7 @@ pub const ALL: &[Preset] = &[
     OS2_32, OS2_64, OS2_128, LMS_111, LMS_511, RPLIDAR_A1, RPLIDAR_A2, HDL_32E, VLP_16, VLS_128,
 ];
 
-/// The names of all.
+/// The names of all presets.
 pub const NAMES: [&str; ALL.len()] = {
     let mut names = [""; ALL.len()];
     let mut index = 0;
@@ -158,26 +161,27 @@ pub const NAMES: [&str; ALL.len()] = {
     names
 };
 
-/// The preset that files call so.
+/// Returns the preset of that name, or `None` if there is none.
 #[must_use]
 pub fn named(name: &str) -> Option<Preset> {
     ALL.iter().find(|preset| preset.name == name).copied()
 }
 
-/// A beam that is traced as a single ray, and is so wide: what drops of rain in it are counted by.
+/// Returns a beam that is traced as a single ray. Its width is used for counting raindrops and snowflakes in it.
 const fn line_of(divergence_rad: [f64; 2], aperture_m: [f64; 2]) -> Beam {
     Beam { divergence_rad, aperture_m, rays: 1 }
 }
 
-/// A single beam.
+/// A single laser at elevation 0 and azimuth 0.
 const LEVEL: [Laser; 1] = [Laser::at_degrees(0.0, 0.0)];
 
-/// So many columns of a turn.
+/// Returns columns that cover a part of a turn.
 const fn some(per_turn: u32, first: u32, count: u32) -> Columns {
     Columns::Turn { per_turn, first, count }
 }
 
-/// A single beam that is measured at some steps of a turn, counter-clockwise; `ahead` is the step at which it looks there.
+/// Returns a pattern with a single beam at some steps of a turn, counter-clockwise. The beam points ahead at step
+/// `ahead`.
 const fn steps(columns: Columns, ahead: u32) -> Pattern<'static> {
     let per_turn = if let Columns::Turn { per_turn, .. } = columns { per_turn } else { 1 };
     Pattern::Spinning(Spinning {

@@ -1,4 +1,4 @@
-//! Scanners whose lasers look through prisms and by mirrors that turn about one axis, as Livox's HAP and Mid-360.
+//! Scanners with lasers behind prisms and mirrors that rotate about a common axis, such as Livox's HAP and Mid-360.
 
 use super::clock::{Clock, MINUTE_NS, Ticks, turns};
 use super::firing::FiringLanes;
@@ -7,87 +7,91 @@ use crate::simd::{LANES, Lanes, sin_cos, sqrt};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
 
-/// Most wheels of a scanner.
+/// The largest number of wheels of a scanner.
 pub const MAX_WHEELS: usize = 4;
-/// Moments that are looked at before a scanner is taken for one.
+/// The number of moments at which [`Prisms::check`] and [`Prisms::half_angle_rad`] trace the beams.
 const MOMENTS: usize = 16 * LANES;
-/// Most faces of a wheel.
+/// The largest number of faces of a wheel.
 const MAX_FACES: usize = 8;
 
-/// What all wheels turn about, and the lasers lie beside.
+/// The axis about which all wheels rotate, and from which the angles of the lasers are measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
-    /// +x: angles about it are from +y towards +z.
+    /// +x. Angles about it are counted from +y towards +z.
     Ahead,
-    /// +z: angles about it are from +x towards +y.
+    /// +z. Angles about it are counted from +x towards +y.
     Up,
 }
 
-/// Where light meets a wheel; its normal is tilted from the axis to where the wheel looks.
+/// A face of a wheel, which refracts or reflects light. Its normal is tilted from the axis in the direction in which
+/// the wheel points.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Face {
-    /// Light goes on by Snell's law in what has this index of refraction: 1 is air, up to 4.
+    /// A refracting face: light passes it by Snell's law.
     Refracting {
-        /// From the axis to the normal, in radians, −π/2 to π/2.
+        /// The angle from the axis to the normal, in radians, −π/2 to π/2.
         tilt_rad: f64,
-        /// Of what is behind it.
+        /// The refractive index of the material behind the face, 1 (air) to 4.
         index: f64,
     },
-    /// Light is reflected.
+    /// A mirror.
     Mirror {
-        /// From the axis to the normal, in radians, −π/2 to π/2.
+        /// The angle from the axis to the normal, in radians, −π/2 to π/2.
         tilt_rad: f64,
     },
 }
 
-/// How far a wheel is ahead of even turning: `rad`·sin(2π·`rpm`·t + `phase_rad`).
+/// The deviation of a wheel from uniform rotation: `rad`·sin(2π·`rpm`·t + `phase_rad`), with the time t in minutes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swing {
-    /// How far at the most, in radians.
+    /// The amplitude in radians.
     pub rad: f64,
-    /// How often, a minute.
+    /// The frequency in cycles per minute.
     pub rpm: i32,
-    /// Where it is at time 0, in radians.
+    /// The phase at time 0, in radians.
     pub phase_rad: f64,
 }
 
 impl Swing {
-    /// Even turning.
+    /// Uniform rotation.
     pub const NONE: Self = Self { rad: 0.0, rpm: 0, phase_rad: 0.0 };
 }
 
-/// A prism or mirror that turns: faces that light meets one after the other.
+/// A rotating prism or mirror: faces through which light passes one after the other.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Wheel<'a> {
-    /// Turns a minute; negative ones turn the other way.
+    /// The speed in turns per minute; negative values turn the other way.
     pub speed_rpm: i32,
-    /// Where it looks at time 0, in radians about the axis.
+    /// The direction in which the wheel points at time 0, in radians about the axis.
     pub phase_rad: f64,
-    /// How its turning is uneven.
+    /// The deviation from uniform rotation.
     pub swing: Swing,
-    /// In the order in which light meets them; behind the last is air.
+    /// The faces in the order in which light meets them. Behind the last is air.
     pub faces: &'a [Face],
 }
 
-/// Lasers side by side behind wheels that turn about one axis: each beam is refracted and reflected at every face of every
-/// wheel, so where it goes follows from how the wheels stand at its time. It comes again after a minute, or sooner.
+/// Lasers behind wheels that rotate about one axis.
 ///
-/// Firings are in the order of time: volley by volley, of each all lasers in their order.
+/// Each beam is refracted or reflected at every face of every wheel, so its direction follows from the positions of the
+/// wheels at its time. The wheels return to the same positions after a minute or sooner.
+///
+/// Firings are in the order of time: volley by volley, and in each volley all lasers in their order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Prisms<'a> {
-    /// From a volley to the next, in nanoseconds.
+    /// The time from one volley to the next, in nanoseconds.
     pub volley_time_ns: u32,
-    /// From a laser of a volley to the next, in nanoseconds; 0 if all fire at once.
+    /// The time from one laser of a volley to the next, in nanoseconds; 0 if all fire at once.
     pub laser_time_ns: u16,
-    /// What the wheels turn about.
+    /// The axis about which the wheels rotate.
     pub axis: Axis,
-    /// Each laser's angle from the axis, 64 at the most, in radians: upwards with an axis ahead, towards +y with one upwards.
+    /// The angles of the lasers from the axis in radians, 1 to 64 of them: upwards if the axis is [`Axis::Ahead`],
+    /// towards +y if it is [`Axis::Up`].
     pub lasers_rad: &'a [f64],
-    /// In the order in which light meets them.
+    /// The wheels in the order in which light meets them.
     pub wheels: &'a [Wheel<'a>],
 }
 
-/// Directions, lane by lane: along the axis, and the two across it.
+/// Directions of up to 64 rays: components along the axis and along the two axes across it.
 type Rays = [Lanes<f64>; 3];
 
 impl Prisms<'_> {
@@ -142,8 +146,10 @@ impl Prisms<'_> {
         (ticks.at_ns(volley as u64) + laser as u64 * u64::from(self.laser_time_ns)) as f64 * 1e-9
     }
 
-    /// How far from the axis beams go at some moments of a minute, in radians, to within a degree or so of the most there is;
-    /// more than a right angle behind mirrors.
+    /// Returns the largest angle between a beam and the axis, in radians.
+    ///
+    /// It is the maximum over some moments of a minute, accurate to a degree or so. Behind mirrors it is more than a
+    /// right angle.
     #[must_use]
     pub fn half_angle_rad(&self) -> f64 {
         let along = |laser: &f64| {
@@ -153,7 +159,8 @@ impl Prisms<'_> {
         libm::acos(self.lasers_rad.iter().map(along).fold(1.0, f64::min).clamp(-1.0, 1.0))
     }
 
-    /// Which way a laser's beam goes at moments of a minute: along the axis and across it; NaN if it does not leave a wheel.
+    /// Returns the directions of a laser's beam at moments of a minute, along the axis and across it; NaN if it does
+    /// not leave a wheel.
     fn bent(&self, laser_rad: f64, at_ns: &Lanes<i128>) -> Rays {
         let (sin, cos) = sin_cos(laser_rad);
         let mut rays: Rays = [[cos; LANES], [0.0; LANES], [sin; LANES]];
@@ -193,7 +200,7 @@ impl Prisms<'_> {
         };
         lanes.origin = [[0.0; LANES]; 3];
         lanes.direction = [rays[x], rays[y], rays[z]];
-        // Light that does not leave a wheel where it was not checked goes on along the axis.
+        // Light that does not leave a wheel at a moment that was not checked continues along the axis.
         let along = if self.axis == Axis::Ahead { DVec3::X } else { DVec3::Z };
         for lane in 0..count {
             if lanes.direction.iter().any(|part| !part[lane].is_finite()) {
@@ -205,15 +212,15 @@ impl Prisms<'_> {
     }
 }
 
-/// Moments of a minute at which wheels stand in all ways that they come to: they are apart by the golden section of it, so
-/// that whatever the speeds are no angle comes again.
+/// Returns moments of a minute that cover the positions of the wheels. They are spaced by the golden section of a
+/// minute, so that no angle repeats whatever the speeds are.
 fn moments() -> impl Iterator<Item = Lanes<i128>> {
     let moment = |number: usize| number as i128 * 37_082_039_325 % MINUTE_NS;
     (0..MOMENTS).step_by(LANES).map(move |first| core::array::from_fn(|lane| moment(first + lane)))
 }
 
 impl Wheel<'_> {
-    /// What is wrong with it: which of its parts, its value and what that must be.
+    /// Checks the wheel; an error is the name of a parameter, its value and the rule that it breaks.
     fn check(&self) -> Result<(), (&'static str, f64, &'static str)> {
         let swing = self.swing;
         if !(-TAU..=TAU).contains(&self.phase_rad) {
@@ -246,7 +253,8 @@ impl Wheel<'_> {
         Ok(())
     }
 
-    /// Where it looks at a time since some minute began, in radians about the axis.
+    /// Returns the direction in which the wheel points at a time since the beginning of some minute, in radians about
+    /// the axis.
     #[inline(always)]
     fn turned(&self, at_ns: i128) -> f64 {
         let even = turns(at_ns, self.speed_rpm.into()) * TAU + self.phase_rad;
@@ -257,7 +265,7 @@ impl Wheel<'_> {
         even + self.swing.rad * swung
     }
 
-    /// Sends rays through all of its faces; those that do not leave it become NaN.
+    /// Sends rays through all faces of the wheel; those that do not leave it become NaN.
     #[inline(always)]
     fn bend(&self, turned: &Lanes<f64>, rays: &mut Rays) {
         let (mut across, mut along) = ([0.0; LANES], [0.0; LANES]);
@@ -291,14 +299,14 @@ impl Face {
     }
 }
 
-/// A unit direction behind a mirror with a unit normal.
+/// Reflects a unit direction at a mirror with this unit normal.
 #[inline(always)]
 fn reflected(direction: DVec3, normal: DVec3) -> DVec3 {
     direction - normal * (2.0 * direction.dot(normal))
 }
 
-/// A unit direction behind a face with a unit normal; `ratio` is the index before over that behind. NaN if all of it is
-/// reflected.
+/// Refracts a unit direction at a face with this unit normal. `ratio` is the refractive index in front of the face
+/// divided by that behind it. NaN in case of total reflection.
 #[inline(always)]
 fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> DVec3 {
     let along = direction.dot(normal);

@@ -1,4 +1,4 @@
-//! Scanners that look at a grid of pixels, one after the other or all at once: flash lidars, mirrors that swing.
+//! Scanners with a grid of pixels, scanned one after the other or all at once, such as flash lidars.
 
 use super::firing::{Firing, FiringLanes};
 use crate::ParameterError;
@@ -6,17 +6,18 @@ use crate::simd::sin_cos;
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
 
-/// Pixels over a field of view, even in angle, row by row from the top down, each from left to right. The rows are its
-/// lasers.
+/// Pixels over a field of view, evenly spaced in angle: row by row from the top down, each from left to right. The
+/// number of a row is reported as that of its laser.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Raster {
-    /// Pixels across and up.
+    /// The number of columns and rows of pixels.
     pub pixels: [u32; 2],
-    /// Field of view, from edge to edge of the pixels: radians, up to 2π across and π up.
+    /// The field of view between the outer edges of the pixels, in radians: up to 2π horizontally and π vertically.
     pub field_rad: [f64; 2],
-    /// From a pixel to the next in its row, in nanoseconds; 0 if all of a row are at once.
+    /// The time from one pixel to the next in its row, in nanoseconds; 0 if all pixels of a row fire at once.
     pub pixel_time_ns: u64,
-    /// From the beginning of a row to that of the next, in nanoseconds; 0 with that of pixels 0 is a flash.
+    /// The time from the beginning of one row to that of the next, in nanoseconds. If it and `pixel_time_ns` are 0, all
+    /// pixels fire at once (a flash).
     pub row_time_ns: u64,
 }
 
@@ -42,19 +43,20 @@ impl Raster {
         Ok(())
     }
 
-    /// Pixels of a frame.
+    /// Returns the number of pixels.
     pub(super) fn firings(&self) -> u64 {
         u64::from(self.pixels[0]) * u64::from(self.pixels[1])
     }
 
-    /// Seconds after a frame's beginning.
+    /// Returns the time of a firing, in seconds after the beginning of the frame.
     pub(super) fn time_s(&self, index: usize) -> f64 {
         let across = u64::from(self.pixels[0]);
         let (row, column) = (index as u64 / across, index as u64 % across);
         (row * self.row_time_ns + column * self.pixel_time_ns) as f64 * 1e-9
     }
 
-    /// Where the middle of the first pixel of an axis lies, in radians to the left or up, and from one to the next.
+    /// Returns the angle of the first pixel's centre along an axis, in radians to the left or up, and the step to the
+    /// next pixel. Axis 0 is horizontal, 1 is vertical.
     pub fn angles(&self, axis: usize) -> [f64; 2] {
         let step = self.field_rad[axis] / f64::from(self.pixels[axis]);
         [0.5 * (self.field_rad[axis] - step), step]

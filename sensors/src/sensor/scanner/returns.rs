@@ -1,37 +1,39 @@
-//! What of a pulse comes back, and which of it is reported.
+//! Echoes of a pulse, and the returns that are reported.
 
 use crate::ParameterError;
 
-/// Most returns of a firing.
+/// The largest number of returns of a firing.
 pub const MAX_RETURNS: usize = 5;
 
-/// Which returns of a firing are reported.
+/// The returns that are reported for each firing.
 ///
-/// What the rays of a [`Beam`](super::Beam) meet is one return as long as each is nearer to the one before it than the
-/// scanner's [`pulse_m`](super::ScannerConfig::pulse_m); its range is their mean, weighted by what comes back of each. Where
-/// there is no such return, there is no range: +∞.
+/// The hits of the rays of a [`Beam`](super::Beam), ordered by range, form one return as long as each is nearer to the
+/// previous one than the scanner's [`pulse_m`](super::ScannerConfig::pulse_m). The range of a return is their mean,
+/// weighted by power. If a firing has fewer returns than are reported, the remaining ranges are +∞.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[non_exhaustive]
 pub enum Returns {
-    /// That of which most comes back; of two alike, the nearer.
+    /// The strongest return; the nearer one of two equally strong ones.
     #[default]
     Strongest,
-    /// The nearest.
+    /// The nearest return.
     First,
-    /// The farthest.
+    /// The farthest return.
     Last,
-    /// Two: the last, and the strongest, or if that is the last, the second strongest.
+    /// Two returns: the last and the strongest. If these are the same, the second is the second strongest.
     Dual,
-    /// So many, 1 to 5, the nearest first; of more, the strongest.
+    /// The given number of returns, 1 to 5, ordered by range from the nearest. If there are more, the strongest are
+    /// reported.
     Several(u8),
-    /// So many, 1 to 5, the strongest first.
+    /// The given number of returns, 1 to 5, ordered by power from the strongest.
     Ranked(u8),
-    /// One: the mean of all that the beam meets, as scanners measure it that compare phases. At edges it is between.
+    /// One return: the mean of everything that the beam hits, as measured by phase-based scanners. At edges it lies
+    /// between the surfaces.
     Mean,
 }
 
 impl Returns {
-    /// Values of a firing.
+    /// Returns the number of returns per firing.
     pub const fn count(self) -> usize {
         match self {
             Self::Strongest | Self::First | Self::Last | Self::Mean => 1,
@@ -50,14 +52,14 @@ impl Returns {
     }
 }
 
-/// Something that sends part of a pulse back.
+/// An echo: a surface or particle that sends part of a pulse back.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Echo {
-    /// Metres.
+    /// The range in metres.
     pub(super) range: f64,
-    /// How much of the pulse comes back.
+    /// The power that comes back.
     pub(super) weight: f64,
-    /// What the scanner's intensity is worked out of; adds up.
+    /// The contribution to the intensity; see [`Intensity::signal`](super::Intensity::signal).
     pub(super) signal: f64,
 }
 
@@ -65,7 +67,7 @@ impl Echo {
     const NONE: Self = Self { range: f64::INFINITY, weight: 0.0, signal: 0.0 };
 }
 
-/// All that sends part of a pulse back, nearest first.
+/// The echoes of a pulse, ordered by range from the nearest.
 pub(super) struct Echoing<const N: usize> {
     echoes: [Echo; N],
     count: usize,
@@ -80,7 +82,7 @@ impl<const N: usize> Echoing<N> {
         self.count = 0;
     }
 
-    /// Takes another; those beyond the last place are left out.
+    /// Adds an echo. Echoes for which there is no more room are dropped.
     #[inline(always)]
     pub(super) fn push(&mut self, echo: Echo) {
         if self.count == N {
@@ -95,7 +97,7 @@ impl<const N: usize> Echoing<N> {
         self.count += 1;
     }
 
-    /// The returns that are reported, in the order of [`Returns`], of those that are at least so strong.
+    /// Returns the reported returns in the order of [`Returns`]. Those weaker than `least` are not detected.
     pub(super) fn returns(
         &mut self,
         which: Returns,
@@ -138,7 +140,7 @@ impl<const N: usize> Echoing<N> {
         returns
     }
 
-    /// Makes one of those that are nearer to the one before than a distance.
+    /// Merges echoes that are nearer to the previous one than `apart`.
     fn merge(&mut self, apart: f64) {
         let (mut merged, mut next) = (0, 0);
         while next < self.count {
@@ -147,7 +149,7 @@ impl<const N: usize> Echoing<N> {
             let first = next;
             while next < self.count && (next == first || self.echoes[next].range - farthest < apart) {
                 let Echo { range, weight, signal } = self.echoes[next];
-                // From the first on, so that equal ranges stay what they are.
+                // Ranges are added relative to the first, so that equal ranges stay exact.
                 sum.range += (range - self.echoes[first].range) * weight;
                 sum.weight += weight;
                 sum.signal += signal;
@@ -161,7 +163,7 @@ impl<const N: usize> Echoing<N> {
         self.count = merged;
     }
 
-    /// Leaves out those that are weaker than what is noticed, and those of which nothing comes back.
+    /// Removes echoes weaker than `least`, and those without any power.
     fn leave(&mut self, least: f64) {
         let mut kept = 0;
         for index in 0..self.count {
@@ -190,7 +192,7 @@ impl<const N: usize> Echoing<N> {
     }
 }
 
-/// Which is the strongest, but for one; the nearer of two alike.
+/// Returns the index of the strongest echo other than `but`; the nearer one of two equally strong ones.
 fn strongest(echoes: &[Echo], but: Option<usize>) -> Option<usize> {
     let mut most: Option<usize> = None;
     for (index, echo) in echoes.iter().enumerate() {

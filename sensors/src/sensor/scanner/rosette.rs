@@ -1,4 +1,4 @@
-//! Scanners with two prisms that turn one behind the other (Risley), as Livox's Mid-40 and Mid-70.
+//! Scanners with two rotating prisms one behind the other (Risley prisms), such as Livox's Mid-40 and Mid-70.
 
 use super::clock::{Clock, Ticks, turns};
 use super::firing::{Firing, FiringLanes};
@@ -7,22 +7,24 @@ use crate::simd::{sin_cos, sqrt};
 use core::f64::consts::TAU;
 use glam::DVec3;
 
-/// One laser behind two wedges of glass that turn about +x, the flat sides both outwards or both inwards: its beam draws a
-/// rosette, which begins anew after minutes or never.
+/// One laser behind two glass wedges that rotate about +x, with the flat sides of both outwards or of both inwards. The
+/// beam draws a rosette.
 ///
-/// The beam is refracted at each face by Snell's law. Both wedges are thickest towards −y, which is where they bend it to, when
-/// time begins.
+/// The beam is refracted at each face by Snell's law. At time 0 both wedges are thickest towards −y and deflect the
+/// beam in that direction. The wedges return to the same positions after a minute or sooner.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rosette {
-    /// From a firing to the next, in nanoseconds.
+    /// The time from one firing to the next, in nanoseconds.
     pub firing_time_ns: u64,
-    /// Turns a minute of the wedge at the laser and of that in front of it; negative ones turn the other way.
+    /// The speeds of the wedge at the laser and of that in front of it, in turns per minute; negative values turn the
+    /// other way.
     pub speeds_rpm: [i32; 2],
-    /// Angle between the faces of a wedge, in radians.
+    /// The angle between the faces of a wedge, in radians.
     pub wedge_rad: f64,
-    /// Index of refraction of the glass, 1 to 4.
+    /// The refractive index of the glass, 1 to 4.
     pub refractive_index: f64,
-    /// Whether the flat sides of the wedges face each other, as a Mid-70's do; else the slanted ones, as a Mid-40's.
+    /// Whether the flat sides of the wedges face each other, as in a Mid-70. Otherwise the slanted sides do, as in a
+    /// Mid-40.
     pub is_flat_inwards: bool,
 }
 
@@ -35,7 +37,8 @@ impl Rosette {
         if !(1.0..=4.0).contains(&self.refractive_index) {
             return wrong("refractive_index", self.refractive_index, "1 to 4");
         }
-        // Where both wedges bend the beam the same way it is bent most; beyond some angle it does not leave the glass.
+        // The deflection is largest where both wedges bend the beam the same way. Beyond some wedge angle the beam is
+        // totally reflected there.
         let is_possible = self.wedge_rad > 0.0
             && self.wedge_rad < core::f64::consts::FRAC_PI_2
             && self.bent([0.0; 2]).is_some();
@@ -49,7 +52,7 @@ impl Rosette {
         Ok(())
     }
 
-    /// How far from straight ahead its beam goes at the most, in radians; none if it does not leave the glass there.
+    /// Returns the largest angle between the beam and +x, in radians; `None` if the beam is totally reflected there.
     pub fn half_angle_rad(&self) -> Option<f64> {
         self.bent([0.0; 2]).map(|most| libm::acos(most.x.clamp(-1.0, 1.0)))
     }
@@ -69,11 +72,12 @@ impl Rosette {
         }
     }
 
-    /// Which way the beam goes when the wedges are turned so; none if it does not leave the glass.
+    /// Returns the direction of the beam with the wedges turned by these angles; `None` in case of total reflection.
     fn bent(&self, turned: [f64; 2]) -> Option<DVec3> {
         let n = self.refractive_index;
         let (sin, cos) = sin_cos(self.wedge_rad);
-        // The slanted faces' normals, both ahead, when each is behind the glass: one before it is turned by half.
+        // The normals of the slanted faces, both pointing ahead, for faces behind the glass. A face in front of it is
+        // turned by half a turn.
         let [first, second] = turned.map(|angle| {
             let (across, along) = sin_cos(angle);
             DVec3::new(cos, sin * along, sin * across)
@@ -86,14 +90,15 @@ impl Rosette {
             return refracted(inside, second, n);
         }
         let second = DVec3::new(second.x, -second.y, -second.z);
-        // Straight through the first flat side, which the beam meets at a right angle.
+        // The beam passes the first flat side at a right angle, without being refracted.
         let between = refracted(DVec3::X, first, n)?;
         let inside = refracted(between, second, 1.0 / n)?;
         refracted(inside, DVec3::X, n)
     }
 }
 
-/// A unit direction behind a face with a unit normal ahead of it; `ratio` is the index before over that behind.
+/// Refracts a unit direction at a face whose unit normal points ahead. `ratio` is the refractive index in front of the
+/// face divided by that behind it.
 fn refracted(direction: DVec3, normal: DVec3, ratio: f64) -> Option<DVec3> {
     let along = direction.dot(normal);
     let rest = 1.0 - ratio * ratio * (1.0 - along * along);

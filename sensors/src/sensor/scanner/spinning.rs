@@ -1,4 +1,4 @@
-//! Scanners whose head turns: lasers one above the other, columns side by side.
+//! Scanners with a spinning head: lasers above each other, columns side by side.
 
 use super::clock::{Clock, Ticks};
 use super::firing::FiringLanes;
@@ -6,24 +6,25 @@ use crate::ParameterError;
 use crate::simd::{LANES, sin_cos};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Most lasers of a head.
+/// The largest number of lasers of a head.
 pub const MAX_LASERS: usize = 4096;
 
-/// A laser of a head that turns.
+/// A laser of a spinning head.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Laser {
-    /// Up from the plane in which the head turns, in radians.
+    /// The elevation above the plane in which the head turns, in radians.
     pub elevation_rad: f64,
-    /// Counter-clockwise from where the head looks, in radians.
+    /// The azimuth relative to the direction of the head, counter-clockwise, in radians.
     pub azimuth_rad: f64,
-    /// Where its beam starts, in metres, in axes that turn with the head: x to where it looks, z up.
+    /// The origin of the beam in metres, in axes that turn with the head: x in the direction of the head, z up.
     pub origin_m: [f64; 3],
-    /// Seconds after the beginning of its column.
+    /// The time of firing in seconds after the beginning of its column.
     pub time_s: f64,
 }
 
 impl Laser {
-    /// A laser in the axis, that fires at the beginning of its column; angles in degrees, as data sheets have them.
+    /// Creates a laser on the axis that fires at the beginning of its column. The angles are in degrees, as in data
+    /// sheets.
     pub const fn at_degrees(elevation: f64, azimuth: f64) -> Self {
         Self {
             elevation_rad: elevation * (PI / 180.0),
@@ -34,27 +35,28 @@ impl Laser {
     }
 }
 
-/// When the columns of a turn are fired: each laser once a column.
+/// The times at which the columns of a turn are fired. Each laser fires once per column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Columns {
-    /// At fixed angles: so many to a turn, of which some are fired.
+    /// Columns at fixed angles: a turn is divided into `per_turn` columns, some of which are fired.
     Turn {
-        /// Columns of a whole turn, 1 or more.
+        /// The number of columns of a whole turn, 1 or more.
         per_turn: u32,
-        /// The first that is fired, from 0.
+        /// The number of the first column that is fired, counted from 0.
         first: u32,
-        /// How many are.
+        /// The number of columns that are fired, 1 or more.
         count: u32,
     },
-    /// At fixed times, whatever the head's angle is: frames begin at 0°, and have one column more or less.
+    /// Columns at fixed times, whatever the angle of the head. The number of columns may differ by one from frame to
+    /// frame.
     Every {
-        /// From a column to the next, in nanoseconds.
+        /// The time from one column to the next, in nanoseconds.
         time_ns: u64,
     },
 }
 
 impl Columns {
-    /// How many of a frame are at fixed angles; none of those at fixed times.
+    /// Returns the number of columns per frame if they are at fixed angles, and 0 if they are at fixed times.
     #[must_use]
     pub const fn at_angles(self) -> u64 {
         match self {
@@ -64,19 +66,19 @@ impl Columns {
     }
 }
 
-/// Lasers on a head that turns evenly, once a frame.
+/// Lasers on a head that turns uniformly, once per frame.
 ///
-/// Firings are in the order of time: column by column, of each all lasers in their order. The head turns on from laser to
-/// laser, as it does.
+/// Firings are in the order of time: column by column, and in each column all lasers in their order. The head continues
+/// to turn between the lasers of a column.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spinning<'a> {
-    /// In the order in which they fire.
+    /// The lasers, in the order in which they fire.
     pub lasers: &'a [Laser],
-    /// When their columns are.
+    /// The times of the columns.
     pub columns: Columns,
-    /// Where the head looks when a frame begins, in radians, counter-clockwise from +x: -2π to 2π.
+    /// The azimuth of the head at the beginning of a frame, in radians, counter-clockwise from +x: -2π to 2π.
     pub first_azimuth_rad: f64,
-    /// Whether it turns clockwise, seen from above.
+    /// Whether the head turns clockwise, seen from above.
     pub clockwise: bool,
 }
 
@@ -128,7 +130,7 @@ impl Spinning<'_> {
         Ok(())
     }
 
-    /// From a column to the next.
+    /// Returns the time from one column to the next, in seconds.
     fn column_time_s(&self, frame_time_ns: u64) -> f64 {
         match self.columns {
             Columns::Turn { per_turn, .. } => frame_time_ns as f64 * 1e-9 / f64::from(per_turn),
@@ -144,7 +146,7 @@ impl Spinning<'_> {
         u128::from(columns) * self.lasers.len() as u128
     }
 
-    /// That of columns at fixed times.
+    /// Returns the clock of columns at fixed times.
     pub(super) fn clock(&self) -> Option<Clock> {
         match self.columns {
             Columns::Turn { .. } => None,
@@ -157,7 +159,7 @@ impl Spinning<'_> {
         self.column_s(ticks, frame_time_ns, column) + self.lasers[laser].time_s
     }
 
-    /// When a column begins, in seconds after the frame's beginning.
+    /// Returns the beginning of a column, in seconds after the beginning of the frame.
     #[inline(always)]
     fn column_s(&self, ticks: Option<&Ticks>, frame_time_ns: u64, column: usize) -> f64 {
         match (self.columns, ticks) {

@@ -1,4 +1,4 @@
-//! What stands in the air between a scanner and what it looks at.
+//! Fog, rain and snow between a scanner and the surfaces that it measures.
 
 use super::beam::Beam;
 use crate::ParameterError;
@@ -6,25 +6,30 @@ use crate::noise::{Stream, fill_standard_normal};
 use crate::simd::{Level, sin_cos, sqrt};
 use core::f64::consts::{FRAC_PI_4, LN_10, PI};
 
-/// ln 20: what is left of light at the visibility is a twentieth.
+/// ln 20: at the visibility, a twentieth of the light remains.
 const LN_20: f64 = 2.995_732_273_553_991;
 
-/// Fog, rain and snow.
+/// The weather: fog, rain and snow.
 ///
-/// Their extinctions α add up and take e^(−2αr) of what comes back. Fog besides sends a part of each pulse back itself, as
-/// M. Hahner et al., "Fog simulation on real lidar point clouds …", 2021,
-/// arXiv:2108.05249, have it: a pulse of 20 ns, β = 0.046/visibility, β₀ = 10⁻⁶/π, an optical crossover from 0.9 to
-/// 1 m. Drops and flakes send pulses back one by one, as V. Kilic et al. (LISA, 2021, arXiv:2107.07004) have it: as many
-/// as there are in the beam, each by the share of the beam that it covers; what is weaker than what the
-/// [receiver](super::Receiver) notices is left out. All of that are returns among those of surfaces. A scanner whose firings
-/// would notice more than 12 drops of a kind on average is refused.
+/// Their extinctions α add up and attenuate each return by e^(−2αr).
+///
+/// Fog also sends back a part of each pulse itself, as in M. Hahner et al., "Fog simulation on real lidar point clouds
+/// …", 2021, arXiv:2108.05249: a pulse of 20 ns, β = 0.046/visibility, β₀ = 10⁻⁶/π, and an optical crossover from 0.9
+/// to 1 m.
+///
+/// Drops and flakes send pulses back one by one, as in V. Kilic et al. (LISA, 2021, arXiv:2107.07004). Their number
+/// follows from the volume of the beam, and their power from the share of the beam that each covers. Those that are
+/// weaker than the threshold of the [receiver](super::Receiver) are left out.
+///
+/// All of these are returns like those of surfaces. A scanner whose firings would detect more than 12 drops or flakes
+/// on average is refused.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Weather {
-    /// Meteorological optical range in fog, metres: 1 or more, ∞ without any. α = ln 20/visibility.
+    /// The meteorological optical range in fog, in metres: 1 or more, ∞ without fog. α = ln 20/visibility.
     pub visibility_m: f64,
-    /// Rain, millimetres an hour, 0 to 500: 1.45·R^0.64 dB/km.
+    /// Rain in millimetres per hour, 0 to 500. Its extinction is 1.45·R^0.64 dB/km.
     pub rain_mm_per_h: f64,
-    /// Snow, millimetres of water an hour, 0 to 50: twice the area of its melted flakes.
+    /// Snow in millimetres of water per hour, 0 to 50. Its extinction is twice the cross section of the melted flakes.
     pub snow_mm_per_h: f64,
 }
 
@@ -32,7 +37,7 @@ impl Weather {
     /// Clear air.
     pub const CLEAR: Self = Self { visibility_m: f64::INFINITY, rain_mm_per_h: 0.0, snow_mm_per_h: 0.0 };
 
-    /// The share of light that is lost on a metre of its way, for short ways: α.
+    /// Returns the extinction α: the share of light that is lost per metre, for short distances.
     ///
     /// ```
     /// use belvedere_sensors::scanner::Weather;
@@ -43,7 +48,7 @@ impl Weather {
         let rain_db_per_km =
             if self.rain_mm_per_h > 0.0 { 1.45 * libm::pow(self.rain_mm_per_h, 0.64) } else { 0.0 };
         let snow = DropSizes::snow(self.snow_mm_per_h);
-        // In mm² of drops in a m³.
+        // Twice the cross section of the flakes, from mm² to m² per m³.
         let snow =
             snow.map_or(0.0, |snow| PI * snow.intercept / (snow.slope * snow.slope * snow.slope) * 1e-6);
         LN_20 / self.visibility_m + rain_db_per_km * (LN_10 / 10_000.0) + snow
@@ -63,7 +68,8 @@ impl Weather {
         Ok(())
     }
 
-    /// Whether hardly any firing meets more drops than there is room for, of a beam and of the least that a receiver notices.
+    /// Checks that hardly any firing detects more drops than there is room for. `least` is the smallest power that is
+    /// detected.
     pub(super) fn check_drops(&self, beam: &Beam, least: f64) -> Result<(), ParameterError> {
         const RAIN: &str = "number of raindrops that a firing notices on average";
         const SNOW: &str = "number of snowflakes that a firing notices on average";
@@ -78,19 +84,20 @@ impl Weather {
     }
 }
 
-/// How many drops there are of each size: `intercept`·e^(−`slope`·D) a cubic metre and a millimetre of their diameters D.
+/// The size distribution of drops: `intercept`·e^(−`slope`·D) drops per cubic metre and millimetre of their diameter D.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DropSizes {
-    /// A m³ and mm.
+    /// The intercept N₀, per m³ and mm.
     pub intercept: f64,
-    /// A mm.
+    /// The slope Λ, per mm.
     pub slope: f64,
-    /// What a drop sends back of light that meets its middle: ((n − 1)/(n + 1))².
+    /// The share of light that a drop sends back if it is hit in its middle: ((n − 1)/(n + 1))².
     pub reflectivity: f64,
 }
 
 impl DropSizes {
-    /// Rain of so many millimetres an hour; none without (J. S. Marshall, W. Palmer, 1948).
+    /// Returns the distribution of rain in millimetres per hour, or `None` without rain (J. S. Marshall, W. Palmer,
+    /// 1948).
     ///
     /// ```
     /// use belvedere_sensors::scanner::DropSizes;
@@ -102,8 +109,8 @@ impl DropSizes {
         (mm_per_h > 0.0).then(|| Self { intercept: 8000.0, slope: slope(), reflectivity: of_index(1.328) })
     }
 
-    /// Snow that is so many millimetres of water an hour, by the diameters of its melted flakes; none without
-    /// (K. L. S. Gunn, J. S. Marshall, 1958).
+    /// Returns the distribution of snow in millimetres of water per hour, by the diameters of the melted flakes, or
+    /// `None` without snow (K. L. S. Gunn, J. S. Marshall, 1958).
     pub fn snow(mm_per_h: f64) -> Option<Self> {
         let (intercept, slope) =
             (|| 3800.0 * libm::pow(mm_per_h, -0.87), || 2.55 * libm::pow(mm_per_h, -0.48));
@@ -114,7 +121,7 @@ impl DropSizes {
         })
     }
 
-    /// Drops in a cubic metre that are larger than so many millimetres.
+    /// Returns the number of drops per cubic metre that are larger than `least_mm` millimetres.
     pub fn per_m3(&self, least_mm: f64) -> f64 {
         self.intercept / self.slope * libm::exp(-self.slope * least_mm)
     }
@@ -125,32 +132,32 @@ fn of_index(n: f64) -> f64 {
     share * share
 }
 
-/// Most drops of a kind that one firing notices.
+/// The largest number of drops of a kind that one firing detects.
 const MOST_DROPS: usize = 32;
-/// Most drops of a kind that a firing may notice on average. Of so many, less than one firing in a million has more than
-/// [`MOST_DROPS`].
+/// The largest mean number of drops of a kind that a firing may detect. At this mean, less than one firing in a million
+/// has more than [`MOST_DROPS`].
 const MOST_EXPECTED: f64 = 12.0;
-/// Uniform numbers and normals that there are for the drops of a kind: one for their count and one for the size of each, and
-/// three for the place of each.
+/// The number of uniform and of normal random numbers for the drops of a kind. There is one uniform number for their
+/// count and one for the size of each, and there are three normal numbers for the place of each.
 const UNIFORMS: u32 = 64;
 const NORMALS: u32 = 128;
 const _: () = assert!(MOST_DROPS < UNIFORMS as usize && 3 * MOST_DROPS <= NORMALS as usize);
-/// Most echoes of the air to one firing: fog, and drops of two kinds.
+/// The largest number of echoes of the air to one firing: fog, and drops of two kinds.
 pub(super) const MOST_IN_AIR: usize = 1 + 2 * MOST_DROPS;
-/// Divergence of LISA's beam, which those without a width of their own have to drops.
+/// The divergence of LISA's beam, which is assumed for drops if a beam has no width of its own.
 const DIVERGENCE_RAD: f64 = 3e-3;
 
-/// The air before a scanner, worked out once.
+/// The air in front of a scanner, with everything that is computed once.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Air {
     extinction: f64,
-    /// Where fog sends most back, and how much.
+    /// The range at which fog sends most light back, and the power.
     fog: Option<[f64; 2]>,
     drops: [Option<Noticed>; 2],
 }
 
 impl Air {
-    /// With the least that the receiver notices.
+    /// Computes the air for a beam and the smallest power that is detected.
     pub(super) fn new(weather: &Weather, beam: &Beam, least: f64) -> Self {
         let [across, up] = beam.divergence_rad;
         let angle = if across > 0.0 && up > 0.0 { sqrt(across * up) } else { DIVERGENCE_RAD };
@@ -162,18 +169,19 @@ impl Air {
         }
     }
 
-    /// What is left of light on its way there and back.
+    /// Returns the share of light that remains on the way there and back.
     #[inline(always)]
     pub(super) fn clearness(&self, range: f64) -> f64 {
         if self.extinction == 0.0 { 1.0 } else { libm::exp(-2.0 * self.extinction * range) }
     }
 
-    /// What the fog sends back of a beam, a share of which goes past where that is most: its range and power.
+    /// Returns range and power of the return of fog. `passing` gives the share of the beam that reaches the range where
+    /// fog sends most light back.
     pub(super) fn fog(&self, passing: impl FnOnce(f64) -> f64) -> Option<[f64; 2]> {
         self.fog.map(|[range, power]| [range, power * passing(range)])
     }
 
-    /// The drops that one firing meets, as range and power, on its way up to a range.
+    /// Calls `met` with range and power of each drop that one firing detects between two ranges.
     pub(super) fn for_each_drop(
         &self,
         level: Level,
@@ -187,7 +195,7 @@ impl Air {
             let number = 2 * firing + kind as u32;
             let chance = Stream { channel: Stream::DROPS, ..*noise };
             let uniform = |index| f64::from(chance.uniform(UNIFORMS * number + index));
-            // Poisson's, by inversion: most often none.
+            // A Poisson number by inversion; mostly 0.
             let (mut left, mut term, mut count) = (uniform(0), drops.none, 0);
             while left >= term && count < MOST_DROPS {
                 left -= term;
@@ -213,21 +221,22 @@ impl Air {
     }
 }
 
-/// The drops of one kind that are noticed.
+/// The drops of one kind that are detected.
 ///
-/// A drop of diameter D at r covers (D/φr)² of a cone of angle φ, so it is noticed from D = c·r² on; of those there are
-/// N₀/Λ·e^(−Λc·r²) a m³. On the cone's cross section that is a Maxwell distribution of ranges with a = Λc, and what D has
-/// more than c·r² is an exponential distribution. What is lost on so short a way is left out here.
+/// A drop of diameter D at range r covers (D/φr)² of a cone of angle φ, so it is detected if D ≥ c·r². There are
+/// N₀/Λ·e^(−Λc·r²) such drops per m³. With the cross section of the cone, this is a Maxwell distribution of ranges with
+/// a = Λc, and the excess of D over c·r² has an exponential distribution. The attenuation on such a short way is
+/// neglected here.
 #[derive(Debug, Clone, Copy)]
 struct Noticed {
     sizes: DropSizes,
     angle_rad: f64,
-    /// c, millimetres a m².
+    /// c, in millimetres per m².
     least_mm: f64,
-    /// How many a firing meets, and how likely it is to meet none.
+    /// The mean number of drops that a firing detects, and the probability that it detects none.
     expected: f64,
     none: f64,
-    /// 1/√(2a).
+    /// 1/√(2a), in metres.
     scale_m: f64,
 }
 
@@ -247,20 +256,22 @@ impl Noticed {
         }
     }
 
-    /// What comes back of a drop so much larger than what is noticed at a range, in clear air.
+    /// Returns the power of a drop at a range in clear air, if it is `more_mm` larger than the smallest that is
+    /// detected there.
     fn power(&self, range: f64, more_mm: f64) -> f64 {
         let covered = 1e-3 * (self.least_mm * range * range + more_mm) / (self.angle_rad * range);
         self.sizes.reflectivity * (covered * covered).min(1.0) / (range * range)
     }
 }
 
-/// Where fog of a visibility sends most back, and how much in units of a white surface at 1 m.
+/// Returns the range at which fog of this visibility sends most light back, and its power in units of a white surface
+/// at 1 m.
 fn fog(visibility_m: f64) -> [f64; 2] {
-    /// β₀.
+    /// The reflectivity β₀.
     const SURFACE: f64 = 1e-6 / PI;
     const GOLDEN: f64 = 0.618_033_988_749_895;
     let (alpha, beta) = (LN_20 / visibility_m, 0.046 / visibility_m);
-    // One peak: by the golden section.
+    // There is a single peak, which is found by golden-section search.
     let (mut low, mut high) = (CROSSOVER_M[0], CROSSOVER_M[1] + PULSE_M);
     for _ in 0..40 {
         let span = (high - low) * GOLDEN;
@@ -271,14 +282,15 @@ fn fog(visibility_m: f64) -> [f64; 2] {
     [range, beta / SURFACE * soft(alpha, range)]
 }
 
-/// Between these ranges a receiver comes to see the beam.
+/// The ranges between which the field of view of the receiver comes to cover the beam.
 const CROSSOVER_M: [f64; 2] = [0.9, 1.0];
-/// Half-power width of the pulse, and how far it reaches back, in all its length.
+/// The half-power width of the pulse, and the distance that the whole pulse reaches back.
 const PULSE_S: f64 = 20e-9;
 const LIGHT_M_PER_S: f64 = 299_792_458.0;
 const PULSE_M: f64 = PULSE_S * LIGHT_M_PER_S;
 
-/// What fog of an extinction sends back to the moment of a range: ∫ sin²(πt/2τ)·e^(−2αx)/x²·ξ(x) dt of x = R − ct/2.
+/// Returns the power that fog of this extinction sends back in the moment of a range: ∫ sin²(πt/2τ)·e^(−2αx)/x²·ξ(x) dt
+/// with x = R − ct/2.
 fn soft(alpha: f64, range: f64) -> f64 {
     let at = |x: f64| {
         let (sin, _) = sin_cos(PI / PULSE_M * (range - x));
@@ -286,7 +298,7 @@ fn soft(alpha: f64, range: f64) -> f64 {
         let seen = ((x - from) / (to - from)).clamp(0.0, 1.0);
         sin * sin * libm::exp(-2.0 * alpha * x) / (x * x) * seen
     };
-    // Simpson's rule on both sides of the bend at 1 m, in metres of x, of which ct/2 is one.
+    // Simpson's rule on both sides of the bend at 1 m. It integrates over x, that is, over ct/2 in metres.
     let between = |from: f64, to: f64, steps: u32| {
         if to <= from {
             return 0.0;
@@ -307,7 +319,7 @@ mod tests {
     use super::{Air, Beam, MOST_DROPS, MOST_EXPECTED, Stream, Weather};
     use crate::simd::best_level;
 
-    /// The least that a receiver of a reach in metres notices.
+    /// The smallest power that a receiver with a reach in metres detects.
     fn least(reach_m: f64) -> f64 {
         0.9 / (reach_m * reach_m)
     }
@@ -325,7 +337,7 @@ mod tests {
     #[test]
     fn as_many_drops_as_are_expected() {
         const FIRINGS: u32 = 40_000;
-        // The last one has 11.9 drops a firing, and its beam is the widest.
+        // The last case has 11.9 drops per firing, and the widest beam.
         for (rain_mm_per_h, reach_m, width) in
             [(50.0, 1000.0, 3e-3), (500.0, 1000.0, 3e-3), (500.0, 362.0, 0.2)]
         {

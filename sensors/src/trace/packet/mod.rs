@@ -1,4 +1,4 @@
-//! 64 rays that are traced together, and the bounds that let whole subtrees be skipped for all of them.
+//! Packets of 64 rays that are traced together, and bounds that allow whole subtrees to be skipped for all of them.
 
 pub(crate) mod walk;
 
@@ -10,12 +10,12 @@ use glam::DVec3;
 /// No instance was hit.
 pub(crate) const MISS: u32 = u32::MAX;
 
-/// Which side of a surface counts as a hit.
+/// The sides of surfaces that count as hits.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Faces {
-    /// The outside only: what a renderer with back-face culling shows. A camera inside its own housing sees out.
+    /// Front faces only, as in a renderer with back-face culling. A camera inside its own housing sees out of it.
     Front,
-    /// Both sides.
+    /// Front and back faces.
     Both,
 }
 

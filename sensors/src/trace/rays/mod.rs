@@ -1,5 +1,5 @@
-//! Rays that have nothing in common: each with its own origin, direction and range, one after the other, against
-//! sixteen boxes or sixteen triangles at a time.
+//! Individual rays, each with its own origin, direction and range. They are traced one after the other, against sixteen
+//! boxes or sixteen triangles at a time.
 
 mod block;
 mod bundle;

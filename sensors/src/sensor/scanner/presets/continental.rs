@@ -1,10 +1,13 @@
-//! Continental.
+//! Scanners of Continental.
 
 use super::{Maker, Preset};
 use crate::scanner::{Beam, Pattern, Raster};
 use core::f64::consts::PI;
 
-/// Continental HFL110: a flash that 128 × 32 pixels look at, over 120° × 30°, 25 times a second, up to 50 m in steps of a 65536th of
+/// Continental HFL110: a flash lidar with 128 × 32 pixels over 120° × 30°, 25 times a second.
+///
+/// The largest range is 50 m, the resolution a 65536th of that, as in its driver. Pixels are assumed to be evenly
+/// spaced in angle. σ is not published; 20 mm is assumed.
 /// that, as its driver has it. Pixels are taken to be even in angle; σ is not published: 20 mm is assumed.
 pub const HFL_110: Preset = Preset {
     name: "hfl110",
@@ -23,7 +26,7 @@ pub const HFL_110: Preset = Preset {
     spreads: &[],
     bias_stddev_m: 0.0,
     resolution_m: 50.0 / 65_536.0,
-    // A pixel is as wide as the light that it looks at.
+    // The beam of a pixel is as wide as the pixel's field of view.
     beam: Beam {
         divergence_rad: [120.0 / 128.0 * (PI / 180.0), 30.0 / 32.0 * (PI / 180.0)],
         aperture_m: [0.0; 2],

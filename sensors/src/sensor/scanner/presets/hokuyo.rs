@@ -1,10 +1,11 @@
-//! Hokuyo.
+//! Scanners of Hokuyo.
 
 use super::{Maker, Preset, line_of, some, steps};
 use crate::scanner::Spread;
 
-/// Hokuyo URG-04LX (specification C-42-03320): 682 of 1024 steps of a turn, ±10 mm up to a metre and 1 % beyond; a spot of
-/// 40 mm at 4 m.
+/// Hokuyo URG-04LX (specification C-42-03320): 682 of 1024 steps of a turn.
+///
+/// The error is ±10 mm up to a metre and 1 % beyond. The beam has a spot of 40 mm at 4 m.
 pub const URG_04LX: Preset = Preset {
     name: "urg04lx",
     maker: Maker::Hokuyo,
@@ -23,8 +24,10 @@ pub const URG_04LX: Preset = Preset {
     beam: line_of([0.01; 2], [0.0; 2]),
 };
 
-/// Hokuyo UTM-30LX: 1081 of 1440 steps of a turn; repeatability σ 10 mm up to 10 m, 30 mm beyond. Its beam
-/// is taken as two σ to each side, of 1.5 mm and 0.6 mrad (F. Pomerleau et al., 2012).
+/// Hokuyo UTM-30LX: 1081 of 1440 steps of a turn.
+///
+/// The repeatability σ is 10 mm up to 10 m and 30 mm beyond. The edge of the beam is taken at two σ to each side, with
+/// σ of 1.5 mm and 0.6 mrad (F. Pomerleau et al., 2012).
 pub const UTM_30LX: Preset = Preset {
     name: "utm30lx",
     maker: Maker::Hokuyo,

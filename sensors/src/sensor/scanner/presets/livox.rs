@@ -1,21 +1,22 @@
-//! Livox.
+//! Scanners of Livox.
 
 use super::{Maker, Preset, line_of};
 use crate::scanner::{Axis, Beam, Face, Pattern, Prisms, Rosette, Spread, Swing, Wheel};
 use core::f64::consts::{FRAC_PI_2, PI};
 
-/// A face of glass, or of what is behind it, whose normal is tilted by so many degrees.
+/// Returns a refracting face with a tilt in degrees and the refractive index behind it.
 const fn into(tilt_deg: f64, index: f64) -> Face {
     Face::Refracting { tilt_rad: tilt_deg * (PI / 180.0), index }
 }
 
-/// Livox Mid-70: one laser behind two prisms, 100 000 points a second in a cone of 70.4°, σ 20 mm, up to 90 m of a surface of 10 %.
-/// Beams of 0.52 × 4.89 mrad.
+/// Livox Mid-70: one laser behind two prisms, 100 000 points per second in a cone of 70.4°.
 ///
-/// The prisms turn at 7294 and −4664 turns a minute, as those of the Mid-40 do (C. Brazeal et al., "A rigorous observation
-/// model for the Risley prism-based Livox Mid-40 lidar sensor", Sensors 21:4722, 2021). Their wedges of 18° and 1.8144, the
-/// flat sides inwards, are the law of the scan table that Livox published for its simulation (400 000 points, 4 s): each
-/// of its directions comes 10 µs later here, within 0.001°. The rosette begins anew every 30 s.
+/// σ is 20 mm; the largest range is 90 m, for a surface of 10 %. Beams are 0.52 × 4.89 mrad wide.
+///
+/// The prisms turn at 7294 and −4664 rpm, as those of the Mid-40 do (C. Brazeal et al., "A rigorous observation model
+/// for the Risley prism-based Livox Mid-40 lidar sensor", Sensors 21:4722, 2021). Wedges of 18° with an index of
+/// 1.8144, the flat sides inwards, reproduce the scan table that Livox published for its simulation (400 000 points, 4
+/// s): each of its directions comes 10 µs later here, within 0.001°. The rosette repeats every 30 s.
 pub const MID_70: Preset = Preset {
     name: "mid70",
     maker: Maker::Livox,
@@ -37,14 +38,17 @@ pub const MID_70: Preset = Preset {
     beam: line_of([0.52e-3, 4.89e-3], [0.0; 2]),
 };
 
-/// Livox Mid-360: four lasers that fire at once, 200 000 points a second all around from −7.2° to 52.2°, σ 30 mm at 0.2 m and
-/// 20 mm at 10 m, which are taken up to and from 1 m on, up to 70 m of a surface of 80 %.
+/// Livox Mid-360: four lasers that fire at once, 200 000 points per second all around, from −7.2° to 52.2°.
 ///
-/// The law of the scan table that Livox published for its simulation (800 000 points, 4 s): lasers that look up, ±0.709°
-/// and ±2.126° from the axis, a wedge of 31.17° and 1.593 over them that makes 10345 turns a minute to the right, its angle
-/// swinging by 0.15 rad twice in each tenth of a second, and a prism of 1.968 that makes 10945, with a mirror at 50°. Its
-/// directions are that table's within 0.01°, half of them within 0.0034°, and the table is rounded to 0.01°. Where the
-/// table ends the law goes on: the pattern begins anew every 12 s. The angular error of the device (less than 0.15°) is left out.
+/// σ is 30 mm at 0.2 m and 20 mm at 10 m; here the first holds up to 1 m and the second beyond. The largest range is
+/// 70 m, for a surface of 80 %.
+///
+/// The optics reproduce the scan table that Livox published for its simulation (800 000 points, 4 s). Lasers look up,
+/// ±0.709° and ±2.126° from the axis. Above them, a wedge of 31.17° with an index of 1.593 turns to the right at 10345
+/// rpm; its angle oscillates by 0.15 rad twice in each tenth of a second. A prism with an index of 1.968 and a mirror
+/// at 50° turns to the right at 10945 rpm. Directions agree with that table within 0.01°, half of them within 0.0034°;
+/// the table is rounded to 0.01°. After the end of the table the scan continues in the same way; it repeats every 12 s.
+/// The angular error of the device (less than 0.15°) is not modelled.
 pub const MID_360: Preset = Preset {
     name: "mid360",
     maker: Maker::Livox,
@@ -91,14 +95,17 @@ pub const MID_360: Preset = Preset {
     beam: Beam::RAY,
 };
 
-/// Livox HAP (TX): six lasers one after the other, 452 000 points a second over 120.5° × 26.5°, σ 20 mm at 20 m, of a whole run
-/// 10 mm (a third of ±30 mm), up to 150 m of a surface of 10 %. Beams of 0.52 × 4.89 mrad.
+/// Livox HAP (TX): six lasers that fire one after the other, 452 000 points per second over 120.5° × 26.5°.
 ///
-/// The law of the scan table that Livox published for its simulation (1 048 575 points, 2.3 s): lasers 0.897° apart, one
-/// above the other, behind wedges of 8.3° and 22.8° of 1.605, the slanted sides to the lasers, and one of 22.6° of 1.818, the
-/// flat side to them, that make −617, 7722 and −7722 turns a minute. Directions are that table's within 0.016° in the first
-/// tenth of a second, half of them within 0.006°. When it fires is not: the table has 425 000 firings a second, and 550 000
-/// in the middle 40° × 12°, which is 26 % of its points; here it fires evenly, and 22 % are there.
+/// σ is 20 mm at 20 m, and the bias of a run has a σ of 10 mm (a third of ±30 mm). The largest range is 150 m, for a
+/// surface of 10 %. Beams are 0.52 × 4.89 mrad wide.
+///
+/// The optics reproduce the scan table that Livox published for its simulation (1 048 575 points, 2.3 s). Lasers 0.897°
+/// apart, one above the other, are behind wedges of 8.3° and 22.8° with an index of 1.605, the slanted sides to the
+/// lasers, and one of 22.6° with an index of 1.818, the flat side to them. These turn at −617, 7722 and −7722 rpm.
+/// Directions agree with that table within 0.016° in the first tenth of a second, half of them within 0.006°. Firing
+/// times do not: the table has 425 000 firings per second, and 550 000 in the middle 40° × 12°, which is 26 % of its
+/// points; here firings are evenly spaced, and 22 % are there.
 pub const HAP: Preset = Preset {
     name: "hap",
     maker: Maker::Livox,
@@ -146,5 +153,5 @@ pub const HAP: Preset = Preset {
     beam: line_of([0.52e-3, 4.89e-3], [0.0; 2]),
 };
 
-/// Half of what is between two lasers of a HAP.
+/// Half of the angle between two neighbouring lasers of a HAP.
 const HAP_LASER_RAD: f64 = 0.4486 * (PI / 180.0);

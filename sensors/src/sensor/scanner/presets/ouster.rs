@@ -1,19 +1,21 @@
-//! Ouster: heads of 128 lasers, of which the smaller ones have every second or fourth.
+//! Scanners of Ouster: heads with 128 lasers. Smaller models have every second or every fourth of them.
 //!
-//! Each unit is calibrated, and tells its own angles. These are what units' angles lie about, as cubic polynomials of the
-//! laser's number: within 0.2° (OS0), 0.03° (OS1) and 0.02° (OS2) of one unit, and 1.5° of others. Beams begin 10 mm wide, as an OS1's.
+//! Each unit is calibrated and reports its own angles. The angles here are typical ones, cubic polynomials of the
+//! number of the laser: within 0.2° (OS0), 0.03° (OS1) and 0.02° (OS2) of one unit, and within 1.5° of others. Beams
+//! begin 10 mm wide, as those of an OS1.
 
 use super::{Maker, Mode, Preset, line_of};
 use crate::scanner::{Columns, Laser, Pattern, Spinning};
 use core::f64::consts::PI;
 
-/// What the lasers of a kind of head are.
+/// The lasers of a kind of head.
 struct Optics {
-    /// Elevation of the middle in degrees; a laser down; its third power.
+    /// Elevation in degrees as a polynomial of the row, counted down from the middle: coefficients of order 0, 1 and 3.
     elevation_deg: [f64; 3],
-    /// Of four lasers, clockwise as metadata have it; and what that grows by with the square of the number from the middle.
+    /// Azimuths in degrees of each four successive rows, clockwise as in Ouster's metadata, and the coefficient of the
+    /// square of the row, counted from the middle.
     azimuths_deg: [(f64, f64); 4],
-    /// From the axis to where beams start (n), and up to there, in metres.
+    /// The distance from the axis to the origin of the beams (n), and the height of that origin, in metres.
     beam_m: [f64; 2],
 }
 
@@ -33,23 +35,25 @@ const OS2: Optics = Optics {
     beam_m: [0.013_762, 0.078_296],
 };
 
-/// OS0, 90° high. Repeatability of all three is what the first OS1's data sheet has of a strong return.
+/// Ouster OS0-32, with a vertical field of view of 90°.
+///
+/// The repeatability of all Ouster presets is that of a strong return in the data sheet of the first OS1.
 pub const OS0_32: Preset = preset("os0_32", &OS0_32_LASERS, [0.3, 55.0], 6.1e-3);
-/// OS0-64.
+/// Ouster OS0-64.
 pub const OS0_64: Preset = preset("os0_64", &OS0_64_LASERS, [0.3, 55.0], 6.1e-3);
-/// OS0-128.
+/// Ouster OS0-128.
 pub const OS0_128: Preset = preset("os0_128", &OS0_128_LASERS, [0.3, 55.0], 6.1e-3);
-/// OS1, 43° high.
+/// Ouster OS1-32, with a vertical field of view of 43°.
 pub const OS1_32: Preset = preset("os1_32", &OS1_32_LASERS, [0.8, 120.0], 2.27e-3);
-/// OS1-64.
+/// Ouster OS1-64.
 pub const OS1_64: Preset = preset("os1_64", &OS1_64_LASERS, [0.8, 120.0], 2.27e-3);
-/// OS1-128.
+/// Ouster OS1-128.
 pub const OS1_128: Preset = preset("os1_128", &OS1_128_LASERS, [0.8, 120.0], 3.14e-3);
-/// OS2, 22° high.
+/// Ouster OS2-32, with a vertical field of view of 22°.
 pub const OS2_32: Preset = preset("os2_32", &OS2_32_LASERS, [1.0, 240.0], 1.6e-3);
-/// OS2-64.
+/// Ouster OS2-64.
 pub const OS2_64: Preset = preset("os2_64", &OS2_64_LASERS, [1.0, 240.0], 1.6e-3);
-/// OS2-128.
+/// Ouster OS2-128.
 pub const OS2_128: Preset = preset("os2_128", &OS2_128_LASERS, [1.0, 240.0], 1.6e-3);
 
 const OS0_32_LASERS: [Laser; 32] = lasers(&OS0);
@@ -62,7 +66,7 @@ const OS2_32_LASERS: [Laser; 32] = lasers(&OS2);
 const OS2_64_LASERS: [Laser; 64] = lasers(&OS2);
 const OS2_128_LASERS: [Laser; 128] = lasers(&OS2);
 
-/// The choices of `lidar_mode`.
+/// The values of `lidar_mode`.
 const MODES: [Mode; 5] =
     [turn(1024, 10.0), turn(1024, 20.0), turn(512, 10.0), turn(512, 20.0), turn(2048, 10.0)];
 
@@ -70,7 +74,7 @@ const fn turn(per_turn: u32, rate_hz: f64) -> Mode {
     Mode { columns: Columns::Turn { per_turn, first: 0, count: per_turn }, rate_hz }
 }
 
-/// From the top down: of 128 each, every second or every fourth, the lowest among them.
+/// Returns the lasers from the top down: all of 128, or every second or fourth of them, including the lowest.
 const fn lasers<const N: usize>(optics: &Optics) -> [Laser; N] {
     let mut made = [Laser::at_degrees(0.0, 0.0); N];
     let mut index = 0;
@@ -89,7 +93,8 @@ const fn lasers<const N: usize>(optics: &Optics) -> [Laser; N] {
     made
 }
 
-/// A head that looks back, at its plug, when a frame begins, in the axes of the sensor (x ahead) and from its bottom.
+/// Returns a preset whose head points backwards, to its connector, at the beginning of a frame. The axes are those of
+/// the sensor (x ahead), with the origin at its bottom.
 const fn preset(
     name: &'static str,
     lasers: &'static [Laser],

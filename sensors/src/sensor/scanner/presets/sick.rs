@@ -1,10 +1,12 @@
-//! SICK.
+//! Scanners of SICK.
 
 use super::{Maker, Mode, Preset, line_of, some, steps};
 use crate::scanner::Spread;
 
-/// SICK LMS111: 270° by 0.25° at 25 Hz, or by 0.5° at 50 Hz; statistical error σ 12 mm, systematic ±30 mm;
-/// a beam of 15 mrad from 8 mm.
+/// SICK LMS111: 270°, in steps of 0.25° at 25 Hz or of 0.5° at 50 Hz.
+///
+/// The statistical error σ is 12 mm, the systematic error ±30 mm. The beam begins 8 mm wide and has a divergence of 15
+/// mrad.
 pub const LMS_111: Preset = Preset {
     name: "lms111",
     maker: Maker::Sick,
@@ -25,9 +27,11 @@ const LMS_111_MODES: [Mode; 2] = [
     Mode { columns: some(720, 0, 541), rate_hz: 50.0 },
 ];
 
-/// SICK LMS511 (operating instructions 8013796), with standard resolution: 190°, by 0.1667° at 25 Hz up to 1° at 100 Hz.
-/// Statistical error σ 6 mm up to 10 m, 8 mm up to 20 m, 14 mm beyond; systematic ±25 mm and more. A beam
-/// of 11 mrad from 13 mm.
+/// SICK LMS511 (operating instructions 8013796) with standard resolution: 190°, in steps from 0.1667° at 25 Hz to 1° at
+/// 100 Hz.
+///
+/// The statistical error σ is 6 mm up to 10 m, 8 mm up to 20 m and 14 mm beyond; the systematic error is ±25 mm and
+/// more. The beam begins 13 mm wide and has a divergence of 11 mrad.
 pub const LMS_511: Preset = Preset {
     name: "lms511",
     maker: Maker::Sick,

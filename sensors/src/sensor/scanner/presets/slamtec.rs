@@ -1,9 +1,9 @@
-//! Slamtec.
+//! Scanners of Slamtec.
 
 use super::{Maker, Preset, some, steps};
 use crate::scanner::{Beam, Spread};
 
-/// Slamtec RPLIDAR A1M8 (data sheet rev. 1.0): 360 beams; triangulation errs by 3.3·10⁻⁴·r².
+/// Slamtec RPLIDAR A1M8 (data sheet rev. 1.0): 360 beams per turn. The error of its triangulation is 3.3·10⁻⁴·r².
 pub const RPLIDAR_A1: Preset = Preset {
     name: "rplidar_a1",
     maker: Maker::Slamtec,
@@ -19,7 +19,7 @@ pub const RPLIDAR_A1: Preset = Preset {
     beam: Beam::RAY,
 };
 
-/// Slamtec RPLIDAR A2M8 (data sheet rev. 2.5): 800 beams, within 1 %.
+/// Slamtec RPLIDAR A2M8 (data sheet rev. 2.5): 800 beams per turn. The error is at most 1 %.
 pub const RPLIDAR_A2: Preset = Preset {
     name: "rplidar_a2",
     maker: Maker::Slamtec,

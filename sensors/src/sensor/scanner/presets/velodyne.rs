@@ -1,10 +1,12 @@
-//! Velodyne.
+//! Scanners of Velodyne.
 
 use super::{Maker, Preset, line_of};
 use crate::scanner::{Beam, Columns, Laser, Pattern, Spinning};
 
-/// Velodyne VLP-16 (User Manual 63-9243): 16 lasers that fire one after the other, each a little above its like. Beams of
-/// 3 × 1.5 mrad from 12.7 × 9.5 mm.
+/// Velodyne VLP-16 (User Manual 63-9243): 16 lasers that fire one after the other, each with its own height of the
+/// beam's origin.
+///
+/// Beams begin 12.7 × 9.5 mm wide and have a divergence of 3 × 1.5 mrad.
 pub const VLP_16: Preset = Preset {
     name: "vlp16",
     maker: Maker::Velodyne,
@@ -20,7 +22,7 @@ pub const VLP_16: Preset = Preset {
     beam: line_of([3e-3, 1.5e-3], [0.0127, 0.0095]),
 };
 
-/// Velodyne HDL-32E (User's Manual): 32 lasers.
+/// Velodyne HDL-32E (User's Manual): 32 lasers that fire one after the other.
 pub const HDL_32E: Preset = Preset {
     name: "hdl32e",
     maker: Maker::Velodyne,
@@ -36,7 +38,7 @@ pub const HDL_32E: Preset = Preset {
     beam: Beam::RAY,
 };
 
-/// Elevation in degrees and height of the beam's origin in millimetres, −41.91·tan of the elevation.
+/// Elevations in degrees and heights of the beams' origins in millimetres, −41.91·tan of the elevation.
 const VLP_16_LASERS: [Laser; 16] = fired_each(
     &[
         (-15.0, 11.2298),
@@ -59,7 +61,7 @@ const VLP_16_LASERS: [Laser; 16] = fired_each(
     2.304e-6,
 );
 
-/// The same; the origins are −28.95·tan of the elevation.
+/// Elevations in degrees and heights of the beams' origins in millimetres, −28.95·tan of the elevation.
 const HDL_32E_LASERS: [Laser; 32] = fired_each(
     &[
         (-30.67, 17.1688),
@@ -98,7 +100,7 @@ const HDL_32E_LASERS: [Laser; 32] = fired_each(
     1.152e-6,
 );
 
-/// Lasers by elevation and height, so many seconds from one to the next.
+/// Returns lasers with these elevations and heights, which fire `time_s` seconds after each other.
 const fn fired_each<const N: usize>(lasers: &[(f64, f64); N], time_s: f64) -> [Laser; N] {
     let mut made = [Laser::at_degrees(0.0, 0.0); N];
     let mut id = 0;
@@ -114,7 +116,7 @@ const fn fired_each<const N: usize>(lasers: &[(f64, f64); N], time_s: f64) -> [L
     made
 }
 
-/// A head that looks ahead when a frame begins, and turns as Velodyne's do.
+/// Returns the pattern of a head that points ahead at the beginning of a frame and turns clockwise, as Velodyne's do.
 const fn clockwise(lasers: &'static [Laser], column_ns: u64) -> Pattern<'static> {
     Pattern::Spinning(Spinning {
         lasers,

@@ -1,11 +1,14 @@
-//! Velodyne's VLS-128.
+//! Velodyne VLS-128.
 
 use super::{Maker, Preset, line_of};
 use crate::scanner::{Columns, Laser, Pattern, Spinning};
 use core::f64::consts::PI;
 
-/// Velodyne VLS-128, Alpha Prime (User Manual 63-9483): 128 lasers, eight of which fire at once; a column of them every
-/// 53.3 µs. ±3 cm, beams of 3 × 1.5 mrad. Each starts at −58.63 mm·tan of its elevation above the middle.
+/// Velodyne VLS-128, Alpha Prime (User Manual 63-9483): 128 lasers, of which eight fire at once; one column every 53.3
+/// µs.
+///
+/// The accuracy is ±3 cm. Beams have a divergence of 3 × 1.5 mrad; the origin of each is −58.63 mm·tan of its elevation
+/// above the middle.
 pub const VLS_128: Preset = Preset {
     name: "vls128",
     maker: Maker::Velodyne,
@@ -26,10 +29,10 @@ pub const VLS_128: Preset = Preset {
     beam: line_of([3e-3, 1.5e-3], [0.0127, 0.0095]),
 };
 
-/// How far behind the middle all beams meet, negative.
+/// The distance from the middle back to the point where all beams meet, negative.
 const FOCUS_M: f64 = -0.058_63;
 
-/// The tangent of an angle of less than 0.45 rad, to 10⁻⁷: its power series.
+/// Returns the tangent of an angle of less than 0.45 rad, accurate to 10⁻⁷, from its power series.
 const fn tan(angle: f64) -> f64 {
     let square = angle * angle;
     let (c, d) = (17.0 / 315.0, 62.0 / 2835.0);
@@ -38,13 +41,13 @@ const fn tan(angle: f64) -> f64 {
     angle * (1.0 + square * (1.0 / 3.0 + square * (2.0 / 15.0 + square * rest)))
 }
 
-/// From eight lasers to the next eight.
+/// The time from one group of eight lasers to the next.
 const GROUP_S: f64 = 2.665e-6;
 
-/// Degrees counter-clockwise from where the head looks, of eight lasers that fire at once.
+/// Azimuths of the eight lasers that fire at once, in degrees counter-clockwise from the direction of the head.
 const ASIDE_DEG: [f64; 8] = [-6.354, -4.548, -2.732, -0.911, 0.911, 2.732, 4.548, 6.354];
 
-/// Elevation of each laser, in degrees.
+/// The elevation of each laser, in degrees.
 #[rustfmt::skip]
 #[expect(clippy::approx_constant, reason = "6.28 degrees happen to look like a whole turn in radians")]
 const ELEVATIONS_DEG: [f64; 128] = [
@@ -71,7 +74,7 @@ const LASERS: [Laser; 128] = {
     let mut id = 0;
     while id < made.len() {
         let group = id / ASIDE_DEG.len();
-        // After half of them it does something else for as long as one takes, and for as long as three at the end.
+        // Halfway through a column there is a pause as long as one group takes, and at the end one as long as three.
         let place = group + if group < 8 { 0 } else { 1 };
         made[id] = Laser {
             origin_m: [0.0, 0.0, FOCUS_M * tan(ELEVATIONS_DEG[id] * (PI / 180.0))],

@@ -42,7 +42,7 @@ macro_rules! setters {
 /// Named setters of the parts of an output, none of which is wanted at first.
 macro_rules! outputs {
     ($($(#[$doc:meta])* $field:ident: $kind:ty,)*) => {
-        /// An output of which no part is wanted yet.
+        /// Creates an output with no buffers; a part is computed only when its buffer is set.
         pub const fn new() -> Self {
             Self { $($field: None,)* }
         }

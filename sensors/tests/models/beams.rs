@@ -471,9 +471,9 @@ fn what_cannot_be_is_refused() {
     );
     assert_eq!(
         said(plain.returns(Returns::Several(6))),
-        "returns of the scanner is 6; it must be 1 to 5 of them"
+        "number of returns of the scanner is 6; it must be 1 to 5"
     );
-    assert!(said(plain.returns(Returns::Several(0))).starts_with("returns of the scanner is 0"));
+    assert!(said(plain.returns(Returns::Several(0))).starts_with("number of returns of the scanner is 0"));
     assert_eq!(said(plain.pulse_m(-1.0)), "pulse_m of the scanner is -1; it must be 0 or more, and finite");
     let receiver = |receiver| said(plain.receiver(Some(receiver)));
     let dark = Receiver::new(100.0);
@@ -504,7 +504,10 @@ fn what_cannot_be_is_refused() {
             .contains("snow_mm_per_h of the weather of the scanner is 51")
     );
     let endless = plain.range_max_m(f64::INFINITY).weather(Weather { rain_mm_per_h: 1.0, ..clear });
-    assert!(said(endless).starts_with("range_max_m of the scanner is inf; it must be finite in weather"));
+    assert!(
+        said(endless)
+            .starts_with("range_max_m of the scanner is inf; it must be finite where there is weather")
+    );
     // An output of one return is too short for two.
     let scanner = Scanner::new(plain.returns(Returns::Dual)).unwrap();
     let builder = SceneBuilder::new();

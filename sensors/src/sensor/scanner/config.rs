@@ -242,7 +242,7 @@ impl<'a> ScannerConfig<'a> {
         self.returns.check()?;
         self.weather.check()?;
         if self.weather != Weather::CLEAR && self.receiver.is_none() && self.range_max_m == f64::INFINITY {
-            return wrong("range_max_m", self.range_max_m, "finite in weather, or there must be a receiver");
+            return wrong("range_max_m", self.range_max_m, "finite where there is weather and no receiver");
         }
         if let Some(receiver) = &self.receiver {
             receiver.check()?;

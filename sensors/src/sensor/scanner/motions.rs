@@ -97,7 +97,7 @@ impl<'a> Motions<'a> {
 fn check_keyframes(scene: &Scene<'_>, keyframes: &[Keyframe<'_>], end_s: f64) -> Result<(), SenseError> {
     let wrong = |keyframe, rule| Err(SenseError::Keyframes { keyframe, rule });
     if keyframes.len() < 2 {
-        return wrong(keyframes.len(), "be there: motion is between two at least");
+        return wrong(keyframes.len(), "exist: motion needs at least two keyframes");
     }
     for (index, keyframe) in keyframes.iter().enumerate() {
         if !keyframe.time_s.is_finite() {

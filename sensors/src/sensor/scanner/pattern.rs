@@ -154,7 +154,7 @@ fn check_table(firings: &[Firing], frame_time_ns: u64) -> Result<(), ParameterEr
             return wrong("origin of firing", firing.origin.x + firing.origin.y + firing.origin.z, "finite");
         }
         if !(0.999_999..=1.000_001).contains(&length) {
-            return wrong("length of the direction of firing", length, "1, to a millionth");
+            return wrong("length of the direction of firing", length, "1 to within 1e-6");
         }
         if !(before..end).contains(&firing.time_s) {
             return wrong(

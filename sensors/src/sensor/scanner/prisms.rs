@@ -105,11 +105,11 @@ impl Prisms<'_> {
         }
         let lasers = self.lasers_rad.len();
         if !(1..=LANES).contains(&lasers) {
-            return wrong("lasers_rad", None, lasers as f64, "1 to 64 of them");
+            return wrong("number of lasers_rad", None, lasers as f64, "1 to 64");
         }
         let last_ns = (lasers as u128 - 1) * u128::from(self.laser_time_ns);
         if last_ns >= u128::from(self.volley_time_ns) {
-            let rule = "so little that all lasers fire before the next volley";
+            let rule = "short enough that all lasers fire before the next volley";
             return wrong("laser_time_ns", None, f64::from(self.laser_time_ns), rule);
         }
         for (index, angle) in self.lasers_rad.iter().enumerate() {
@@ -118,7 +118,7 @@ impl Prisms<'_> {
             }
         }
         if !(1..=MAX_WHEELS).contains(&self.wheels.len()) {
-            return wrong("wheels", None, self.wheels.len() as f64, "1 to 4 of them");
+            return wrong("number of wheels", None, self.wheels.len() as f64, "1 to 4");
         }
         for (index, wheel) in self.wheels.iter().enumerate() {
             if let Err((parameter, value, rule)) = wheel.check() {
@@ -127,7 +127,7 @@ impl Prisms<'_> {
         }
         for (index, angle) in self.lasers_rad.iter().enumerate() {
             if moments().any(|at_ns| self.bent(*angle, &at_ns)[0].iter().any(|along| along.is_nan())) {
-                return wrong("lasers_rad", Some(index), *angle, "such that its light leaves every wheel");
+                return wrong("lasers_rad", Some(index), *angle, "an angle at which light passes all wheels");
             }
         }
         Ok(())
@@ -233,7 +233,7 @@ impl Wheel<'_> {
             return Err(("swing's phase_rad of wheel", swing.phase_rad, "-2π to 2π"));
         }
         if !(1..=MAX_FACES).contains(&self.faces.len()) {
-            return Err(("faces of wheel", self.faces.len() as f64, "1 to 8 of them"));
+            return Err(("number of faces of wheel", self.faces.len() as f64, "1 to 8"));
         }
         let mut last = 1.0;
         for face in self.faces {

@@ -35,10 +35,14 @@ impl Raster {
         let [across, up] = self.pixels.map(|pixels| u128::from(pixels) - 1);
         let row = across * u128::from(self.pixel_time_ns);
         if up > 0 && row > u128::from(self.row_time_ns) {
-            return wrong("row_time_ns", self.row_time_ns as f64, "no less than the pixels of a row take");
+            return wrong("row_time_ns", self.row_time_ns as f64, "at least the time of all pixels of a row");
         }
         if up * u128::from(self.row_time_ns) + row >= u128::from(frame_time_ns) {
-            return wrong("row_time_ns", self.row_time_ns as f64, "so little that all rows are in a frame");
+            return wrong(
+                "row_time_ns",
+                self.row_time_ns as f64,
+                "short enough that all rows fit in a frame",
+            );
         }
         Ok(())
     }

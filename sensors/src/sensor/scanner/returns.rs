@@ -45,7 +45,7 @@ impl Returns {
     pub(super) fn check(self) -> Result<(), ParameterError> {
         match self {
             Self::Several(count) | Self::Ranked(count) if !(1..=MAX_RETURNS).contains(&count.into()) => {
-                Err(ParameterError::new("scanner", "returns", f64::from(count), "1 to 5 of them"))
+                Err(ParameterError::new("scanner", "number of returns", f64::from(count), "1 to 5"))
             }
             _ => Ok(()),
         }

@@ -86,7 +86,7 @@ impl Spinning<'_> {
     pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
         let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
         if !(1..=MAX_LASERS).contains(&self.lasers.len()) {
-            return wrong("lasers", self.lasers.len() as f64, "1 to 4096 of them");
+            return wrong("number of lasers", self.lasers.len() as f64, "1 to 4096");
         }
         if !(-TAU..=TAU).contains(&self.first_azimuth_rad) {
             return wrong("first_azimuth_rad", self.first_azimuth_rad, "-2π to 2π");

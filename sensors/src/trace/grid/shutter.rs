@@ -50,7 +50,7 @@ pub(crate) fn check_shutter(scene: &Scene<'_>, shutter: &Shutter<'_>, height: u3
         (start, end) = (lines.start, lines.end);
     }
     if end < height {
-        return Err(SenseError::Slices { slice: slices.len(), rule: "be there: the last lines are in none" });
+        return Err(SenseError::Slices { slice: slices.len(), rule: "exist: no slice has the last lines" });
     }
     Ok(())
 }

@@ -224,7 +224,7 @@ fn what_cannot_be_is_refused() {
             .starts_with("origin_m of laser 5 of the scanner is inf")
     );
     assert!(with(&|lasers| lasers[5].azimuth_rad = f64::NAN).starts_with("azimuth_rad of laser 5"));
-    assert_eq!(with(&Vec::clear), "lasers of the scanner is 0; it must be 1 to 4096 of them");
+    assert_eq!(with(&Vec::clear), "number of lasers of the scanner is 0; it must be 1 to 4096");
     let many = vec![Laser::at_degrees(0.0, 0.0); 4096];
     let columns = |per_turn| Columns::Turn { per_turn, first: 0, count: per_turn };
     let head = |lasers, columns| Spinning { lasers, columns, first_azimuth_rad: 0.0, clockwise: true };
@@ -289,7 +289,7 @@ fn what_cannot_be_is_refused() {
     };
     let keys = |times: &[f64]| times.iter().map(|&time_s| Keyframe { time_s, at }).collect::<Vec<_>>();
     let moving = |times: &[f64]| refused(Shutter::Moving(&keys(times)));
-    assert_eq!(moving(&[0.0]), "keyframe 1 of the shutter must be there: motion is between two at least");
+    assert_eq!(moving(&[0.0]), "keyframe 1 of the shutter must exist: motion needs at least two keyframes");
     assert_eq!(moving(&[0.0, 0.1, 0.1]), "keyframe 2 of the shutter must be later than that before it");
     assert_eq!(moving(&[0.0, f64::NAN]), "keyframe 1 of the shutter must have a time that is finite");
     assert_eq!(

@@ -69,7 +69,7 @@ pub enum TextureAlpha {
     /// Alpha is ignored: the texture is opaque.
     #[default]
     Ignored,
-    /// Texels with an alpha below `least` are cut out: the surface is absent there.
+    /// The surface is absent where the alpha of the texture is below `least`.
     CutOut {
         /// The threshold, from 0 to 1.
         least: f32,

@@ -1,7 +1,7 @@
 //! Camera devices: the sensor and electronics that convert light to image values.
 //!
 //! ```text
-//! colour, linear ─► vignetting ─► photons ─► electrons ─► full well ─► DN ─► picture
+//! colour, linear ─► vignetting ─► photons ─► electrons ─► full well ─► DN ─► image
 //!                     lens         time        shot noise              K, black   as it is, or
 //!                                  aperture    dark current            level,     on sRGB's curve
 //!                                  efficiency  PRNU, DSNU   reading     bits

@@ -242,7 +242,7 @@ mod tests {
         let far =
             [8_388_608.0, 16_777_217.0, 2_147_483_520.0, 2_147_483_648.0, 1e20, f32::INFINITY, f32::NAN];
         let mut values: Vec<f32> = places.into_iter().chain(far).flat_map(|x| [x, -x]).collect();
-        // The numbers beside them, and some of any size.
+        // Their neighbours in f32, and numbers of all sizes.
         values.extend(values.clone().iter().flat_map(|x| [x.next_up(), x.next_down()]));
         values.extend((0..40_000_u32).map(|index| f32::from_bits(index.wrapping_mul(107_374))));
         values.resize(values.len().next_multiple_of(16), 0.0);

@@ -5,9 +5,10 @@
 //! - M is the sensitivity matrix: 1 + the scale errors on its diagonal, misalignments in radians off the diagonal;
 //! - b₀ is a bias that is constant for the whole run, N(bias mean, bias stddev), with its sign flipped with probability
 //!   ½, as in SDF;
-//! - b(t) is a drifting bias: a Gauss–Markov process driven by white noise of density q with correlation time τ, b ←
-//!   e^(−Δt/τ)·b + N(0, q²·τ/2·(1 − e^(−2Δt/τ))), which is exact for any Δt. With infinite τ it is a random walk with
-//!   standard deviation q·√t. It starts at 0. SDF calls q `dynamic_bias_stddev`, Kalibr calls it "bias random walk";
+//! - b(t) is a drifting bias: a Gauss–Markov process driven by white noise of density q with correlation time τ,
+//!   b ← e^(−Δt/τ)·b + N(0, q²·τ/2·(1 − e^(−2Δt/τ))), which is exact for any Δt. With infinite τ it is a random walk
+//!   with standard deviation q·√t. It starts at 0. SDF calls q `dynamic_bias_stddev`, Kalibr calls it "bias random
+//!   walk";
 //! - w is white noise: one part with a noise density that does not depend on the rate, σ/√Δt per sample, and one part
 //!   with a fixed standard deviation per sample. Both are drawn as one number.
 //!

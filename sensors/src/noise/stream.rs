@@ -41,7 +41,7 @@ pub struct Stream {
     pub sensor: u32,
     /// Number of the sensor's frame. Only the low 48 bits are used, which last 8900 years at 1 kHz.
     pub frame: u64,
-    /// What the random numbers are used for within the frame: additive noise, dropout, … The sensors of this crate draw
+    /// Purpose of the random numbers within the frame: additive noise, dropout, … The sensors of this crate draw
     /// from the channels in [`Stream::TAKEN`]; all others are free, even with the seed and number of one of these
     /// sensors.
     pub channel: u16,

@@ -3,11 +3,11 @@
 //! ```text
 //! line 0       header: magic, version, number of sections, length of all, environment
 //! lines 1 … 4  table: offset in bytes and number of elements of each section
-//! lines 5 …    sections, each from the beginning of a cache line on, in the order of the table
+//! lines 5 …    sections in the order of the table, each starting at a cache line
 //! ```
 //!
-//! Numbers are little-endian; the magic number tells a machine with another byte order that it cannot use them. The
-//! bytes need not be trusted: [`Scene::from_baked`] checks everything that tracing relies on.
+//! Numbers are little-endian; on a machine with another byte order, the magic number does not match. The bytes need not
+//! be trusted: [`Scene::from_baked`] checks everything that tracing relies on.
 
 mod error;
 

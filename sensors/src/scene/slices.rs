@@ -130,8 +130,8 @@ impl<'a> SceneSlices<'a> {
 impl<'a> Scene<'a> {
     /// Creates a scene that borrows the given slices.
     ///
-    /// Everything that tracing relies on is checked, in time proportional to the number of heights and of elements that
-    /// are counted per instance.
+    /// Everything that tracing relies on is checked, in time proportional to the number of heights, instances,
+    /// materials, textures and lamps.
     ///
     /// # Errors
     /// [`SceneFault`] names the slice, the element and what is wrong.

@@ -1,7 +1,7 @@
 //! Models of depth cameras: the measurement of true depths, with its errors.
 //!
 //! ```text
-//! true depth, ─► second eye ─► window ─► matching ─► noise ─► steps ─► range ─► picture
+//! true depth, ─► second eye ─► window ─► matching ─► noise ─► steps ─► range ─► image
 //! incidence,     hidden:       own ray,  not found:  metres   of       too near,
 //! brightness     NaN           beside,   NaN         or       1/z      too far
 //!                              dots,                 pixels

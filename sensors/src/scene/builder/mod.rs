@@ -131,7 +131,7 @@ impl SceneBuilder {
     }
 }
 
-/// Returns an element of a table if it exists and is not in use; otherwise the error of the one or the other.
+/// Returns an element of a table, or the error `missing` if it does not exist, or that of `user` if it is in use.
 fn unused<T: Copy>(
     table: &Table<T>,
     index: u32,

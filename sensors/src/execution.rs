@@ -1,19 +1,19 @@
-//! How the work of a frame is spread over a machine. It never changes the result.
+//! Options for how a frame is computed: SIMD level and threads. They never change the result.
 
 use crate::simd::{Level, best_level};
 
-/// SIMD level and threads to use.
+/// The SIMD level and threads to use.
 #[derive(Debug, Clone, Copy)]
 pub struct Execution {
-    /// Instruction set.
+    /// The instruction set.
     pub level: Level,
-    /// All threads of the current rayon pool instead of the calling one alone.
+    /// Uses all threads of the current rayon pool instead of only the calling one.
     #[cfg(feature = "rayon")]
     pub parallel: bool,
 }
 
 impl Default for Execution {
-    /// The calling thread with the best instruction set there is.
+    /// The calling thread only, with the best instruction set available.
     fn default() -> Self {
         Self {
             level: best_level(),
@@ -24,7 +24,7 @@ impl Default for Execution {
 }
 
 impl Execution {
-    /// All threads of the current rayon pool.
+    /// Uses all threads of the current rayon pool.
     #[cfg(feature = "rayon")]
     pub fn parallel() -> Self {
         Self { parallel: true, ..Self::default() }
@@ -32,7 +32,7 @@ impl Execution {
 }
 
 impl Execution {
-    /// The same on the calling thread alone.
+    /// The same execution on the calling thread only.
     #[cfg_attr(not(feature = "rayon"), allow(unused_mut, reason = "threads come with rayon"))]
     pub(crate) fn alone(mut self) -> Self {
         #[cfg(feature = "rayon")]
@@ -43,20 +43,20 @@ impl Execution {
     }
 }
 
-/// Output of a frame that can be cut in two between rows of tiles, so that two threads can write to it.
+/// Output of a frame that can be split between rows of tiles, so that two threads can write to it.
 pub(crate) trait SplitRows: Sized + Send {
-    /// The first `rows` rows of tiles, and the rest.
+    /// Splits off the first `rows` rows of tiles.
     fn split_rows(self, rows: usize) -> (Self, Self);
 }
 
-/// Cuts an output, if it is wanted at all.
+/// Splits an output if it is requested.
 pub(crate) fn split_at<T>(values: Option<&mut [T]>, at: usize) -> (Option<&mut [T]>, Option<&mut [T]>) {
     values.map(|values| values.split_at_mut(at.min(values.len()))).unzip()
 }
 
 #[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
-/// Calls `work` for each row of tiles, with the part of `output` that is the row's. The rows are halved again and again
-/// until one is left; at each cut another thread may take one of the halves. Nothing is allocated for that.
+/// Calls `work` for each row of tiles, with the part of `output` that belongs to the row. The rows are halved
+/// repeatedly until one is left, and at each split another thread may take one of the halves. Nothing is allocated.
 pub(crate) fn for_each_row<O: SplitRows>(
     execution: Execution,
     rows: core::ops::Range<usize>,

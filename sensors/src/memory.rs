@@ -1,8 +1,8 @@
-//! Memory of the caller's, cut into typed slices.
+//! Memory that the caller provides, split into typed slices.
 
 use bytemuck::{Pod, Zeroable};
 
-/// 64 bytes, aligned to 64: the unit in which callers lend memory to this crate.
+/// 64 bytes, aligned to 64: the unit in which callers provide memory to this crate.
 ///
 /// ```
 /// use belvedere_sensors::trace::CacheLine;
@@ -25,15 +25,15 @@ impl Default for CacheLine {
     }
 }
 
-/// Cache lines that hold so many bytes.
+/// Number of cache lines that hold the given number of bytes.
 pub(crate) const fn lines(bytes: usize) -> usize {
     bytes.div_ceil(size_of::<CacheLine>())
 }
 
-/// Cuts typed slices off a buffer.
+/// Splits typed slices off a buffer.
 pub(crate) struct Cutter<'a>(pub(crate) &'a mut [CacheLine]);
 
-/// Finds again, to read, what a [`Cutter`] cut off.
+/// Reads the slices that a [`Cutter`] split off, in the same order.
 pub(crate) struct Reader<'a>(pub(crate) &'a [CacheLine]);
 
 impl<'a> Reader<'a> {
@@ -47,7 +47,7 @@ impl<'a> Reader<'a> {
 }
 
 impl<'a> Cutter<'a> {
-    /// The next `count` elements. They begin on a cache line.
+    /// Splits off the next `count` elements, which start at a cache line.
     pub(crate) fn take<T: Pod>(&mut self, count: usize) -> &'a mut [T] {
         let bytes = count * size_of::<T>();
         let (part, rest) = core::mem::take(&mut self.0).split_at_mut(lines(bytes));

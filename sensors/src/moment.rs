@@ -1,12 +1,12 @@
-//! Where everything is, and when: what a [`Scene`](crate::scene::Scene) leaves open.
+//! The poses of everything, and the times of a frame, which are not part of a [`Scene`](crate::scene::Scene).
 
 use crate::pose::Pose;
 use core::ops::Range;
 
-/// Where the sensor and all instances are at one moment.
+/// The poses of the sensor and of all instances at one moment.
 ///
-/// A scene holds shapes and looks, and no poses, so that one scene can be seen at many moments: those of a rolling
-/// shutter, or the last frame's.
+/// A scene holds shapes and materials but no poses, so one scene can be seen at many moments: those of a rolling
+/// shutter, or that of the previous frame.
 ///
 /// ```
 /// use belvedere_sensors::{Moment, Pose, scene::*};
@@ -24,51 +24,52 @@ use core::ops::Range;
 /// ```
 #[derive(Debug, Clone, Copy)]
 pub struct Moment<'a> {
-    /// Where the sensor is. It looks along +x; z is up.
+    /// Pose of the sensor, which looks along +x; z is up.
     pub world_from_sensor: Pose,
-    /// Where each instance of the scene is, by its index: as many as the scene has instances. One whose pose is not
-    /// finite is nowhere, and seen by nobody.
+    /// Pose of each instance of the scene, in the order of their indices, one for each instance. An instance whose pose
+    /// is not finite is invisible.
     pub world_from_instance: &'a [Pose],
 }
 
-/// Some lines of a frame, and the moment at which they are taken.
+/// Some lines of a frame, and the moment at which they are captured.
 ///
-/// Lines are rows of a picture, from its top. Of a lidar they are what its [`Sweep`](crate::lidar::Sweep) says: columns of
-/// one that turns, from the first beam of the scan lines, or scan lines.
+/// The lines of an image are its rows, from the top. The lines of a lidar depend on its [`Sweep`](crate::lidar::Sweep):
+/// the columns of a rotating lidar, starting at the first beam of the scan lines, or the scan lines themselves.
 #[derive(Debug, Clone)]
 pub struct Slice<'a> {
-    /// Which lines.
+    /// The range of lines.
     pub lines: Range<u32>,
-    /// Where everything is then.
+    /// The poses at the time of these lines.
     pub at: Moment<'a>,
 }
 
-/// A moment, and when in a frame it is.
+/// A moment, and its time within a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Keyframe<'a> {
-    /// Seconds after the frame's beginning.
+    /// Time in seconds after the start of the frame.
     pub time_s: f64,
-    /// Where everything is then.
+    /// The poses at this time.
     pub at: Moment<'a>,
 }
 
-/// When the lines of a frame are taken.
+/// The times at which the lines of a frame are captured.
 #[derive(Debug, Clone, Copy)]
 pub enum Shutter<'a> {
-    /// All at one moment.
+    /// Global shutter: all lines at one moment.
     Global(Moment<'a>),
-    /// Slice by slice, in the order of their first lines and of their last, without a line between them that none has.
+    /// Slice by slice, ordered by their first lines and by their last lines, without gaps between them.
     ///
-    /// Slices that follow each other are a rolling shutter. Where slices overlap, the colour of a line is the mean of
-    /// what is seen at their moments, in linear light: motion blur. What is measured or told as truth is that of the
-    /// first slice of a line.
+    /// Consecutive slices model a rolling shutter. Where slices overlap, the colour of a line is the mean of the
+    /// colours at their moments, in linear light: motion blur. Measurements and ground truth are those of the first
+    /// slice of a line.
     Slices(&'a [Slice<'a>]),
-    /// Every ray at a time of its own: for sensors whose rays have one, those of a
+    /// Each ray at its own time, for sensors whose rays have individual times, such as a
     /// [`Scanner`](crate::scanner::Scanner).
     ///
-    /// Two keyframes or more in the order of their times, from the frame's beginning, 0 s, or before, to its end or after.
-    /// Between two, the sensor and every instance go as [`Pose::interpolate`] has it: where they turn by less than
-    /// 0.05 rad from one to the next, that is even motion to 1e-6 rad. The steps of a simulation are such moments.
+    /// Contains at least two keyframes in order of time, from the start of the frame (0 s) or before it to its end or
+    /// after it. Between two keyframes, the poses of the sensor and of every instance are interpolated by
+    /// [`Pose::interpolate`]. If they rotate by less than 0.05 rad between keyframes, this is uniform motion to 1e-6
+    /// rad. The steps of a simulation are suitable keyframes.
     Moving(&'a [Keyframe<'a>]),
 }
 
@@ -91,7 +92,7 @@ impl<'a> From<&'a [Slice<'a>]> for Shutter<'a> {
 }
 
 impl<'a> Shutter<'a> {
-    /// The slices; none if all is taken at one moment, or each ray at its own.
+    /// The slices; empty for the other kinds of shutter.
     pub(crate) fn slices(&self) -> &'a [Slice<'a>] {
         match *self {
             Self::Global(_) | Self::Moving(_) => &[],
@@ -99,7 +100,7 @@ impl<'a> Shutter<'a> {
         }
     }
 
-    /// Which slices have one of these lines.
+    /// The indices of the slices that contain any of the given lines.
     pub(crate) fn covering(&self, lines: Range<u32>) -> Range<usize> {
         let slices = self.slices();
         let first = slices.partition_point(|slice| slice.lines.end <= lines.start);
@@ -107,13 +108,13 @@ impl<'a> Shutter<'a> {
         first..end
     }
 
-    /// Whether a line is in more than one slice.
+    /// Returns true if a line is in more than one slice.
     pub(crate) fn blurs(&self) -> bool {
         self.slices().windows(2).any(|pair| pair[1].lines.start < pair[0].lines.end)
     }
 }
 
-/// A frame to be taken: its number, and when it is taken.
+/// A frame to be captured: its number and its shutter.
 ///
 /// ```
 /// use belvedere_sensors::{Capture, Moment, Pose, Shutter, Slice};
@@ -133,28 +134,28 @@ impl<'a> Shutter<'a> {
 pub struct Capture<'a> {
     /// Number of the frame. Noise is a function of seed, sensor, frame and sample.
     pub frame: u64,
-    /// When its lines are taken, and where everything is then.
+    /// The times at which its lines are captured, and the poses at these times.
     pub shutter: Shutter<'a>,
-    /// The frame before, for the flow back to it.
+    /// The shutter of the previous frame, for the backward optical flow.
     pub before: Option<Shutter<'a>>,
-    /// The frame after, for the flow to it.
+    /// The shutter of the next frame, for the forward optical flow.
     pub after: Option<Shutter<'a>>,
 }
 
 impl<'a> Capture<'a> {
-    /// A frame that is taken at one moment, or slice by slice.
+    /// Creates a frame that is captured at one moment, slice by slice, or with moving keyframes.
     pub fn new(frame: u64, shutter: impl Into<Shutter<'a>>) -> Self {
         Self { frame, shutter: shutter.into(), before: None, after: None }
     }
 
-    /// Sets when the frame before was taken.
+    /// Sets the shutter of the previous frame.
     #[must_use]
     pub fn before(mut self, shutter: impl Into<Shutter<'a>>) -> Self {
         self.before = Some(shutter.into());
         self
     }
 
-    /// Sets when the frame after is taken.
+    /// Sets the shutter of the next frame.
     #[must_use]
     pub fn after(mut self, shutter: impl Into<Shutter<'a>>) -> Self {
         self.after = Some(shutter.into());

@@ -19,21 +19,21 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// The pose that changes nothing.
+    /// The identity pose.
     pub const IDENTITY: Self = Self { rotation: [0.0, 0.0, 0.0, 1.0], translation: [0.0; 3] };
 
-    /// From a translation in metres and a rotation, which is normalised.
+    /// Creates a pose from a translation in metres and a rotation, which is normalised.
     pub fn new(translation: DVec3, rotation: DQuat) -> Self {
         Self { rotation: rotation.normalize().to_array(), translation: translation.to_array() }
     }
 
-    /// A pure translation in metres.
+    /// Creates a pure translation in metres.
     pub fn from_translation(translation: DVec3) -> Self {
         Self { translation: translation.to_array(), ..Self::IDENTITY }
     }
 
-    /// From a translation in metres and fixed-axis roll, pitch, yaw in radians, as URDF and SDF give them:
-    /// R = Rz(yaw) · Ry(pitch) · Rx(roll).
+    /// Creates a pose from a translation in metres and fixed-axis roll, pitch, yaw in radians, as in URDF and SDF: R =
+    /// Rz(yaw) · Ry(pitch) · Rx(roll).
     ///
     /// ```
     /// use belvedere_sensors::Pose;
@@ -44,7 +44,7 @@ impl Pose {
     /// assert!((up - DVec3::Z).length() < 1e-5);
     /// ```
     pub fn from_xyz_rpy(xyz: DVec3, rpy: DVec3) -> Self {
-        // libm, not the platform's functions: the same bits on every machine.
+        // Uses libm instead of the platform's functions, so that the bits are the same on every machine.
         let half = |angle: f64| libm::sincos(angle * 0.5);
         let (sr, cr) = half(rpy.x);
         let (sp, cp) = half(rpy.y);
@@ -70,32 +70,33 @@ impl Pose {
         DQuat::from_array(self.rotation)
     }
 
-    /// The rotation as a matrix; its columns are the axes of the inner frame in the outer one.
+    /// The rotation as a matrix, whose columns are the axes of the inner frame in the outer one.
     pub fn rotation_matrix(&self) -> DMat3 {
         DMat3::from_quat(self.rotation())
     }
 
-    /// The pose that undoes this one: `a_from_b.inverse()` is `b_from_a`.
+    /// Returns the inverse pose: `a_from_b.inverse()` is `b_from_a`.
     #[must_use]
     pub fn inverse(&self) -> Self {
         let rotation = self.rotation().conjugate();
         Self { rotation: rotation.to_array(), translation: (rotation * -self.translation()).to_array() }
     }
 
-    /// Maps a point.
+    /// Transforms a point.
     pub fn transform_point(&self, point: DVec3) -> DVec3 {
         self.rotation() * point + self.translation()
     }
 
-    /// Maps a direction: rotated, not moved.
+    /// Rotates a direction, without translating it.
     pub fn transform_vector(&self, vector: DVec3) -> DVec3 {
         self.rotation() * vector
     }
 
-    /// The pose at `fraction` ∈ [0, 1] of the way from this one to `other`: the translation moves along a
-    /// straight line, the rotation along the shorter arc (normalised linear interpolation, which differs from
-    /// the constant-speed one by less than 1e-6 rad for steps below 0.05 rad and needs no transcendental
-    /// function).
+    /// Interpolates between this pose (`fraction` 0) and `other` (`fraction` 1).
+    ///
+    /// The translation moves along a straight line, the rotation along the shorter arc by normalised linear
+    /// interpolation, which differs from constant speed by less than 1e-6 rad for steps below 0.05 rad and needs no
+    /// transcendental function.
     #[must_use]
     pub fn interpolate(&self, other: &Self, fraction: f64) -> Self {
         let (from, to) = (self.rotation(), other.rotation());
@@ -106,8 +107,8 @@ impl Pose {
         )
     }
 
-    /// Fixed-axis roll, pitch and yaw in radians: the inverse of [`Pose::from_xyz_rpy`]. At pitch ±90° the
-    /// roll is taken as 0.
+    /// Returns fixed-axis roll, pitch and yaw in radians: the inverse of [`Pose::from_xyz_rpy`]. At a pitch of ±90°,
+    /// the roll is 0.
     pub fn rpy(&self) -> DVec3 {
         let m = self.rotation_matrix();
         let sin_pitch = -m.x_axis.z;
@@ -122,7 +123,7 @@ impl Pose {
         )
     }
 
-    /// True when every component is finite.
+    /// Returns true if every component is finite.
     pub fn is_finite(&self) -> bool {
         self.rotation().is_finite() && self.translation().is_finite()
     }

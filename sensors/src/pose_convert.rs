@@ -1,10 +1,10 @@
-//! Poses in the types of other crates.
+//! Conversions between poses and the types of other crates.
 
 use crate::pose::Pose;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 impl From<(DQuat, DVec3)> for Pose {
-    /// From a rotation, which is normalised, and a translation in metres.
+    /// Creates a pose from a rotation, which is normalised, and a translation in metres.
     ///
     /// ```
     /// use belvedere_sensors::Pose;
@@ -25,15 +25,15 @@ impl From<Pose> for (DQuat, DVec3) {
     }
 }
 
-/// Why a matrix is not a [`Pose`].
+/// The reason why a matrix is not a [`Pose`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum NotRigid {
     /// An element is NaN or infinite.
     NotFinite,
-    /// The upper left 3×3 part scales, shears or mirrors, by more than 1e-6.
+    /// The upper left 3×3 part scales, shears or mirrors by more than 1e-6.
     NotRotation,
-    /// The last row is not 0 0 0 1.
+    /// The last row is not (0, 0, 0, 1).
     NotAffine,
 }
 
@@ -52,8 +52,10 @@ impl core::error::Error for NotRigid {}
 impl TryFrom<DAffine3> for Pose {
     type Error = NotRigid;
 
+    /// Converts a rigid transform to a pose.
+    ///
     /// # Errors
-    /// When the matrix does more than turn and move.
+    /// If the matrix is not a rotation and a translation.
     fn try_from(affine: DAffine3) -> Result<Self, NotRigid> {
         let DAffine3 { matrix3, translation } = affine;
         if !(matrix3.is_finite() && translation.is_finite()) {
@@ -71,6 +73,8 @@ impl TryFrom<DAffine3> for Pose {
 impl TryFrom<DMat4> for Pose {
     type Error = NotRigid;
 
+    /// Converts a rigid transform to a pose.
+    ///
     /// ```
     /// use belvedere_sensors::pose::{NotRigid, Pose};
     /// use glam::{DMat4, DQuat, DVec3};
@@ -82,7 +86,7 @@ impl TryFrom<DMat4> for Pose {
     /// ```
     ///
     /// # Errors
-    /// When the matrix does more than turn and move.
+    /// If the matrix is not a rotation and a translation.
     fn try_from(matrix: DMat4) -> Result<Self, NotRigid> {
         if !matrix.is_finite() {
             return Err(NotRigid::NotFinite);
@@ -96,7 +100,8 @@ impl TryFrom<DMat4> for Pose {
 
 #[cfg(feature = "mint")]
 impl From<(mint::Quaternion<f64>, mint::Vector3<f64>)> for Pose {
-    /// From a rotation, which is normalised, and a translation in metres, as any crate with `mint` has them.
+    /// Creates a pose from a rotation, which is normalised, and a translation in metres, in the types of `mint` that
+    /// many crates support.
     ///
     /// ```
     /// use belvedere_sensors::Pose;
@@ -119,6 +124,8 @@ impl From<Pose> for (mint::Quaternion<f64>, mint::Vector3<f64>) {
 }
 
 impl From<Pose> for DAffine3 {
+    /// Converts a pose to an affine transform.
+    ///
     /// ```
     /// use belvedere_sensors::Pose;
     /// use glam::{DAffine3, DVec3};
@@ -140,6 +147,8 @@ impl From<Pose> for DMat4 {
 
 #[cfg(feature = "nalgebra")]
 impl From<Pose> for nalgebra::Isometry3<f64> {
+    /// Converts a pose to an isometry of `nalgebra`.
+    ///
     /// ```
     /// use belvedere_sensors::Pose;
     /// use glam::DVec3;
@@ -170,6 +179,8 @@ impl From<nalgebra::Isometry3<f64>> for Pose {
 
 #[cfg(feature = "parry")]
 impl From<parry3d::math::Pose> for Pose {
+    /// Converts a pose of parry3d, in single precision.
+    ///
     /// ```
     /// use belvedere_sensors::Pose;
     /// let of_parry = parry3d::math::Pose::from_translation(parry3d::math::Vector::new(1.0, 2.0, 3.0));
@@ -183,7 +194,7 @@ impl From<parry3d::math::Pose> for Pose {
 
 #[cfg(feature = "parry")]
 impl From<Pose> for parry3d::math::Pose {
-    /// Rounded to single precision.
+    /// Converts a pose to one of parry3d, rounded to single precision.
     fn from(pose: Pose) -> Self {
         Self::from_parts(pose.translation().as_vec3(), pose.rotation().as_quat())
     }

@@ -1,4 +1,4 @@
-//! The colliders of rapier3d in a scene, kept in step with their bodies (feature `rapier`).
+//! Mirrors the colliders of rapier3d in a scene, and keeps them in step with their bodies (feature `rapier`).
 
 use crate::parry::{ParryError, Part};
 use crate::pose::Pose;
@@ -11,35 +11,35 @@ use rapier3d::geometry::{Collider, ColliderHandle, ColliderSet};
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-/// An instance of a collider, and where it stands in it.
+/// An instance of a collider, and its pose in the collider's frame.
 #[derive(Debug, Clone, Copy)]
 struct Placed {
     instance: InstanceId,
     collider_from_instance: Pose,
 }
 
-/// A collider that is in the scene.
+/// A collider that is mirrored in the scene.
 #[derive(Debug, Default)]
 struct Mirrored {
-    /// Of its shape.
+    /// Address of its shape.
     address: usize,
     instances: Vec<Placed>,
 }
 
 /// A shape that is in the scene.
 struct Taken {
-    /// Kept, so that no other shape can have its address.
+    /// Keeps the shape alive, so that no other shape can have its address.
     _shape: SharedShape,
     parts: Vec<Part>,
-    /// How many colliders have it.
+    /// Number of colliders that use the shape.
     users: usize,
 }
 
-/// The mirror of a [`ColliderSet`] in a scene, which may hold other things as well.
+/// A mirror of a [`ColliderSet`] in a scene, which may contain other things as well.
 ///
-/// After each step, [`ColliderScene::update`] takes over the poses of the bodies that are awake, and of those that
-/// have fallen asleep since; what rests costs nothing. Colliders with the same [`SharedShape`] share its mesh, which
-/// goes with the last of them: a scene in which things come and go does not grow.
+/// After each step, [`ColliderScene::update`] copies the poses of the bodies that are awake, and of those that have
+/// fallen asleep since the last call; bodies at rest cost nothing. Colliders with the same [`SharedShape`] share its
+/// mesh, which is removed with the last of them, so a scene in which things come and go does not grow.
 ///
 /// ```
 /// use belvedere_sensors::{rapier::ColliderScene, scene::*};
@@ -61,7 +61,7 @@ struct Taken {
 #[derive(Default)]
 pub struct ColliderScene {
     placed: HashMap<ColliderHandle, Mirrored>,
-    /// By the address of the shape.
+    /// Shapes by their addresses.
     shapes: HashMap<usize, Taken>,
     /// Bodies that were awake at the last update.
     awake: Vec<RigidBodyHandle>,
@@ -78,17 +78,17 @@ impl fmt::Debug for ColliderScene {
 }
 
 impl ColliderScene {
-    /// Mirrors nothing yet.
+    /// Creates an empty mirror.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Takes in a collider, with the material, visibility and lidar intensity of `look`. One that is there already
-    /// is taken in anew, with its present shape.
+    /// Adds a collider to the scene, with the material, visibility and lidar intensity of `look`. If the collider is
+    /// already mirrored, it is replaced, using its current shape.
     ///
     /// # Errors
-    /// [`ColliderError::NoSuchCollider`]; [`ColliderError::Shape`] for a shape that cannot be traced, and then
-    /// nothing of the collider is in the scene.
+    /// [`ColliderError::NoSuchCollider`]; [`ColliderError::Shape`] if the shape cannot be traced. In the latter case,
+    /// the collider is not in the scene.
     pub fn add(
         &mut self,
         builder: &mut SceneBuilder,
@@ -98,7 +98,7 @@ impl ColliderScene {
     ) -> Result<(), ColliderError> {
         let handle = collider;
         let collider = colliders.get(handle).ok_or(ColliderError::NoSuchCollider(handle))?;
-        // The new before the old: a shape that stays is not built again.
+        // The new shape is added before the old one is removed, so that an unchanged shape is not rebuilt.
         let taken = self.take(builder, collider);
         self.remove(builder, handle);
         let address = taken?;
@@ -122,7 +122,8 @@ impl ColliderScene {
         Ok(())
     }
 
-    /// Takes a collider out of the scene; false if it is not in it. The set may still have it or not.
+    /// Removes a collider from the scene; returns false if it is not mirrored. The collider set may or may not still
+    /// contain it.
     pub fn remove(&mut self, builder: &mut SceneBuilder, collider: ColliderHandle) -> bool {
         let Some(mirrored) = self.placed.remove(&collider) else { return false };
         for Placed { instance, .. } in mirrored.instances {
@@ -139,7 +140,7 @@ impl ColliderScene {
         true
     }
 
-    /// Takes in a collider's shape, or counts one more that has it; where it is in `shapes`.
+    /// Adds a collider's shape, or counts one more user of it, and returns its key in `shapes`.
     fn take(&mut self, builder: &mut SceneBuilder, collider: &Collider) -> Result<usize, ColliderError> {
         let address = address(collider);
         match self.shapes.entry(address) {
@@ -152,7 +153,7 @@ impl ColliderScene {
         Ok(address)
     }
 
-    /// The instances that show a collider; none for one that is not mirrored.
+    /// The instances that show a collider; empty if it is not mirrored.
     pub fn instances(&self, collider: ColliderHandle) -> impl Iterator<Item = InstanceId> + '_ {
         self.placed
             .get(&collider)
@@ -161,11 +162,11 @@ impl ColliderScene {
             .map(|placed| placed.instance)
     }
 
-    /// Takes over the poses of all colliders whose bodies may have moved since the last call: bodies that are awake
-    /// now, and those that were awake then. To be called after each step.
+    /// Copies the poses of all colliders whose bodies may have moved since the last call: bodies that are awake now,
+    /// and those that were awake then. Call this after each step.
     ///
-    /// rapier3d counts neither fixed bodies nor colliders without a body as awake: if one of them is moved by hand,
-    /// say so by [`ColliderScene::refresh`].
+    /// rapier3d counts neither fixed bodies nor colliders without a body as awake. If you move one of these yourself,
+    /// call [`ColliderScene::refresh`].
     pub fn update(
         &mut self,
         builder: &mut SceneBuilder,
@@ -175,7 +176,7 @@ impl ColliderScene {
     ) {
         let mut awake = core::mem::take(&mut self.awake);
         for body in awake.drain(..).filter_map(|handle| bodies.get(handle)) {
-            // Those that are still awake come below.
+            // Bodies that are still awake are handled below.
             if body.is_sleeping() || !body.is_enabled() {
                 self.refresh_all(builder, colliders, body.colliders());
             }
@@ -193,7 +194,8 @@ impl ColliderScene {
         }
     }
 
-    /// Takes over the pose of one collider; false if it is not mirrored, no longer in the set, or nowhere.
+    /// Copies the pose of one collider; returns false if it is not mirrored, is no longer in the set, or has an invalid
+    /// pose.
     pub fn refresh(
         &self,
         builder: &mut SceneBuilder,
@@ -210,18 +212,18 @@ impl ColliderScene {
     }
 }
 
-/// What tells shapes apart.
+/// The key that identifies a shape.
 fn address(collider: &Collider) -> usize {
     core::ptr::from_ref(collider.shape()).addr()
 }
 
-/// Why a collider cannot be mirrored.
+/// The reason why a collider cannot be mirrored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ColliderError {
-    /// The set does not have it.
+    /// The set does not contain the collider.
     NoSuchCollider(ColliderHandle),
-    /// Its shape cannot be traced.
+    /// The collider's shape cannot be traced.
     Shape(ParryError),
 }
 

@@ -1,19 +1,19 @@
-//! The SIMD level token and the packets that kernels work on.
+//! The SIMD level, and the packets of values that kernels process.
 //!
-//! Kernels are plain loops over fixed-size arrays of [`LANES`] values, written with + − × ÷ √ and compares
-//! only. [`Simd::vectorize`] compiles each for every instruction set; the level
-//! is chosen once a frame. As no operation is fused or approximated, every level gives the same bits.
+//! Kernels are plain loops over fixed-size arrays of [`LANES`] values, using only +, −, ×, ÷, √ and comparisons.
+//! [`Simd::vectorize`] compiles each of them for every instruction set, and the level is chosen once per frame. Since
+//! no operation is fused or approximated, every level gives the same bits.
 
 pub use fearless_simd::Level;
 use fearless_simd::{Simd, SimdBase, f32x4, f32x16};
 
-/// Runs an expression compiled for the instruction set of a [`Level`], with its token.
+/// Evaluates an expression compiled for the instruction set of a [`Level`], with the token of that level.
 ///
-/// [`fearless_simd::dispatch!`] without a version of its own for SSE4.2, the best level of few machines: SSE2's takes
-/// up to a seventh longer there, and each level is a quarter of this crate's time of compilation. For the same reason
-/// builds with debug assertions (the dev profile) leave AVX-512 out and run AVX2 in its place, and the unit tests have
-/// only the baseline: they test parts. Tests that see the crate from outside compare the levels, in a release build all
-/// of them.
+/// This is [`fearless_simd::dispatch!`] without a separate version for SSE4.2, which is the best level of few machines:
+/// on these, SSE2 takes up to a seventh longer, and each level accounts for a quarter of the compilation time of this
+/// crate. For the same reason, builds with debug assertions (the dev profile) omit AVX-512 and use AVX2 instead, and
+/// the unit tests, which test individual parts, only have the baseline. The integration tests compare the levels, in a
+/// release build all of them.
 macro_rules! dispatch {
     (@with $token:expr, $simd:pat => $op:expr) => {{
         let token = $token;
@@ -47,7 +47,7 @@ macro_rules! dispatch {
 }
 pub(crate) use dispatch;
 
-/// [`dispatch!`]'s branch for AVX-512, and what it does instead.
+/// The branch of [`dispatch!`] for AVX-512, and its replacement in builds without it.
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test), not(debug_assertions)))]
 macro_rules! avx512_or {
     ($level:ident, $simd:pat => $op:expr, $otherwise:expr) => {
@@ -67,16 +67,17 @@ macro_rules! avx512_or {
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test)))]
 pub(crate) use avx512_or;
 
-/// Rays in a packet: a tile of 16 × 4 pixels, or 64 consecutive beams.
+/// Number of rays in a packet: a tile of 16 × 4 pixels, or 64 consecutive beams.
 pub const LANES: usize = 64;
 
-/// Values in a vector of the kernels, at every SIMD level: children of a node, triangles of a leaf, rays of a block.
+/// Number of values in a vector of the kernels, at every SIMD level: the children of a node, the triangles of a leaf,
+/// the rays of a block.
 pub const WIDTH: usize = 16;
 
 /// One value per lane.
 pub(crate) type Lanes<T> = [T; LANES];
 
-/// The best level of this machine with the feature `std`, else the compilation target's own.
+/// Returns the best SIMD level of this machine with the feature `std`, otherwise the level of the compilation target.
 pub fn best_level() -> Level {
     #[cfg(feature = "std")]
     return Level::new();
@@ -84,19 +85,19 @@ pub fn best_level() -> Level {
     return Level::baseline();
 }
 
-/// Sixteen of the lanes, from lane 16·`row` on.
+/// Loads sixteen of the lanes, starting at lane 16·`row`.
 #[inline(always)]
 pub(crate) fn load_row<S: Simd>(simd: S, lanes: &Lanes<f32>, row: usize) -> f32x16<S> {
     f32x16::load_array_ref(simd, &lanes.as_chunks().0[row])
 }
 
-/// Puts sixteen values where [`load_row`] finds them.
+/// Stores sixteen values, in the position from which [`load_row`] loads them.
 #[inline(always)]
 pub(crate) fn store_row<S: Simd>(values: f32x16<S>, lanes: &mut Lanes<f32>, row: usize) {
     values.store_array(&mut lanes.as_chunks_mut().0[row]);
 }
 
-/// Four lanes at a time.
+/// Splits a vector into four quarters of four lanes.
 #[inline(always)]
 pub(crate) fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
     let (upper, lower) = simd.split_f32x16(values);
@@ -104,7 +105,8 @@ pub(crate) fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
     [a, b, c, d]
 }
 
-/// The least of a power of two of values, by halves: a chain of dependent compares would take longer.
+/// The minimum of a power-of-two number of values, by halving, since a chain of dependent comparisons would take
+/// longer.
 #[inline(always)]
 pub(crate) fn least<const N: usize>(mut values: [f32; N]) -> f32 {
     let mut half = N / 2;
@@ -118,7 +120,7 @@ pub(crate) fn least<const N: usize>(mut values: [f32; N]) -> f32 {
     values[0]
 }
 
-/// √, correctly rounded everywhere.
+/// The square root, correctly rounded on every machine.
 #[inline(always)]
 pub(crate) fn sqrt(x: f64) -> f64 {
     #[cfg(feature = "std")]
@@ -127,7 +129,7 @@ pub(crate) fn sqrt(x: f64) -> f64 {
     return libm::sqrt(x);
 }
 
-/// √ in single precision, correctly rounded everywhere.
+/// The square root in single precision, correctly rounded on every machine.
 #[inline(always)]
 pub(crate) fn sqrt_f32(x: f32) -> f32 {
     #[cfg(feature = "std")]
@@ -136,18 +138,20 @@ pub(crate) fn sqrt_f32(x: f32) -> f32 {
     return libm::sqrtf(x);
 }
 
-/// The largest whole number not above x, for |x| < 2⁶³; an instruction or three where the library's is a call.
+/// The greatest integer not above x, for |x| < 2⁶³, in one to three instructions instead of a call of the library
+/// function.
 #[inline(always)]
 pub(crate) fn floor(x: f64) -> f64 {
     let whole = x as i64 as f64;
     if whole > x { whole - 1.0 } else { whole }
 }
 
-/// Sine and cosine to the last bits of f64, for |x| < 1e5: reduced by multiples of π/2 in two parts, then the Taylor series,
-/// whose rest is below 1e-17 up to π/4. A plain run of + − × ÷, so that tables of angles are filled lane by lane.
+/// Sine and cosine to the last bits of f64, for |x| < 1e5: reduced by multiples of π/2 in two parts, then a Taylor
+/// series whose remainder is below 1e-17 up to π/4. Uses only +, −, × and ÷, so that tables of angles can be filled
+/// lane by lane.
 #[inline(always)]
 pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
-    // π/2 in 33 bits, so that its product with a quadrant is exact, and the rest.
+    // π/2 to 33 bits, so that its product with a quadrant is exact, and the remainder.
     const HIGH: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
     const LOW: f64 = 6.077_100_506_506_192e-11;
     let quadrant = floor(x * core::f64::consts::FRAC_2_PI + 0.5);

@@ -1,15 +1,15 @@
-//! The curve of sRGB, IEC 61966-2-1: linear light to what pictures hold, and back.
+//! The sRGB transfer curve, IEC 61966-2-1, from linear light to image values and back.
 //!
-//! The powers are polynomials of roots, of + − × √ alone: the same bits on every machine. Errors are below 3e-6 of full
-//! scale, a fifth of a step of 16 bits.
+//! The powers are polynomials in roots, computed with +, −, × and √ only, so the bits are the same on every machine.
+//! Errors are below 3e-6 of full scale, a fifth of a step of 16 bits.
 
 use crate::simd::sqrt_f32;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
-/// 1.055·t^(5/3) − 0.055 of t = x^¼, for x from 0.0031308 to 1.
+/// 1.055·t^(5/3) − 0.055 for t = x^¼, with x from 0.0031308 to 1.
 const ENCODE: [f32; 7] =
     [-0.059_641_75, 0.140_776_78, 1.360_225_6, -0.838_965_36, 0.638_769_45, -0.306_036_98, 0.064_873_32];
-/// t^4.8, for t² from 0.0905 to 1.
+/// t^4.8 for t² from 0.0905 to 1.
 const DECODE: [f32; 8] = [
     0.000_116_756_295,
     -0.001_873_118_1,
@@ -21,7 +21,7 @@ const DECODE: [f32; 8] = [
     0.009_652_698,
 ];
 
-/// The value in a picture, 0 … 1, of linear light, which is clamped to [0, 1].
+/// Returns the image value, 0 to 1, for linear light, which is clamped to [0, 1].
 ///
 /// ```
 /// use belvedere_sensors::srgb;
@@ -32,7 +32,7 @@ const DECODE: [f32; 8] = [
 #[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
 #[inline(always)]
 pub fn encode(linear: f32) -> f32 {
-    // NaN is not greater than 0 and becomes it.
+    // NaN is not greater than 0, so it becomes 0.
     let linear = if linear > 0.0 { linear } else { 0.0 };
     let linear = if linear < 1.0 { linear } else { 1.0 };
     let root = sqrt_f32(sqrt_f32(linear));
@@ -40,7 +40,7 @@ pub fn encode(linear: f32) -> f32 {
     if linear < 0.003_130_8 { 12.92 * linear } else { curve }
 }
 
-/// The linear light of a value in a picture, 0 … 1, to which it is clamped: of a texture, say.
+/// Returns the linear light for an image value, which is clamped to [0, 1].
 ///
 /// ```
 /// use belvedere_sensors::srgb;
@@ -56,7 +56,7 @@ pub fn decode(value: f32) -> f32 {
     if value < 0.040_45 { value * (1.0 / 12.92) } else { curve }
 }
 
-/// [`decode`] of sixteen values.
+/// Vector form of [`decode`] for sixteen values.
 #[inline(always)]
 pub(crate) fn decode_row<S: Simd>(simd: S, value: f32x16<S>) -> f32x16<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -92,7 +92,7 @@ mod tests {
             assert!((f64::from(encode(x as f32)) - encoded).abs() < 3e-6, "{x}");
             assert!((f64::from(decode(x as f32)) - decoded).abs() < 1.5e-6, "{x}");
         }
-        // Every byte comes back, and both ends are met.
+        // Every byte survives a round trip, and both ends are exact.
         for byte in 0..=255_u8 {
             assert_eq!((encode(decode(f32::from(byte) / 255.0)) * 255.0 + 0.5) as u8, byte);
         }

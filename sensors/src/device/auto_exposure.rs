@@ -1,44 +1,44 @@
-//! Automatic exposure: time and gain follow the mean of the frames.
+//! Automatic exposure: exposure time and gain follow the mean brightness of the frames.
 
 use super::{DeviceConfig, Exposure, PixelFormat, Tone};
 use crate::ParameterError;
 use crate::srgb;
 
-/// What a frame is metered by.
+/// The weighting of pixels when a frame is metered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Metering {
-    /// All pixels alike.
+    /// All pixels have equal weight.
     #[default]
     Mean,
-    /// The middle half of the rows and columns counts four times.
+    /// Pixels in the middle half of the rows and columns have four times the weight.
     Centre,
 }
 
-/// How bright a frame is.
+/// The brightness of a frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrameStatistics {
-    /// Mean of the linear signal above the black level, as a share of the signal at which pixels saturate.
+    /// Mean of the linear signal above the black level, as a fraction of the signal at which pixels saturate.
     pub mean: f64,
-    /// Share of the pixels that are saturated.
+    /// Fraction of the pixels that are saturated.
     pub saturated: f64,
 }
 
-/// How exposure is chosen.
+/// The parameters of automatic exposure.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct AutoExposureConfig {
-    /// The mean that is aimed at, as [`FrameStatistics::mean`]; 0.18 is a middle grey.
+    /// The target for the mean ([`FrameStatistics::mean`]); 0.18 is a middle grey.
     pub target: f64,
-    /// As a share of the target: as long as the mean is so near, nothing changes.
+    /// Tolerance as a fraction of the target: while the mean is within it, the exposure does not change.
     pub tolerance: f64,
-    /// Shortest and longest time of exposure in seconds.
+    /// Shortest and longest exposure time in seconds.
     pub time_range_s: [f64; 2],
-    /// Largest gain. It rises above 1 only where the longest time is not enough.
+    /// Largest gain. The gain rises above 1 only if the longest time is not enough.
     pub most_gain: f64,
 }
 
 impl Default for AutoExposureConfig {
-    /// To a middle grey within 5 %, from 20 µs to 33 ms, and a gain of 16.
+    /// A target of middle grey within 5 %, times from 20 µs to 33 ms, and a gain of up to 16.
     fn default() -> Self {
         Self { target: 0.18, tolerance: 0.05, time_range_s: [20e-6, 0.033], most_gain: 16.0 }
     }
@@ -46,22 +46,23 @@ impl Default for AutoExposureConfig {
 
 impl AutoExposureConfig {
     setters! {
-        /// Sets the mean that is aimed at.
+        /// Sets the target for the mean.
         target: f64,
-        /// Sets how near is near enough.
+        /// Sets the tolerance as a fraction of the target.
         tolerance: f64,
-        /// Sets the shortest and longest time in seconds.
+        /// Sets the shortest and longest exposure time in seconds.
         time_range_s: [f64; 2],
         /// Sets the largest gain.
         most_gain: f64,
     }
 }
 
-/// Chooses the exposure of the next frame from how bright the last one was.
+/// Chooses the exposure of the next frame from the brightness of the last one.
 ///
-/// The signal is proportional to time and gain, so that one step is enough where nothing is saturated. Saturated pixels
-/// hide how bright they are; where most are, the exposure is a sixteenth of what it was. No step is larger, either way.
-/// The state is the exposure alone, and its arithmetic + − × ÷ in f64: the same frames give the same exposures.
+/// The signal is proportional to exposure time and gain, so one step is enough if nothing is saturated. Saturated
+/// pixels do not show how bright they are; if most pixels are saturated, the exposure is divided by sixteen. No step is
+/// larger than that, in either direction. The exposure is the only state, and it is computed with +, −, × and ÷ in f64,
+/// so the same frames give the same exposures.
 ///
 /// ```
 /// use belvedere_sensors::device::{AutoExposure, AutoExposureConfig, Exposure, FrameStatistics};
@@ -77,14 +78,14 @@ pub struct AutoExposure {
     exposure: Exposure,
 }
 
-/// The largest step of an exposure.
+/// The largest factor between two successive exposures.
 const LARGEST_STEP: f64 = 16.0;
 
 impl AutoExposure {
-    /// Checks the configuration; the first frame is taken with `start`.
+    /// Creates an automatic exposure after checking its parameters; the first frame is taken with `start`.
     ///
     /// # Errors
-    /// Names the parameter that is out of its range.
+    /// Names the parameter that is out of range.
     pub fn new(config: AutoExposureConfig, start: Exposure) -> Result<Self, ParameterError> {
         let [shortest, longest] = config.time_range_s;
         for (parameter, value, range) in [
@@ -101,13 +102,14 @@ impl AutoExposure {
         Ok(Self { config, exposure: start })
     }
 
-    /// The exposure of the frame that is to be taken.
+    /// The exposure for the next frame.
     #[must_use]
     pub fn exposure(&self) -> Exposure {
         self.exposure
     }
 
-    /// The exposure of the next frame, after one that was taken with the last.
+    /// Returns the exposure for the next frame, given the statistics of a frame that was taken with the current
+    /// exposure.
     pub fn next(&mut self, seen: &FrameStatistics) -> Exposure {
         let AutoExposureConfig { target, tolerance, time_range_s: [shortest, longest], most_gain } =
             self.config;
@@ -124,11 +126,11 @@ impl AutoExposure {
     }
 }
 
-/// Of eight rows the first two are looked at, so that of a mosaic all colours are.
+/// Of every eight rows, the first two are metered, so that all colours of a mosaic are included.
 const ROWS: usize = 8;
 const LOOKED_AT: usize = 2;
 
-/// Meters a picture of so many pixels across and down.
+/// Meters an image of the given width and height in pixels.
 pub(crate) fn meter(
     pixels: &[u8],
     [width, height]: [usize; 2],
@@ -142,7 +144,7 @@ pub(crate) fn meter(
     let stride = width * format.bytes();
     for (y, row) in pixels.chunks_exact(stride).enumerate().filter(|(y, _)| y % ROWS < LOOKED_AT) {
         let edge = width / 4;
-        // The parts left and right of the middle, and the middle.
+        // The parts to the left of the middle, the middle, and to the right.
         let parts = [
             (0, edge, 1),
             (edge, width - edge, if middle(y, height) { 4 } else { 1 }),
@@ -161,11 +163,11 @@ pub(crate) fn meter(
     FrameStatistics { mean: sum / count, saturated: saturated as f64 / count }
 }
 
-/// What the values of a picture mean.
+/// The interpretation of an image's values.
 struct Scale {
     full: f64,
     black: f64,
-    /// The signal at which pixels saturate, as a share of full scale above black.
+    /// The signal at which pixels saturate, as a fraction of full scale above black.
     most: f64,
     curved: bool,
 }
@@ -189,7 +191,7 @@ impl Scale {
         Self { full, black: device.black_level_dn / top * full, most, curved: device.tone != Tone::Raw }
     }
 
-    /// The signal of a value as a share of what saturates.
+    /// The signal of a value, as a fraction of the signal at which pixels saturate.
     fn signal(&self, value: u16) -> f64 {
         let value = f64::from(value);
         let share = if self.curved {
@@ -201,7 +203,7 @@ impl Scale {
     }
 
     fn tally(&self, part: &[u8], format: PixelFormat) -> Tally {
-        /// What is so near to it counts as saturated.
+        /// From this signal on, a pixel counts as saturated.
         const SATURATED: f64 = 0.97;
         let (mut sum, mut saturated, mut count) = (0.0, 0, 0);
         let mut take = |value: u16, times: u32| {
@@ -215,7 +217,7 @@ impl Scale {
                 take(u16::from_le_bytes(*bytes), 1);
             }
         } else {
-            // Each value once, as often as it occurs.
+            // Each value is converted once and weighted by its count.
             let mut times = [0_u32; 256];
             for pixel in part.chunks_exact(format.bytes()) {
                 for byte in pixel.iter().take(3) {

@@ -1,4 +1,4 @@
-//! What a device is like: its data sheet.
+//! The parameters of a camera device: its data sheet.
 
 use super::Vignetting;
 use crate::ParameterError;
@@ -6,20 +6,20 @@ use crate::ParameterError;
 /// Planck's constant times the speed of light, in J·m.
 const PLANCK_LIGHT: f64 = 6.626_070_15e-34 * 299_792_458.0;
 
-/// How long light is collected, and how much what was collected is amplified.
+/// Exposure time and analogue gain.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Exposure {
-    /// Time of exposure in seconds, 0 … 3600.
+    /// Exposure time in seconds, 0 to 3600.
     pub time_s: f64,
-    /// Factor of the analogue gain, 1 as the data sheet's figures are.
+    /// Factor of the analogue gain. At 1 the figures of the data sheet apply.
     pub gain: f64,
 }
 
-/// A camera's lens, sensor and converter in the terms of EMVA 1288 (release 4.0 linear).
+/// The lens, sensor and converter of a camera, in the terms of EMVA 1288 (release 4.0 linear).
 ///
-/// Colours are light here: 1 is the radiance `white_radiance_w_m2_sr`, and the light of each colour channel is taken
-/// to be of one wavelength. A pixel of the area A behind a lens of f-number N then meets
-/// π·L·A·t/(1 + 4N²) · λ/(hc) photons in a time t.
+/// Colours represent light here: 1 is the radiance `white_radiance_w_m2_sr`, and the light of each colour channel is
+/// treated as monochromatic. In the time t, a pixel with the area A behind a lens with f-number N receives π·L·A·t/(1 +
+/// 4N²) · λ/(hc) photons.
 ///
 /// ```
 /// use belvedere_sensors::device::{DeviceConfig, Exposure};
@@ -31,60 +31,61 @@ pub struct Exposure {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DeviceConfig {
-    /// Time and gain; automatic exposure changes them from frame to frame
+    /// Exposure time and gain. Automatic exposure changes them from frame to frame
     /// ([`Camera::set_device_exposure`](crate::camera::Camera::set_device_exposure)).
     pub exposure: Exposure,
-    /// Radiance of a colour of 1, in W/(m²·sr): 0.233 is white paper in an office, at 500 lx of 555 nm.
+    /// Radiance of a colour of 1, in W/(m²·sr). 0.233 is white paper in an office, at 500 lx of 555 nm.
     pub white_radiance_w_m2_sr: f64,
     /// Wavelength of the light in nanometres.
     pub wavelength_nm: f64,
-    /// Focal length over the diameter of the aperture.
+    /// Focal length divided by the diameter of the aperture.
     pub f_number: f64,
-    /// How the lens darkens towards the edge.
+    /// Vignetting of the lens.
     pub vignetting: Vignetting,
-    /// Side of a pixel in micrometres.
+    /// Side length of a pixel in micrometres.
     pub pixel_pitch_um: f64,
-    /// Electrons per photon in red, green and blue, with the colour filter.
+    /// Quantum efficiency in electrons per photon for red, green and blue, including the colour filter.
     pub quantum_efficiency: [f64; 3],
-    /// Most electrons that a pixel holds.
+    /// Full-well capacity in electrons.
     pub full_well_e: f64,
-    /// Mean dark current in electrons a second.
+    /// Mean dark current in electrons per second.
     pub dark_current_e_per_s: f64,
-    /// Standard deviation of a reading before the gain, in electrons.
+    /// Read noise before the gain: standard deviation in electrons.
     pub read_noise_e: f64,
-    /// Standard deviation of a reading behind the gain, in DN: its share in electrons falls as the gain rises.
+    /// Read noise after the gain: standard deviation in DN. Expressed in electrons, it decreases as the gain increases.
     pub converter_noise_dn: f64,
-    /// Standard deviation of the pixels' dark signal, in electrons (DSNU₁₂₈₈).
+    /// Dark signal non-uniformity (DSNU₁₂₈₈): standard deviation of the pixels' dark signal, in electrons.
     pub dsnu_e: f64,
-    /// Standard deviation of the pixels' response as a share of it (PRNU₁₂₈₈): 0.01 is 1 %.
+    /// Photo-response non-uniformity (PRNU₁₂₈₈): standard deviation of the pixels' response, as a fraction of it; 0.01
+    /// is 1 %.
     pub prnu: f64,
     /// Overall system gain K at a gain of 1, in DN per electron.
     pub dn_per_electron: f64,
-    /// What the converter tells without light, in DN.
+    /// Black level: output of the converter without light, in DN.
     pub black_level_dn: f64,
-    /// Bits of the converter, 8 … 16.
+    /// Bits of the converter, 8 to 16.
     pub bits: u32,
-    /// What becomes of DN.
+    /// Conversion from DN to image values.
     pub tone: Tone,
 }
 
-/// What becomes of the converter's numbers in the picture.
+/// The conversion from the converter's numbers to image values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Tone {
-    /// They are the picture, with the black level in it. In formats of 8 bits the highest is 255.
+    /// The numbers themselves, including the black level. In 8-bit formats, the greatest number is scaled to 255.
     Raw,
-    /// The black level is taken away, each colour multiplied by its factor of the white balance, and the rest put on
-    /// the curve of sRGB, as cameras with a processor do; full scale as in `Raw`. Mosaics and brightnesses take green's
-    /// factor.
+    /// The black level is subtracted, each colour is multiplied by its white-balance factor, and the sRGB curve is
+    /// applied, as in cameras with an image processor. The scale is the same as in `Raw`. Mosaics and brightness images
+    /// use green's factor.
     Srgb {
-        /// Factors of red, green and blue, more than 0.
+        /// White-balance factors of red, green and blue, greater than 0.
         white_balance: [f64; 3],
     },
 }
 
 impl Default for DeviceConfig {
-    /// A sensor without noise but that of light: 5 µm, f/2.8, a quantum efficiency of 0.5, a full well of 16,000
-    /// electrons on 12 bits, 10 ms of exposure.
+    /// A sensor without noise except photon shot noise: 5 µm pixels, f/2.8, a quantum efficiency of 0.5, a full well of
+    /// 16,000 electrons at 12 bits, 10 ms of exposure.
     fn default() -> Self {
         Self {
             exposure: Exposure { time_s: 0.01, gain: 1.0 },
@@ -110,7 +111,7 @@ impl Default for DeviceConfig {
 
 impl DeviceConfig {
     setters! {
-        /// Sets time of exposure and gain.
+        /// Sets exposure time and gain.
         exposure: Exposure,
         /// Sets the radiance of a colour of 1, in W/(m²·sr).
         white_radiance_w_m2_sr: f64,
@@ -118,35 +119,35 @@ impl DeviceConfig {
         wavelength_nm: f64,
         /// Sets the f-number.
         f_number: f64,
-        /// Sets how the lens darkens towards the edge.
+        /// Sets the vignetting of the lens.
         vignetting: Vignetting,
-        /// Sets the side of a pixel in micrometres.
+        /// Sets the side length of a pixel in micrometres.
         pixel_pitch_um: f64,
-        /// Sets electrons per photon in red, green and blue.
+        /// Sets the quantum efficiency for red, green and blue.
         quantum_efficiency: [f64; 3],
-        /// Sets the most electrons that a pixel holds.
+        /// Sets the full-well capacity in electrons.
         full_well_e: f64,
-        /// Sets the dark current in electrons a second.
+        /// Sets the dark current in electrons per second.
         dark_current_e_per_s: f64,
-        /// Sets the noise of a reading before the gain, in electrons.
+        /// Sets the read noise before the gain, in electrons.
         read_noise_e: f64,
-        /// Sets the noise of a reading behind the gain, in DN.
+        /// Sets the read noise after the gain, in DN.
         converter_noise_dn: f64,
-        /// Sets the spread of the dark signal in electrons.
+        /// Sets the dark signal non-uniformity in electrons.
         dsnu_e: f64,
-        /// Sets the spread of the response as a share of it.
+        /// Sets the photo-response non-uniformity as a fraction of the response.
         prnu: f64,
-        /// Sets K at a gain of 1, in DN per electron.
+        /// Sets the overall system gain K at a gain of 1, in DN per electron.
         dn_per_electron: f64,
         /// Sets the black level in DN.
         black_level_dn: f64,
         /// Sets the bits of the converter.
         bits: u32,
-        /// Sets what becomes of DN.
+        /// Sets the conversion from DN to image values.
         tone: Tone,
     }
 
-    /// Photons that meet a pixel on the axis in a second where the colour is 1.
+    /// Returns the number of photons per second that reach a pixel on the axis for a colour of 1.
     #[must_use]
     pub fn photons_per_second(&self) -> f64 {
         let area = self.pixel_pitch_um * self.pixel_pitch_um * 1e-12;
@@ -155,23 +156,24 @@ impl DeviceConfig {
         irradiance * area * (self.wavelength_nm * 1e-9) / PLANCK_LIGHT
     }
 
-    /// Electrons that a colour of 1 makes on average in the time of exposure, on the axis, in red, green and blue.
+    /// Returns the mean number of electrons in the exposure time for a colour of 1, on the axis, in red, green and
+    /// blue.
     #[must_use]
     pub fn electrons_of_white(&self) -> [f64; 3] {
         self.quantum_efficiency
             .map(|efficiency| efficiency * self.photons_per_second() * self.exposure.time_s)
     }
 
-    /// The largest number of the converter.
+    /// Returns the greatest number of the converter.
     #[must_use]
     pub const fn top_dn(&self) -> u32 {
         if self.bits < 32 { (1 << self.bits) - 1 } else { u32::MAX }
     }
 
-    /// Whether a camera can have it.
+    /// Checks that all parameters are in range.
     ///
     /// # Errors
-    /// Names the first parameter that is out of its range.
+    /// Names the first parameter that is out of range.
     pub fn check(&self) -> Result<(), ParameterError> {
         let check = |parameter, value, range| ParameterError::require_in("device", parameter, value, range);
         check("exposure.time_s", self.exposure.time_s, [0.0, 3600.0])?;
@@ -188,7 +190,7 @@ impl DeviceConfig {
         }
         check("bits", f64::from(self.bits), [8.0, 16.0])?;
         let top = f64::from(self.top_dn());
-        // f32 tells single electrons apart up to 2²², which is where the rounding of counts ends.
+        // f32 resolves single electrons up to 2²², which is also the limit of the rounding of counts.
         check("full_well_e", self.full_well_e, [1.0, 4_194_304.0])?;
         check("dark_current_e_per_s", self.dark_current_e_per_s, [0.0, 1e9])?;
         check("read_noise_e", self.read_noise_e, [0.0, 1e6])?;

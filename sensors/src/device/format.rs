@@ -1,9 +1,9 @@
-//! How pixels lie in memory.
+//! Pixel formats.
 
 use super::{Mosaic, Planes};
 
-/// Layout of a colour pixel in memory. Of 16 bits the low byte comes first; their full scale is 65535, or the largest
-/// number of the converter where there is a [device](crate::device).
+/// The layout of a colour pixel in memory. 16-bit values are little-endian; their full scale is 65535, or the greatest
+/// number of the converter if there is a [device](crate::device).
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum PixelFormat {
     /// Red, green, blue.
@@ -12,18 +12,18 @@ pub enum PixelFormat {
     Bgr8,
     /// Brightness: 0.299 R + 0.587 G + 0.114 B (ITU-R BT.601).
     Mono8,
-    /// Red, green, blue, and 255: opaque.
+    /// Red, green, blue, and an alpha of 255 (opaque).
     Rgba8,
-    /// Brightness in 16 bits.
+    /// Brightness in 16 bits, little-endian.
     Mono16,
-    /// The one colour that each pixel sees.
+    /// One colour per pixel, in a Bayer mosaic.
     Bayer8(Mosaic),
-    /// The same in 16 bits.
+    /// One colour per pixel, in a Bayer mosaic, in 16 bits.
     Bayer16(Mosaic),
 }
 
 impl PixelFormat {
-    /// Bytes of a pixel.
+    /// Number of bytes of a pixel.
     pub const fn bytes(self) -> usize {
         match self {
             Self::Rgba8 => 4,
@@ -33,7 +33,7 @@ impl PixelFormat {
         }
     }
 
-    /// The pixels of the sensor behind one of the picture.
+    /// The sensor pixels behind each pixel of the image.
     pub(crate) const fn planes(self) -> Planes {
         match self {
             Self::Rgb8 | Self::Bgr8 | Self::Rgba8 => Planes::Colours,

@@ -1,21 +1,21 @@
-//! The device behind the lens: what a sensor and its electronics make of the light that reaches it.
+//! Camera devices: the sensor and electronics that convert light to image values.
 //!
 //! ```text
-//! colour, linear ─► vignetting ─► photons ─► electrons ─► full well ─► DN ─► picture
+//! colour, linear ─► vignetting ─► photons ─► electrons ─► full well ─► DN ─► image
 //!                     lens         time        shot noise              K, black   as it is, or
 //!                                  aperture    dark current            level,     on sRGB's curve
 //!                                  efficiency  PRNU, DSNU   reading     bits
 //! ```
 //!
-//! A [`DeviceConfig`] is a data sheet in the terms of EMVA 1288, and [`presets`] are some. It is set by
-//! [`CameraConfig::device`](crate::camera::CameraConfig::device()); without one a camera shows colours as they are shaded.
-//! Noise comes before the curve of [`srgb`](mod@crate::srgb). Each colour of an rgb8, bgr8 or rgba8 picture is a pixel of its own, as
-//! of a camera with three sensors; a mosaic has one pixel that sees one colour ([`Mosaic`]), and mono8 and mono16 one
-//! that sees the brightness. The fixed patterns of PRNU and DSNU are those of the seed and the number of the sensor, the
-//! same in every frame.
+//! A [`DeviceConfig`] is a data sheet in the terms of EMVA 1288; [`presets`] contains some. It is set by
+//! [`CameraConfig::device`](crate::camera::CameraConfig::device()); without a device, a camera shows colours as they
+//! are shaded. Noise is added before the curve of [`srgb`](mod@crate::srgb). Each colour of an rgb8, bgr8 or rgba8
+//! image is a separate pixel, as in a camera with three sensors. A mosaic has one pixel that sees one colour
+//! ([`Mosaic`]); mono8 and mono16 have one that sees the brightness. The fixed patterns of PRNU and DSNU depend on the
+//! seed and the number of the sensor, and are the same in every frame.
 //!
-//! Numbers of electrons are Poisson's. Below a mean of sixteen they are sampled exactly; from there on a normal number is
-//! bent into one with their mean, variance and third moment.
+//! Numbers of electrons follow a Poisson distribution. Below a mean of sixteen they are sampled exactly; from there on,
+//! a normal number is transformed to one with the same mean, variance and third moment.
 
 mod auto_exposure;
 mod config;
@@ -42,28 +42,28 @@ pub use mosaic::Mosaic;
 use signal::Signal;
 pub use vignetting::Vignetting;
 
-/// Shares of red, green and blue in the brightness (ITU-R BT.601).
+/// Weights of red, green and blue in the brightness (ITU-R BT.601).
 pub(crate) const LUMA: [f32; 3] = [0.299, 0.587, 0.114];
 
-/// The pixels of a sensor behind one of a picture.
+/// The sensor pixels behind each pixel of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Planes {
-    /// One for each colour.
+    /// One pixel for each colour.
     Colours,
-    /// One that sees the brightness.
+    /// One pixel that sees the brightness.
     Brightness,
-    /// One that sees one colour.
+    /// One pixel that sees one colour.
     Mosaic(Mosaic),
 }
 
-/// Where a tile is, and where its rays go.
+/// The position of a tile, and the directions of its rays.
 pub(crate) struct TileView<'a> {
     pub(crate) directions: &'a [Lanes<f32>; 3],
     /// The optical axis.
     pub(crate) forward: [f32; 3],
-    /// Column and row of the pixels that the tile's lines begin with.
+    /// Column and row of the first pixel of each of the tile's lines.
     pub(crate) lines: [[usize; 2]; BLOCKS],
-    /// The numbers of their random samples, sixteen to each.
+    /// The numbers of their random samples, sixteen per line.
     pub(crate) samples: [u32; BLOCKS],
 }
 
@@ -72,7 +72,7 @@ pub(crate) struct TileView<'a> {
 pub(crate) struct Device {
     signal: Signal,
     vignetting: Vignetting,
-    /// Electrons that a colour of 1 makes in red, green and blue.
+    /// Electrons for a colour of 1, in red, green and blue.
     response: [f32; 3],
     tone: Tone,
 }
@@ -97,15 +97,15 @@ impl Device {
         Ok(Self { signal, vignetting: config.vignetting, response, tone: config.tone })
     }
 
-    /// The largest value of a 16-bit format.
+    /// The greatest value of a 16-bit format.
     pub(crate) fn full_scale(&self) -> f32 {
         self.signal.top_dn
     }
 
-    /// Turns the linear colours of a tile of a picture into values in [0, 1] of the converter's full scale.
-    /// `stream` names seed, sensor and frame.
+    /// Converts the linear colours of a tile of an image to values in [0, 1] of the converter's full scale. `stream`
+    /// gives the seed, sensor and frame.
     ///
-    /// Mosaics and brightnesses have one value a pixel, which all three channels then are.
+    /// Mosaics and brightness images have one value per pixel, which is written to all three channels.
     pub(crate) fn expose<S: Simd>(
         &self,
         simd: S,
@@ -117,7 +117,7 @@ impl Device {
         simd.vectorize(
             #[inline(always)]
             || {
-                // Step 1: electrons that light makes on average.
+                // Step 1: compute the mean number of electrons from light.
                 if self.vignetting != Vignetting::NONE {
                     let shares = self.vignetting.of_rays(view.directions, view.forward);
                     for channel in &mut *colours {
@@ -134,7 +134,7 @@ impl Device {
                     }
                 }
 
-                // Step 2: the pixels that there are.
+                // Step 2: select the pixels that the sensor has.
                 let single = match planes {
                     Planes::Colours => None,
                     Planes::Brightness => {
@@ -152,7 +152,7 @@ impl Device {
                     colours[0] = single;
                 }
 
-                // Step 3: what is read of them.
+                // Step 3: read the pixels.
                 for (plane, values) in colours.iter_mut().enumerate().take(planes) {
                     let of_plane = |channel: u16| Stream { channel: channel + plane as u16, ..*stream };
                     self.signal.read(simd, values, of_plane, view.samples);
@@ -166,7 +166,7 @@ impl Device {
         );
     }
 
-    /// From DN to shares of full scale.
+    /// Converts DN to fractions of full scale.
     #[inline(always)]
     fn develop(&self, values: &mut Lanes<f32>, channel: usize) {
         let Signal { top_dn, black_level_dn, .. } = self.signal;

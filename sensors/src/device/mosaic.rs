@@ -4,7 +4,7 @@ use crate::shade::Colours;
 use crate::simd::{LANES, Lanes, WIDTH};
 use crate::trace::tiling::BLOCKS;
 
-/// The colours of the first two pixels of the first row, then of the second: every two by two are the same.
+/// The colours of the first two pixels of the first row, then of the second row; this square of 2 × 2 repeats.
 ///
 /// ```
 /// use belvedere_sensors::camera::Mosaic;
@@ -14,21 +14,21 @@ use crate::trace::tiling::BLOCKS;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Mosaic {
-    /// Red and green, green and blue.
+    /// Red and green, then green and blue.
     Rggb,
-    /// Blue and green, green and red.
+    /// Blue and green, then green and red.
     Bggr,
-    /// Green and blue, red and green.
+    /// Green and blue, then red and green.
     Gbrg,
-    /// Green and red, blue and green.
+    /// Green and red, then blue and green.
     Grbg,
 }
 
 impl Mosaic {
-    /// All of them.
+    /// All mosaics.
     pub const ALL: [Self; 4] = [Self::Rggb, Self::Bggr, Self::Gbrg, Self::Grbg];
 
-    /// What the pixel in that column and row sees: 0 red, 1 green, 2 blue.
+    /// Returns the colour that the pixel at the given column and row sees: 0 red, 1 green, 2 blue.
     #[must_use]
     pub const fn channel(self, column: usize, row: usize) -> usize {
         let square = match self {
@@ -40,8 +40,8 @@ impl Mosaic {
         square[row % 2 * 2 + column % 2]
     }
 
-    /// Of each pixel of a tile the colour that it sees. `lines` are the places of the pixels that the tile's lines begin
-    /// with, which are even across.
+    /// The colour that each pixel of a tile sees. `lines` holds the positions of the first pixels of the tile's lines,
+    /// whose columns are even.
     #[inline(always)]
     pub(crate) fn pick(self, colours: &Colours, lines: &[[usize; 2]; BLOCKS]) -> Lanes<f32> {
         let mut seen = [0.0; LANES];

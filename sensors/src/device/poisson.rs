@@ -1,28 +1,30 @@
-//! Numbers of electrons: Poisson's distribution.
+//! Numbers of electrons, with a Poisson distribution.
 //!
 //! Small means are sampled exactly, by inversion: the count is the first k whose cumulative probability reaches a
-//! uniform number. From [`MANY`] on a standard normal w is bent into a number with the distribution's mean, variance
-//! and, to a part in 900, third moment, as the expansion of E. A. Cornish and R. A. Fisher does (1938,
-//! doi:10.2307/1400905); M. B. Giles gives it for Poisson's quantiles (Algorithm 955, 2016, doi:10.1145/2699466).
+//! uniform number. From [`MANY`] on, a standard normal w is transformed to a number with the distribution's mean,
+//! variance and, to one part in 900, third moment, by the expansion of E. A. Cornish and R. A. Fisher (1938,
+//! doi:10.2307/1400905). M. B. Giles gives it for the quantiles of the Poisson distribution (Algorithm 955, 2016,
+//! doi:10.1145/2699466).
 //!
-//! Read noise σ is normal and added to the count, so that the two are one number there: with a variance v = m + σ² and
-//! ρ = m/v, m + w·√(v − ρ²/18) + ρ·(w² − 1)/6. The cumulative distribution of Poisson's plus the normal is met within
-//! 0.0008 for σ of at least half an electron, below which whole electrons would show: then the count is rounded, by
-//! Giles's second order, ⌊m + w·√m + ⅓ + w²/6 − (2w + w³)/(72·√m)⌋, whose total variation from Poisson's is below 0.0003.
-//! That is below 0 for two normals in 10⁸ at a mean of [`MANY`], and the count is then 0.
+//! The read noise σ is normal and added to the count, so both are drawn as one number: with the variance v = m + σ² and
+//! ρ = m/v, it is m + w·√(v − ρ²/18) + ρ·(w² − 1)/6. Its cumulative distribution differs from that of the sum of a
+//! Poisson and a normal number by at most 0.0008 for a σ of at least half an electron. For a smaller σ, single
+//! electrons would be visible, so the count is rounded, using Giles's second order, ⌊m + w·√m + ⅓ + w²/6 − (2w +
+//! w³)/(72·√m)⌋. Its total variation distance from the Poisson distribution is below 0.0003. At a mean of [`MANY`] it
+//! is negative for two normals in 10⁸, and the count is then 0.
 
 use crate::simd::{LANES, Lanes, WIDTH, load_row, sqrt_f32, store_row};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 
-/// The mean from which a count is a bent normal: where hardly any normal is bent to less than no electron.
+/// The mean from which on a count is a transformed normal: here hardly any normal is transformed to a negative count.
 pub(crate) const MANY: f32 = 16.0;
-/// Probabilities below this are left out of the sum, which in single precision they hardly change. That of no electron,
-/// e⁻¹⁶ at least, is above it.
+/// Probabilities below this are omitted from the sum, which they hardly change in single precision. The probability of
+/// a count of 0, which is at least e⁻¹⁶, is greater.
 const LEAST: f32 = 1.0e-9;
-/// More terms than any sum of a mean below [`MANY`] has.
+/// An upper bound on the number of terms of any sum for a mean below [`MANY`].
 const TERMS: usize = 48;
 
-/// Counts of the means below [`MANY`]; 0 for the others.
+/// Counts for the means below [`MANY`]; 0 for the others.
 #[inline(always)]
 pub(crate) fn few<S: Simd>(simd: S, means: &Lanes<f32>, words: &Lanes<u32>) -> Lanes<f32> {
     let mut counts = [0.0; LANES];
@@ -55,7 +57,7 @@ pub(crate) fn few<S: Simd>(simd: S, means: &Lanes<f32>, words: &Lanes<u32>) -> L
     counts
 }
 
-/// Mean plus the noise of both light and reading, from a standard normal: for means of [`MANY`] and more.
+/// The mean plus shot noise and read noise, from a standard normal, for means of at least [`MANY`].
 #[inline(always)]
 pub(crate) fn many_with_reading(mean: f32, read_variance: f32, normal: f32) -> f32 {
     let variance = mean + read_variance;
@@ -64,7 +66,7 @@ pub(crate) fn many_with_reading(mean: f32, read_variance: f32, normal: f32) -> f
     mean + normal * spread + share * (normal * normal - 1.0) * (1.0 / 6.0)
 }
 
-/// A whole number of electrons, 0 or more, from a standard normal: for means of [`MANY`] and more.
+/// A whole, non-negative number of electrons from a standard normal, for means of at least [`MANY`].
 #[inline(always)]
 pub(crate) fn many(mean: f32, normal: f32) -> f32 {
     let spread = sqrt_f32(mean);
@@ -74,16 +76,17 @@ pub(crate) fn many(mean: f32, normal: f32) -> f32 {
     if count > 0.0 { count } else { 0.0 }
 }
 
-/// Adding and taking away this rounds what is smaller to a whole number, halves to even.
+/// Adding and subtracting this number rounds smaller ones to an integer, with halves to even.
 const WHOLE: f32 = 12_582_912.0;
 
-/// To the nearest whole number, halves to even, for |x| < 2²².
+/// Rounds to the nearest integer, with halves to even, for |x| < 2²².
 #[inline(always)]
 pub(crate) fn round(x: f32) -> f32 {
     (x + WHOLE) - WHOLE
 }
 
-/// The largest whole number not above x, for |x| < 2²²; beyond, x as f32 has it, which tells halves apart at most.
+/// The greatest integer not above x, for |x| < 2²²; larger x are returned as they are, since f32 resolves at most
+/// halves there.
 #[inline(always)]
 fn floor(x: f32) -> f32 {
     let near = round(x);
@@ -91,13 +94,13 @@ fn floor(x: f32) -> f32 {
     if x < 4_194_304.0 { whole } else { x }
 }
 
-/// e⁻ˣ for 0 ≤ x ≤ [`MANY`] with a relative error below 4e-7: 2ⁿ·eʸ with y = −x − n·ln 2, the latter by Taylor's series,
-/// whose rest is below 1.3e-7 for |y| ≤ ½·ln 2.
+/// e⁻ˣ for 0 ≤ x ≤ [`MANY`] with a relative error below 4e-7: 2ⁿ·eʸ with y = −x − n·ln 2, where eʸ is a Taylor series
+/// whose remainder is below 1.3e-7 for |y| ≤ ½·ln 2.
 #[inline(always)]
 fn exp_minus(x: f32) -> f32 {
     let power = -x * core::f32::consts::LOG2_E;
     let whole = round(power);
-    // n·ln 2 in two parts, of which the first, 355/512, has so few digits that nothing is rounded.
+    // n·ln 2 in two parts. The first, 355/512, has so few digits that its product is exact.
     let y = (-x - whole * (355.0 / 512.0)) - whole * -2.121_944_4e-4;
     let part = 1.0
         + y * (1.0 + y * (0.5 + y * (1.0 / 6.0 + y * (1.0 / 24.0 + y * (1.0 / 120.0 + y * (1.0 / 720.0))))));
@@ -108,7 +111,7 @@ fn exp_minus(x: f32) -> f32 {
 mod tests {
     use super::{MANY, TERMS};
 
-    /// The least and the greatest normal that there is.
+    /// The least and the greatest normal that can occur.
     const EXTREMES: [f32; 2] = [-6.547, 6.547];
 
     #[test]
@@ -124,7 +127,7 @@ mod tests {
 
     #[test]
     fn sums_begin_and_end() {
-        // The sum of the greatest mean that is sampled by it goes on from its first term and ends before its last.
+        // The sum for the greatest sampled mean continues after its first term and ends before its last.
         let last = f64::from(MANY);
         let term = |k: usize| libm::exp(k as f64 * libm::log(last) - last - libm::lgamma(k as f64 + 1.0));
         assert!(term(0) > 10.0 * f64::from(super::LEAST) && term(TERMS - 1) < f64::from(super::LEAST));

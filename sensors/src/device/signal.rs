@@ -1,12 +1,12 @@
-//! From light to the numbers of the converter: the camera model of EMVA 1288, a tile at a time.
+//! Conversion of light to the numbers of the converter: the camera model of EMVA 1288, one tile at a time.
 //!
 //! ```text
 //! charge = min(Poisson(light · response · PRNU + dark current · time) + DSNU, full well)
 //! DN     = min(round(K · (charge + N(0, read noise²)) + black level), 2^bits − 1), and 0 at least
 //! ```
 //!
-//! The well holds charge, and reading adds its noise to what the well holds: a pixel whose well is full still shows the
-//! noise of reading. Shot noise and the noise of reading are one normal only where the well cannot be full.
+//! The well limits the charge, and read noise is added to the limited charge, so a pixel with a full well still has
+//! read noise. Shot noise and read noise are drawn as one normal only if the well cannot be full.
 
 use super::poisson::{MANY, few, many, many_with_reading, round};
 use crate::noise::{Stream, normals64};
@@ -14,34 +14,35 @@ use crate::simd::{LANES, Lanes, sqrt_f32};
 use crate::trace::tiling::BLOCKS;
 use fearless_simd::Simd;
 
-/// Below this variance of the noise of reading, half an electron squared, whole electrons show.
+/// Below this variance of the read noise, half an electron squared, single electrons are visible.
 const WHOLE_ELECTRONS: f32 = 0.25;
 
-/// No normal is larger, and no normal bends a count by more than this many electrons besides its deviation.
+/// Upper bounds on the magnitude of a normal, and on the electrons by which the transformation of a normal to a count
+/// exceeds its standard deviation.
 const LARGEST_NORMAL: f32 = 6.6;
 const LARGEST_BEND: f32 = 8.0;
 
-/// What of a device the pixels need, in single precision.
+/// The parameters of a device that pixels need, in single precision.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Signal {
-    /// Electrons of the dark current in the time of exposure.
+    /// Mean number of electrons from the dark current in the exposure time.
     pub(super) dark_e: f32,
-    /// Standard deviation of the pixels' response, as a share of it.
+    /// Standard deviation of the pixels' response, as a fraction of it.
     pub(super) prnu: f32,
     /// Standard deviation of the pixels' dark signal.
     pub(super) dsnu_e: f32,
-    /// Standard deviation of the noise of reading and converting.
+    /// Standard deviation of the read and converter noise.
     pub(super) read_e: f32,
     pub(super) full_well_e: f32,
     pub(super) dn_per_electron: f32,
     pub(super) black_level_dn: f32,
-    /// The largest number of the converter.
+    /// The greatest number of the converter.
     pub(super) top_dn: f32,
 }
 
 impl Signal {
-    /// Turns the electrons that light makes on average in the pixels of a tile into DN. `of` gives the
-    /// streams of the tile's plane.
+    /// Converts the mean number of electrons from light in the pixels of a tile to DN. `of` returns the stream of the
+    /// tile's plane for a channel.
     #[inline(always)]
     pub(super) fn read<S: Simd>(
         &self,
@@ -53,7 +54,7 @@ impl Signal {
         let Self { dark_e, prnu, dsnu_e, read_e, full_well_e, dn_per_electron, black_level_dn, top_dn } =
             *self;
 
-        // Step 1: fixed patterns.
+        // Step 1: apply the fixed patterns.
         if prnu != 0.0 {
             let response = normals64(simd, &Stream { frame: 0, ..of(Stream::RESPONSE) }, samples);
             for lane in 0..LANES {
@@ -69,7 +70,7 @@ impl Signal {
             }
         }
         let variance = read_e * read_e;
-        // Below this no count reaches the full well, whatever its noise is.
+        // Below this, no count reaches the full well, whatever its noise.
         let brim_e = full_well_e - LARGEST_NORMAL * sqrt_f32(full_well_e + variance) - LARGEST_BEND;
         let (mut any_none, mut any_few, mut any_many, mut any_full) = (0, 0, 0, 0);
         for lane in 0..LANES {
@@ -82,8 +83,8 @@ impl Signal {
             any_many |= is_many;
         }
 
-        // Step 2: the charge that is counted, and the noise of reading it. Where the well cannot be full, both noises are
-        // in the charge.
+        // Step 2: draw the charge that is collected, and its read noise. Where the well cannot be full, the charge
+        // includes both kinds of noise.
         let is_one = variance >= WHOLE_ELECTRONS;
         let mut shot = [0.0; LANES];
         if is_one || any_many != 0 {
@@ -118,7 +119,7 @@ impl Signal {
             }
         }
         if any_few | any_none != 0 {
-            // Of no electrons none is counted. A count that took no normal leaves that of shot noise to reading.
+            // A mean of 0 gives a count of 0. A count that used no normal leaves its normal to the read noise.
             let mut small = [0.0; LANES];
             if any_few != 0 {
                 small = few(simd, electrons, &of(Stream::COUNT).words64(simd, samples));
@@ -132,7 +133,7 @@ impl Signal {
             }
         }
 
-        // Step 3: DN.
+        // Step 3: convert to DN.
         for lane in 0..LANES {
             let collected = counts[lane] + offset[lane];
             let held = if collected < full_well_e { collected } else { full_well_e };

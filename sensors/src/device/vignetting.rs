@@ -1,28 +1,28 @@
-//! Vignetting: how a lens darkens towards the edge of the picture.
+//! Vignetting: the darkening of an image towards its edges by the lens.
 
 use crate::simd::{LANES, Lanes};
 
-/// Light of a ray at the angle θ from the optical axis, as a share of that on the axis:
-/// cos⁴θ · (1 + a·s + b·s² + c·s³) with s = sin²θ.
+/// Vignetting: the light of a ray at the angle θ from the optical axis, as a fraction of that on the axis, is cos⁴θ ·
+/// (1 + a·s + b·s² + c·s³) with s = sin²θ.
 ///
-/// cos⁴θ is the natural one, of a thin lens over a flat sensor; s runs from 0 to 1 at 90°, so that the polynomial is
-/// defined for every lens. Nothing gets through from 90° on when the natural one is on, nor where the polynomial is
-/// negative.
+/// cos⁴θ is the natural vignetting of a thin lens in front of a flat sensor. The variable s runs from 0 to 1 at 90°, so
+/// the polynomial is defined for every lens. No light passes from 90° on if natural vignetting is enabled, nor where
+/// the polynomial is negative.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Vignetting {
-    /// Whether there is the factor cos⁴θ.
+    /// Whether the factor cos⁴θ applies.
     pub natural: bool,
-    /// a, b, c.
+    /// The coefficients a, b and c.
     pub polynomial: [f64; 3],
 }
 
 impl Vignetting {
-    /// None.
+    /// No vignetting.
     pub const NONE: Self = Self { natural: false, polynomial: [0.0; 3] };
-    /// cos⁴θ alone.
+    /// Natural vignetting, cos⁴θ, only.
     pub const NATURAL: Self = Self { natural: true, polynomial: [0.0; 3] };
 
-    /// The share of the light at an angle from the axis.
+    /// Returns the fraction of the light at an angle from the axis.
     ///
     /// ```
     /// use belvedere_sensors::device::Vignetting;
@@ -41,7 +41,7 @@ impl Vignetting {
         natural * (1.0 + s * (a + s * (b + s * c))).max(0.0)
     }
 
-    /// The same for the rays of a tile, of any length.
+    /// The fractions for the rays of a tile, whose directions may have any length.
     #[inline(always)]
     pub(super) fn of_rays(&self, directions: &[Lanes<f32>; 3], forward: [f32; 3]) -> Lanes<f32> {
         let [x, y, z] = directions;

@@ -1,21 +1,21 @@
-//! Standard normal numbers by the Box–Muller transform, two of a word.
+//! Standard normal numbers by the Box–Muller transform, two from each random word.
 //!
-//! Of two independent uniform numbers U and V, r = √(−2 ln U) and θ = 2πV give the two independent normals r·cos θ and
-//! r·sin θ (G. E. P. Box, M. E. Muller, "A note on the generation of random normal deviates", 1958,
-//! doi:10.1214/aoms/1177706645). Here both come from one random word w of 32 bits: U = (⌊w/2⌋ + ½)/2³¹, the two lowest
-//! bits of w say which quarter of the circle, and where in the quarter is the fraction of w·φ, φ the golden section.
-//! So the 2³² pairs (U, V) are a lattice, which leaves no gaps at any scale: of U below any bound, however small, angles
-//! are spread as evenly as may be, as in the head of a sunflower (L. Kuipers,
-//! H. Niederreiter, "Uniform distribution of sequences", 1974, chapter 2, section 3).
+//! From two independent uniform numbers U and V, r = √(−2 ln U) and θ = 2πV give the two independent normals r·cos θ
+//! and r·sin θ (G. E. P. Box, M. E. Muller, "A note on the generation of random normal deviates", 1958,
+//! doi:10.1214/aoms/1177706645). Here both come from one random 32-bit word w: U = (⌊w/2⌋ + ½)/2³¹. The two lowest bits
+//! of w select the quarter of the circle, and the position within the quarter is the fractional part of w·φ, where φ is
+//! the golden ratio. The 2³² pairs (U, V) therefore form a lattice without gaps at any scale: for all U below any
+//! bound, however small, the angles are spread as evenly as possible, like the seeds of a sunflower (L. Kuipers, H.
+//! Niederreiter, "Uniform distribution of sequences", 1974, chapter 2, section 3).
 //!
-//! All 2³³ normals were looked at: their distribution is nowhere farther than 3.1e-7 from the normal one (Kolmogorov),
-//! variance, fourth and sixth moment are right to 1e-6, pairs and their squares are uncorrelated to 2e-7, and beyond 3, 4,
-//! 5 and 5.5 lie as many as should, to 1e-6, 1e-4, 2e-4 and 3e-3 of them. None exceeds 6.547, which true normals pass
-//! once in 1.7·10¹⁰ samples.
+//! All 2³³ normals were examined. Their distribution differs from the normal one by at most 3.1e-7 (Kolmogorov
+//! distance). The variance and the fourth and sixth moments are correct to 1e-6. Pairs and their squares are
+//! uncorrelated to 2e-7. The fractions beyond 3, 4, 5 and 5.5 are correct to 1e-6, 1e-4, 2e-4 and 3e-3 of their values.
+//! No normal exceeds 6.547, which true normals exceed once in 1.7·10¹⁰ samples.
 //!
-//! The logarithm and the circular functions are minimax polynomials of our own (Remez's exchange, coefficients rounded to
-//! f32) evaluated with + − × and √ alone, each rounded once and never fused: the bits are the same on every machine.
-//! The relative error of a normal is below 3e-6.
+//! The logarithm and the circular functions are minimax polynomials (Remez exchange, coefficients rounded to f32),
+//! evaluated with +, −, × and √ only, each rounded once and never fused, so the bits are the same on every machine. The
+//! relative error of a normal is below 3e-6.
 
 use super::Stream;
 use crate::simd::dispatch;
@@ -23,15 +23,16 @@ use fearless_simd::{
     Bytes, Level, Select, Simd, SimdBase, SimdCombine, SimdFloat, f32x4, f32x16, i32x16, u32x16,
 };
 
-/// Samples of a block.
+/// Samples per block.
 const BLOCK: usize = 16;
-/// Samples that are worked out at once.
+/// Samples computed at a time by the main loop.
 const BATCH: usize = 4 * BLOCK;
 
-/// Writes the samples `first_index`, `first_index + 1`, … of the stream as standard normals, with the instructions of a
-/// SIMD level. The bits are the same at every level, and a sample depends on its index alone: however a run is split
-/// into calls, the values are the same. A run that goes on past index 2³² − 1 takes the blocks that follow, which no
-/// index names.
+/// Fills `out` with the standard normals of the stream's samples `first_index`, `first_index + 1`, ….
+///
+/// The bits are the same at every SIMD level, and a sample depends only on its index: the values do not depend on how a
+/// run is split into calls. A run that continues past index 2³² − 1 uses the blocks that follow, which no index refers
+/// to.
 ///
 /// ```
 /// use belvedere_sensors::noise::{Stream, fill_standard_normal};
@@ -46,7 +47,8 @@ pub fn fill_standard_normal(level: Level, stream: &Stream, first_index: u32, out
     dispatch!(level, simd => fill(simd, stream, first_index, out));
 }
 
-/// A sample of the stream as a standard normal. For many, [`fill_standard_normal`] takes a sixtieth of the time.
+/// Returns one sample of the stream as a standard normal. [`fill_standard_normal`] takes a sixtieth of the time per
+/// sample.
 ///
 /// ```
 /// use belvedere_sensors::noise::{Stream, fill_standard_normal, standard_normal};
@@ -82,8 +84,8 @@ fn fill<S: Simd>(simd: S, stream: &Stream, first_index: u32, out: &mut [f32]) {
     );
 }
 
-/// The standard normals of the samples of four blocks, by columns: those of the first four samples of each block, of the
-/// second four, and so on. That is how they come.
+/// The standard normals of the samples of four blocks, by columns, which is the order in which they are computed: the
+/// first four samples of each block, then the second four of each, and so on.
 #[inline(always)]
 pub(crate) fn normal_columns<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]) -> [f32x16<S>; 4] {
     let [first, second] = stream.words_of_blocks(simd, blocks);
@@ -91,7 +93,7 @@ pub(crate) fn normal_columns<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]
     [first[0], first[1], second[0], second[1]]
 }
 
-/// The same normals block by block.
+/// The standard normals of the samples of four blocks, one vector per block.
 #[inline(always)]
 pub(crate) fn normal_lines<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]) -> [f32x16<S>; 4] {
     let [a, b, c, d] = normal_columns(simd, stream, blocks);
@@ -100,7 +102,7 @@ pub(crate) fn normal_lines<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]) 
     [line(0), line(1), line(2), line(3)]
 }
 
-/// The same normals in the order of the samples.
+/// The standard normals of the samples of four blocks, in the order of the samples.
 #[inline(always)]
 pub(crate) fn normals64<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]) -> [f32; 64] {
     let mut normals = [0.0; 64];
@@ -110,7 +112,7 @@ pub(crate) fn normals64<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]) -> 
     normals
 }
 
-/// Four lanes at a time.
+/// Splits a vector into four quarters of four lanes.
 #[inline(always)]
 fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
     let (upper, lower) = simd.split_f32x16(values);
@@ -118,7 +120,7 @@ fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
     [a, b, c, d]
 }
 
-/// Two independent normals a lane from a random word a lane.
+/// Makes two independent normals per lane from one random word per lane.
 #[inline(always)]
 fn box_muller<S: Simd>(simd: S, words: u32x16<S>) -> [f32x16<S>; 2] {
     /// 2³²·(φ − 1), odd.
@@ -127,20 +129,20 @@ fn box_muller<S: Simd>(simd: S, words: u32x16<S>) -> [f32x16<S>; 2] {
     let word = |word| u32x16::splat(simd, word);
 
     let radius = minus_two_ln(simd, words >> 1).sqrt();
-    // The golden section's multiple moves the mantissa of a number in [1, 2).
+    // A multiple of the golden ratio becomes the mantissa of a number in [1, 2).
     let mantissa = (words * word(GOLDEN)) >> 9 | word(1.0_f32.to_bits());
     let [sin, cos] = sin_cos_quarter(simd, mantissa.bitcast::<f32x16<S>>() - 1.5);
-    // Bit 0 mirrors the quarter at the diagonal and bit 1 turns it by half, which together cover the circle once.
+    // Bit 0 mirrors the quarter at the diagonal and bit 1 negates the radius; together they cover the circle once.
     let mirrored = (words << 31).bitcast::<i32x16<S>>().simd_lt(i32x16::splat(simd, 0));
     let radius: f32x16<S> = (radius.bitcast::<u32x16<S>>() ^ (words << 30 & word(SIGN))).bitcast();
     [radius * mirrored.select(sin, cos), radius * mirrored.select(cos, sin)]
 }
 
-/// −2 ln((n + ½)/2³¹) of whole numbers n < 2³¹, 0 or more, with a relative error below 1.3e-6 of that of the fraction as
-/// f32 holds it.
+/// −2 ln((n + ½)/2³¹) for integers 0 ≤ n < 2³¹, with a relative error below 1.3e-6 with respect to the fraction as
+/// rounded to f32.
 #[inline(always)]
 fn minus_two_ln<S: Simd>(simd: S, n: u32x16<S>) -> f32x16<S> {
-    /// √½ in f32: the least mantissa.
+    /// √½ as f32 bits: the smallest mantissa.
     const SQRT_HALF: u32 = 0x3F35_04F3;
     /// −2 ln(1 + f)/f on √½ ≤ 1 + f < √2, minimax in the relative error: 1.1e-6.
     const P: [f32; 7] =
@@ -150,7 +152,7 @@ fn minus_two_ln<S: Simd>(simd: S, n: u32x16<S>) -> f32x16<S> {
     let number = |number| f32x16::splat(simd, number);
 
     let scaled: f32x16<S> = simd.cvt_f32_i32x16(n.bitcast()) + 0.5;
-    // scaled = 2^exponent · mantissa with √½ ≤ mantissa < √2; the exponent stays where an f32 has it.
+    // scaled = 2^exponent · mantissa with √½ ≤ mantissa < √2; the exponent stays in its f32 bit position.
     let bits: u32x16<S> = scaled.bitcast();
     let exponent = (bits - u32x16::splat(simd, SQRT_HALF)) & u32x16::splat(simd, 0xFF80_0000);
     let f = (bits - exponent).bitcast::<f32x16<S>>() - 1.0;
@@ -163,7 +165,7 @@ fn minus_two_ln<S: Simd>(simd: S, n: u32x16<S>) -> f32x16<S> {
     (exponent * (STEP / 8_388_608.0) + -31.0 * STEP) + f * p
 }
 
-/// Sine and cosine of π/2 · x for |x| ≤ ½, with errors below 1.7e-6 and 1.3e-7 of the value.
+/// Sine and cosine of π/2 · x for |x| ≤ ½, with relative errors below 1.7e-6 and 1.3e-7.
 #[inline(always)]
 fn sin_cos_quarter<S: Simd>(simd: S, x: f32x16<S>) -> [f32x16<S>; 2] {
     /// sin(π/2·x)/x in x², minimax in the relative error: 1.5e-6.

@@ -1,15 +1,15 @@
 //! SDF's Gaussian noise, as Gazebo's `GaussianNoiseModel` applies it.
 //!
-//! out = in + bias + N(mean, stddev); with a precision other than 0, out = round(out / precision) · precision. Where that
-//! is no finite number, since the precision is too small or too large for it, out stays as it was.
-//! The bias is drawn once per run from N(bias mean, bias stddev), and its sign is flipped with probability ½.
+//! out = in + bias + N(mean, stddev). With a precision other than 0, out = round(out / precision) · precision. If that
+//! is not finite, because the precision is too small or too large for the value, out is not rounded. The bias is drawn
+//! once per run from N(bias mean, bias stddev), and its sign is flipped with probability ½.
 
 use super::{Stream, standard_normal};
 use crate::ParameterError;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
-/// The parameters of [`GaussianNoise`], in the unit of the measured value, as the elements of SDF's `<noise>` are named.
-/// All are 0 by default.
+/// The parameters of [`GaussianNoise`], in the unit of the measured value, named after the elements of SDF's `<noise>`.
+/// All default to 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct GaussianNoiseConfig {
@@ -21,7 +21,7 @@ pub struct GaussianNoiseConfig {
     pub bias_mean: f32,
     /// Standard deviation of the bias of a run, 0 or more.
     pub bias_stddev: f32,
-    /// The step to which outputs are rounded; 0 rounds nothing.
+    /// The step to which outputs are rounded; 0 disables rounding.
     pub precision: f32,
 }
 
@@ -60,10 +60,10 @@ impl GaussianNoise {
     /// No noise: SDF's default.
     pub const NONE: Self = Self { config: GaussianNoiseConfig::NONE };
 
-    /// Checks the configuration.
+    /// Creates the noise model after checking its parameters.
     ///
     /// # Errors
-    /// Names the first value that is not finite, or negative where it must not be.
+    /// Names the first value that is not finite, or that is negative where it must not be.
     pub fn new(config: GaussianNoiseConfig) -> Result<Self, ParameterError> {
         let GaussianNoiseConfig { mean, stddev, bias_mean, bias_stddev, precision } = config;
         let require = |parameter, value: f32, holds, rule| {
@@ -79,7 +79,7 @@ impl GaussianNoise {
         Ok(Self { config })
     }
 
-    /// Noise of mean 0, without a bias and without rounding.
+    /// Creates noise with mean 0 and the given standard deviation, without bias and without rounding.
     ///
     /// ```
     /// use belvedere_sensors::noise::GaussianNoise;
@@ -88,17 +88,17 @@ impl GaussianNoise {
     /// ```
     ///
     /// # Errors
-    /// When it is negative, NaN or infinite.
+    /// If `stddev` is negative, NaN or infinite.
     pub fn of_stddev(stddev: f32) -> Result<Self, ParameterError> {
         Self::new(GaussianNoiseConfig::default().stddev(stddev))
     }
 
-    /// What it was made from.
+    /// The parameters of the noise.
     pub fn config(&self) -> &GaussianNoiseConfig {
         &self.config
     }
 
-    /// The mean of the noise without the bias.
+    /// The mean of the noise, without the bias.
     pub fn mean(&self) -> f32 {
         self.config.mean
     }
@@ -108,18 +108,18 @@ impl GaussianNoise {
         self.config.stddev
     }
 
-    /// The step to which outputs are rounded; 0 is none.
+    /// The step to which outputs are rounded; 0 if they are not.
     pub fn precision(&self) -> f32 {
         self.config.precision
     }
 
-    /// True when [`GaussianNoise::apply`] with a bias of 0 changes nothing and no bias will be drawn.
+    /// Returns true if [`GaussianNoise::apply`] with a bias of 0 changes nothing and no bias will be drawn.
     pub fn is_none(&self) -> bool {
         *self == Self::NONE
     }
 
-    /// The bias of a sensor for the whole run. `component` tells apart the quantities that one sensor measures
-    /// (the axes of an IMU); it is 0 where there is but one.
+    /// Draws the bias of a sensor for the whole run. `component` distinguishes the quantities that one sensor measures,
+    /// such as the axes of an IMU; it is 0 if there is only one.
     pub fn bias(&self, seed: u64, sensor: u32, component: u32) -> f32 {
         let stream = Stream { seed, sensor, frame: 0, channel: Stream::BIAS };
         let z = standard_normal(&stream, component);
@@ -128,8 +128,9 @@ impl GaussianNoise {
         if flipped { -bias } else { bias }
     }
 
-    /// The noisy value of a true one, from the sensor's [`bias`](GaussianNoise::bias) and a standard normal `z`
-    /// ([`standard_normal`]). Infinities and NaN stay what they are, and no other value becomes infinite by its rounding.
+    /// Returns the noisy value for a true one, given the sensor's [`bias`](GaussianNoise::bias) and a standard normal
+    /// `z` (from [`standard_normal`]). Infinities and NaN are returned unchanged, and rounding never makes another
+    /// value infinite.
     #[must_use]
     #[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
     #[inline(always)]
@@ -138,13 +139,14 @@ impl GaussianNoise {
         if self.config.precision == 0.0 {
             return noisy;
         }
-        // More steps than f32 can count may go into a value. They are finer than its last bit, and it stays as it is; so no
-        // precision has to be refused. Nor does a value leave f32 because its nearest step does.
+        // If the value is more steps than f32 can count, the steps are finer than its last bit and it stays as it is,
+        // so no precision has to be rejected. A value also stays as it is if its nearest step is outside the range of
+        // f32.
         let stepped = round(noisy / self.config.precision) * self.config.precision;
         if stepped.abs() < f32::INFINITY { stepped } else { noisy }
     }
 
-    /// What is measured of a true range, from `min` to `max`: −∞ if that is too near, +∞ if it is too far (REP-117).
+    /// The measurement of a true range between `min` and `max`: −∞ if it is too near, +∞ if it is too far (REP 117).
     #[inline(always)]
     pub(crate) fn apply_to_range(&self, truth: f32, bias: f32, z: f32, [min, max]: [f32; 2]) -> f32 {
         if truth >= max || truth == f32::INFINITY {
@@ -163,7 +165,7 @@ impl GaussianNoise {
         }
     }
 
-    /// [`GaussianNoise::apply`] to sixteen values.
+    /// Vector form of [`GaussianNoise::apply`] for sixteen values.
     #[inline(always)]
     pub(crate) fn apply_vector<S: Simd>(
         &self,
@@ -180,10 +182,10 @@ impl GaussianNoise {
         stepped.abs().simd_lt(f32x16::splat(simd, f32::INFINITY)).select(stepped, noisy)
     }
 
-    /// [`GaussianNoise::apply`] to many values, each with the normal of its place.
+    /// Applies [`GaussianNoise::apply`] to an array, each value with the normal of the same index.
     #[inline(always)]
     pub(crate) fn apply_all<const N: usize>(&self, values: &mut [f32; N], bias: f32, normals: &[f32; N]) {
-        // A loop that asks each time would divide and round each time, and then choose.
+        // Testing the precision inside the loop would divide and round every value and then select.
         if self.config.precision == 0.0 {
             for lane in 0..N {
                 values[lane] += (bias + self.config.mean) + self.config.stddev * normals[lane];
@@ -202,10 +204,10 @@ impl Default for GaussianNoise {
     }
 }
 
-/// From here on every f32 is an integer.
+/// From this magnitude on, every f32 is an integer.
 const ALL_INTEGERS: f32 = 8_388_608.0;
 
-/// To the nearest integer, halves away from zero, as C's `round`. Written out because `core` has no rounding,
+/// Rounds to the nearest integer, halves away from zero, like C's `round`. Written out because `core` has no rounding,
 /// and in a form that vectorises.
 #[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
 #[inline(always)]
@@ -217,12 +219,12 @@ fn round(x: f32) -> f32 {
     if magnitude < ALL_INTEGERS { rounded.copysign(x) } else { x }
 }
 
-/// [`round`] of sixteen values.
+/// Vector form of [`round`] for sixteen values.
 #[inline(always)]
 fn round_vector<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     let magnitude = x.abs();
     let has_fraction = magnitude.simd_lt(f32x16::splat(simd, ALL_INTEGERS));
-    // What is no less is an integer already, or not a number, and 32 bits need not hold it.
+    // Larger values are integers already, or NaN, and may not fit into 32 bits.
     let magnitude = has_fraction.select(magnitude, f32x16::splat(simd, 0.0));
     let whole = simd.cvt_f32_i32x16(simd.cvt_i32_f32x16(magnitude));
     let is_half = (magnitude - whole).simd_ge(f32x16::splat(simd, 0.5));
@@ -240,7 +242,7 @@ mod tests {
         let far =
             [8_388_608.0, 16_777_217.0, 2_147_483_520.0, 2_147_483_648.0, 1e20, f32::INFINITY, f32::NAN];
         let mut values: Vec<f32> = places.into_iter().chain(far).flat_map(|x| [x, -x]).collect();
-        // The numbers beside them, and some of any size.
+        // Their neighbours in f32, and numbers of all sizes.
         values.extend(values.clone().iter().flat_map(|x| [x.next_up(), x.next_down()]));
         values.extend((0..40_000_u32).map(|index| f32::from_bits(index.wrapping_mul(107_374))));
         values.resize(values.len().next_multiple_of(16), 0.0);

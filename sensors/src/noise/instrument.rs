@@ -1,22 +1,26 @@
-//! What an instrument makes of the quantities that it measures: gyros, accelerometers, magnetometers, barometers, receivers.
+//! Error models of instruments: gyroscopes, accelerometers, magnetometers, barometers, satellite receivers.
 //!
-//! out = quantise(M·in + mean + b₀ + b(t) + w), in the unit of what is measured, where
+//! out = quantise(M·in + mean + b₀ + b(t) + w), in the unit of the measured quantity, where
 //!
-//! - M is the matrix of sensitivities: 1 + the scale errors on its diagonal, misalignments in radians beside it;
-//! - b₀ is a bias for the whole run, N(bias mean, bias stddev), its sign turned with probability ½, as in SDF;
-//! - b(t) is a bias that drifts, a Gauss–Markov process driven by white noise of density q with correlation time τ:
-//!   b ← e^(−Δt/τ)·b + N(0, q²·τ/2·(1 − e^(−2Δt/τ))), exact for any Δt. Without end of τ it is a random walk, of
-//!   deviation q·√t. It begins at 0. SDF's `dynamic_bias_stddev` is q, and Kalibr's "bias random walk";
-//! - w is white noise: of one density whatever the rate, σ/√Δt a sample, and of one deviation a sample, both drawn as one.
+//! - M is the sensitivity matrix: 1 + the scale errors on its diagonal, misalignments in radians off the diagonal;
+//! - b₀ is a bias that is constant for the whole run, N(bias mean, bias stddev), with its sign flipped with probability
+//!   ½, as in SDF;
+//! - b(t) is a drifting bias: a Gauss–Markov process driven by white noise of density q with correlation time τ,
+//!   b ← e^(−Δt/τ)·b + N(0, q²·τ/2·(1 − e^(−2Δt/τ))), which is exact for any Δt. With infinite τ it is a random walk
+//!   with standard deviation q·√t. It starts at 0. SDF calls q `dynamic_bias_stddev`, Kalibr calls it "bias random
+//!   walk";
+//! - w is white noise: one part with a noise density that does not depend on the rate, σ/√Δt per sample, and one part
+//!   with a fixed standard deviation per sample. Both are drawn as one number.
 //!
-//! Such a density reads as itself at 1 s of an Allan deviation, on the slope of −½; the process, for times T, as
-//! q·τ/√T·√(1 − τ/(2T)·(3 − 4e^(−T/τ) + e^(−2T/τ))): +½ below τ, at most 0.4365·q·√τ (at 1.89 τ), −½ beyond.
+//! In an Allan deviation plot, the noise density is the value at 1 s on the slope of −½. The drifting bias appears, for
+//! averaging times T, as q·τ/√T·√(1 − τ/(2T)·(3 − 4e^(−T/τ) + e^(−2T/τ))): a slope of +½ below τ, a maximum of
+//! 0.4365·q·√τ at 1.89 τ, and a slope of −½ beyond.
 
 use super::{Stream, fill_standard_normal};
 use crate::ParameterError;
 use crate::simd::best_level;
 
-/// Errors of an instrument of `N` axes, in the unit of what they measure. None at first.
+/// Errors of an instrument with `N` axes, in the unit of the measured quantity. By default there are none.
 ///
 /// ```
 /// use belvedere_sensors::noise::{Instrument, InstrumentConfig, InstrumentState, Stream};
@@ -30,26 +34,26 @@ use crate::simd::best_level;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct InstrumentConfig<const N: usize> {
-    /// Sensitivities, row by row: what each axis reads of a unit along each.
+    /// Sensitivity matrix, row by row: what each axis reads per unit along each axis.
     pub sensitivity: [[f64; N]; N],
     /// Mean of the noise.
     pub mean: [f64; N],
-    /// Standard deviation of white noise a sample, at any rate.
+    /// Standard deviation of white noise per sample, independent of the rate.
     pub stddev: [f64; N],
-    /// Density of white noise in units/√Hz.
+    /// White noise density in units/√Hz.
     pub density: [f64; N],
     /// Mean of the bias of a run.
     pub bias_mean: [f64; N],
     /// Standard deviation of the bias of a run.
     pub bias_stddev: [f64; N],
-    /// Density of what drives the bias that drifts, in units/s/√Hz.
+    /// Density of the white noise that drives the drifting bias, in units/s/√Hz.
     pub drift: [f64; N],
-    /// Correlation time of that bias in s; infinite for a random walk.
+    /// Correlation time of the drifting bias in seconds; infinite for a random walk.
     pub drift_time_s: [f64; N],
-    /// Steps of the output; 0 for none. A value stays as it is where its nearest step is no finite number, since the steps are
-    /// too small to be counted or too large.
+    /// Quantisation step of the output; 0 for none. A value is left unrounded if its nearest step is not a finite
+    /// number.
     pub precision: [f64; N],
-    /// Outputs stay within ± this.
+    /// Outputs are clamped to ± this value.
     pub limit: f64,
 }
 
@@ -76,29 +80,29 @@ impl<const N: usize> Default for InstrumentConfig<N> {
 
 impl<const N: usize> InstrumentConfig<N> {
     setters! {
-        /// Sensitivities, row by row.
+        /// Sets the sensitivity matrix, row by row.
         sensitivity: [[f64; N]; N],
-        /// Mean of the noise.
+        /// Sets the mean of the noise.
         mean: [f64; N],
-        /// Standard deviation of white noise a sample.
+        /// Sets the standard deviation of white noise per sample.
         stddev: [f64; N],
-        /// Density of white noise in units/√Hz.
+        /// Sets the white noise density in units/√Hz.
         density: [f64; N],
-        /// Mean of the bias of a run.
+        /// Sets the mean of the bias of a run.
         bias_mean: [f64; N],
-        /// Standard deviation of the bias of a run.
+        /// Sets the standard deviation of the bias of a run.
         bias_stddev: [f64; N],
-        /// Density of what drives the bias that drifts, in units/s/√Hz.
+        /// Sets the density of the white noise that drives the drifting bias, in units/s/√Hz.
         drift: [f64; N],
-        /// Correlation time of that bias in s.
+        /// Sets the correlation time of the drifting bias in seconds.
         drift_time_s: [f64; N],
-        /// Steps of the output.
+        /// Sets the quantisation step of the output.
         precision: [f64; N],
-        /// Outputs stay within ± this.
+        /// Sets the limit: outputs are clamped to ± this value.
         limit: f64,
     }
 
-    /// With relative errors of scale: 0.01 reads 1 % too much.
+    /// Sets relative scale errors: with 0.01 an axis reads 1 % too much.
     #[must_use]
     pub fn scale_errors(mut self, errors: [f64; N]) -> Self {
         for axis in 0..N {
@@ -107,7 +111,7 @@ impl<const N: usize> InstrumentConfig<N> {
         self
     }
 
-    /// Standard deviation of white noise of samples that are `period_s` apart.
+    /// Returns the standard deviation of white noise for samples that are `period_s` apart.
     #[must_use]
     pub fn white_stddev(&self, period_s: f64) -> [f64; N] {
         let mut stddev = self.stddev;
@@ -120,37 +124,37 @@ impl<const N: usize> InstrumentConfig<N> {
         stddev
     }
 
-    /// True if it errs in nothing.
+    /// Returns true if the instrument has no errors.
     pub fn is_exact(&self) -> bool {
         *self == Self { drift_time_s: self.drift_time_s, ..Self::default() }
     }
 }
 
-/// The biases of a running instrument, from [`Instrument::start`].
+/// The biases of a running instrument, created by [`Instrument::start`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InstrumentState<const N: usize> {
-    /// That of the run.
+    /// The bias of the run.
     pub bias: [f64; N],
-    /// That which drifts, after the last frame.
+    /// The drifting bias, after the last frame.
     pub drift: [f64; N],
 }
 
-/// An instrument of `N` axes.
+/// An instrument with `N` axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instrument<const N: usize> {
     config: InstrumentConfig<N>,
 }
 
 impl<const N: usize> Instrument<N> {
-    /// Of these errors.
+    /// Creates an instrument with the given errors.
     ///
     /// # Errors
-    /// Names the first parameter that is not finite, or below its range.
+    /// Names the first parameter that is not finite or is out of range.
     pub fn new(config: InstrumentConfig<N>) -> Result<Self, ParameterError> {
         Self::named("instrument", config)
     }
 
-    /// The same with the name by which its errors call it.
+    /// Creates an instrument under the name that its errors report.
     pub(crate) fn named(of: &'static str, config: InstrumentConfig<N>) -> Result<Self, ParameterError> {
         type Holds = fn(f64) -> bool;
         let require_all = |parameter, values: &[f64], holds: Holds, rule| {
@@ -174,14 +178,14 @@ impl<const N: usize> Instrument<N> {
         Ok(Self { config })
     }
 
-    /// What it was made from.
+    /// The configuration of the instrument.
     pub const fn config(&self) -> &InstrumentConfig<N> {
         &self.config
     }
 
-    /// Begins a run of the instrument that draws from the stream's channel of its seed and sensor.
+    /// Starts a run of the instrument and draws its biases from the stream's channel, seed and sensor.
     pub fn start(&self, stream: &Stream) -> InstrumentState<N> {
-        // Samples that no frame draws: theirs are below 2·N.
+        // These indices are not used by any frame: frames use indices below 2·N.
         let of_run = Stream { frame: 0, ..*stream };
         let mut normals = [0.0; N];
         fill_standard_normal(best_level(), &of_run, RUN, &mut normals);
@@ -194,9 +198,11 @@ impl<const N: usize> Instrument<N> {
         InstrumentState { bias, drift: [0.0; N] }
     }
 
-    /// What it reads of `truth` in a frame that comes `period_s` after the one before; `stream` names seed, sensor, frame
-    /// and its own channel. Frames have to be measured one after the other, since a bias that drifts goes on from the
-    /// last. In a period that is not above 0, or over which the bias would not stay a finite number, it stays what it was.
+    /// Returns the reading for `truth` in a frame that comes `period_s` seconds after the previous one.
+    ///
+    /// `stream` gives the seed, the sensor, the frame and the channel of the instrument. Frames have to be measured in
+    /// order, since the drifting bias continues from the last one. If the period is not positive, or if the bias would
+    /// not stay finite, the bias does not change.
     pub fn measure(
         &self,
         truth: [f64; N],
@@ -241,7 +247,7 @@ impl<const N: usize> Instrument<N> {
     }
 }
 
-/// First sample of the biases of a run, and of their signs, of frame 0.
+/// Indices in frame 0 of the first sample of the run's biases, and of their signs.
 const RUN: u32 = 1 << 16;
 const RUN_SIGN: u32 = 1 << 17;
 

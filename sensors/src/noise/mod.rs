@@ -1,15 +1,15 @@
 //! Counter-based random numbers and the noise models built on them.
 //!
-//! | layer | gives |
+//! | layer | provides |
 //! |---|---|
-//! | [`philox`] | the block function: 128 bits of counter and 64 bits of key to 128 random bits |
-//! | [`stream`] | which counter and key belong to a sample: a function of (seed, sensor, frame, channel, index) |
-//! | [`gaussian`] | standard normals from these words, the same bits on every machine |
+//! | [`philox`] | the block function: maps a 128-bit counter and a 64-bit key to 128 random bits |
+//! | [`stream`] | the counter and key of a sample: a function of (seed, sensor, frame, channel, index) |
+//! | [`gaussian`] | standard normals from these words, with the same bits on every machine |
 //! | [`gazebo`] | the noise that SDF's `<noise type="gaussian">` describes |
-//! | [`instrument`] | errors of gyros, accelerometers and the like: density, drifting bias, scale, misalignment |
+//! | [`instrument`] | errors of gyroscopes, accelerometers and the like: noise density, drift, scale, misalignment |
 //!
-//! There is no generator state. A sample is computed from where and when it is, so neither the order of the
-//! pixels, nor the number of threads, nor the width of the vectors can change a frame.
+//! There is no generator state. A sample is computed from its name alone, so a frame does not depend on the order of
+//! the pixels, the number of threads or the vector width.
 
 pub mod gaussian;
 pub mod gazebo;

@@ -1,18 +1,17 @@
 //! Philox4x32: a keyed bijection on 128 bits whose outputs for the counters 0, 1, 2, … are random numbers.
 //!
 //! J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011,
-//! doi:10.1145/2063384.2063405. Seven rounds are the fewest that passed `BigCrush`, and what this crate's noise uses;
-//! ten are the authors' recommendation for those who want a margin. The number of rounds is a parameter of the
-//! functions here.
+//! doi:10.1145/2063384.2063405. Seven rounds are the fewest that passed `BigCrush`, and this crate's noise uses seven;
+//! the authors recommend ten for a safety margin. The number of rounds is a parameter of the functions here.
 
 use fearless_simd::{Bytes, Simd, SimdBase, u32x16, u64x8};
 
 /// The multipliers of words 0 and 2 (Salmon 2011, table 2).
 const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
-/// What is added to the key after each round: the golden ratio and √3 − 1 in 32 bits.
+/// Added to the key after each round: the golden ratio and √3 − 1 in 32 bits.
 const KEY_STEPS: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
-/// One block: four random words of `counter` under `key`.
+/// Returns one block: the four random words for `counter` under `key`.
 ///
 /// ```
 /// use belvedere_sensors::noise::philox4x32;
@@ -37,11 +36,11 @@ pub fn philox4x32<const ROUNDS: usize>(counter: [u32; 4], key: [u32; 2]) -> [u32
     [c0, c1, c2, c3]
 }
 
-/// The blocks of eight counters whose first words are given and whose others, as the key, are the same. Of the block of
-/// counter i, words 1 and 0 are lanes 2i and 2i + 1 of the first result, words 3 and 2 those of the second.
+/// Computes the blocks of eight counters that differ only in their first words, all under the same key. For the block
+/// of counter i, words 1 and 0 are lanes 2i and 2i + 1 of the first result, words 3 and 2 those of the second.
 ///
-/// Each word has a lane of 64 bits, of which only the low half counts: the low half is what a widening multiplication
-/// reads, so products need neither packing nor masking between rounds. The last round leaves words in both halves.
+/// Each word has a 64-bit lane of which only the low half is used: a widening multiplication reads only the low half,
+/// so products need neither packing nor masking between rounds. The last round leaves words in both halves.
 #[inline(always)]
 pub(super) fn philox4x32_of_eight<S: Simd, const ROUNDS: usize>(
     simd: S,
@@ -65,13 +64,13 @@ pub(super) fn philox4x32_of_eight<S: Simd, const ROUNDS: usize>(
     [(product1 ^ (upper1 << 32)).bitcast(), (product0 ^ (upper3 << 32)).bitcast()]
 }
 
-/// A word in each lane.
+/// Broadcasts a word to all lanes.
 #[inline(always)]
 fn word<S: Simd>(simd: S, word: u32) -> u64x8<S> {
     u64x8::splat(simd, u64::from(word))
 }
 
-/// The products of the low halves.
+/// The products of the low halves with the multiplier.
 #[inline(always)]
 fn times<S: Simd>(simd: S, words: u64x8<S>, multiplier: u32) -> u64x8<S> {
     (words & word(simd, u32::MAX)) * word(simd, multiplier)

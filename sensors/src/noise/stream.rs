@@ -1,92 +1,100 @@
-//! Which random words belong to which sample.
+//! The mapping from samples to random words.
 //!
-//! A sample is named by (seed, sensor, frame, channel, index). These are laid out in Philox's inputs as they
-//! are, nothing is hashed, so two different names never share an input:
+//! A sample is named by (seed, sensor, frame, channel, index). These numbers are laid out unhashed in Philox's inputs,
+//! so two different names never share an input:
 //!
 //! | input | bits 0–15 | bits 16–31 |
 //! |---|---|---|
-//! | counter 0 | which four words, 0–30, in the order below; bit 31 is 1 for uniform words and 0 for normals | |
+//! | counter 0 | bits 0–30: number of a block of four words, see below; bit 31: 1 for uniform, 0 for normal | |
 //! | counter 1 | frame 0–31 | |
 //! | counter 2 | channel | seed 32–47 |
 //! | counter 3 | frame 32–47 | seed 48–63 |
 //! | key 0 | seed 0–31 | |
 //! | key 1 | sensor | |
 //!
-//! Uniform words: sample 16·b + 4·w + c is word w of counter 2³¹ + 4·b + c, so that a block of 16 samples takes four
-//! counters. Bit 31 tells them from normals, so that uniform numbers and normals of one stream have no word in common.
+//! Uniform words: sample 16·b + 4·w + c is word w of counter 2³¹ + 4·b + c, so a block of 16 samples takes four
+//! counters. Bit 31 separates uniform words from normals, so the uniform numbers and the normals of one stream have no
+//! word in common.
 //!
-//! Normals, of which a word makes two, z⁰ and z¹: a block of 16 takes the two counters 2·b and 2·b + 1, whose words 1 and
-//! 0 are lanes 0 and 1, 2 and 3, of one vector, and whose words 3 and 2 those of another. Sample 16·b + c is z⁰ of lane c
-//! of the first, 16·b + 4 + c its z¹, and the last eight are those of the second: normals of one kind lie side by
-//! side, as vectors want them.
+//! Normals: each word makes two, z⁰ and z¹. A block of 16 samples takes the two counters 2·b and 2·b + 1. Their words 1
+//! and 0 are lanes 0 and 1 (counter 2·b) and 2 and 3 (counter 2·b + 1) of a first vector; their words 3 and 2 are those
+//! of a second. Sample 16·b + c is z⁰ of lane c of the first vector, sample 16·b + 4 + c its z¹; the last eight samples
+//! come from the second vector in the same way. Normals of one kind are therefore contiguous, which suits vector
+//! stores.
 
 use super::philox::{philox4x32, philox4x32_of_eight};
 use fearless_simd::{Simd, SimdBase, u32x16, u64x8};
 
-/// The bit of counter 0 that uniform words have and normals have not.
+/// The bit of counter 0 that is set for uniform words and clear for normals.
 const UNIFORM: u32 = 1 << 31;
 
-/// Rounds of Philox behind every sample: the fewest that pass `BigCrush`, and a third less work than ten.
+/// Rounds of Philox for every sample: the fewest that pass `BigCrush`, and a third less work than ten.
 const ROUNDS: usize = 7;
 
-/// The random numbers of one channel of one frame of one sensor: uniform ones, and normals
-/// ([`standard_normal`](super::standard_normal)), which are independent of them and of each other.
+/// The random numbers of one channel of one frame of one sensor: uniform numbers, and normals
+/// ([`standard_normal`](super::standard_normal)) that are independent of them and of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Stream {
     /// The seed of the simulation.
     pub seed: u64,
-    /// Which sensor of the simulation.
+    /// Number of the sensor in the simulation.
     pub sensor: u32,
-    /// Which frame of the sensor; the low 48 bits count, which are 8900 years at 1 kHz.
+    /// Number of the sensor's frame. Only the low 48 bits are used, which last 8900 years at 1 kHz.
     pub frame: u64,
-    /// Which use of random numbers within the frame: additive noise, dropout, … The sensors of this crate draw from the
-    /// channels in [`Stream::TAKEN`]; all others are free, also of a sensor's own seed and number.
+    /// Purpose of the random numbers within the frame: additive noise, dropout, … The sensors of this crate draw
+    /// from the channels in [`Stream::TAKEN`]; all others are free, even with the seed and number of one of these
+    /// sensors.
     pub channel: u16,
 }
 
 impl Stream {
-    /// The channel of a camera's colours: a sample for each pixel, of tiles of 16 × 4.
+    /// The channel of a camera's colour noise: one sample per pixel, in tiles of 16 × 4 pixels.
     pub const COLOUR: u16 = 0;
-    /// The channel of a depth camera's depths, as [`Stream::COLOUR`].
+    /// The channel of a depth camera's depth noise, in the layout of [`Stream::COLOUR`].
     pub const DEPTH: u16 = 1;
-    /// The channel of a lidar's ranges.
+    /// The channel of a lidar's range noise.
     pub const RANGE: u16 = 2;
-    /// The channel of the noise of light in a camera's device, and the two after it: one for each colour.
+    /// The first of three channels of photon shot noise in a camera's device, one for each colour.
     pub const SHOT: u16 = 3;
-    /// The channels of counts of few electrons in a camera's device, as [`Stream::SHOT`].
+    /// The first of three channels of small electron counts in a camera's device, one for each colour.
     pub const COUNT: u16 = 6;
-    /// The channels of the noise of reading in a camera's device, where it is drawn apart, as [`Stream::SHOT`].
+    /// The first of three channels of read noise in a camera's device, where it is drawn separately, one for each
+    /// colour.
     pub const READ: u16 = 9;
-    /// The channels of the pattern of a device's response, which is that of frame 0, as [`Stream::SHOT`].
+    /// The first of three channels of the fixed pattern of a device's response, one for each colour. The pattern is
+    /// drawn in frame 0.
     pub const RESPONSE: u16 = 12;
-    /// The channels of the pattern of a device's dark signal, which is that of frame 0, as [`Stream::SHOT`].
+    /// The first of three channels of the fixed pattern of a device's dark signal, one for each colour. The pattern is
+    /// drawn in frame 0.
     pub const DARK: u16 = 15;
-    /// The channels of the instruments of a sensor that has several, as gyro and accelerometer, one after the other.
+    /// The first of the channels of a sensor with several instruments, such as gyroscope and accelerometer:
+    /// consecutive, one for each instrument.
     pub const INSTRUMENT: u16 = 18;
-    /// The channels of where a depth camera's pixels look beside their own ray: to the right, and down, as
-    /// [`Stream::COLOUR`].
+    /// The first of two channels of the lateral noise of a depth camera, the offsets of a pixel's ray to the right and
+    /// down, in the layout of [`Stream::COLOUR`].
     pub const SHIFT: u16 = 64;
-    /// The channel of the pattern of dots that structured light projects, which is that of frame 0.
+    /// The channel of the dot pattern that structured light projects, which is drawn in frame 0.
     pub const DOTS: u16 = 66;
-    /// The channels of the phases of a depth camera's light, one for each frequency, as [`Stream::COLOUR`].
+    /// The first channel of the phase noise of a time-of-flight camera, one for each modulation frequency, in the
+    /// layout of [`Stream::COLOUR`].
     pub const PHASE: u16 = 67;
-    /// The channels of the drops that the firings of a scanner meet: how many and how large, and where.
+    /// The first channel of the drops in the beams of a scanner's firings: their number, sizes and positions.
     pub const DROPS: u16 = 70;
-    /// The channel of which pixels a stereo camera finds, as [`Stream::COLOUR`].
+    /// The channel of the pixels that stereo matching finds, in the layout of [`Stream::COLOUR`].
     pub const MATCH: u16 = 72;
-    /// The channel of what the firings of a scanner hear of other lidars.
+    /// The channel of crosstalk from other lidars in a scanner's firings.
     pub const CROSSTALK: u16 = 73;
     /// The channel of biases, which are drawn once per sensor, in frame 0.
     pub const BIAS: u16 = 0xFFF0;
     /// The channel of the signs of the biases.
     pub const BIAS_SIGN: u16 = 0xFFF1;
-    /// The channels that this crate's sensors and noise models draw from.
+    /// The channels from which this crate's sensors and noise models draw.
     #[rustfmt::skip]
     pub const TAKEN: [u16; 32] = [
         0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 64, 65, 66, 67, 68, 69, 70, 71, 72, 73, Self::BIAS, Self::BIAS_SIGN,
     ];
 
-    /// The random word of sample `index`, uniform on all of `u32`.
+    /// Returns the random word of sample `index`, uniform on all of `u32`.
     #[must_use]
     #[inline]
     pub fn word(&self, index: u32) -> u32 {
@@ -94,7 +102,7 @@ impl Stream {
         philox4x32::<ROUNDS>(self.counter(UNIFORM | (4 * block + lane)), self.key())[word as usize]
     }
 
-    /// Sample `index` as a uniform number in (0, 1): the centre of one of 2²³ equal cells, so that neither end
+    /// Returns sample `index` as a uniform number in (0, 1): the centre of one of 2²³ equal cells, so that neither end
     /// occurs and the mean is exactly ½.
     #[must_use]
     #[inline]
@@ -102,7 +110,7 @@ impl Stream {
         ((self.word(index) >> 9) as f32 + 0.5) * (1.0 / (1_u32 << 23) as f32)
     }
 
-    /// The words of the normals of four blocks: lane 4·b + c is lane c of `blocks[b]`. Block 2³⁰ is block 0 again.
+    /// The words for the normals of four blocks: lane 4·b + c is lane c of `blocks[b]`. Block numbers wrap at 2³⁰.
     #[inline(always)]
     pub(super) fn words_of_blocks<S: Simd>(&self, simd: S, blocks: [u32; 4]) -> [u32x16<S>; 2] {
         let mut counters = [0; 8];

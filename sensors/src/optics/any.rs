@@ -1,4 +1,4 @@
-//! The optics of a sensor: which way each of its rays goes, whatever gives the directions.
+//! The optics of a sensor: the directions of all its rays, whatever defines them.
 
 #[cfg(feature = "alloc")]
 use super::RayTableBuf;
@@ -6,7 +6,7 @@ use super::rays::Fan;
 use super::{MAX_GRID_SIZE, PinholeGrid, RayTable, SphericalGrid};
 use crate::ParameterError;
 
-/// Directions of rays from a sensor, which looks along +x, y is left, z is up; row after row.
+/// The directions of a sensor's rays, row by row. The sensor looks along +x; y is left, z is up.
 ///
 /// ```
 /// use belvedere_sensors::optics::{Optics, PinholeGrid};
@@ -21,11 +21,11 @@ use crate::ParameterError;
     reason = "a table lent by value, so that its owner can be lent as one; there may be no heap"
 )]
 pub enum Optics<'a> {
-    /// Pixels of a camera without distortion.
+    /// The pixels of a camera without distortion.
     Pinhole(PinholeGrid),
-    /// Columns by azimuth around z from +x, rows by elevation, both in equal steps.
+    /// Columns by azimuth around z from +x, rows by elevation, both equally spaced.
     Spherical(SphericalGrid),
-    /// Any directions, from a table.
+    /// Arbitrary directions from a table.
     Table(RayTable<'a>),
 }
 
@@ -55,13 +55,14 @@ impl<'a> From<&'a RayTableBuf> for Optics<'a> {
 }
 
 impl Optics<'_> {
-    /// Rays across and down.
+    /// Number of columns and rows of rays.
     pub fn size(&self) -> [usize; 2] {
         let fan = self.fan();
         [fan.width as usize, fan.height as usize]
     }
 
-    /// Rays across and down as they were asked for, also where there are more than [`MAX_GRID_SIZE`], which are never traced.
+    /// Number of columns and rows of rays as configured, even if there are more than [`MAX_GRID_SIZE`], which are never
+    /// traced.
     pub(crate) fn asked_size(&self) -> [u32; 2] {
         match self {
             Self::Pinhole(grid) => grid.size(),
@@ -70,7 +71,7 @@ impl Optics<'_> {
         }
     }
 
-    /// That sizes are 1 to [`MAX_GRID_SIZE`], and angles finite.
+    /// Checks that sizes are 1 to [`MAX_GRID_SIZE`], and that angles are finite.
     pub(crate) fn check(&self) -> Result<(), ParameterError> {
         const OF: &str = "grid of rays";
         let size = |parameter, value: u32| {
@@ -93,12 +94,12 @@ impl Optics<'_> {
                 number("first_elevation_rad", grid.first_elevation_rad)?;
                 number("elevation_step_rad", grid.elevation_step_rad)
             }
-            // Checked when it was made.
+            // Checked when the table was built.
             Self::Table(_) => Ok(()),
         }
     }
 
-    /// No ray's direction is longer, in units of t.
+    /// An upper bound on the length of the rays' direction vectors, in units of t.
     pub(crate) fn longest_direction(&self) -> f64 {
         match self {
             Self::Pinhole(grid) => {
@@ -113,7 +114,7 @@ impl Optics<'_> {
 
     pub(crate) fn fan(&self) -> Fan {
         match self {
-            // Of more, nothing will be traced.
+            // Larger grids are never traced.
             Self::Pinhole(grid) => {
                 let [width, height] = grid.size();
                 Fan::square(width.min(MAX_GRID_SIZE), height.min(MAX_GRID_SIZE))

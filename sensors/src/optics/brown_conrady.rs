@@ -9,11 +9,12 @@ use crate::ParameterError;
 use core::f64::consts::FRAC_PI_2;
 use glam::{DVec2, DVec3};
 
-/// Names of the coefficients, in their order.
+/// Names of the coefficients, in order.
 const NAMES: [&str; 14] =
     ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y"];
 
-/// A lens for less than 180°, with radial, tangential and thin-prism distortion and a tilted sensor.
+/// A lens with a field of view of less than 180°, with radial, tangential and thin-prism distortion and a tilted
+/// sensor.
 ///
 /// With x = X/Z, y = Y/Z and r² = x² + y²:
 ///
@@ -22,12 +23,13 @@ const NAMES: [&str; 14] =
 /// | x′ | x·(1 + k1r² + k2r⁴ + k3r⁶)/(1 + k4r² + k5r⁴ + k6r⁶) + 2p1xy + p2(r² + 2x²) + s1r² + s2r⁴ |
 /// | y′ | y·(the same) + p1(r² + 2y²) + 2p2xy + s3r² + s4r⁴ |
 ///
-/// then the tilt by τx and τy about the axes of the sensor, and the intrinsic parameters.
+/// followed by the tilt by τx and τy about the axes of the sensor, and the intrinsic parameters.
 ///
 /// The domain is the disc r ≤ [`max_radius`](BrownConrady::max_radius) around the axis, in which no two directions
-/// share a pixel. Without tangential and prism terms it ends where the radial map stops to increase, or exceeds
-/// 10⁶; with them at a bound a little before. OpenCV has no such bound: its `projectPoints` folds what is farther
-/// out back into the image, and the fixed point of its `undistortPoints` diverges there. Inside, the two agree.
+/// share a pixel. Without tangential and prism terms it ends where the radial map stops increasing, or exceeds 10⁶;
+/// with these terms it ends at a bound slightly before that. OpenCV has no such bound: its `projectPoints` folds points
+/// from farther out back into the image, and the fixed-point iteration of its `undistortPoints` diverges there. Inside
+/// the domain, the two agree.
 ///
 /// ```
 /// use belvedere_sensors::optics::{BrownConrady, Intrinsics, Lens};
@@ -51,12 +53,13 @@ pub struct BrownConrady {
 }
 
 impl BrownConrady {
-    /// From the first 0, 4, 5, 8, 12 or 14 coefficients of k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 τx τy, OpenCV's
-    /// order and that of ROS's `camera_info`; the others are 0. τ are radians, the others have no unit.
+    /// Creates a lens from the first 0, 4, 5, 8, 12 or 14 coefficients of k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 τx τy,
+    /// the order of OpenCV and of ROS's `camera_info`; the others are 0. τx and τy are in radians, the others have no
+    /// unit.
     ///
     /// # Errors
-    /// When there is another number of coefficients, when one is not finite or a tilt not less than π/2, and for
-    /// intrinsic parameters as in [`Pinhole::new`](super::Pinhole::new).
+    /// If the number of coefficients is not one of these, if one is not finite, if a tilt is not less than π/2 either
+    /// way, or if the intrinsic parameters are invalid, as in [`Pinhole::new`](super::Pinhole::new).
     pub fn new(intrinsics: Intrinsics, coefficients: &[f64]) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         let count = coefficients.len();
@@ -80,12 +83,12 @@ impl BrownConrady {
         })
     }
 
-    /// Its intrinsic parameters.
+    /// The intrinsic parameters.
     pub fn intrinsics(&self) -> Intrinsics {
         self.intrinsics
     }
 
-    /// Where the domain ends: the largest r, the tangent of the angle from the axis. At most 10⁶.
+    /// The radius of the domain: the greatest r, the tangent of the angle from the axis. At most 10⁶.
     pub fn max_radius(&self) -> f64 {
         self.distortion.max_radius()
     }

@@ -1,4 +1,4 @@
-//! Radial, tangential and thin-prism distortion of a plane at distance 1.
+//! Radial, tangential and thin-prism distortion in the plane at distance 1.
 //!
 //! With v = (x, y), r² = x² + y², q = (p2, p1), a = (s1, s3) and b = (s2, s4):
 //!
@@ -8,21 +8,20 @@
 //! (OpenCV, documentation of `calib3d`; D. C. Brown, "Close-range camera calibration", 1971.)
 //!
 //! # Domain
-//! A disc on which the map is one to one. A map is one to one on a convex set if the symmetric part of its Jacobian
-//! is positive definite all over it: then (v′ − u′)·(v − u) > 0 for any two points. In polar axes that part is, with
-//! g(r) = r·N/D and w = 2a + 4br²,
+//! The domain is a disc on which the map is one to one. A map is one to one on a convex set if the symmetric part of
+//! its Jacobian is positive definite everywhere on it: then (v′ − u′)·(v − u) > 0 for any two points. In polar axes
+//! that part is, with g(r) = r·N/D and w = 2a + 4br²,
 //!
 //! | g′ + r(6q_r + w_r) | r(2q_φ + w_φ/2) |
 //! |---|---|
 //! | r(2q_φ + w_φ/2) | g/r + 2rq_r |
 //!
-//! and it is positive definite if the first diagonal element exceeds half of the off-diagonal one and the second
-//! exceeds twice it, as their product then exceeds its square. (Half and twice, since of the two it is g′ that gets
-//! small at the rim of a wide lens.) To hold in all
-//! directions φ, q_r and the like are replaced by the vectors' lengths. That makes both conditions polynomials in r,
-//! and the disc ends at their first root. Without tangential and prism terms what remains is g′ > 0: neither stricter
-//! nor weaker than "the radial map increases". With them the disc is slightly smaller than it might be. It also ends
-//! before the poles of g, by g < 10⁶.
+//! It is positive definite if the first diagonal element exceeds half of the off-diagonal one and the second exceeds
+//! twice it, since their product then exceeds its square. (Half and twice, since of the two it is g′ that becomes small
+//! at the rim of a wide lens.) For this to hold in all directions φ, q_r and the like are replaced by the lengths of
+//! the vectors. Both conditions then are polynomials in r, and the disc ends at their first root. Without tangential
+//! and prism terms the condition reduces to g′ > 0, which is exactly "the radial map increases". With these terms the
+//! disc is slightly smaller than possible. It also ends before the poles of g, since g < 10⁶ is required.
 
 use super::LARGEST_TANGENT;
 use super::increasing::solve;
@@ -30,7 +29,7 @@ use super::lens::length;
 use super::polynomial::Polynomial;
 use glam::{DMat2, DVec2};
 
-/// Coefficients and domain.
+/// Coefficients and domain of a distortion.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Distortion {
     /// 1, k1, k2, k3.
@@ -48,7 +47,7 @@ pub(super) struct Distortion {
 }
 
 impl Distortion {
-    /// From k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4.
+    /// Creates a distortion from k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4.
     pub(super) fn new([k1, k2, p1, p2, k3, k4, k5, k6, s1, s2, s3, s4]: [f64; 12]) -> Self {
         let mut made = Self {
             numerator: [1.0, k1, k2, k3],
@@ -62,17 +61,17 @@ impl Distortion {
         made
     }
 
-    /// Radius of the disc on which the map is one to one; at most [`LARGEST_TANGENT`].
+    /// Radius of the disc on which the map is one to one, at most [`LARGEST_TANGENT`].
     pub(super) fn max_radius(&self) -> f64 {
         self.max_radius
     }
 
-    /// Whether a point lies in the domain.
+    /// Returns true if a point is in the domain.
     pub(super) fn contains(&self, point: DVec2) -> bool {
         length(point) <= self.max_radius
     }
 
-    /// The conditions on the domain, as polynomials in r.
+    /// Finds the radius of the domain from its conditions, as polynomials in r.
     fn find_max_radius(&self) -> f64 {
         let in_radius = |[c0, c1, c2, c3]: [f64; 4]| Polynomial::new([c0, 0.0, c1, 0.0, c2, 0.0, c3]);
         let (numerator, denominator) = (in_radius(self.numerator), in_radius(self.denominator));
@@ -90,7 +89,7 @@ impl Distortion {
         let losses = Polynomial::new([0.0, 6.0 * q + 2.0 * a, 0.0, 4.0 * b]);
         let across = numerator.minus(&losses.times(&denominator));
 
-        // Before a pole D vanishes, and g exceeds all bounds.
+        // Before a pole, D vanishes and g exceeds all bounds.
         let bounded = Polynomial::new([LARGEST_TANGENT])
             .times(&denominator)
             .minus(&numerator.times(&Polynomial::new([0.0, 1.0])));
@@ -109,14 +108,14 @@ impl Distortion {
         (factor, (slope(self.numerator) - factor * slope(self.denominator)) / below)
     }
 
-    /// Where a point of the domain goes.
+    /// Distorts a point of the domain.
     pub(super) fn apply(&self, point: DVec2) -> DVec2 {
         let square = point.dot(point);
         point * (self.radial(square).0 + 2.0 * self.tangential.dot(point))
             + (self.tangential + self.prism2 + self.prism4 * square) * square
     }
 
-    /// Derivatives of [`Distortion::apply`]: columns are those with respect to x and y.
+    /// Jacobian matrix of [`Distortion::apply`]: its columns are the derivatives with respect to x and y.
     fn jacobian(&self, point: DVec2) -> DMat2 {
         let square = point.dot(point);
         let (factor, slope) = self.radial(square);
@@ -129,10 +128,11 @@ impl Distortion {
         )
     }
 
-    /// The point of the domain that goes to `target`; none if there is none.
+    /// Returns the point of the domain that is distorted to `target`, or `None` if there is none.
     ///
-    /// Starts from where the radial terms alone would have it, which without other terms is the answer. Newton's
-    /// method in two dimensions follows, its steps halved until they help and kept inside the domain.
+    /// The search starts from the solution for the radial terms alone, which is exact if there are no other terms.
+    /// Newton's method in two dimensions follows, with steps halved until they improve the result, and kept inside the
+    /// domain.
     pub(super) fn invert(&self, target: DVec2) -> Option<DVec2> {
         let distance = length(target);
         if distance == 0.0 {
@@ -168,7 +168,7 @@ impl Distortion {
                 None => break,
             }
         }
-        // What is left in the domain is rounding: 1e-8 px at a focal length of 1000 px.
+        // The residual inside the domain is rounding error: 1e-8 px at a focal length of 1000 px.
         (length(error) <= 1e-11 * (1.0 + distance) && self.contains(point)).then_some(point)
     }
 
@@ -197,25 +197,25 @@ mod tests {
         }
     }
 
-    /// With a radial map alone the end is where its slope vanishes: 1 + 3k1·r² = 0.
+    /// With a radial map only, the domain ends where its slope vanishes: 1 + 3k1·r² = 0.
     #[test]
     fn domain_ends_at_the_turn() {
         let mut barrel = [0.0; 12];
         barrel[0] = -0.3;
         let end = Distortion::new(barrel).max_radius();
         assert!((end - (1.0 / 0.9_f64).sqrt()).abs() < 1e-12, "{end}");
-        // Tangential terms may only move it inwards, and not by much.
+        // Tangential terms may only move the end inwards, and only slightly.
         (barrel[2], barrel[3]) = (1e-3, -5e-4);
         let nearer = Distortion::new(barrel).max_radius();
         assert!(nearer < end && nearer > end - 0.01, "{nearer}");
-        // The pole of a rational map: 1 − r² = 0, unless it turns before.
+        // The pole of a rational map is at 1 − r² = 0, unless the map turns before.
         let mut pole = [0.0; 12];
         pole[5] = -1.0;
         assert!((Distortion::new(pole).max_radius() - 1.0).abs() < 1e-6);
         assert!(Distortion::new([0.0; 12]).max_radius() > 0.999 * LARGEST_TANGENT);
     }
 
-    /// What the domain's rule promises, looked at: the symmetric part is positive definite in the whole disc.
+    /// Checks what the domain's condition guarantees: the symmetric part is positive definite in the whole disc.
     #[test]
     fn symmetric_part_is_positive_definite_in_the_domain() {
         let distortion = Distortion::new(ALL);

@@ -9,14 +9,14 @@ use glam::{DVec2, DVec3};
 
 /// A fisheye lens: (x, y)/(αd₂ + (1−α)(ξd₁ + z)) with d₁ = √(x² + y² + z²), d₂ = √(x² + y² + (ξd₁ + z)²).
 ///
-/// A direction is projected onto a unit sphere, then onto another one shifted by ξ along the axis, then by a pinhole
-/// shifted by α/(1−α). Fisheye lenses have ξ about −0.2 and α about 0.6. The inverse is closed.
+/// A direction is projected onto a unit sphere, then onto a second one shifted by ξ along the axis, then by a pinhole
+/// shifted by α/(1−α). Fisheye lenses have ξ of about −0.2 and α of about 0.6. The inverse has a closed form.
 ///
-/// The domain of pixels are those with r² ≤ 1/(2α−1) if α > ½, and all of them otherwise. That of points is the
-/// same: ξd₁ + z > −w·d₂, with w = α/(1−α) up to α = ½ and (1−α)/α from there on. The paper bounds points by
-/// z > −w₂d₁ with w₂ = (w + ξ)/√(2wξ + ξ² + 1), which is the same for ξ = 0 alone. Otherwise pixels at the rim are
-/// left without points (ξ = −0.2, α = 0.6: points end at 122.05°, the image at 123.24°), or for ξ near −1 points
-/// are allowed that have no pixel.
+/// The domain contains the pixels with r² ≤ 1/(2α−1) if α > ½, and all pixels otherwise. For points, the same domain is
+/// ξd₁ + z > −w·d₂, with w = α/(1−α) if α ≤ ½ and w = (1−α)/α otherwise. The paper bounds points by z > −w₂d₁ with w₂ =
+/// (w + ξ)/√(2wξ + ξ² + 1), which is the same only for ξ = 0. Otherwise, pixels at the rim have no points (for ξ =
+/// −0.2, α = 0.6 points end at 122.05°, the image at 123.24°), or, for ξ near −1, points are allowed that have no
+/// pixel.
 ///
 /// (V. Usenko, N. Demmel, D. Cremers, "The double sphere camera model", 2018, arXiv:1807.08957.)
 ///
@@ -35,15 +35,16 @@ pub struct DoubleSphere {
     intrinsics: Intrinsics,
     xi: f64,
     alpha: f64,
-    /// w of the domain.
+    /// The bound w of the domain.
     bound: f64,
 }
 
 impl DoubleSphere {
-    /// From ξ, greater than −1 and at most 1, and α, from 0 to 1.
+    /// Creates a lens from ξ, greater than −1 and at most 1, and α, from 0 to 1.
     ///
     /// # Errors
-    /// When one is out of its range, and for intrinsic parameters as in [`Pinhole::new`](super::Pinhole::new).
+    /// If ξ or α is out of range, or if the intrinsic parameters are invalid, as in
+    /// [`Pinhole::new`](super::Pinhole::new).
     pub fn new(intrinsics: Intrinsics, xi: f64, alpha: f64) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         require("xi", xi, xi > -1.0 && xi <= 1.0, "greater than -1 and at most 1")?;
@@ -51,14 +52,14 @@ impl DoubleSphere {
         Ok(Self { intrinsics, xi, alpha, bound: bound(alpha) })
     }
 
-    /// Its intrinsic parameters.
+    /// The intrinsic parameters.
     pub fn intrinsics(&self) -> Intrinsics {
         self.intrinsics
     }
 
-    /// Where the domain ends: all angles from the axis are less.
+    /// The end of the domain: all angles from the axis are less than this, in radians.
     pub fn max_angle(&self) -> f64 {
-        // From the second sphere's centre the last direction has cosine −w; where it leaves the first sphere is
+        // As seen from the centre of the second sphere, the last direction has cosine −w; it leaves the first sphere at
         // z = d₂·(−w) − ξ with d₂ = −wξ + √(1 − ξ²(1 − w²)).
         let (w, xi) = (self.bound, self.xi);
         let d2 = -w * xi + libm::sqrt(1.0 - xi * xi * (1.0 - w * w));
@@ -85,11 +86,11 @@ impl Lens for DoubleSphere {
         if !(under_root >= 0.0) {
             return None;
         }
-        // Step 1: the direction from the second sphere's centre.
+        // Step 1: the direction from the centre of the second sphere.
         let z = (1.0 - self.alpha * self.alpha * square)
             / (self.alpha * libm::sqrt(under_root) + 1.0 - self.alpha);
         let from_second = unit(plane.extend(z))?;
-        // Step 2: where it meets the first sphere, whose centre is ξ behind.
+        // Step 2: its intersection with the first sphere, whose centre is ξ behind.
         let along = self.xi * from_second.z;
         let distance = along + libm::sqrt((1.0 - self.xi * self.xi) + along * along);
         unit(from_second * distance - DVec3::new(0.0, 0.0, self.xi))
@@ -100,7 +101,7 @@ impl Lens for DoubleSphere {
 mod tests {
     use super::*;
 
-    /// The figures of the documentation: where the image ends, and where the paper would have points end.
+    /// The figures of the documentation: the end of the image, and the end of points according to the paper.
     #[test]
     fn end_of_the_domain() {
         let intrinsics = Intrinsics { fx: 1.0, fy: 1.0, cx: 0.0, cy: 0.0, skew: 0.0 };

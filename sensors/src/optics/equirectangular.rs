@@ -7,7 +7,7 @@ use crate::ParameterError;
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DVec2, DVec3};
 
-/// A panorama of 360° × 180°: columns are longitudes and rows latitudes, both evenly spaced.
+/// A panorama of 360° × 180°: columns are longitudes, rows are latitudes, both equally spaced.
 ///
 /// | | |
 /// |---|---|
@@ -16,16 +16,16 @@ use glam::{DVec2, DVec3};
 /// | column | (λ/2π + ½)·width − ½ |
 /// | row | (½ − φ/π)·height − ½ |
 ///
-/// The axis is in the middle of the image, and what is behind at its left and right borders. Its domain are all
-/// directions, and all pixels from (−½, −½) to (width − ½, height − ½). Straight up and down, each of which is a
-/// whole row's border, is given the middle column.
+/// The axis is in the middle of the image; the direction backwards is at its left and right edges. The domain contains
+/// all directions, and all pixels from (−½, −½) to (width − ½, height − ½). The directions straight up and straight
+/// down, each of which fills a whole edge, are given the middle column.
 ///
 /// ```
 /// use belvedere_sensors::optics::{Equirectangular, Lens};
 /// use glam::{DVec2, DVec3};
 /// let lens = Equirectangular::new(3600, 1800).unwrap();
 /// assert_eq!(lens.project(DVec3::Z), Some(DVec2::new(1799.5, 899.5)));
-/// // Right is 90° = 900 columns on.
+/// // Right is 90°, which is 900 columns further.
 /// assert_eq!(lens.project(DVec3::X), Some(DVec2::new(2699.5, 899.5)));
 /// // Up is −y.
 /// assert_eq!(lens.project(DVec3::NEG_Y), Some(DVec2::new(1799.5, -0.5)));
@@ -38,10 +38,10 @@ pub struct Equirectangular {
 }
 
 impl Equirectangular {
-    /// A panorama of that many pixels; square ones if the width is twice the height.
+    /// Creates a full panorama of the given size in pixels. Pixels are square if the width is twice the height.
     ///
     /// # Errors
-    /// When a side is 0.
+    /// If a side is 0.
     pub fn new(width: u32, height: u32) -> Result<Self, ParameterError> {
         let [width, height] = [width, height].map(f64::from);
         require("width", width, width > 0.0, "at least 1")?;
@@ -55,10 +55,11 @@ impl Equirectangular {
         })
     }
 
-    /// A part of one: fx and fy are pixels per radian of longitude and of latitude, cx and cy where both are 0.
+    /// Creates a part of a panorama. fx and fy are pixels per radian of longitude and of latitude; (cx, cy) is the
+    /// pixel at which both are 0.
     ///
     /// # Errors
-    /// When an intrinsic parameter is not finite, or a focal length not greater than 0.
+    /// If an intrinsic parameter is not finite, or a focal length is not greater than 0.
     pub fn with_intrinsics(intrinsics: Intrinsics) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         Ok(Self { intrinsics })
@@ -75,7 +76,7 @@ impl Lens for Equirectangular {
 
     fn unproject(&self, pixel: DVec2) -> Option<DVec3> {
         let DVec2 { x: longitude, y: down } = self.intrinsics.to_plane(pixel)?;
-        // Rounding may put the edge of a picture a little beyond.
+        // Rounding may move the edge of the image slightly outwards.
         if !(longitude.abs() <= PI * (1.0 + 1e-12) && down.abs() <= FRAC_PI_2 * (1.0 + 1e-12)) {
             return None;
         }

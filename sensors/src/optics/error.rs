@@ -1,8 +1,8 @@
-//! What may be wrong with a lens.
+//! Checks of lens parameters.
 
 use crate::ParameterError;
 
-/// Refuses a value for which `holds` is not true; comparisons with NaN never are.
+/// Rejects a value for which `holds` is false; comparisons with NaN are always false.
 pub(super) fn require(
     name: &'static str,
     value: f64,
@@ -12,10 +12,11 @@ pub(super) fn require(
     ParameterError::require("lens", name, value, holds, rule)
 }
 
-/// Refuses NaN and infinities.
+/// Rejects NaN and infinities.
 pub(super) fn require_finite(name: &'static str, value: f64) -> Result<(), ParameterError> {
     require(name, value, value.is_finite(), "a finite number")
 }
 
-/// Most columns and rows of a grid. Columns of a ring are counted on over its seam, up to twice its width, in 16 bits.
+/// The greatest number of columns or rows of a grid. The columns of a ring are counted past its seam, up to twice its
+/// width, in 16 bits.
 pub const MAX_GRID_SIZE: u32 = 32_767;

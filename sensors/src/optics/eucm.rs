@@ -9,9 +9,9 @@ use glam::{DVec2, DVec3};
 
 /// A wide-angle lens: (x, y)/(αd + (1−α)z) with d = √(β(x² + y²) + z²).
 ///
-/// α = 0 is a pinhole; β = 1 is the unified camera model. With w = α/(1−α) up to α = ½ and (1−α)/α from there on,
-/// the domain are directions with z > −w·d, and pixels with r² ≤ 1/(β(2α−1)) if α > ½. The inverse is closed:
-/// z = (1 − βα²r²)/(α√(1 − (2α−1)βr²) + 1 − α) for (x, y) on the plane.
+/// α = 0 is a pinhole; β = 1 is the unified camera model. The domain contains the directions with z > −w·d, where w =
+/// α/(1−α) if α ≤ ½ and w = (1−α)/α otherwise, and the pixels with r² ≤ 1/(β(2α−1)) if α > ½. The inverse has a closed
+/// form: z = (1 − βα²r²)/(α√(1 − (2α−1)βr²) + 1 − α) for (x, y) on the plane.
 ///
 /// (B. Khomutenko, G. Garcia, P. Martinet, "An enhanced unified camera model", 2016; V. Usenko, N. Demmel,
 /// D. Cremers, "The double sphere camera model", 2018, arXiv:1807.08957, for the domain.)
@@ -23,7 +23,7 @@ use glam::{DVec2, DVec3};
 /// let lens = Eucm::new(intrinsics, 0.625, 1.0).unwrap();
 /// // At 90° d = 1, so r = 1/α.
 /// assert_eq!(lens.project(DVec3::new(0.0, 3.0, 0.0)), Some(DVec2::new(319.5, 559.5)));
-/// // r² = 1/(2α−1) = 4 is the last of the image.
+/// // The image ends at r² = 1/(2α−1) = 4.
 /// assert!(lens.unproject(DVec2::new(319.5 + 399.9, 239.5)).is_some());
 /// assert_eq!(lens.unproject(DVec2::new(319.5 + 400.1, 239.5)), None);
 /// ```
@@ -32,15 +32,16 @@ pub struct Eucm {
     intrinsics: Intrinsics,
     alpha: f64,
     beta: f64,
-    /// w of the domain.
+    /// The bound w of the domain.
     bound: f64,
 }
 
 impl Eucm {
-    /// From α, from 0 to 1, and β, greater than 0.
+    /// Creates a lens from α, 0 to 1, and β, greater than 0.
     ///
     /// # Errors
-    /// When one is out of its range, and for intrinsic parameters as in [`Pinhole::new`](super::Pinhole::new).
+    /// If α or β is out of range, or if the intrinsic parameters are invalid, as in
+    /// [`Pinhole::new`](super::Pinhole::new).
     pub fn new(intrinsics: Intrinsics, alpha: f64, beta: f64) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         require("alpha", alpha, (0.0..=1.0).contains(&alpha), "from 0 to 1")?;
@@ -48,12 +49,12 @@ impl Eucm {
         Ok(Self { intrinsics, alpha, beta, bound: bound(alpha) })
     }
 
-    /// Its intrinsic parameters.
+    /// The intrinsic parameters.
     pub fn intrinsics(&self) -> Intrinsics {
         self.intrinsics
     }
 
-    /// Where the domain ends: all angles from the axis are less.
+    /// The end of the domain: all angles from the axis are less than this, in radians.
     pub fn max_angle(&self) -> f64 {
         // z = −w·d with z² + (x² + y²) = 1.
         let square = self.bound * self.bound;
@@ -62,8 +63,8 @@ impl Eucm {
     }
 }
 
-/// z > −bound·d is where the image radius of the unified model increases with the angle (α > ½), or its denominator
-/// is positive (α ≤ ½).
+/// The bound w of the domain. For z > −w·d, the image radius of the unified model increases with the angle (α > ½), or
+/// its denominator is positive (α ≤ ½).
 pub(super) fn bound(alpha: f64) -> f64 {
     if alpha <= 0.5 { alpha / (1.0 - alpha) } else { (1.0 - alpha) / alpha }
 }

@@ -1,11 +1,11 @@
 //! The inverse of an increasing function.
 
-/// The x in [0, `upper`] at which an increasing function has the value `target`; 0 or `upper` if its values there
-/// do not reach so far. `function` gives value and derivative.
+/// The x in [0, `upper`] at which an increasing function has the value `target`; 0 or `upper` if `target` is outside
+/// its range there. `function` returns the value and the derivative.
 ///
-/// Newton's method inside a bracket that shrinks with each value, and a bisection wherever a step would leave it or
-/// the last one did not halve the error. So it converges whatever the function's shape, where Newton's method alone
-/// or a fixed point might cycle.
+/// This is Newton's method inside a bracket that shrinks with each evaluation, with a bisection wherever a step would
+/// leave the bracket or the last step did not halve the error. It therefore converges for any increasing function,
+/// where Newton's method alone or a fixed-point iteration might cycle.
 pub(super) fn solve(function: impl Fn(f64) -> (f64, f64), target: f64, upper: f64, start: f64) -> f64 {
     if function(upper).0 <= target {
         return upper;
@@ -45,7 +45,7 @@ mod tests {
 
     #[test]
     fn inverts_functions_of_every_shape() {
-        // Flat at 1: Newton's method alone leaves [0, 2] from most places.
+        // Flat at 1: Newton's method alone leaves [0, 2] from most starting points.
         let inflected = |x: f64| ((x - 1.0).powi(3) + 1.0, 3.0 * (x - 1.0).powi(2));
         for step in 0..=2000 {
             let x = f64::from(step) * 1e-3;

@@ -1,7 +1,7 @@
-//! From the plane of a lens model to pixels.
+//! The mapping from the plane of a lens model to pixels.
 //!
-//! column = fx·x + skew·y + cx, row = fy·y + cy: the upper two rows of OpenCV's camera matrix K. The plane's
-//! (x, y) have no unit; what they are of a direction is the lens model's matter.
+//! column = fx·x + skew·y + cx, row = fy·y + cy: the upper two rows of OpenCV's camera matrix K. The plane coordinates
+//! (x, y) have no unit; each lens model defines how they depend on the direction.
 
 use super::error::{require, require_finite};
 use crate::ParameterError;
@@ -19,23 +19,22 @@ use glam::DVec2;
 pub struct Intrinsics {
     /// Focal length along a row, greater than 0.
     pub fx: f64,
-    /// Focal length down a column, greater than 0.
+    /// Focal length along a column, greater than 0.
     pub fy: f64,
     /// Column of the principal point.
     pub cx: f64,
     /// Row of the principal point.
     pub cy: f64,
-    /// Columns that a pixel moves per unit of y; 0 for nearly every camera. OpenCV's `fisheye` has
-    /// alpha = skew / fx.
+    /// Shift in columns per unit of y; 0 for nearly every camera. OpenCV's `fisheye` uses alpha = skew / fx.
     pub skew: f64,
 }
 
 impl Intrinsics {
-    /// A centred pinhole camera with square pixels: f = w / (2·tan(hfov / 2)), principal point
-    /// ((w−1)/2, (h−1)/2).
+    /// Creates the parameters of a centred pinhole camera with square pixels: f = w / (2·tan(hfov / 2)), principal
+    /// point ((w−1)/2, (h−1)/2).
     ///
     /// # Errors
-    /// When a side is 0, or the field of view (radians) is not between 0 and π.
+    /// If a side is 0, or the field of view (in radians) is not between 0 and π.
     ///
     /// ```
     /// use belvedere_sensors::optics::Intrinsics;
@@ -49,7 +48,7 @@ impl Intrinsics {
         Self::centred(width, height, f64::from(width) / (2.0 * libm::tan(horizontal_fov_rad * 0.5)))
     }
 
-    /// Principal point in the middle of the image, the same focal length both ways.
+    /// Principal point in the middle of the image, with the same focal length in both directions.
     pub(super) fn centred(width: u32, height: u32, focal: f64) -> Result<Self, ParameterError> {
         require("width", f64::from(width), width > 0, "at least 1")?;
         require("height", f64::from(height), height > 0, "at least 1")?;
@@ -57,7 +56,7 @@ impl Intrinsics {
         Ok(Self { fx: focal, fy: focal, cx, cy, skew: 0.0 })
     }
 
-    /// Pixel (column, row) of a point in the model's plane; none if it is not finite.
+    /// The pixel (column, row) of a point in the model's plane, or `None` if it is not finite.
     pub fn to_pixel(&self, plane: DVec2) -> Option<DVec2> {
         let pixel = DVec2::new(
             self.fx * plane.x + self.skew * plane.y + self.cx, //
@@ -66,14 +65,14 @@ impl Intrinsics {
         pixel.is_finite().then_some(pixel)
     }
 
-    /// The inverse of [`Intrinsics::to_pixel`].
+    /// The inverse of [`Intrinsics::to_pixel`]: the point in the model's plane for a pixel.
     pub fn to_plane(&self, pixel: DVec2) -> Option<DVec2> {
         let y = (pixel.y - self.cy) / self.fy;
         let plane = DVec2::new((pixel.x - self.cx - self.skew * y) / self.fx, y);
         (pixel.is_finite() && plane.is_finite()).then_some(plane)
     }
 
-    /// Refuses what no camera has.
+    /// Rejects parameters that no camera has.
     pub(super) fn check(&self) -> Result<(), ParameterError> {
         for (name, value) in [("fx", self.fx), ("fy", self.fy)] {
             require(name, value, value > 0.0 && value.is_finite(), "a finite number greater than 0")?;

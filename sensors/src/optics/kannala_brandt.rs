@@ -11,9 +11,9 @@ use glam::{DVec2, DVec3};
 
 /// A fisheye lens: r(θ) = θ + k1θ³ + k2θ⁵ + k3θ⁷ + k4θ⁹ at the angle θ from the axis, up to θ = π.
 ///
-/// The plane's point is r(θ)·(x, y)/√(x² + y²). With k = 0 the lens is equidistant. The domain ends at
-/// [`max_angle`](KannalaBrandt::max_angle), where r stops to increase. OpenCV's `fisheye` is the same for points in
-/// front of the camera, and does without those behind it; here angles beyond 90° are as good as others.
+/// The point in the plane is r(θ)·(x, y)/√(x² + y²). With k = 0 the lens is equidistant. The domain ends at
+/// [`max_angle`](KannalaBrandt::max_angle), where r stops increasing. OpenCV's `fisheye` is the same for points in
+/// front of the camera, but does not support points behind it; here angles beyond 90° are treated like any others.
 ///
 /// (J. Kannala, S. S. Brandt, "A generic camera model and calibration method for conventional, wide-angle, and
 /// fish-eye lenses", 2006, doi:10.1109/TPAMI.2006.153.)
@@ -28,7 +28,7 @@ use glam::{DVec2, DVec3};
 /// let pixel = lens.project(point).unwrap();
 /// assert!(pixel.distance(DVec2::new(74.5, 239.5)) < 1e-9);
 /// assert!(lens.unproject(pixel).unwrap().distance(point) < 1e-14);
-/// // 1 − 0.06θ² = 0 is beyond π.
+/// // 1 − 0.06θ² becomes 0 only beyond π.
 /// assert_eq!(lens.max_angle(), std::f64::consts::PI);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -39,10 +39,10 @@ pub struct KannalaBrandt {
 }
 
 impl KannalaBrandt {
-    /// From k1 k2 k3 k4, the order of OpenCV and of ROS's `equidistant`.
+    /// Creates a lens from k1 k2 k3 k4, in the order of OpenCV and of ROS's `equidistant`.
     ///
     /// # Errors
-    /// When a coefficient is not finite, and for intrinsic parameters as in
+    /// If a coefficient is not finite, or if the intrinsic parameters are invalid, as in
     /// [`Pinhole::new`](super::Pinhole::new).
     pub fn new(intrinsics: Intrinsics, coefficients: [f64; 4]) -> Result<Self, ParameterError> {
         intrinsics.check()?;
@@ -57,17 +57,17 @@ impl KannalaBrandt {
         Ok(Self { intrinsics, coefficients, max_angle })
     }
 
-    /// Its intrinsic parameters.
+    /// The intrinsic parameters.
     pub fn intrinsics(&self) -> Intrinsics {
         self.intrinsics
     }
 
-    /// Where the domain ends: the largest angle from the axis, at most π.
+    /// The end of the domain: the greatest angle from the axis in radians, at most π.
     pub fn max_angle(&self) -> f64 {
         self.max_angle
     }
 
-    /// r and dr/dθ.
+    /// r and dr/dθ at an angle.
     fn radius(&self, angle: f64) -> (f64, f64) {
         let [k1, k2, k3, k4] = self.coefficients;
         let s = angle * angle;
@@ -87,7 +87,7 @@ impl Lens for KannalaBrandt {
             return None;
         }
         if from_axis == 0.0 {
-            // Straight behind there is a circle, and no pixel.
+            // The direction straight backwards is a circle in the image, not a pixel.
             return if direction.z > 0.0 { self.intrinsics.to_pixel(DVec2::ZERO) } else { None };
         }
         self.intrinsics.to_pixel(direction.truncate() * (self.radius(angle).0 / from_axis))

@@ -1,17 +1,17 @@
-//! What every lens model can do.
+//! The interface of all lens models.
 
 use glam::{DVec2, DVec3};
 
-/// A central lens: every pixel looks along one ray through the origin of the optical frame.
+/// A central lens: the rays of all pixels pass through the origin of the optical frame.
 ///
-/// The two methods are inverse to each other on the model's domain (see [the module](super)), to a few units in
-/// the last place of the pixel's coordinates. Neither knows the size of the image.
+/// The two methods are inverses of each other on the model's domain (see [the module](super)), to a few units in the
+/// last place of the pixel's coordinates. Neither depends on the size of the image.
 ///
 /// ```
 /// use belvedere_sensors::optics::{Intrinsics, Lens, Pinhole};
 /// use glam::{DVec2, DVec3};
 ///
-/// /// Pixels between two points.
+/// /// Distance between the pixels of two points.
 /// fn apart(lens: &impl Lens, a: DVec3, b: DVec3) -> Option<f64> {
 ///     Some(lens.project(a)?.distance(lens.project(b)?))
 /// }
@@ -21,16 +21,16 @@ use glam::{DVec2, DVec3};
 /// assert_eq!(apart(&lens, DVec3::Z, DVec3::NEG_Z), None);
 /// ```
 pub trait Lens {
-    /// Pixel (column, row) of a point in the optical frame, in any unit of length; none for a point that the lens
-    /// does not see, and for the origin.
+    /// Returns the pixel (column, row) of a point in the optical frame, in any unit of length, or `None` for the origin
+    /// and for points that the lens does not see.
     fn project(&self, point_in_optical: DVec3) -> Option<DVec2>;
 
-    /// Unit direction of a pixel's ray in the optical frame; none where the pixel sees nothing.
+    /// Returns the unit direction of a pixel's ray in the optical frame, or `None` if the pixel has no ray.
     fn unproject(&self, pixel: DVec2) -> Option<DVec3>;
 }
 
-/// A vector's direction; none if it has none. Divides by the largest component first, so that no square
-/// overflows or vanishes.
+/// The direction of a vector, or `None` if it has none. Divides by the largest component first, so that no square
+/// overflows or underflows.
 pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
     let largest = vector.abs().max_element();
     (vector.is_finite() && largest > 0.0).then(|| {
@@ -39,7 +39,7 @@ pub(super) fn unit(vector: DVec3) -> Option<DVec3> {
     })
 }
 
-/// Length of a vector in the plane. Where its square overflows or loses digits, it divides by the largest component
+/// Length of a vector in the plane. If its square overflows or loses digits, it is divided by its largest component
 /// first.
 pub(super) fn length(vector: DVec2) -> f64 {
     let square = vector.dot(vector);
@@ -54,14 +54,13 @@ pub(super) fn length(vector: DVec2) -> f64 {
     largest * libm::sqrt(scaled.dot(scaled))
 }
 
-/// The unit vector at an angle from the axis, towards a direction around it. On the axis that direction need not
-/// be one.
+/// The unit vector at an angle from the axis, in a direction around it. On the axis, that direction may have length 0.
 pub(super) fn at_angle(angle: f64, around: DVec2, length_of_around: f64) -> DVec3 {
     if length_of_around == 0.0 {
         return DVec3::Z;
     }
     let (sin, cos) = libm::sincos(angle);
-    // Where dividing by the length would overflow, the direction around the axis is made first.
+    // If dividing by the length would overflow, the direction around the axis is normalised first.
     if !(1e-300..=1e300).contains(&length_of_around) {
         let scaled = around / around.abs().max_element();
         return (scaled * (sin / length(scaled))).extend(cos);

@@ -7,11 +7,11 @@ use super::{Intrinsics, Lens};
 use crate::ParameterError;
 use glam::{DVec2, DVec3};
 
-/// A fisheye lens or a mirror: the point on the unit sphere goes to v = (x, y)/(z + ξ), then v to
-/// v·(1 + k1r² + k2r⁴) plus tangential terms as in [`BrownConrady`](super::BrownConrady).
+/// A fisheye lens or a mirror: the point on the unit sphere is projected to v = (x, y)/(z + ξ), then distorted to v·(1
+/// + k1r² + k2r⁴) plus tangential terms as in [`BrownConrady`](super::BrownConrady).
 ///
-/// The domain: z > −ξ up to ξ = 1, and z > −1/ξ from there on, where r stops to increase with the angle; and r
-/// within the distortion's own domain ([`max_radius`](Mei::max_radius)). OpenCV's `omnidir` is the same without a
+/// The domain requires z > −ξ if ξ ≤ 1, and z > −1/ξ otherwise, since there r stops increasing with the angle; and r
+/// within the domain of the distortion ([`max_radius`](Mei::max_radius)). OpenCV's `omnidir` is the same without a
 /// domain.
 ///
 /// (C. Mei, P. Rives, "Single view point omnidirectional camera calibration from planar grids", 2007,
@@ -32,15 +32,15 @@ pub struct Mei {
     intrinsics: Intrinsics,
     xi: f64,
     distortion: Distortion,
-    /// The domain is z > this on the unit sphere.
+    /// The domain is z > `lowest` on the unit sphere.
     lowest: f64,
 }
 
 impl Mei {
-    /// From ξ, greater than −1, and k1 k2 p1 p2.
+    /// Creates a lens from ξ, greater than −1, and the distortion coefficients k1 k2 p1 p2.
     ///
     /// # Errors
-    /// When ξ is out of its range or a coefficient is not finite, and for intrinsic parameters as in
+    /// If ξ is out of range, if a coefficient is not finite, or if the intrinsic parameters are invalid, as in
     /// [`Pinhole::new`](super::Pinhole::new).
     pub fn new(intrinsics: Intrinsics, xi: f64, coefficients: [f64; 4]) -> Result<Self, ParameterError> {
         intrinsics.check()?;
@@ -54,12 +54,12 @@ impl Mei {
         Ok(Self { intrinsics, xi, distortion: Distortion::new(all), lowest })
     }
 
-    /// Its intrinsic parameters.
+    /// The intrinsic parameters.
     pub fn intrinsics(&self) -> Intrinsics {
         self.intrinsics
     }
 
-    /// Where the distortion's domain ends: the largest r on the plane before it is distorted.
+    /// The end of the distortion's domain: the greatest r in the plane, before distortion.
     pub fn max_radius(&self) -> f64 {
         self.distortion.max_radius()
     }
@@ -80,7 +80,7 @@ impl Lens for Mei {
 
     fn unproject(&self, pixel: DVec2) -> Option<DVec3> {
         let plane = self.distortion.invert(self.intrinsics.to_plane(pixel)?)?;
-        // Where the ray through (x, y, 1) from ξ below the sphere's centre meets the sphere for the last time.
+        // The last intersection with the sphere of the ray through (x, y, 1) that starts ξ behind the sphere's centre.
         let square = plane.dot(plane);
         let under_root = 1.0 + (1.0 - self.xi * self.xi) * square;
         if !(under_root >= 0.0) {

@@ -1,4 +1,4 @@
-//! Lens models: from a point to its pixel, and from a pixel to its ray.
+//! Lens models, which map points to pixels and pixels to rays.
 //!
 //! | model | parameters | beyond 90° from the axis | as in |
 //! |---|---|---|---|
@@ -11,15 +11,15 @@
 //! | [`Equirectangular`] | – | all round | panoramas |
 //! | [`WideAngle`] | c1 c2 c3 f fun | yes | SDF's `<lens>` |
 //!
-//! All of them are a [`Lens`]. Their constructors check every parameter, once; after that nothing fails, and what
-//! a lens cannot see is `None`. Each model has a *domain*: the directions around the axis that it sends to
-//! different pixels. It ends where the image radius stops growing with the angle, since from there on a pixel
-//! would see in two directions at once. `project` and `unproject` keep to the same domain, on which they are
-//! inverse to each other.
+//! All of them implement [`Lens`]. Their constructors check every parameter; after that nothing fails, and the result
+//! is `None` for anything that the lens does not see. Each model has a *domain*: the directions around the axis that it
+//! maps to different pixels. The domain ends where the image radius stops growing with the angle, since beyond it a
+//! pixel would see in two directions at once. `project` and `unproject` use the same domain, on which they are inverses
+//! of each other.
 //!
-//! Optical frame (REP-103): x right, y down, z forward. Pixels are (column, row), and pixel centres are
-//! integers. Angles are radians. Everything is f64 by + − × ÷ √ and `libm`, so that the bits are the same on
-//! every machine.
+//! In the optical frame (REP 103), x is right, y is down and z is forward. Pixels are (column, row), with pixel centres
+//! at integers. Angles are in radians. All computations use f64 with +, −, ×, ÷, √ and `libm`, so the bits are the same
+//! on every machine.
 //!
 //! ```
 //! use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, Lens};
@@ -27,7 +27,7 @@
 //!
 //! let intrinsics = Intrinsics { fx: 200.0, fy: 200.0, cx: 399.5, cy: 399.5, skew: 0.0 };
 //! let fisheye = KannalaBrandt::new(intrinsics, [0.0; 4]).unwrap();
-//! // Square to the axis, on the right: 200 px/rad · π/2 from the centre.
+//! // At 90° from the axis, on the right: 200 px/rad · π/2 from the centre.
 //! let pixel = fisheye.project(DVec3::X).unwrap();
 //! assert!(pixel.distance(DVec2::new(713.659_265_4, 399.5)) < 1e-6);
 //! assert!(fisheye.unproject(pixel).unwrap().distance(DVec3::X) < 1e-12);
@@ -69,6 +69,6 @@ pub use rays::RayTableBuf;
 pub use rays::{PinholeGrid, RayTable, SphericalGrid, TableError};
 pub use wide_angle::{AngleFunction, Mapping, WideAngle};
 
-/// The largest radius on a plane at distance 1, the tangent of the angle: 0.2″ short of 90°. Planes end there,
-/// as f64 cannot tell much more.
+/// The greatest radius in a plane at distance 1, the tangent of the angle: 0.2″ less than 90°. Planes end there, since
+/// f64 cannot resolve much more.
 const LARGEST_TANGENT: f64 = 1e6;

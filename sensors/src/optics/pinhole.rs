@@ -5,7 +5,7 @@ use super::{Intrinsics, Lens};
 use crate::ParameterError;
 use glam::{DVec2, DVec3};
 
-/// A lens without distortion. Its domain are all directions less than 90° from the axis.
+/// A lens without distortion. Its domain is all directions less than 90° from the axis.
 ///
 /// ```
 /// use belvedere_sensors::optics::{Intrinsics, Lens, Pinhole};
@@ -21,16 +21,16 @@ pub struct Pinhole {
 }
 
 impl Pinhole {
-    /// A pinhole camera.
+    /// Creates a pinhole camera.
     ///
     /// # Errors
-    /// When an intrinsic parameter is not finite, or a focal length not greater than 0.
+    /// If an intrinsic parameter is not finite, or a focal length is not greater than 0.
     pub fn new(intrinsics: Intrinsics) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         Ok(Self { intrinsics })
     }
 
-    /// Its intrinsic parameters.
+    /// The intrinsic parameters.
     pub fn intrinsics(&self) -> Intrinsics {
         self.intrinsics
     }

@@ -1,25 +1,25 @@
-//! Up to where a polynomial stays positive.
+//! Determines the interval on which a polynomial is positive.
 //!
-//! The derivative of a radial map is a polynomial (times something positive), so the end of a lens' domain is a
-//! polynomial's first root. It is found without a guess: between two neighbouring roots of its derivative a
-//! polynomial is monotone, and has one root if its signs at the ends differ. So roots are bracketed from the
+//! The derivative of a radial map is a polynomial (times a positive factor), so the domain of a lens ends at the first
+//! root of a polynomial. The root is found without an initial guess: between two neighbouring roots of its derivative a
+//! polynomial is monotonic, and has one root if its signs at the ends differ. Roots are therefore bracketed from the
 //! highest derivative downwards, and each is found by bisection.
 
-/// The highest power: of the condition on Brown–Conrady distortion with all its coefficients.
+/// The highest power, needed for the condition on Brown–Conrady distortion with all its coefficients.
 const DEGREE: usize = 15;
 
-/// c₀ + c₁x + … + c₁₅x¹⁵.
+/// The polynomial c₀ + c₁x + … + c₁₅x¹⁵.
 #[derive(Clone, Copy)]
 pub(super) struct Polynomial([f64; DEGREE + 1]);
 
 impl Polynomial {
-    /// From coefficients, of the lowest power first.
+    /// Creates a polynomial from its coefficients, lowest power first.
     pub(super) fn new<const N: usize>(coefficients: [f64; N]) -> Self {
         const { assert!(N <= DEGREE + 1) };
         Self(core::array::from_fn(|power| coefficients.get(power).copied().unwrap_or(0.0)))
     }
 
-    /// Its value.
+    /// The value at `x`.
     pub(super) fn at(&self, x: f64) -> f64 {
         self.0.iter().rev().fold(0.0, |sum, coefficient| sum * x + coefficient)
     }
@@ -44,13 +44,13 @@ impl Polynomial {
         }))
     }
 
-    /// The largest x up to `upper` such that the polynomial is positive on [0, x]; 0 if there is none.
+    /// The greatest x up to `upper` such that the polynomial is positive on [0, x]; 0 if there is none.
     pub(super) fn positive_up_to(&self, upper: f64) -> f64 {
         let mut derivatives = [*self; DEGREE + 1];
         for order in 1..=DEGREE {
             derivatives[order] = derivatives[order - 1].derivative();
         }
-        // Step 1: the extrema, as the roots of derivatives of ever lower order.
+        // Step 1: find the extrema, as the roots of derivatives of ever lower order.
         let (mut roots, mut count) = ([0.0; DEGREE + 1], 0);
         for derivative in derivatives[1..].iter().rev() {
             let (extrema, extrema_count) = (roots, count);
@@ -66,7 +66,7 @@ impl Polynomial {
                 low = high;
             }
         }
-        // Step 2: the first extremum that is not positive, and the root before it.
+        // Step 2: find the first extremum that is not positive, and the root before it.
         let mut low = 0.0;
         if !self.is_positive(low) {
             return 0.0;
@@ -81,14 +81,14 @@ impl Polynomial {
         upper
     }
 
-    /// False for NaN, which is what overflows give.
+    /// Returns true if the value at `x` is positive; false for NaN, which results from overflow.
     fn is_positive(&self, x: f64) -> bool {
         self.at(x) > 0.0
     }
 
-    /// The last x between `low` and `high` that has the sign of `low`, by bisection.
+    /// The last x between `low` and `high` with the same sign as at `low`, by bisection.
     fn change_of_sign(&self, mut low: f64, mut high: f64, sign: bool) -> f64 {
-        // Enough for a root of 1e-30 below an upper end of 1e6.
+        // Enough iterations for a root of 1e-30 below an upper end of 1e6.
         for _ in 0..200 {
             let middle = low + (high - low) * 0.5;
             if !(middle > low && middle < high) {
@@ -121,7 +121,7 @@ mod tests {
             (1.0, &[][..], 9.0),
             (-1.0, &[2.0], 2.0),
             (1.0, &[2.0, 3.0], 2.0),
-            // Roots below 0 and beyond the upper end do not count.
+            // Roots below 0 and beyond the upper end are irrelevant.
             (1.0, &[-1.0, -2.0, 10.0, 11.0], 9.0),
             (-1.0, &[0.5, 0.500_01, 3.0, 4.0, 5.0], 0.5),
             (-1.0, &[1e-3, 1.0, 1.0, 1.0, 8.0], 1e-3),
@@ -131,7 +131,7 @@ mod tests {
             (f64::NAN, &[], 0.0),
         ] {
             let found = with_roots(scale, roots).positive_up_to(9.0);
-            // A root of fifteenfold multiplicity is known to 1e-12^(1/15).
+            // A root of multiplicity fifteen is only determined to 1e-12^(1/15).
             let tolerance = if roots.len() == 15 && roots[0] == roots[1] { 0.2 } else { 1e-9 };
             assert!((found - end).abs() < tolerance, "{roots:?}: {found}");
         }

@@ -1,6 +1,6 @@
-//! An image plane that is tilted against the lens (Scheimpflug), as in OpenCV's fourteen coefficients.
+//! An image plane that is tilted with respect to the lens (Scheimpflug), as in OpenCV's fourteen coefficients.
 //!
-//! s·(x″, y″, 1) = P·R·(x′, y′, 1), where R turns by τx about x and then by τy about y,
+//! s·(x″, y″, 1) = P·R·(x′, y′, 1), where R rotates by τx about x and then by τy about y,
 //!
 //! | R = | | |
 //! |---|---|---|
@@ -8,12 +8,12 @@
 //! | 0 | cos τx | sin τx |
 //! | sin τy | −cos τy·sin τx | cos τy·cos τx |
 //!
-//! and P projects the turned plane back along the axis: rows (R₃₃, 0, −R₁₃), (0, R₃₃, −R₂₃), (0, 0, 1). Points
+//! and P projects the rotated plane back along the axis: its rows are (R₃₃, 0, −R₁₃), (0, R₃₃, −R₂₃), (0, 0, 1). Points
 //! with s ≤ 0 are behind the plane. (OpenCV, documentation of `calib3d`.)
 
 use glam::{DMat3, DVec2};
 
-/// The map and its inverse.
+/// The homography of a tilt and its inverse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Tilt {
     forward: DMat3,
@@ -21,7 +21,7 @@ pub(super) struct Tilt {
 }
 
 impl Tilt {
-    /// From angles (radians) less than π/2 either way.
+    /// Creates a tilt from its angles in radians, both less than π/2 either way.
     pub(super) fn new(tau_x: f64, tau_y: f64) -> Self {
         let ((sin_x, cos_x), (sin_y, cos_y)) = (libm::sincos(tau_x), libm::sincos(tau_y));
         let turn = DMat3::from_cols_array_2d(&[
@@ -40,7 +40,7 @@ impl Tilt {
         Self { forward: flatten * turn, backward: turn.transpose() * unflatten }
     }
 
-    /// A point of the upright plane, on the tilted one.
+    /// Maps a point from the upright plane to the tilted one.
     pub(super) fn apply(&self, upright: DVec2) -> Option<DVec2> {
         through(&self.forward, upright)
     }
@@ -51,7 +51,7 @@ impl Tilt {
     }
 }
 
-/// A point through a homography; none behind it.
+/// Applies a homography to a point; `None` for a point behind the plane.
 fn through(matrix: &DMat3, point: DVec2) -> Option<DVec2> {
     let image = *matrix * point.extend(1.0);
     (image.z > 0.0).then(|| image.truncate() / image.z)

@@ -7,7 +7,7 @@ use crate::ParameterError;
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::{DVec2, DVec3};
 
-/// `<fun>` of a [`Mapping`].
+/// The function of a [`Mapping`], SDF's `<fun>`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum AngleFunction {
     /// `id`: the angle itself.
@@ -18,7 +18,7 @@ pub enum AngleFunction {
     Tan,
 }
 
-/// How the image radius depends on the angle θ from the axis: r = c1·f·fun(θ/c2 + c3).
+/// The mapping from the angle θ from the axis to the image radius: r = c1·f·fun(θ/c2 + c3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mapping {
     /// `<c1>`; c1·f must be greater than 0.
@@ -29,23 +29,24 @@ pub struct Mapping {
     pub c3: f64,
     /// `<f>`, the focal length in units of the plane; SDF's unit is half the width of the image.
     pub f: f64,
-    /// `<fun>`.
+    /// `<fun>`, the function.
     pub fun: AngleFunction,
 }
 
 impl Mapping {
     /// r = tan θ, a pinhole.
     pub const GNOMONICAL: Self = Self { c1: 1.0, c2: 1.0, c3: 0.0, f: 1.0, fun: AngleFunction::Tan };
-    /// r = 2 tan(θ/2), which keeps the shapes of small things.
+    /// r = 2 tan(θ/2), which preserves the shapes of small objects.
     pub const STEREOGRAPHIC: Self = Self { c1: 2.0, c2: 2.0, c3: 0.0, f: 1.0, fun: AngleFunction::Tan };
     /// r = θ.
     pub const EQUIDISTANT: Self = Self { c1: 1.0, c2: 1.0, c3: 0.0, f: 1.0, fun: AngleFunction::Identity };
-    /// r = 2 sin(θ/2), which keeps areas.
+    /// r = 2 sin(θ/2), which preserves areas.
     pub const EQUISOLID_ANGLE: Self = Self { c1: 2.0, c2: 2.0, c3: 0.0, f: 1.0, fun: AngleFunction::Sin };
     /// r = sin θ, up to 90°.
     pub const ORTHOGRAPHIC: Self = Self { c1: 1.0, c2: 1.0, c3: 0.0, f: 1.0, fun: AngleFunction::Sin };
 
-    /// By SDF's name of a lens' `<type>`; `custom` has no parameters of its own.
+    /// Returns the mapping with SDF's name of a lens `<type>`, or `None` if there is none: `custom` has no parameters
+    /// of its own.
     pub fn named(name: &str) -> Option<Self> {
         Some(match name {
             "gnomonical" => Self::GNOMONICAL,
@@ -64,7 +65,7 @@ impl Mapping {
         let scale = self.c1 * self.f;
         require("c1*f", scale, scale > 0.0 && scale.is_finite(), "a finite number greater than 0")?;
         require("c2", self.c2, self.c2 > 0.0 && self.c2.is_finite(), "a finite number greater than 0")?;
-        // The axis is seen, or a ring around it; from the function's end on nothing would be.
+        // The axis or a ring around it must be visible; from the end of the function on, nothing would be.
         require(
             "c3",
             self.c3,
@@ -76,7 +77,7 @@ impl Mapping {
         )
     }
 
-    /// The largest argument up to which `fun` increases, and can be told from infinity.
+    /// The greatest argument up to which `fun` increases and is distinguishable from infinity.
     fn last_argument(&self) -> f64 {
         match self.fun {
             AngleFunction::Identity => f64::INFINITY,
@@ -85,7 +86,7 @@ impl Mapping {
         }
     }
 
-    /// r at an angle.
+    /// The image radius r at an angle.
     fn radius(&self, angle: f64) -> f64 {
         let argument = angle / self.c2 + self.c3;
         self.c1
@@ -97,7 +98,7 @@ impl Mapping {
             }
     }
 
-    /// The angle of a radius; NaN where there is none.
+    /// The angle of an image radius, or NaN if there is none.
     fn angle(&self, radius: f64) -> f64 {
         let value = radius / (self.c1 * self.f);
         let argument = match self.fun {
@@ -109,11 +110,12 @@ impl Mapping {
     }
 }
 
-/// A lens by a [`Mapping`], blind beyond a cutoff angle.
+/// A lens defined by a [`Mapping`], with a cutoff angle beyond which it sees nothing.
 ///
-/// The domain: angles up to [`max_angle`](WideAngle::max_angle), the least of the cutoff angle and of where the
-/// mapping stops to increase. With c3 ≠ 0 there is none around the axis: r begins at c1·f·fun(c3), or at 0 with the
-/// angle −c2·c3. Gazebo darkens what is beyond the cutoff angle to a fifth; here such pixels have no ray.
+/// The domain contains the angles up to [`max_angle`](WideAngle::max_angle), the smaller of the cutoff angle and the
+/// angle at which the mapping stops increasing. With c3 ≠ 0 it excludes a region around the axis: r begins at
+/// c1·f·fun(c3), or at 0 with the angle −c2·c3. Gazebo darkens pixels beyond the cutoff angle to a fifth; here such
+/// pixels have no ray.
 ///
 /// (SDFormat, `<camera><lens>`.)
 ///
@@ -121,7 +123,7 @@ impl Mapping {
 /// use belvedere_sensors::optics::{Lens, Mapping, WideAngle};
 /// use glam::{DVec2, DVec3};
 /// use std::f64::consts::{FRAC_PI_2, PI};
-/// // 180° across 800 px: half of them are 90°.
+/// // 180° across 800 px: the half, 400 px, is 90°.
 /// let lens = WideAngle::from_fov(800, 600, PI, Mapping::STEREOGRAPHIC, true, FRAC_PI_2).unwrap();
 /// let pixel = lens.project(DVec3::new(1.0, 0.0, 1.0)).unwrap();
 /// // tan(45°/2)/tan(90°/2) = 0.414214.
@@ -138,11 +140,11 @@ pub struct WideAngle {
 }
 
 impl WideAngle {
-    /// A lens by its intrinsic parameters, which turn the mapping's r into pixels, and its cutoff angle, greater than
-    /// 0 and at most π.
+    /// Creates a lens from its intrinsic parameters, which convert the mapping's r to pixels, and its cutoff angle in
+    /// radians, greater than 0 and at most π.
     ///
     /// # Errors
-    /// When a parameter is out of its range.
+    /// If a parameter is out of range.
     pub fn new(intrinsics: Intrinsics, mapping: Mapping, cutoff_angle: f64) -> Result<Self, ParameterError> {
         intrinsics.check()?;
         mapping.check()?;
@@ -153,11 +155,11 @@ impl WideAngle {
         Ok(Self { intrinsics, mapping, angles: [first, last] })
     }
 
-    /// As SDF describes it: r = 1 is half the width of the image, and with `scale_to_hfov` f is replaced by what
-    /// makes that half the field of view (radians).
+    /// Creates a lens as SDF describes it: r = 1 is half the width of the image. With `scale_to_hfov`, f is replaced by
+    /// the value for which half the width corresponds to half the field of view (in radians).
     ///
     /// # Errors
-    /// When a parameter is out of its range, or the mapping does not reach that field of view.
+    /// If a parameter is out of range, or if the mapping does not reach that field of view.
     pub fn from_fov(
         width: u32,
         height: u32,
@@ -167,7 +169,7 @@ impl WideAngle {
         cutoff_angle: f64,
     ) -> Result<Self, ParameterError> {
         if scale_to_hfov {
-            // Any positive c1·f will do, as it is replaced.
+            // Any positive c1·f will do, since f is replaced.
             mapping.f = mapping.c1.signum();
             mapping.check()?;
             let half = horizontal_fov_rad * 0.5;
@@ -185,17 +187,17 @@ impl WideAngle {
         Self::new(Intrinsics::centred(width, height, f64::from(width) * 0.5)?, mapping, cutoff_angle)
     }
 
-    /// Its intrinsic parameters.
+    /// The intrinsic parameters.
     pub fn intrinsics(&self) -> Intrinsics {
         self.intrinsics
     }
 
-    /// Its mapping, with f as it is after `scale_to_hfov`.
+    /// The mapping, with f as it is after `scale_to_hfov`.
     pub fn mapping(&self) -> Mapping {
         self.mapping
     }
 
-    /// Where the domain ends: the largest angle from the axis.
+    /// The end of the domain: the greatest angle from the axis in radians.
     pub fn max_angle(&self) -> f64 {
         self.angles[1]
     }
@@ -215,7 +217,7 @@ impl Lens for WideAngle {
         }
         let radius = self.mapping.radius(angle);
         if from_axis == 0.0 {
-            // On the axis there is one pixel, or a circle.
+            // On the axis there is a single pixel, or a circle.
             return if radius == 0.0 { self.intrinsics.to_pixel(DVec2::ZERO) } else { None };
         }
         self.intrinsics.to_pixel(direction.truncate() * (radius / from_axis))

@@ -1,4 +1,4 @@
-//! What each shape of parry3d's is here.
+//! Conversion of the shapes of parry3d to those of this crate.
 
 use super::{ParryError, Part};
 use crate::pose::Pose;
@@ -9,22 +9,22 @@ use glam::{DMat3, DQuat, DVec3};
 use parry3d::math::Vector;
 use parry3d::shape::{Capsule, HalfSpace, HeightField, HeightFieldCellStatus, TypedShape};
 
-/// Turns z to parry3d's y, and y to its −z.
+/// Rotates z to the y axis of parry3d, and y to its −z axis.
 const Y_FROM_Z: DQuat = DQuat::from_xyzw(-FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2);
 
-/// A scale along axes that are turned by less than this, in radians or so, is one along the part's own: parry3d's
-/// own rotations are no more exact than that.
+/// Tolerance in radians for a scale to count as aligned with the part's own axes. The rotations of parry3d are no more
+/// accurate than that.
 const ALIGNED: f64 = 1e-6;
 
 pub(super) struct Converter<'a> {
     pub(super) builder: &'a mut SceneBuilder,
-    /// Along the axes of the outermost shape.
+    /// Scale along the axes of the outermost shape.
     pub(super) scale: DVec3,
     pub(super) parts: &'a mut Vec<Part>,
 }
 
 impl Converter<'_> {
-    /// Adds the parts of a shape; `outer_from_shape` is its place in the outermost one before scaling.
+    /// Adds the parts of a shape; `outer_from_shape` is its pose in the outermost shape before scaling.
     pub(super) fn add(&mut self, shape: TypedShape<'_>, outer_from_shape: Pose) -> Result<(), ParryError> {
         let along_y = Pose::new(DVec3::ZERO, Y_FROM_Z);
         let (name, shape, shape_from_part) = match shape {
@@ -106,7 +106,7 @@ impl Converter<'_> {
         self.place(name, shape, outer_from_shape * shape_from_part, DVec3::ONE)
     }
 
-    /// Adds a part that is `outer_from_part` placed and, along its own axes, `own` scaled, before the whole is
+    /// Adds a part with the pose `outer_from_part` and the scale `own` along its own axes, before the whole shape is
     /// scaled.
     fn place(
         &mut self,
@@ -115,13 +115,13 @@ impl Converter<'_> {
         outer_from_part: Pose,
         own: DVec3,
     ) -> Result<(), ParryError> {
-        // S·R = R·(Rᵀ·S·R), and the bracket must be a scale along the axes.
+        // S·R = R·(Rᵀ·S·R), where the product in parentheses must be a scale along the axes.
         let rotation = outer_from_part.rotation_matrix();
         let inner = rotation.transpose() * DMat3::from_diagonal(self.scale) * rotation;
         let scale = DVec3::new(inner.x_axis.x, inner.y_axis.y, inner.z_axis.z);
         let rest = inner - DMat3::from_diagonal(scale);
         let most = rest.to_cols_array().into_iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        // Uniform scales leave nothing but rounding; they stay what they are.
+        // For uniform scales the difference is only rounding error, so the given scale is used unchanged.
         let uniform = self.scale == DVec3::splat(self.scale.x);
         let scale = if uniform { self.scale } else { scale };
         if !uniform && most > ALIGNED * self.scale.abs().min_element() {
@@ -138,7 +138,7 @@ impl Converter<'_> {
         Ok(())
     }
 
-    /// A half-space stays one however it is scaled: its normal goes by the inverse transpose.
+    /// Adds a half-space, which stays one under any scale; its normal is transformed by the inverse transpose.
     fn half_space(&mut self, half_space: &HalfSpace, outer_from_shape: &Pose) {
         let normal = outer_from_shape.transform_vector(half_space.normal.as_dvec3()) / self.scale;
         self.parts.push(Part {
@@ -169,7 +169,7 @@ impl Converter<'_> {
             let (vertices, triangles) = field.to_trimesh();
             return self.mesh("HeightField", &vertices, &triangles, outer_from_shape);
         }
-        // parry3d keeps them column by column; its rows run along z, which is −y of the part.
+        // parry3d stores heights column by column; its rows run along z, which is −y of the part.
         let heights = field.heights();
         let (rows, columns) = (heights.nrows(), heights.ncols());
         let scale = field.scale();
@@ -194,9 +194,9 @@ fn capsule(capsule: &Capsule) -> (Shape, Pose) {
     (Shape::Capsule { radius, length }, Pose::new(middle, from_z_to((b - a) / length)))
 }
 
-/// A rotation that takes z to the given unit vector; exactly a quarter turn for ±x and ±y.
+/// A rotation that maps z to the given unit vector; exactly a quarter turn for ±x and ±y.
 fn from_z_to(direction: DVec3) -> DQuat {
-    // For −z there is no shortest way: half a turn about x.
+    // For −z there is no unique shortest rotation: use half a turn about x.
     if direction.z < -1.0 + 1e-12 {
         return DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0);
     }

@@ -1,18 +1,18 @@
 //! Shapes of parry3d in a scene (feature `parry`).
 //!
-//! parry3d's shapes become this crate's, exactly: no round shape is cut into triangles. One shape is one or
-//! several [`Part`]s, each with its own place in the shape's frame, since parry3d has its cylinders, cones and
-//! height fields stand along y where this crate has them stand along z, and since a compound is of several.
+//! The shapes of parry3d are converted exactly: no round shape is approximated by triangles. A shape becomes one or
+//! more [`Part`]s, each with its own pose in the shape's frame, since the cylinders, cones and height fields of parry3d
+//! are aligned with y and those of this crate with z, and since a compound consists of several shapes.
 //!
-//! | parry3d | here |
+//! | parry3d | this crate |
 //! |---|---|
 //! | `Ball`, `Cuboid`, `Cylinder`, `Cone` | [`Shape::Sphere`], [`Shape::Box`], [`Shape::Cylinder`], [`Shape::Cone`] |
-//! | `Capsule` between any two points | [`Shape::Capsule`], or a sphere if they are one |
+//! | `Capsule` between any two points | [`Shape::Capsule`], or a sphere if the points coincide |
 //! | `HalfSpace` | [`Shape::Plane`] |
-//! | `HeightField` | [`Shape::HeightField`]; a mesh if cells are removed or cut the other way |
+//! | `HeightField` | [`Shape::HeightField`], or a mesh if cells are removed or split along the other diagonal |
 //! | `TriMesh`, `ConvexPolyhedron`, `Triangle`, `Voxels` | [`Shape::Mesh`] |
 //! | `Compound` | its parts |
-//! | `RoundCuboid` and the like | what they round, if the radius is 0; else [`ParryError::NotTraced`] |
+//! | `RoundCuboid` and similar | the shape without rounding if the radius is 0, otherwise [`ParryError::NotTraced`] |
 //! | `Segment`, `Polyline`, custom shapes | [`ParryError::NotTraced`] |
 
 mod convert;
@@ -22,20 +22,20 @@ use crate::scene::{InstanceConfig, SceneBuilder, SceneError, Shape};
 use alloc::vec::Vec;
 use glam::DVec3;
 
-/// A part of a shape of parry3d's, as an instance will show it.
+/// A part of a parry3d shape, as it will be shown by an instance.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Part {
-    /// What it is.
+    /// The shape of the part.
     pub shape: Shape,
-    /// Where it stands in the (scaled) frame of parry3d's shape.
+    /// Pose in the (scaled) frame of the parry3d shape.
     pub shape_from_part: Pose,
-    /// Its scale along its own axes.
+    /// Scale along the part's own axes.
     pub scale: [f64; 3],
 }
 
 impl Part {
-    /// This part of a shape that `look` describes: shape and scale are replaced, and the pose, that of the whole
-    /// shape in the world, becomes that of the part.
+    /// Returns the configuration of an instance that shows this part. `look` describes the whole shape: its `shape` and
+    /// `scale` are replaced, and its pose in the world is converted to that of the part.
     #[must_use]
     pub fn instance(&self, look: &InstanceConfig) -> InstanceConfig {
         InstanceConfig {
@@ -47,15 +47,15 @@ impl Part {
     }
 }
 
-/// Why a shape of parry3d's cannot be taken into a scene.
+/// The reason why a parry3d shape cannot be added to a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum ParryError {
-    /// There is no exact way to trace a shape of that kind.
+    /// There is no exact way to trace shapes of this kind.
     NotTraced(&'static str),
-    /// A part of that kind is scaled along other axes than its own, which would shear it.
+    /// A part of this kind is scaled along axes other than its own, which would shear it.
     Sheared(&'static str),
-    /// The scene refuses it.
+    /// The scene rejects the shape.
     Scene(SceneError),
 }
 
@@ -88,9 +88,10 @@ impl From<SceneError> for ParryError {
 }
 
 impl SceneBuilder {
-    /// Takes in the meshes and height fields of a parry3d shape that is scaled along the axes of its own frame, and
-    /// returns the parts that an instance of it is made of. Make each an instance by [`Part::instance`], as often
-    /// as the shape is seen.
+    /// Adds the meshes and height fields of a parry3d shape that is scaled along the axes of its own frame.
+    ///
+    /// Returns the parts of which the shape consists. Use [`Part::instance`] to make an instance of each, as often as
+    /// the shape is to be shown.
     ///
     /// ```
     /// use belvedere_sensors::{Pose, scene::*};
@@ -108,7 +109,7 @@ impl SceneBuilder {
     /// ```
     ///
     /// # Errors
-    /// [`ParryError`]; nothing of the shape is in the scene then.
+    /// [`ParryError`]; nothing of the shape is then added to the scene.
     pub fn add_parry_shape(
         &mut self,
         shape: &dyn parry3d::shape::Shape,
@@ -127,10 +128,10 @@ impl SceneBuilder {
         Ok(parts)
     }
 
-    /// Takes out the meshes and height fields of a shape that [`SceneBuilder::add_parry_shape`] took in.
+    /// Removes the meshes and height fields of a shape that [`SceneBuilder::add_parry_shape`] added.
     ///
     /// # Errors
-    /// [`SceneError::InUse`] when there are still instances of them.
+    /// [`SceneError::InUse`] if there are still instances of them.
     pub fn remove_parry_shape(&mut self, parts: &[Part]) -> Result<(), SceneError> {
         parts.iter().try_for_each(|part| match part.shape {
             Shape::Mesh(mesh) => self.remove_mesh(mesh),

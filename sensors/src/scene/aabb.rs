@@ -11,11 +11,11 @@ pub struct Aabb {
 }
 
 impl Aabb {
-    /// Holds nothing; growing it by a box gives that box.
+    /// The empty box: growing it by another box gives that box.
     pub(crate) const EMPTY: Self = Self { min: [f32::INFINITY; 3], max: [f32::NEG_INFINITY; 3] };
 
-    /// The smallest box that holds the given interval. The margin of 1e-6 relative covers the rounding from f64
-    /// and of the traversal itself.
+    /// The smallest box that contains the given intervals, enlarged by a relative margin of 1e-6 that covers the
+    /// rounding from f64 and the rounding errors of the traversal.
     pub(crate) fn from_f64(min: [f64; 3], max: [f64; 3]) -> Self {
         let mut bounds = Self::EMPTY;
         for axis in 0..3 {

@@ -1,13 +1,13 @@
-//! Scenes as bytes: written once, then sensed as they lie in a file that is read or mapped, with nothing built.
+//! Scenes as bytes: written once, then read or memory-mapped and traced in place, without building anything.
 //!
 //! ```text
 //! line 0       header: magic, version, number of sections, length of all, environment
 //! lines 1 … 4  table: offset in bytes and number of elements of each section
-//! lines 5 …    sections, each from the beginning of a cache line on, in the order of the table
+//! lines 5 …    sections in the order of the table, each starting at a cache line
 //! ```
 //!
-//! Numbers are little-endian; the magic number tells a machine with another byte order that it cannot use them.
-//! Whoever wrote the bytes, [`Scene::from_baked`] checks all that tracing relies on.
+//! Numbers are little-endian; on a machine with another byte order, the magic number does not match. The bytes need not
+//! be trusted: [`Scene::from_baked`] checks everything that tracing relies on.
 
 mod error;
 
@@ -27,11 +27,11 @@ use bytemuck::{Pod, Zeroable};
 
 /// `BLVDRSCN`, read as a little-endian number.
 const MAGIC: u64 = u64::from_le_bytes(*b"BLVDRSCN");
-/// Of the layout of all elements.
+/// Version of the layout of all elements.
 const VERSION: u32 = 4;
 const LINE: usize = size_of::<CacheLine>();
 
-/// What the sections hold, in their order.
+/// Names and element sizes of the sections, in file order.
 const SECTIONS: [(&str, usize); 15] = [
     ("instances", size_of::<Instance>()),
     ("meshes", size_of::<Mesh>()),
@@ -50,14 +50,14 @@ const SECTIONS: [(&str, usize); 15] = [
     ("poses", size_of::<Pose>()),
 ];
 
-/// The first line.
+/// The header, which fills the first cache line.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Header {
     magic: u64,
     version: u32,
     sections: u32,
-    /// Of all, in bytes.
+    /// Length of the whole file in bytes.
     length: u64,
     ambient: [f32; 3],
     background: [f32; 3],
@@ -68,24 +68,24 @@ struct Header {
 
 const _: () = assert!(size_of::<Header>() == LINE);
 
-/// Where a section lies.
+/// Position of a section.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 struct Section {
-    /// In bytes from the beginning.
+    /// Offset from the start of the file, in bytes.
     offset: u64,
-    /// Of elements.
+    /// Number of elements.
     count: u64,
 }
 
-/// Bytes of header and table, in whole lines.
+/// Bytes of header and table, rounded up to whole cache lines.
 const fn head_len() -> usize {
     (LINE + SECTIONS.len() * size_of::<Section>()).next_multiple_of(LINE)
 }
 
 impl SceneBuilder {
-    /// Writes the scene and the present poses as bytes from which [`Scene::from_baked`] lends them again.
-    /// `bytemuck::cast_slice` gives the bytes to write to a file.
+    /// Serialises the scene and the current poses to bytes that [`Scene::from_baked`] reads. `bytemuck::cast_slice`
+    /// converts the result to a byte slice, for example to write it to a file.
     ///
     /// ```
     /// use belvedere_sensors::scene::*;
@@ -146,14 +146,14 @@ impl SceneBuilder {
 }
 
 impl<'a> Scene<'a> {
-    /// The scene that [`SceneBuilder::bake`] wrote, and the pose of each instance. The bytes must begin at a multiple of 64, as every mapped file
-    /// and every slice of [`CacheLine`]s does; the scene borrows them as they lie.
+    /// Reads a scene that [`SceneBuilder::bake`] wrote, and the pose of each instance.
     ///
-    /// Everything is checked: a scene that is returned can be sensed whoever wrote it, at a cost in proportion to
-    /// its length.
+    /// The bytes must begin at a multiple of 64, as every memory-mapped file and every slice of [`CacheLine`]s does.
+    /// The scene borrows them without copying. Everything is checked, so a scene that is returned can be traced even if
+    /// the bytes come from an untrusted source. The time for the checks is proportional to the number of bytes.
     ///
     /// # Errors
-    /// [`BakedError`] names the section, the element and what is wrong with it.
+    /// [`BakedError`] names the section, the element and what is wrong.
     pub fn from_baked(bytes: &'a [u8]) -> Result<(Self, &'a [Pose]), BakedError> {
         if !(bytes.as_ptr() as usize).is_multiple_of(LINE) {
             return Err(BakedError::Misaligned);
@@ -176,7 +176,7 @@ impl<'a> Scene<'a> {
         let mut end = head_len() as u64;
         for ((entry, bytes_of), (name, size)) in table.iter().zip(&mut sections).zip(SECTIONS) {
             let fault = BakedError::Section { section: name, offset: entry.offset, count: entry.count };
-            // One after the other, so that no two overlap.
+            // Sections are consecutive, so no two overlap.
             if entry.offset != end {
                 return Err(fault);
             }
@@ -210,7 +210,7 @@ impl<'a> Scene<'a> {
             blocks: bytemuck::cast_slice(blocks),
             facets: bytemuck::cast_slice(facets),
         };
-        // Before their lengths decide about memory.
+        // Checked before the mesh sizes determine an allocation.
         check::parts_of_meshes(&meshes)?;
         let meshes = Meshes::new(meshes, &mut zeroed_vec(Meshes::scratch_len(meshes.meshes)))?;
         let scene = Self::from_slices(&SceneSlices {

@@ -1,7 +1,7 @@
-//! Whether slices that somebody else has filled are the parts of a scene.
+//! Checks that untrusted slices form a valid scene.
 //!
-//! Each mesh, height field and texture has its own part of a slice. Parts lie one after the other and fill it, so that
-//! checking them takes time in proportion to their length, whatever the elements say.
+//! Each mesh, height field and texture has its own part of a slice. The parts are consecutive and fill the slice, so
+//! checking them takes time proportional to their length, whatever the elements contain.
 
 use super::fault::{Element, count};
 use super::texture::{mip_levels, mip_texels};
@@ -17,7 +17,7 @@ use crate::pose::Pose;
 use crate::simd::WIDTH;
 use bytemuck::Zeroable;
 
-/// Everything but the meshes, which have been checked.
+/// Checks everything except the meshes, which have been checked already.
 pub(super) fn all_but_meshes(scene: &Scene<'_>) -> Result<(), SceneFault> {
     height_fields(scene)?;
     textures(scene)?;
@@ -26,18 +26,18 @@ pub(super) fn all_but_meshes(scene: &Scene<'_>) -> Result<(), SceneFault> {
     lights(scene)
 }
 
-/// Words that checking meshes works in.
+/// Number of `u32` words of scratch memory for checking the meshes.
 pub(super) fn scratch_len(meshes: &[Mesh]) -> usize {
     meshes.iter().map(scratch_of).max().unwrap_or(0)
 }
 
-/// Of one mesh: a position of each vertex, and what the check of its tree needs.
+/// Scratch words for one mesh: a position per vertex, and the scratch memory of the tree check.
 fn scratch_of(mesh: &Mesh) -> usize {
     let [triangles, nodes, blocks] = [mesh.triangles, mesh.nodes, mesh.blocks].map(|count| count as usize);
     3 * mesh.vertices as usize + validate_scratch_len(triangles, nodes, blocks)
 }
 
-/// That the parts of meshes lie one after the other, and fill the slices.
+/// Checks that the parts of the meshes are consecutive and fill the slices.
 pub(super) fn parts_of_meshes(meshes: &MeshSlices<'_>) -> Result<(), SceneFault> {
     let MeshSlices { uvs, triangles, nodes, blocks, .. } = meshes;
     let mut ends = [0; 4];
@@ -56,7 +56,7 @@ pub(super) fn parts_of_meshes(meshes: &MeshSlices<'_>) -> Result<(), SceneFault>
     count("facets", meshes.facets.len(), blocks.len().saturating_mul(WIDTH))
 }
 
-/// All of meshes, with scratch memory for the one that needs most.
+/// Checks the meshes. `scratch` must be large enough for the mesh that needs most.
 pub(super) fn meshes(meshes: &MeshSlices<'_>, scratch: &mut [u32]) -> Result<(), SceneFault> {
     parts_of_meshes(meshes)?;
     count_scratch(scratch.len(), scratch_len(meshes.meshes))?;
@@ -70,7 +70,7 @@ pub(super) fn meshes(meshes: &MeshSlices<'_>, scratch: &mut [u32]) -> Result<(),
         take_corners(blocks, triangles, positions);
         validate_tree(positions, triangles, nodes, blocks, scratch)
             .map_err(|fault| SceneFault::Tree { mesh: index, fault })?;
-        // An empty tree has a root too, whose boxes hold nothing.
+        // An empty tree also has a root, whose box is empty.
         let root = &nodes[0];
         for axis in 0..3 {
             let (low, high) = (mesh.min[axis], mesh.max[axis]);
@@ -92,13 +92,13 @@ fn count_scratch(have: usize, need: usize) -> Result<(), SceneFault> {
     if have < need { count("scratch", have, need) } else { Ok(()) }
 }
 
-/// A mesh's part of a slice.
+/// The part of a slice that belongs to a mesh.
 fn part<T>(slice: &[T], first: u32, count: u32) -> &[T] {
     &slice[first as usize..][..count as usize]
 }
 
-/// Positions of vertices, which lie nowhere but in the blocks: where two of these disagree, one of them is not
-/// bit for bit the position any more, which the check of the tree finds.
+/// Collects the vertex positions, which are stored only in the blocks. If two blocks disagree about a vertex, one of
+/// them differs from the collected position, and the check of the tree finds that.
 fn take_corners(blocks: &[TriangleBlock], triangles: &[[u32; 3]], positions: &mut [[f32; 3]]) {
     for block in blocks {
         for lane in 0..WIDTH {
@@ -112,7 +112,7 @@ fn take_corners(blocks: &[TriangleBlock], triangles: &[[u32; 3]], positions: &mu
     }
 }
 
-/// Facets follow from blocks, to the last bit.
+/// Checks that the facets are bit for bit those computed from the blocks.
 fn facets(meshes: &MeshSlices<'_>) -> Result<(), SceneFault> {
     let execution = Execution::default();
     let mut expected = [Facet::zeroed(); WIDTH];
@@ -202,7 +202,7 @@ fn instances(scene: &Scene<'_>) -> Result<(), SceneFault> {
             Kind::Solid(_) => {}
         }
         element.accept(limits::instance(instance.size, instance.scale))?;
-        // What nobody sees is given none.
+        // Invisible instances get no slots.
         slots += if instance.visibility == 0 { 0 } else { u64::from(scene.slots(instance)) };
         if slots >= 1 << 31 {
             return Err(SceneFault::TooManyTriangles);

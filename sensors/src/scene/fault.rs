@@ -1,47 +1,47 @@
-//! What may be wrong with the parts of a scene.
+//! Errors found in the parts of a scene.
 
 use super::limits::Refusal;
 use super::{SceneError, TreeFault};
 
-/// Why slices, or the sections of a baked scene, are not a scene.
+/// The reason why slices, or the sections of a baked scene, do not form a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum SceneFault {
-    /// Two slices do not go together.
+    /// Two slices have lengths that do not match.
     Count {
-        /// Which has a wrong number of elements.
+        /// The slice with the wrong number of elements.
         slice: &'static str,
-        /// Those that it has.
+        /// Number of elements that the slice has.
         have: u64,
-        /// Those that it should have.
+        /// Number of elements that the slice should have.
         need: u64,
     },
-    /// A value that cannot be.
+    /// A value is not allowed.
     Value {
-        /// Which slice.
+        /// Name of the slice.
         slice: &'static str,
-        /// Which element of it.
+        /// Index of the element in the slice.
         element: usize,
-        /// Which part of the element.
+        /// Name of the field of the element.
         field: &'static str,
-        /// The value; the first bad one of several.
+        /// The value; the first invalid one if there are several.
         value: f64,
     },
-    /// The tree of a mesh.
+    /// The tree of a mesh is invalid.
     Tree {
-        /// Which mesh.
+        /// Index of the mesh.
         mesh: usize,
-        /// What is wrong with its tree.
+        /// The fault of the tree.
         fault: TreeFault,
     },
-    /// A height field.
+    /// A height field is invalid.
     HeightField {
-        /// Which.
+        /// Index of the height field.
         element: usize,
-        /// What is wrong with it.
+        /// The error of the height field.
         error: SceneError,
     },
-    /// More triangles in all instances together than 31 bits count.
+    /// All instances together have more triangles than 31 bits can count.
     TooManyTriangles,
 }
 
@@ -73,7 +73,7 @@ pub(super) fn count(slice: &'static str, have: usize, need: usize) -> Result<(),
     if have == need { Ok(()) } else { Err(SceneFault::Count { slice, have: have as u64, need: need as u64 }) }
 }
 
-/// Names an element of a slice in its errors.
+/// An element of a slice, as named in errors.
 #[derive(Clone, Copy)]
 pub(super) struct Element {
     slice: &'static str,
@@ -90,17 +90,17 @@ impl Element {
         if holds { Ok(()) } else { Err(SceneFault::Value { slice, element, field, value }) }
     }
 
-    /// The checks that a builder makes too.
+    /// Converts the result of a check that the builder makes too.
     pub(super) fn accept(self, checked: Result<(), Refusal>) -> Result<(), SceneFault> {
         checked.or_else(|Refusal { field, value, .. }| self.require(false, field, value))
     }
 
-    /// An index below a number of elements.
+    /// Checks that an index is less than the number of elements.
     pub(super) fn index(self, field: &'static str, index: u32, count: usize) -> Result<(), SceneFault> {
         self.require((index as usize) < count, field, f64::from(index))
     }
 
-    /// The range of a slice that follows the last one's.
+    /// Checks that a range of a slice starts where the previous one ends.
     pub(super) fn follows(
         self,
         field: &'static str,

@@ -1,4 +1,4 @@
-//! Shapes and where they stand.
+//! Shapes and instances.
 
 use super::kind::{Kind, Solid, Triangles};
 use super::{SceneError, limits};
@@ -6,29 +6,29 @@ use crate::pose::Pose;
 use bytemuck::{Pod, Zeroable};
 use glam::DMat3;
 
-/// A shape, centred on its own frame. Lengths in metres.
+/// A shape, centred on the origin of its own frame. Lengths are in metres.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Shape {
-    /// Full edge lengths along x, y, z.
+    /// A box.
     Box {
-        /// x, y, z.
+        /// Full edge lengths along x, y and z.
         size: [f64; 3],
     },
-    /// The rectangle |x| ≤ `size[0]`/2, |y| ≤ `size[1]`/2 of the plane z = 0; its outside is +z.
+    /// The rectangle |x| ≤ `size[0]`/2, |y| ≤ `size[1]`/2 in the plane z = 0, facing +z.
     Rectangle {
         /// Full edge lengths along x and y.
         size: [f64; 2],
     },
-    /// The endless plane z = 0; its outside is +z. A ray along it misses it.
+    /// The infinite plane z = 0, facing +z. A ray parallel to it misses it.
     Plane,
-    /// A ball.
+    /// A sphere.
     Sphere {
         /// Radius.
         radius: f64,
     },
-    /// The points with (x/a)² + (y/b)² + (z/c)² ≤ 1.
+    /// The ellipsoid (x/a)² + (y/b)² + (z/c)² ≤ 1.
     Ellipsoid {
-        /// a, b, c.
+        /// The semi-axes a, b and c.
         radii: [f64; 3],
     },
     /// A closed cylinder along z.
@@ -38,7 +38,7 @@ pub enum Shape {
         /// Full length.
         length: f64,
     },
-    /// A cylinder along z with half balls at both ends.
+    /// A cylinder along z with hemispherical caps at both ends.
     Capsule {
         /// Radius.
         radius: f64,
@@ -52,9 +52,9 @@ pub enum Shape {
         /// Full length.
         length: f64,
     },
-    /// Triangles of the scene.
+    /// A triangle mesh of the scene.
     Mesh(MeshId),
-    /// A height field of the scene; its outside is +z. Below, and beyond its edges, there is nothing.
+    /// A height field of the scene, facing +z. Below it, and beyond its edges, there is nothing.
     HeightField(HeightFieldId),
 }
 
@@ -74,7 +74,7 @@ pub struct MaterialId(pub u32);
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct InstanceId(pub u32);
 
-/// Bits that say which sensors see an instance; see [`InstanceConfig::visibility`].
+/// Bits that determine which sensors see an instance; see [`InstanceConfig::visibility`].
 pub mod visibility {
     /// Seen by cameras and depth cameras.
     pub const VISUAL: u32 = 1;
@@ -82,29 +82,30 @@ pub mod visibility {
     pub const COLLISION: u32 = 2;
 }
 
-/// What an instance is made from.
+/// The configuration of an [`Instance`].
 #[derive(Debug, Clone, Copy)]
 pub struct InstanceConfig {
     /// The shape.
     pub shape: Shape,
-    /// Where it stands at first. A [`SceneBuilder`](super::SceneBuilder) keeps it beside the instance, which has none.
+    /// Pose at which the instance is added. A [`SceneBuilder`](super::SceneBuilder) stores it next to the instance,
+    /// which itself has no pose.
     pub world_from_instance: Pose,
-    /// What its lengths are multiplied by along each of its axes, before it is turned and moved; negative ones
-    /// mirror it. What was outside stays outside, also for a mirrored mesh.
+    /// Scale factors along the instance's axes, applied before rotation and translation. Negative factors mirror the
+    /// shape. The outside of a shape stays its outside, also for a mirrored mesh.
     pub scale: [f64; 3],
-    /// How it looks. Lidars do not need it but for the intensities of a [`Scanner`](crate::scanner::Scanner).
+    /// The material. Lidars ignore it, except for the intensities of a [`Scanner`](crate::scanner::Scanner).
     pub material: MaterialId,
-    /// Which sensors see it: a sensor sees an instance if their bits have one in common.
+    /// Visibility mask. A sensor sees the instance if the two masks share a bit.
     pub visibility: u32,
-    /// The intensity that a lidar reports for it.
+    /// The intensity that a lidar reports for the instance.
     pub laser_retro: f32,
-    /// What kind of thing it is, as [`Truth::class`](crate::trace::Truth::class) tells; 0 says nothing.
+    /// Semantic class, as reported by [`Truth::class`](crate::trace::Truth::class); 0 means unlabelled.
     pub class: u32,
 }
 
 impl Default for InstanceConfig {
-    /// A cube of 1 m at the world's origin, not scaled, of the scene's first material, that all sensors see and
-    /// no lidar reports an intensity of.
+    /// A cube of 1 m at the world's origin, unscaled, in the scene's first material, visible to all sensors, with lidar
+    /// intensity 0.
     fn default() -> Self {
         Self {
             shape: Shape::Box { size: [1.0; 3] },
@@ -118,17 +119,17 @@ impl Default for InstanceConfig {
     }
 }
 
-/// An instance as it lies in a scene's memory. Where it is, a [`Moment`](crate::Moment) says.
+/// An instance as it is stored in a scene. Its pose is given by a [`Moment`](crate::Moment).
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Instance {
-    /// Box and rectangle: half edges. Sphere: radius. Ellipsoid: radii. Cylinder, capsule, cone: radius, half
-    /// length.
+    /// Box and rectangle: half edge lengths. Sphere: radius. Ellipsoid: semi-axes. Cylinder, capsule, cone: radius,
+    /// half length.
     pub(crate) size: [f64; 3],
     pub(crate) scale: [f64; 3],
     /// The number of its [`Kind`].
     pub(super) kind: u32,
-    /// Of a mesh or height field: which one.
+    /// Index of the mesh or height field, if the kind is one of these.
     pub(crate) mesh: u32,
     pub(crate) material: u32,
     pub(crate) visibility: u32,
@@ -137,7 +138,7 @@ pub struct Instance {
 }
 
 impl Instance {
-    /// Checks and packs a configuration, all but its pose. Indices are checked by the scene that takes it in.
+    /// Checks and packs a configuration, except for its pose. The scene checks indices when the instance is added.
     ///
     /// # Errors
     /// [`SceneError::BadSize`], [`SceneError::BadScale`], [`SceneError::BadPose`].
@@ -173,18 +174,18 @@ impl Instance {
         Ok(instance)
     }
 
-    /// Its [class](InstanceConfig::class).
+    /// The semantic [class](InstanceConfig::class).
     pub const fn class(&self) -> u32 {
         self.class
     }
 
-    /// What its surface is.
+    /// The kind of the shape.
     #[inline(always)]
     pub(crate) fn kind(&self) -> Kind {
         Kind::of_checked(self.kind)
     }
 
-    /// The instance's axes in the world: turned, and as long as the scale makes them. `axes` are turned only.
+    /// The instance's axes in the world, rotated and scaled. `axes` are only rotated.
     pub(crate) fn scaled_axes(&self, axes: &DMat3) -> DMat3 {
         let [x, y, z] = self.scale;
         DMat3::from_cols(axes.x_axis * x, axes.y_axis * y, axes.z_axis * z)

@@ -1,18 +1,19 @@
-//! What kinds of shapes there are, and the numbers that stand for them in a scene's memory.
+//! The kinds of shapes, and the numbers that represent them in a scene's memory.
 //!
-//! A scene is plain data that may come from a file, so an instance holds a number. It is checked once, where the data come
-//! in, and read through [`Kind::from_number`] alone: all that depends on the kind is a match of enums without a gap.
+//! A scene is plain data that may come from a file, so an instance stores a number. The number is checked once, when
+//! the data are loaded, and decoded only by [`Kind::from_number`], so all code that depends on the kind is an
+//! exhaustive match.
 
-/// What the surface of an instance is.
+/// The kind of surface of an instance.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// A shape with a formula.
+    /// A shape given by a formula.
     Solid(Solid),
-    /// Triangles under a tree.
+    /// Triangles with a tree.
     Triangles(Triangles),
 }
 
-/// Shapes with a formula. All are convex.
+/// Shapes given by a formula. All are convex.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Solid {
     Box,
@@ -25,7 +26,7 @@ pub(crate) enum Solid {
     Cone,
 }
 
-/// Where triangles come from.
+/// Sources of triangles.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Triangles {
     Mesh,
@@ -33,7 +34,7 @@ pub(crate) enum Triangles {
 }
 
 impl Kind {
-    /// The kind that a number stands for, if it is one.
+    /// The kind that a number represents, or `None` if there is no such kind.
     #[inline(always)]
     pub(crate) const fn from_number(number: u32) -> Option<Self> {
         Some(match number {
@@ -51,8 +52,8 @@ impl Kind {
         })
     }
 
-    /// The same of a number that was checked when it came in. One that was not is a box: something to see, and nothing
-    /// that needs more than the instance itself.
+    /// The kind for a number that was checked when it was loaded. An unchecked, invalid number becomes a box, which is
+    /// visible and needs no data besides the instance itself.
     #[inline(always)]
     pub(crate) const fn of_checked(number: u32) -> Self {
         match Self::from_number(number) {
@@ -61,7 +62,7 @@ impl Kind {
         }
     }
 
-    /// The number that stands for it.
+    /// The number that represents the kind.
     pub(crate) const fn number(self) -> u32 {
         match self {
             Self::Solid(Solid::Box) => 0,
@@ -77,25 +78,25 @@ impl Kind {
         }
     }
 
-    /// Whether it is a mesh.
+    /// Returns true for a mesh.
     #[inline(always)]
     pub(crate) const fn is_mesh(self) -> bool {
         matches!(self, Self::Triangles(Triangles::Mesh))
     }
 
-    /// Whether it is a shape with a formula. These are convex: they cannot stand in their own light.
+    /// Returns true for a shape given by a formula. These are convex: they cannot shadow themselves.
     #[inline(always)]
     pub(crate) const fn is_solid(self) -> bool {
         matches!(self, Self::Solid(_))
     }
 }
 
-/// Half the edges of the box of an endless plane: a tenth of a light-year, beyond the range of every sensor, and
-/// yet small enough that areas in single precision stay finite.
+/// Half edge length of the bounding box of an infinite plane: a tenth of a light-year, beyond the range of every
+/// sensor, yet small enough that areas in single precision stay finite.
 const ENDLESS: f64 = 1e15;
 
 impl Solid {
-    /// Half extents of the box that holds the surface, by the sizes of its instance.
+    /// Half extents of the bounding box of the surface, from the sizes of its instance.
     #[inline(always)]
     pub(crate) const fn half_extents(self, [a, b, c]: [f64; 3]) -> [f64; 3] {
         match self {
@@ -108,7 +109,7 @@ impl Solid {
         }
     }
 
-    /// Whether it has nothing but flat faces, and few of them.
+    /// Returns true if all faces are flat. Such shapes have few faces.
     #[inline(always)]
     pub(crate) const fn has_flat_faces(self) -> bool {
         match self {

@@ -1,4 +1,4 @@
-//! What a scene accepts: one set of checks for what is added to a builder and for what is read from bytes.
+//! The limits of what a scene accepts: one set of checks for the builder and for data read from bytes.
 //!
 //! Lengths stay between 1e-12 m and 1e12 m, so that no product of several of them overflows, neither in double nor in
 //! single precision.
@@ -11,7 +11,7 @@ use crate::pose::Pose;
 
 const MOST: f64 = MAX_COORDINATE as f64;
 
-/// What cannot be accepted: as a builder says it, and the value for who reads bytes.
+/// A rejected value: the builder's error, and the field and value for errors about bytes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Refusal {
     pub(crate) error: SceneError,
@@ -25,7 +25,7 @@ impl From<Refusal> for SceneError {
     }
 }
 
-/// All values must be as they should be; the first that is not is named.
+/// Checks that all values hold, and otherwise names the first one that does not.
 fn all(
     values: impl IntoIterator<Item = f64>,
     holds: impl Fn(f64) -> bool,
@@ -38,7 +38,7 @@ fn all(
     }
 }
 
-/// False for NaN.
+/// Returns true if a coordinate is within ±1e12 m; false for NaN.
 fn in_space(value: f64) -> bool {
     value.abs() <= MOST
 }
@@ -51,7 +51,7 @@ fn is_length(value: f64) -> bool {
     (1.0 / MOST..=MOST).contains(&value)
 }
 
-/// A unit vector or quaternion by the square of its length.
+/// Checks a unit vector or quaternion, given the square of its length.
 fn is_unit(square: f64) -> bool {
     (square - 1.0).abs() <= 1e-6
 }
@@ -60,7 +60,7 @@ pub(crate) fn uv(index: usize, uv: [f32; 2]) -> Result<(), Refusal> {
     all(uv.map(f64::from), in_space, "uv", SceneError::BadUv(index))
 }
 
-/// Texture coordinates of a mesh: none, or one a vertex.
+/// Checks the texture coordinates of a mesh: none, or one per vertex.
 pub(crate) fn uvs(uvs: &[[f32; 2]], vertices: usize) -> Result<(), SceneError> {
     if !uvs.is_empty() && uvs.len() != vertices {
         return Err(SceneError::UvCount);
@@ -77,7 +77,7 @@ pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
     let alphas = [material.alpha, material.least_alpha].map(f64::from);
     all(alphas, up_to(1.0), "alpha", SceneError::BadAlpha)?;
     let [mirrored, passed] = [material.specular_reflectance, material.transmittance].map(f64::from);
-    // Shares in single precision may be a little more than 1 together.
+    // The sum of two shares in single precision may slightly exceed 1.
     let shares = [mirrored, passed, (mirrored + passed) / (1.0 + 1e-6)];
     all(shares, up_to(1.0), "specular reflectance and transmittance", SceneError::BadShares)?;
     let kind = f64::from(material.texture_alpha);

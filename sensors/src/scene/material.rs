@@ -1,43 +1,45 @@
-//! Surfaces and light.
+//! Materials and lights.
 
 use super::texture::TextureId;
 use bytemuck::{Pod, Zeroable};
 
-/// How a surface looks. Colours are RGB, used as the files give them: no gamma, as Gazebo classic.
+/// How a surface looks. Colours are RGB in the scene's [`ColourSpace`](super::ColourSpace): by default they are used as
+/// given, without gamma, as in Gazebo classic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialConfig {
-    /// Reflected light of lamps, times the texture.
+    /// Diffuse reflectance for the light of lamps, multiplied by the texture.
     pub diffuse: [f32; 3],
-    /// Reflected ambient light, times the texture.
+    /// Reflectance for ambient light, multiplied by the texture.
     pub ambient: [f32; 3],
-    /// Own light.
+    /// Emitted light.
     pub emissive: [f32; 3],
-    /// Highlights of lamps: the factor of their [`LightConfig::specular`] where the surface is a mirror between lamp and
-    /// sensor. The texture does not change it.
+    /// Specular reflectance: factor of a lamp's [`LightConfig::specular`] at the peak of the highlight, where the
+    /// surface mirrors the lamp towards the sensor. The texture does not change it.
     pub specular: [f32; 3],
-    /// How small highlights are: the exponent of Blinn and Phong, 0 up to [`MAX_SHININESS`]. At 0 there are none, as in
+    /// Sharpness of highlights: the Blinn–Phong exponent, 0 to [`MAX_SHININESS`]. At 0 there are no highlights, as in
     /// Gazebo classic.
     pub shininess: f32,
-    /// How much of what is seen is the surface, from 0 to 1; the rest is what lies behind it. See [`TextureAlpha`].
+    /// Opacity from 0 to 1; the rest shows what lies behind the surface. See [`TextureAlpha`].
     pub alpha: f32,
-    /// What the alpha of the texture means.
+    /// Meaning of the texture's alpha channel.
     pub texture_alpha: TextureAlpha,
-    /// Share of the light of lidars and depth cameras that is reflected as by a mirror, 0 to 1: they see what the mirror shows, at
-    /// all the way that the light goes. Cameras do not.
+    /// Share of the light of lidars and depth cameras that is reflected specularly, 0 to 1. These sensors see what the
+    /// mirror shows, at the length of the whole path of the light. Cameras ignore it.
     pub specular_reflectance: f32,
-    /// Share of the light of lidars and depth cameras that passes straight through, 0 to 1, and with what is reflected at most
-    /// 1; the rest is scattered, as all of it is by other surfaces. Cameras go by [`MaterialConfig::alpha`] instead.
+    /// Share of the light of lidars and depth cameras that passes straight through, 0 to 1. Together with
+    /// [`MaterialConfig::specular_reflectance`] it is at most 1; the rest is scattered. By default, all light is
+    /// scattered. Cameras use [`MaterialConfig::alpha`] instead.
     pub transmittance: f32,
-    /// Normals over the surface, taken in by [`SceneBuilder::add_normal_map`](super::SceneBuilder::add_normal_map).
+    /// Normal map, added by [`SceneBuilder::add_normal_map`](super::SceneBuilder::add_normal_map).
     pub normal_map: Option<TextureId>,
-    /// A picture over the surface.
+    /// Colour texture.
     pub texture: Option<TextureId>,
-    /// How often picture and normals repeat along u and v.
+    /// Number of repetitions of texture and normal map along u and v.
     pub texture_repeat: [f32; 2],
 }
 
 impl Default for MaterialConfig {
-    /// Grey, no texture.
+    /// Grey, without a texture.
     fn default() -> Self {
         Self {
             diffuse: [0.7; 3],
@@ -56,22 +58,23 @@ impl Default for MaterialConfig {
     }
 }
 
-/// What the alpha of a material's texture means.
+/// The meaning of the alpha channel of a material's texture.
 ///
-/// Cameras alone see through surfaces by it, through four of them; a fifth is opaque. Depths, lidars and what is true of a pixel
-/// are those of the nearest surface, clear or not, as in Gazebo, but for [`MaterialConfig::transmittance`]. What has an alpha below 1 or a blended texture casts no
-/// shadows; what is cut out casts the shadow of the whole.
+/// Only cameras see through surfaces by alpha, and through at most four of them; a fifth is opaque. Depths, lidars and
+/// the ground truth of a pixel are those of the nearest surface, transparent or not, as in Gazebo, except for
+/// [`MaterialConfig::transmittance`]. Surfaces with an alpha below 1 or a blended texture cast no shadows; cut-out
+/// surfaces cast the shadow of the whole surface.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum TextureAlpha {
-    /// Nothing: the texture is opaque.
+    /// Alpha is ignored: the texture is opaque.
     #[default]
     Ignored,
-    /// What has an alpha below `least`, from 0 to 1, is not there.
+    /// The surface is absent where the alpha of the texture is below `least`.
     CutOut {
-        /// As much is there.
+        /// The threshold, from 0 to 1.
         least: f32,
     },
-    /// It is a factor of [`MaterialConfig::alpha`].
+    /// Alpha is multiplied by [`MaterialConfig::alpha`].
     Blended,
 }
 
@@ -79,12 +82,12 @@ pub(crate) const ALPHA_IGNORED: u32 = 0;
 pub(crate) const ALPHA_CUT_OUT: u32 = 1;
 pub(crate) const ALPHA_BLENDED: u32 = 2;
 
-/// Greatest [`MaterialConfig::shininess`].
+/// The greatest [`MaterialConfig::shininess`].
 pub const MAX_SHININESS: f32 = 1e4;
 
 pub(crate) const NO_TEXTURE: u32 = u32::MAX;
 
-/// A material as it lies in a scene's memory.
+/// A material as it is stored in a scene.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Material {
@@ -128,57 +131,57 @@ impl Material {
         }
     }
 
-    /// Whether lamps make highlights on it.
+    /// Returns true if lamps make highlights on the material.
     pub(crate) fn is_glossy(&self) -> bool {
         self.shininess > 0.0 && self.specular != [0.0; 3]
     }
 
-    /// Whether the texture's alpha counts.
+    /// Returns true if the texture's alpha is used.
     pub(crate) fn has_texture_alpha(&self) -> bool {
         self.texture != NO_TEXTURE && self.texture_alpha != ALPHA_IGNORED
     }
 
-    /// Whether anything may be seen through it.
+    /// Returns true if anything may be seen through the material.
     pub(crate) fn is_clear(&self) -> bool {
         self.alpha < 1.0 || self.has_texture_alpha()
     }
 
-    /// Whether lidars and depth cameras see anything by way of it.
+    /// Returns true if lidars and depth cameras see anything by reflection or transmission.
     pub(crate) fn is_mirror_or_pane(&self) -> bool {
         self.specular_reflectance > 0.0 || self.transmittance > 0.0
     }
 
-    /// Whether it stands in the way of light.
+    /// Returns true if the material blocks light.
     pub(crate) fn casts_shadows(&self) -> bool {
         self.alpha >= 1.0 && !(self.has_texture_alpha() && self.texture_alpha == ALPHA_BLENDED)
     }
 }
 
-/// A lamp.
+/// The kind of a lamp: how its light spreads, with positions and directions in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LightKind {
-    /// From `position` (world, metres) to all sides.
+    /// A point light that shines from `position` in all directions.
     Point {
-        /// World, metres.
+        /// Position in the world, in metres.
         position: [f64; 3],
     },
-    /// Parallel light that travels along `direction` (world, any length but 0).
+    /// Parallel light that travels along `direction`.
     Directional {
-        /// World.
+        /// Direction in the world, of any length but 0.
         direction: [f64; 3],
     },
-    /// A cone of light.
+    /// A spotlight.
     Spot {
-        /// World, metres.
+        /// Position in the world, in metres.
         position: [f64; 3],
-        /// Axis along which the light travels; world, any length but 0.
+        /// Axis along which the light travels, in the world, of any length but 0.
         direction: [f64; 3],
-        /// Cosine of half the angle inside which it has its full brightness.
+        /// Cosine of half the angle of the inner cone, inside which the spot has its full brightness.
         cos_inner: f32,
-        /// Cosine of half the angle outside which it has none.
+        /// Cosine of half the angle of the outer cone, outside which the spot gives no light.
         cos_outer: f32,
-        /// Between the two, the brightness is `(cos − cos_outer) / (cos_inner − cos_outer)` to this power, 0 up to
-        /// [`MAX_FALLOFF`]: 1 is linear, 0 full brightness up to the outer angle.
+        /// Exponent, 0 to [`MAX_FALLOFF`], of the brightness between the two cones, `((cos − cos_outer) / (cos_inner −
+        /// cos_outer))^falloff`: 1 is linear, 0 is full brightness up to the outer cone.
         falloff: f32,
     },
 }
@@ -187,28 +190,29 @@ pub enum LightKind {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct LightId(pub u32);
 
-/// Greatest falloff of a [`LightKind::Spot`].
+/// The greatest falloff of a [`LightKind::Spot`].
 pub const MAX_FALLOFF: f32 = 1e4;
 
-/// A lamp and what it gives.
+/// The configuration of a lamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightConfig {
-    /// Where.
+    /// Kind of the lamp, with its position and direction.
     pub kind: LightKind,
-    /// Colour times brightness.
+    /// Diffuse light: colour times brightness.
     pub diffuse: [f32; 3],
-    /// The same of its highlights on what is [glossy](MaterialConfig::specular).
+    /// Light that makes highlights on [glossy](MaterialConfig::specular) materials: colour times brightness.
     pub specular: [f32; 3],
-    /// Metres beyond which it gives nothing; may be infinite.
+    /// Range in metres, beyond which the lamp gives no light; may be infinite.
     pub range_m: f32,
     /// Brightness at distance d is min(1, 1 / (a\[0\] + a\[1\]·d + a\[2\]·d²)). Not used for directional light.
     pub attenuation: [f32; 3],
-    /// Whether things in the way cast shadows.
+    /// Whether objects cast shadows in the light of this lamp.
     pub cast_shadows: bool,
 }
 
 impl Default for LightConfig {
-    /// A white point of light at the world's origin that reaches any distance undiminished, without highlights or shadows.
+    /// A white point light at the world's origin with unlimited range and no attenuation, without highlights or
+    /// shadows.
     fn default() -> Self {
         Self {
             kind: LightKind::Point { position: [0.0; 3] },
@@ -221,19 +225,19 @@ impl Default for LightConfig {
     }
 }
 
-/// How the light of a lamp spreads: a [`LightKind`] without its numbers.
+/// How the light of a lamp spreads: a [`LightKind`] without its parameters.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Form {
-    /// To all sides.
+    /// In all directions.
     Point,
-    /// Parallel.
+    /// Parallel light.
     Directional,
     /// In a cone.
     Spot,
 }
 
 impl Form {
-    /// The form that a number stands for, if it is one.
+    /// The form that a number represents, or `None` if there is no such form.
     #[inline(always)]
     pub(crate) const fn from_number(number: u32) -> Option<Self> {
         Some(match number {
@@ -244,7 +248,7 @@ impl Form {
         })
     }
 
-    /// The number that stands for it.
+    /// The number that represents the form.
     const fn number(self) -> u32 {
         match self {
             Self::Point => 0,
@@ -254,7 +258,7 @@ impl Form {
     }
 }
 
-/// A lamp as it lies in a scene's memory.
+/// A lamp as it is stored in a scene.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Light {
@@ -274,7 +278,7 @@ pub struct Light {
 }
 
 impl Light {
-    /// Packs a configuration; directions are normalised, (0, 0, 0) becomes (0, 0, −1).
+    /// Packs a configuration. Directions are normalised; (0, 0, 0) becomes (0, 0, −1).
     pub fn new(config: &LightConfig) -> Self {
         let unit = |v: [f64; 3]| glam::DVec3::from_array(v).normalize_or(glam::DVec3::NEG_Z).to_array();
         let (form, position, direction, [cos_inner, cos_outer, falloff]) = match config.kind {
@@ -302,24 +306,24 @@ impl Light {
 }
 
 impl Light {
-    /// How its light spreads. The number was checked where it came in; of another, to all sides.
+    /// How the light spreads. An invalid number, which the checks of a scene reject, counts as a point light.
     #[inline(always)]
     pub(crate) fn form(&self) -> Form {
         Form::from_number(self.form).unwrap_or(Form::Point)
     }
 }
 
-/// Light from everywhere, and what is seen where nothing is.
+/// Ambient light and background.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Environment {
-    /// RGB in [0, 1].
+    /// Ambient light, RGB in [0, 1].
     pub ambient: [f32; 3],
-    /// RGB in [0, 1].
+    /// Colour of pixels that see nothing, RGB in [0, 1].
     pub background: [f32; 3],
 }
 
 impl Environment {
-    /// Gazebo's: ambient 0.4, background 0.7.
+    /// Gazebo's defaults: ambient 0.4, background 0.7.
     pub const GAZEBO: Self = Self { ambient: [0.4; 3], background: [0.7; 3] };
 }
 

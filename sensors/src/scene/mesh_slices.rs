@@ -1,21 +1,21 @@
-//! The slices that meshes lie in.
+//! The slices that store meshes.
 
 use super::Mesh;
 use super::tree::{Facet, TriangleBlock, WideNode};
 
-/// The slices of meshes, each mesh's part behind that of the one before.
+/// The slices that store meshes. In each slice, the parts of the meshes are consecutive, in the order of the meshes.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct MeshSlices<'a> {
-    /// One a mesh.
+    /// One entry per mesh.
     pub meshes: &'a [Mesh],
-    /// One a vertex.
+    /// Texture coordinates, one per vertex.
     pub uvs: &'a [[f32; 2]],
-    /// Vertices, counted from the first of their mesh.
+    /// Vertex indices of the triangles, counted from the first vertex of the mesh.
     pub triangles: &'a [[u32; 3]],
-    /// The nodes of the trees.
+    /// Nodes of the trees.
     pub nodes: &'a [WideNode],
-    /// Their leaves.
+    /// Leaves of the trees.
     pub blocks: &'a [TriangleBlock],
-    /// Sixteen for each block.
+    /// Facets, sixteen per block.
     pub facets: &'a [Facet],
 }

@@ -1,4 +1,4 @@
-//! Meshes and their trees in memory of the caller's: for scenes without a heap.
+//! Meshes and their trees in memory that the caller provides, for scenes without a heap.
 
 use super::build::{Quality, Scratch, TreeSize, fill_facets, plan};
 use super::tree::{Facet, TriangleBlock, WideNode};
@@ -6,57 +6,59 @@ use super::{Mesh, MeshId, MeshSlices, SceneError, SceneFault, check, limits};
 use crate::Execution;
 use crate::simd::WIDTH;
 
-/// Slots are counted in 32 bits, sixteen to a block.
+/// Slots are counted in 32 bits, sixteen per block.
 const MOST_BLOCKS: usize = 1 << (32 - WIDTH.ilog2());
 
-/// Meshes with their trees: those of a [`MeshStore`], or from elsewhere and [checked](Meshes::new).
+/// Meshes with their trees, from a [`MeshStore`] or from elsewhere and then [checked](Meshes::new).
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Meshes<'a>(MeshSlices<'a>);
 
 impl<'a> Meshes<'a> {
-    /// Takes meshes that somebody else has stored, such as those of a table that was made when a program was compiled.
-    /// All is checked that tracing relies on, at a cost in proportion to the length. `scratch` is as long as
-    /// [`Meshes::scratch_len`] says.
+    /// Checks and borrows stored meshes, such as a table that was generated at compile time.
+    ///
+    /// Everything that tracing relies on is checked, in time proportional to the length. `scratch` must hold
+    /// [`Meshes::scratch_len`] words.
     ///
     /// # Errors
-    /// [`SceneFault`] names the slice, the element and what is wrong with it.
+    /// [`SceneFault`] names the slice, the element and what is wrong.
     pub fn new(slices: MeshSlices<'a>, scratch: &mut [u32]) -> Result<Self, SceneFault> {
         check::meshes(&slices, scratch)?;
         Ok(Self(slices))
     }
 
-    /// The slices.
+    /// The slices of the meshes.
     pub fn slices(&self) -> MeshSlices<'a> {
         self.0
     }
 
-    /// Words that [`Meshes::new`] works in.
+    /// Number of words of scratch memory that [`Meshes::new`] needs.
     pub fn scratch_len(meshes: &[Mesh]) -> usize {
         check::scratch_len(meshes)
     }
 }
 
-/// The memory that meshes are built into: what each holds at the most, in all meshes together.
+/// The memory into which meshes are built, large enough for all meshes together.
 #[derive(Debug, Default)]
 pub struct MeshMemory<'a> {
-    /// One a mesh.
+    /// One entry per mesh.
     pub meshes: &'a mut [Mesh],
-    /// One a vertex.
+    /// Texture coordinates, one per vertex.
     pub uvs: &'a mut [[f32; 2]],
-    /// One a triangle.
+    /// One entry per triangle.
     pub triangles: &'a mut [[u32; 3]],
-    /// [`max_size`](super::build::max_size) of each mesh is always enough.
+    /// Nodes of the trees: the sum of [`max_size`](super::build::max_size) over the meshes is always enough.
     pub nodes: &'a mut [WideNode],
-    /// Of these too.
+    /// Blocks of the trees: the sum of [`max_size`](super::build::max_size) over the meshes is always enough.
     pub blocks: &'a mut [TriangleBlock],
-    /// Sixteen for each block.
+    /// Facets, sixteen per block.
     pub facets: &'a mut [Facet],
-    /// What the largest mesh needs by [`scratch_len`](super::build::scratch_len); not used afterwards.
+    /// Working memory: [`scratch_len`](super::build::scratch_len) of the largest mesh. Not used after the meshes are
+    /// built.
     pub scratch: &'a mut [Scratch],
 }
 
-/// Builds meshes into slices of the caller's, one after the other: what a [`SceneBuilder`](super::SceneBuilder) does with
-/// a heap. The trees are the same, to the last bit. An example is at [`SceneSlices`](super::SceneSlices).
+/// Builds meshes one after the other into slices that the caller provides, as a [`SceneBuilder`](super::SceneBuilder)
+/// does on the heap. The trees are bit for bit the same. See [`SceneSlices`](super::SceneSlices) for an example.
 #[derive(Debug, Default)]
 pub struct MeshStore<'a> {
     memory: MeshMemory<'a>,
@@ -67,17 +69,18 @@ pub struct MeshStore<'a> {
 }
 
 impl<'a> MeshStore<'a> {
-    /// With room for meshes, and none yet.
+    /// Creates an empty store that builds into `memory`.
     pub fn new(memory: MeshMemory<'a>) -> Self {
         Self { memory, ..Self::default() }
     }
 
-    /// Takes in triangles, counter-clockwise seen from outside, and builds their tree. `uvs` holds one texture
-    /// coordinate per vertex, or none at all.
+    /// Adds triangles, counter-clockwise seen from outside, and builds their tree. `uvs` holds one texture coordinate
+    /// per vertex, or is empty.
     ///
     /// # Errors
-    /// Those of [`plan`], [`SceneError::UvCount`], [`SceneError::BadUv`], [`SceneError::BufferTooSmall`] with the name of
-    /// the slice of [`MeshMemory`] and the elements that it must have; the meshes are those of before then.
+    /// Those of [`plan`], [`SceneError::UvCount`], [`SceneError::BadUv`], and [`SceneError::BufferTooSmall`] with the
+    /// name of the slice of [`MeshMemory`] and the number of elements that it must have. After an error, the store
+    /// holds the same meshes as before.
     pub fn add(
         &mut self,
         positions: &[[f32; 3]],
@@ -127,7 +130,7 @@ impl<'a> MeshStore<'a> {
         Ok(id)
     }
 
-    /// The meshes that were added, for a scene.
+    /// Returns the meshes that were added, for use in a scene.
     pub fn meshes(&self) -> Meshes<'_> {
         let Self { memory, meshes, vertices, triangles, size } = self;
         Meshes(MeshSlices {
@@ -141,7 +144,7 @@ impl<'a> MeshStore<'a> {
     }
 }
 
-/// So many elements from `first` on.
+/// The `count` elements from `first` on.
 fn part<'a, T>(
     buffer: &'static str,
     memory: &'a mut [T],

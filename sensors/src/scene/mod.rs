@@ -1,9 +1,10 @@
-//! What the sensors look at: shapes, materials, textures and lights, in borrowed slices.
+//! Scenes: shapes, materials, textures and lights, in borrowed slices.
 //!
-//! A [`Scene`] borrows plain (`Pod`) data that somebody else owns: a [`SceneBuilder`] with the feature `alloc`, a mapped
-//! file ([`Scene::from_baked`]), or without a heap the caller's own arrays ([`Scene::from_slices`]). Where its instances are is no part of it: a [`Moment`](crate::Moment) says that.
+//! A [`Scene`] borrows plain (`Pod`) data from an owner: a [`SceneBuilder`] with the feature `alloc`, a memory-mapped
+//! file ([`Scene::from_baked`]), or the caller's own arrays if there is no heap ([`Scene::from_slices`]). The poses of
+//! the instances are not part of the scene; a [`Moment`](crate::Moment) supplies them.
 //!
-//! The surface parameters (u, v) of textures, u to the right and v up when the face is looked at from outside:
+//! The directions of the texture coordinates (u, v), u to the right and v up when the face is seen from outside:
 //!
 //! | face | right | up |
 //! |---|---|---|
@@ -16,8 +17,8 @@
 //! | sphere, ellipsoid, capsule, side of cylinder and cone | once around, counter-clockwise from −x seen from +z | −z end to +z end |
 //! | ends of a cylinder, base of a cone | +x | +y / −y |
 //!
-//! Both run from 0 to 1 over a face; on the endless plane they are metres from its origin. They belong to the
-//! shape: an instance's scale stretches the texture with it. Around an ellipsoid, u is the angle of (x/a, y/b).
+//! Both run from 0 to 1 over a face; on the infinite plane they are metres from its origin. They belong to the shape,
+//! so the scale of an instance stretches the texture. Around an ellipsoid, u is the angle of (x/a, y/b).
 
 mod aabb;
 #[cfg(feature = "alloc")]
@@ -76,7 +77,7 @@ use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-/// A mesh as it lies in a scene's memory: ranges of the scene's vertices, triangles and nodes.
+/// A mesh as it is stored in a scene: its ranges of the scene's vertices, triangles and nodes.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Mesh {
@@ -88,27 +89,27 @@ pub struct Mesh {
     pub(crate) nodes: u32,
     pub(crate) first_block: u32,
     pub(crate) blocks: u32,
-    /// Corners of the box that holds it.
+    /// Corners of the bounding box.
     pub(crate) min: [f32; 3],
     pub(crate) max: [f32; 3],
 }
 
-/// Everything there is to see, borrowed. Cheap to copy.
+/// A scene: everything that sensors can see, borrowed. Cheap to copy.
 #[derive(Debug, Clone, Copy)]
 pub struct Scene<'a> {
     pub(crate) instances: &'a [Instance],
     pub(crate) meshes: &'a [Mesh],
-    /// As many as the meshes have vertices; (0, 0) for meshes without.
+    /// One per vertex of the meshes; (0, 0) for meshes without texture coordinates.
     pub(crate) uvs: &'a [[f32; 2]],
-    /// Vertex indices relative to the mesh's first, in the order of the mesh's maker.
+    /// Vertex indices relative to the first vertex of the mesh, in the order in which the triangles were given.
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) nodes: &'a [tree::WideNode],
     pub(crate) blocks: &'a [tree::TriangleBlock],
-    /// Sixteen for each block.
+    /// Sixteen per block.
     pub(crate) facets: &'a [tree::Facet],
     pub(crate) height_fields: &'a [HeightField],
     pub(crate) heights: &'a [f32],
-    /// Least and greatest heights below the nodes of height fields.
+    /// Least and greatest heights below the nodes of the height fields' trees.
     pub(crate) extents: &'a [[f32; 2]],
     pub(crate) materials: &'a [Material],
     pub(crate) textures: &'a [Texture],
@@ -119,7 +120,7 @@ pub struct Scene<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// Nothing, in Gazebo's default light.
+    /// The empty scene, in Gazebo's default light.
     pub(crate) const EMPTY: Self = Self {
         instances: &[],
         meshes: &[],
@@ -139,12 +140,12 @@ impl<'a> Scene<'a> {
         colour_space: ColourSpace::AsGiven,
     };
 
-    /// Least and greatest corner of the box that holds an instance, along its own axes and in its scale; none if there is
-    /// no such instance. An endless plane's is 2e15 m wide.
+    /// Returns the lower and upper corner of the bounding box of an instance, along its own axes and with its scale
+    /// applied, or `None` if there is no such instance. The box of an infinite plane is 2e15 m wide.
     pub fn bounds(&self, instance: usize) -> Option<[DVec3; 2]> {
         let instance = self.instances.get(instance)?;
         let [a, b] = self.local_bounds(instance).map(|corner| corner * DVec3::from_array(instance.scale));
-        // A negative scale changes them over.
+        // A negative scale swaps them.
         Some([a.min(b), a.max(b)])
     }
 
@@ -158,22 +159,22 @@ impl<'a> Scene<'a> {
         self.lights
     }
 
-    /// What its colours are.
+    /// The colour space of materials, textures and the background.
     pub fn colour_space(&self) -> ColourSpace {
         self.colour_space
     }
 
-    /// Whether anything may be textured.
+    /// Returns true if the scene has textures.
     pub(crate) fn has_textures(&self) -> bool {
         !self.textures.is_empty()
     }
 
-    /// Whether any lamp casts shadows.
+    /// Returns true if any lamp casts shadows.
     pub(crate) fn has_shadows(&self) -> bool {
         self.lights.iter().any(|light| light.cast_shadows != 0)
     }
 
-    /// Slots of an instance: every triangle that a ray may hit has one of its own, any other shape one in all.
+    /// Number of slots of an instance: one per triangle that a ray may hit, one in total for any other shape.
     pub(crate) fn slots(&self, instance: &Instance) -> u32 {
         match instance.kind() {
             Kind::Solid(_) => 1,
@@ -184,7 +185,7 @@ impl<'a> Scene<'a> {
         }
     }
 
-    /// Corners of the box that holds an instance's surface in its own unscaled frame.
+    /// Corners of the bounding box of an instance's surface in its own unscaled frame.
     pub(crate) fn local_bounds(&self, instance: &Instance) -> [DVec3; 2] {
         let corners = match instance.kind() {
             Kind::Solid(solid) => {
@@ -204,45 +205,45 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// Why something cannot be taken into a scene.
+/// The reason why a scene rejects something.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SceneError {
     /// A length is not between 1e-12 m and 1e12 m.
     BadSize,
-    /// A scale is not between 1e-12 and 1e12, or between −1e12 and −1e-12.
+    /// A pose is not finite, its rotation is not a unit quaternion, or it is more than 1e12 m away along an axis.
     BadScale,
     /// A pose is not finite, its rotation is none, or it is more than 1e12 m away along an axis.
     BadPose,
     /// A lamp's position is not finite, or more than 1e12 m away along an axis.
     BadLight,
-    /// How often a texture repeats is not finite, or beyond ±1e12.
+    /// The number of repetitions of a texture is not finite, or beyond ±1e12.
     BadTextureRepeat,
     /// A shininess is not between 0 and [`MAX_SHININESS`].
     BadShininess,
-    /// An alpha, or the least of what is cut out, is not between 0 and 1.
+    /// An alpha, or the threshold of a cut-out texture, is not between 0 and 1.
     BadAlpha,
-    /// A specular reflectance or transmittance is not between 0 and 1, or they are more than 1 together.
+    /// A specular reflectance or transmittance is not between 0 and 1, or their sum is greater than 1.
     BadShares,
     /// The falloff of a spot is not between 0 and [`MAX_FALLOFF`].
     BadFalloff,
-    /// The texture coordinates of the vertex of that index are not finite, or beyond ±1e12.
+    /// The texture coordinates of the vertex with this index are not finite, or beyond ±1e12.
     BadUv(usize),
-    /// Vertex of that index is not finite.
+    /// The vertex with this index is not finite.
     BadVertex(usize),
-    /// Vertex of that index is farther from the mesh's origin than [`MAX_COORDINATE`].
+    /// The vertex with this index is farther from the mesh's origin than [`MAX_COORDINATE`].
     VertexTooFar(usize),
-    /// Triangle of that index refers to a vertex that is not there.
+    /// The triangle with this index refers to a vertex that does not exist.
     BadTriangle(usize),
-    /// Texture coordinates are neither none nor one per vertex.
+    /// The number of texture coordinates is neither 0 nor the number of vertices.
     UvCount,
-    /// A texture of no size, or whose texels are not width × height.
+    /// A texture has no pixels, or the number of texels is not width × height.
     BadTexture,
-    /// A height field of fewer than 2 × 2 heights.
+    /// A height field has fewer than 2 × 2 heights.
     HeightFieldTooSmall,
-    /// The heights are not rows × columns.
+    /// The number of heights is not rows × columns.
     HeightCount,
-    /// Height of that index is not finite, or beyond [`MAX_COORDINATE`].
+    /// The height with this index is not finite, or beyond [`MAX_COORDINATE`].
     BadHeight(usize),
     /// An instance refers to a height field that the scene does not have.
     NoSuchHeightField,
@@ -252,29 +253,29 @@ pub enum SceneError {
     NoSuchMaterial,
     /// A material refers to a texture that the scene does not have.
     NoSuchTexture,
-    /// No instance of that index.
+    /// There is no instance with this index.
     NoSuchInstance,
-    /// No lamp of that index.
+    /// There is no lamp with this index.
     NoSuchLight,
-    /// What is to be taken out is still used.
+    /// What is to be removed is still in use.
     InUse {
-        /// By what: an `instance` or a `material`.
+        /// The kind of the user: `instance` or `material`.
         user: &'static str,
-        /// By which: its index, the first one's if there are several.
+        /// The index of the user; of the first one if there are several.
         index: u32,
     },
-    /// A buffer of the caller's does not hold what it must.
+    /// A buffer that the caller provides is too small.
     BufferTooSmall {
-        /// Which one.
+        /// Name of the buffer.
         buffer: &'static str,
-        /// Its elements.
+        /// Number of elements that the buffer has.
         have: usize,
-        /// Elements that are needed.
+        /// Number of elements that are needed.
         need: usize,
     },
-    /// Node of that index does not belong to a tree over the given triangles.
+    /// The node with this index does not belong to a tree over the given triangles.
     BadTree(usize),
-    /// More elements of one kind than 32-bit indices can count.
+    /// There would be more elements of one kind than 32-bit indices can count.
     TooMany,
 }
 

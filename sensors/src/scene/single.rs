@@ -1,4 +1,4 @@
-//! One mesh as a scene of its own, over memory of the caller's.
+//! A single mesh as a scene, in memory that the caller provides.
 
 use super::instance::{Instance, InstanceConfig, MeshId, Shape};
 use super::material::{Material, MaterialConfig};
@@ -8,8 +8,8 @@ use crate::moment::Moment;
 use crate::pose::Pose;
 use crate::simd::WIDTH;
 
-/// A mesh that stands at the world's origin, seen by all sensors, in the default material. Nothing is copied, so
-/// making one takes no time: for who keeps trees in memory of his own and casts rays at one of them.
+/// A scene of one mesh at the world's origin, visible to all sensors, in the default material. Nothing is copied, so
+/// creating one takes no time. It is meant for code that keeps its own trees and casts rays at one of them.
 ///
 /// ```
 /// use belvedere_sensors::scene::build::{Quality, Tree};
@@ -32,13 +32,13 @@ pub struct MeshScene<'a> {
 }
 
 impl<'a> MeshScene<'a> {
-    /// Takes a tree as [`build`](super::build::build) writes it, with its
-    /// [facets](super::build::fill_facets). A tree from elsewhere is for [`validate_tree`](super::validate_tree)
-    /// to check first: a bad one makes tracing miss triangles, or panic.
+    /// Creates the scene from a tree written by [`build`](super::build::build), and its
+    /// [facets](super::build::fill_facets). Check a tree from another source with
+    /// [`validate_tree`](super::validate_tree) first: with an invalid tree, tracing misses triangles or panics.
     ///
     /// # Errors
-    /// [`SceneError::BadTree`] without a root, [`SceneError::BufferTooSmall`] when there are not sixteen facets
-    /// for each block, [`SceneError::TooMany`] for more than 2²⁷ blocks.
+    /// [`SceneError::BadTree`] if there is no root, [`SceneError::BufferTooSmall`] if there are not sixteen facets per
+    /// block, [`SceneError::TooMany`] if there are more than 2²⁷ blocks.
     pub fn new(
         nodes: &'a [WideNode],
         blocks: &'a [TriangleBlock],
@@ -77,14 +77,14 @@ impl<'a> MeshScene<'a> {
         })
     }
 
-    /// The moment at which a sensor is at `world_from_sensor`.
+    /// Returns the moment at which the sensor has the pose `world_from_sensor`.
     pub fn moment(&self, world_from_sensor: Pose) -> Moment<'static> {
         Moment { world_from_sensor, world_from_instance: &[Pose::IDENTITY] }
     }
 
-    /// Lends the scene to sensors.
+    /// Returns the scene, for use by sensors.
     pub fn scene(&self) -> Scene<'_> {
-        // Only textures ask for the vertices of triangles and their coordinates, and there is none.
+        // Vertex indices and texture coordinates are only read for textures, and there are none.
         Scene {
             instances: &self.instances,
             meshes: &self.meshes,

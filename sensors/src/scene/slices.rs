@@ -1,11 +1,11 @@
-//! A scene from slices of the caller's.
+//! A scene from slices that the caller provides.
 
 use super::{
     ColourSpace, Environment, HeightField, Instance, Light, Material, MeshSlices, Meshes, Scene, SceneFault,
     Texture, check,
 };
 
-/// The parts of a scene in slices of the caller's, who needs no heap. What is not set is not there.
+/// The parts of a scene as slices that the caller provides, which needs no heap. Parts that are not set are empty.
 ///
 /// ```
 /// use belvedere_sensors::scene::build::{Scratch, max_size, scratch_len};
@@ -61,32 +61,33 @@ use super::{
 #[derive(Debug, Clone, Copy, Default)]
 #[non_exhaustive]
 pub struct SceneSlices<'a> {
-    /// Of shapes, meshes and height fields. Where they are, a [`Moment`](crate::Moment) says.
+    /// Instances of shapes, meshes and height fields. Their poses are given by a [`Moment`](crate::Moment).
     pub instances: &'a [Instance],
-    /// Those of a [`MeshStore`](super::MeshStore), or checked.
+    /// Meshes, from a [`MeshStore`](super::MeshStore) or checked by [`Meshes::new`].
     pub meshes: Meshes<'a>,
-    /// Terrains, [placed](HeightField::at) so that each one's heights and extents follow those of the one before.
+    /// Height fields, [placed](HeightField::at) so that the heights and extents of each follow those of the previous
+    /// one.
     pub height_fields: &'a [HeightField],
-    /// Of all height fields.
+    /// Heights of all height fields.
     pub heights: &'a [f32],
-    /// Of all height fields, as [`HeightField::build`] fills them.
+    /// Extents of all height fields, as [`HeightField::build`] fills them.
     pub extents: &'a [[f32; 2]],
-    /// At least one if there is an instance.
+    /// Materials; at least one if there is an instance.
     pub materials: &'a [Material],
-    /// Pictures, each one's texels behind those of the one before.
+    /// Textures; the texels of each follow those of the previous one.
     pub textures: &'a [Texture],
-    /// Of all textures, with [all levels](super::fill_mip_levels) of each.
+    /// Texels of all textures, with [all mip levels](super::fill_mip_levels) of each.
     pub texels: &'a [[u8; 4]],
     /// Lamps.
     pub lights: &'a [Light],
     /// Ambient light and background.
     pub environment: Environment,
-    /// What the colours are. Of sRGB's, levels are for [`fill_srgb_mip_levels`](super::fill_srgb_mip_levels) to fill.
+    /// The colour space. In sRGB, fill the mip levels with [`fill_srgb_mip_levels`](super::fill_srgb_mip_levels).
     pub colour_space: ColourSpace,
 }
 
 impl<'a> SceneSlices<'a> {
-    /// Of nothing, in Gazebo's default light.
+    /// Creates the parts of an empty scene in Gazebo's default light.
     pub fn new() -> Self {
         Self::default()
     }
@@ -100,13 +101,13 @@ impl<'a> SceneSlices<'a> {
         materials: &'a [Material],
         /// Sets the lamps.
         lights: &'a [Light],
-        /// Sets ambient light and background.
+        /// Sets the ambient light and the background.
         environment: Environment,
-        /// Sets what the colours are.
+        /// Sets the colour space.
         colour_space: ColourSpace,
     }
 
-    /// Sets the height fields, and the heights and extents of all.
+    /// Sets the height fields, and the heights and extents of all of them.
     #[must_use]
     pub const fn height_fields(
         mut self,
@@ -118,7 +119,7 @@ impl<'a> SceneSlices<'a> {
         self
     }
 
-    /// Sets the textures, and the texels of all.
+    /// Sets the textures, and the texels of all of them.
     #[must_use]
     pub const fn textures(mut self, textures: &'a [Texture], texels: &'a [[u8; 4]]) -> Self {
         (self.textures, self.texels) = (textures, texels);
@@ -127,11 +128,13 @@ impl<'a> SceneSlices<'a> {
 }
 
 impl<'a> Scene<'a> {
-    /// The scene of those slices, which it borrows as they lie. Everything that tracing relies on is checked, at a cost
-    /// in proportion to the length of heights and of what is counted in instances.
+    /// Creates a scene that borrows the given slices.
+    ///
+    /// Everything that tracing relies on is checked, in time proportional to the number of heights, instances,
+    /// materials, textures and lamps.
     ///
     /// # Errors
-    /// [`SceneFault`] names the slice, the element and what is wrong with it.
+    /// [`SceneFault`] names the slice, the element and what is wrong.
     pub fn from_slices(slices: &SceneSlices<'a>) -> Result<Self, SceneFault> {
         let MeshSlices { meshes, uvs, triangles, nodes, blocks, facets } = slices.meshes.slices();
         let scene = Self {

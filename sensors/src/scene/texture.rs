@@ -3,16 +3,17 @@
 use crate::srgb;
 use bytemuck::{Pod, Zeroable};
 
-/// What the colours of materials and textures, and of the background, are. Lamps and ambient light are factors of these in
-/// either case.
+/// The colour space of materials, textures and the background. Lamps and ambient light are factors of these colours in
+/// either space.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum ColourSpace {
-    /// Light itself, to be shown as it comes: Gazebo classic's habit, where a surface in half the light has half the
-    /// number.
+    /// Colours are linear light and are output unchanged, as in Gazebo classic: a surface in half the light has half
+    /// the value.
     #[default]
     AsGiven,
-    /// sRGB, as pictures in files are. Light is worked out in linear numbers, and pictures without a
-    /// [device](crate::device) are sRGB again; a device has a tone of its own. Colours are clamped to [0, 1].
+    /// Colours are sRGB, as in image files. Light is computed in linear values, and images without a
+    /// [device](crate::device) are converted back to sRGB; a device has its own tone curve. Colours are clamped to [0,
+    /// 1].
     Srgb,
 }
 
@@ -20,8 +21,8 @@ pub enum ColourSpace {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct TextureId(pub u32);
 
-/// Where a texture's levels lie in the scene's texels. Level 0 is the full picture, each next one half of it,
-/// rounded down, at least 1; the last is 1 × 1. Rows run from the top (v = 1) down.
+/// Position of a texture's mip levels in the scene's texels. Level 0 is the full image; each further level has half the
+/// size, rounded down but at least 1; the last is 1 × 1. Rows run from the top (v = 1) down.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub struct Texture {
@@ -29,25 +30,25 @@ pub struct Texture {
     pub(crate) width: u32,
     pub(crate) height: u32,
     pub(crate) levels: u32,
-    /// 1 if it holds numbers that are no colours.
+    /// 1 if the texture holds data that are not colours.
     pub(crate) is_data: u32,
 }
 
 impl Texture {
-    /// A picture whose texels begin with that one of the scene's: [`mip_texels`] of them, as [`fill_mip_levels`] fills
-    /// them.
+    /// Describes a texture whose texels start at index `first_texel` of the scene's texels: [`mip_texels`] of them, as
+    /// filled by [`fill_mip_levels`].
     pub const fn new(width: u32, height: u32, first_texel: u32) -> Self {
         Self { first_texel, width, height, levels: mip_levels(width, height), is_data: 0 }
     }
 }
 
-/// Number of mip levels of a picture.
+/// Number of mip levels of an image.
 pub const fn mip_levels(width: u32, height: u32) -> u32 {
     let longer = if width > height { width } else { height };
     32 - longer.leading_zeros()
 }
 
-/// Texels of all levels together.
+/// Number of texels of all mip levels together.
 pub const fn mip_texels(width: u32, height: u32) -> usize {
     let (mut width, mut height, mut sum) = (width as usize, height as usize, 0);
     loop {
@@ -60,13 +61,15 @@ pub const fn mip_texels(width: u32, height: u32) -> usize {
     }
 }
 
-/// Fills all levels after the first from the one before. `texels` holds [`mip_texels`], the first level filled
-/// in. Every texel is the mean of the area that it covers, so no row of an odd-sized picture is lost.
+/// Fills all mip levels after the first, each from the previous one. `texels` holds [`mip_texels`] texels, of which the
+/// first level is already filled in. Every texel is the mean of the area that it covers, so no row of an image with an
+/// odd size is lost.
 pub fn fill_mip_levels(width: u32, height: u32, texels: &mut [[u8; 4]]) {
     fill_levels(width, height, texels, ColourSpace::AsGiven);
 }
 
-/// The same of colours in sRGB, which are averaged in linear light; alpha is linear as it is.
+/// Fills the mip levels of a texture in sRGB, like [`fill_mip_levels`]. Colours are averaged in linear light; alpha is
+/// linear already.
 pub fn fill_srgb_mip_levels(width: u32, height: u32, texels: &mut [[u8; 4]]) {
     fill_levels(width, height, texels, ColourSpace::Srgb);
 }
@@ -94,7 +97,7 @@ pub(crate) fn fill_levels(width: u32, height: u32, texels: &mut [[u8; 4]], space
     }
 }
 
-/// The interval of fine texels that coarse texel `index` covers: first and end, in units of 1/`coarse` texel.
+/// The interval of fine texels that the coarse texel `index` covers: start and end, in units of 1/`coarse` texel.
 fn span(index: usize, coarse: usize, fine: usize) -> (usize, usize, usize) {
     (index * fine, (index + 1) * fine, coarse)
 }
@@ -120,14 +123,14 @@ fn mean_of(
     core::array::from_fn(|channel| amounts[channel].back((sum[channel] + area / 2) / area))
 }
 
-/// What bytes amount to where they are averaged.
+/// The linear amount for each byte value, for averaging.
 struct Amounts {
     of: [u32; 256],
     space: ColourSpace,
 }
 
 impl Amounts {
-    /// Of full scale in linear light: digits enough for the darkest byte of sRGB.
+    /// Full scale in linear light, with enough digits for the darkest sRGB byte.
     const LINEAR: f32 = 16_777_215.0;
 
     fn new(space: ColourSpace) -> Self {

@@ -1,72 +1,72 @@
-//! Whether a tree that somebody else wrote, such as one from a file, is one that can be traced.
+//! Checks that a tree from an untrusted source, such as a file, can be traversed.
 //!
-//! Traversal indexes checked slices, so a bad tree never reads out of bounds; but it could miss triangles, or
-//! walk in circles. A tree that passes here does neither.
+//! Traversal indexes checked slices, so an invalid tree never causes an out-of-bounds read, but it could lead to missed
+//! triangles or an endless loop. A tree that passes these checks does neither.
 
 use super::SceneError;
 use super::tree::{LEAF, MAX_DEPTH, NONE, TriangleBlock, WideNode};
 use super::vertices::{MAX_COORDINATE, check_vertices, corners};
 use crate::simd::WIDTH;
 
-/// What is wrong with a tree. Nodes, blocks and triangles are named by their indices in the mesh.
+/// The fault of a tree. Nodes, blocks and triangles are named by their indices in the mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum TreeFault {
-    /// The vertices or triangles are faulty themselves.
+    /// The vertices or triangles themselves are invalid.
     Mesh(SceneError),
-    /// No root.
+    /// There is no root.
     NoNodes,
-    /// Scratch memory of that many words is needed.
+    /// The scratch memory is too small; this many words are needed.
     ScratchTooSmall(usize),
-    /// A child is not a later node, or not a block.
+    /// A child is neither a later node nor a block.
     Child {
-        /// The parent.
+        /// Index of the parent.
         node: usize,
-        /// Its lane.
+        /// Lane of the child.
         lane: usize,
     },
-    /// A child that another lane has too.
+    /// Two lanes have the same child.
     SharedChild {
-        /// The second parent.
+        /// Index of the second parent.
         node: usize,
-        /// Its lane.
+        /// Lane of the child in the second parent.
         lane: usize,
     },
-    /// A lane behind an unused one is used, or an unused lane does not repeat the last used one's box.
+    /// A lane after an unused one is used, or an unused lane does not repeat the box of the last used one.
     UnusedChild {
-        /// The node.
+        /// Index of the node.
         node: usize,
         /// The lane.
         lane: usize,
     },
-    /// A box is not finite, or does not contain what is below it.
+    /// A box is not finite, or does not contain its descendants.
     Box {
-        /// The node.
+        /// Index of the node.
         node: usize,
         /// The lane of the box.
         lane: usize,
     },
-    /// Deeper than [`MAX_DEPTH`].
+    /// The node with this index is deeper than [`MAX_DEPTH`].
     TooDeep(usize),
-    /// A node without children that is not the root of an empty tree, or one that no lane refers to.
+    /// The node with this index has no children although it is not the root of an empty tree, or no lane refers to it.
     StrayNode(usize),
-    /// A block without triangles, or one that no lane refers to.
+    /// The block with this index has no triangles, or no lane refers to it.
     StrayBlock(usize),
-    /// A lane of a block refers to a triangle that is not there, or its corners are not that triangle's.
+    /// A lane of a block refers to a triangle that does not exist, or its corners differ from that triangle's.
     Triangle {
-        /// The block.
+        /// Index of the block.
         block: usize,
         /// The lane.
         lane: usize,
     },
-    /// A lane behind an unused one is used, or an unused lane is not the first corner of the last triangle.
+    /// A lane after an unused one is used, or an unused lane does not repeat the first corner of the last triangle.
     UnusedTriangle {
-        /// The block.
+        /// Index of the block.
         block: usize,
         /// The lane.
         lane: usize,
     },
-    /// A triangle that is in no block.
+    /// The triangle with this index is in no block.
     MissingTriangle(usize),
 }
 
@@ -108,12 +108,12 @@ impl core::fmt::Display for TreeFault {
 
 impl core::error::Error for TreeFault {}
 
-/// Words of working memory that [`validate_tree`] needs: a bit for each element.
+/// Number of words of scratch memory that [`validate_tree`] needs: one bit per element.
 pub const fn validate_scratch_len(triangles: usize, nodes: usize, blocks: usize) -> usize {
     triangles.div_ceil(32) + nodes.div_ceil(32) + blocks.div_ceil(32)
 }
 
-/// Checks everything that tracing a tree relies on, and that it holds every triangle of the mesh.
+/// Checks everything that traversal relies on, and that the tree contains every triangle of the mesh.
 ///
 /// # Errors
 /// The first [`TreeFault`] that is found.
@@ -134,7 +134,7 @@ pub fn validate_tree(
         corners(positions, triangles, index).map_err(TreeFault::Mesh)?;
     }
 
-    // Step 1: walk the tree. A child comes after its parent and has no other, so the walk ends.
+    // Step 1: traverse the tree. A child comes after its parent and has no other parent, so the traversal ends.
     if nodes.is_empty() {
         return Err(TreeFault::NoNodes);
     }
@@ -158,7 +158,7 @@ pub fn validate_tree(
             let fault = TreeFault::Child { node: index, lane };
             let (bounds, fresh) = if child & LEAF == 0 {
                 let below = nodes.get(child as usize).filter(|_| child as usize > index).ok_or(fault)?;
-                // Of each level no more than all but one child wait, so there is room.
+                // On each level, at most all children but one are waiting, so there is room.
                 stack[waiting] = (child, above + 1);
                 waiting += 1;
                 (Bounds::of_node(below), set(has_node, child))
@@ -185,14 +185,14 @@ pub fn validate_tree(
         }
     }
 
-    // Step 2: nothing was left out.
+    // Step 2: check that nothing was left out.
     first_unset(has_node, nodes.len()).map_or(Ok(()), |node| Err(TreeFault::StrayNode(node)))?;
     first_unset(has_block, blocks.len()).map_or(Ok(()), |block| Err(TreeFault::StrayBlock(block)))?;
     first_unset(has_triangle, triangles.len())
         .map_or(Ok(()), |triangle| Err(TreeFault::MissingTriangle(triangle)))
 }
 
-/// The box of the triangles of a block, which are those of the mesh.
+/// Checks the triangles of a block against the mesh, and returns their box.
 fn check_block(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
@@ -233,7 +233,7 @@ fn check_block(
     Ok(bounds)
 }
 
-/// How many lanes come before those that hold [`NONE`], or the first used one behind.
+/// The number of lanes before the first [`NONE`], or the first used lane after it as an error.
 fn used_lanes(lanes: &[u32; WIDTH]) -> Result<usize, usize> {
     let used = lanes.iter().position(|&x| x == NONE).unwrap_or(WIDTH);
     match lanes[used..].iter().position(|&x| x != NONE) {
@@ -246,7 +246,7 @@ fn same_bits(a: &[[f32; 3]; 3], b: &[[f32; 3]; 3]) -> bool {
     a.as_flattened().iter().zip(b.as_flattened()).all(|(x, y)| x.to_bits() == y.to_bits())
 }
 
-/// Sets a bit; whether it was not set before.
+/// Sets a bit and returns true if it was not set before.
 fn set(bits: &mut [u32], index: u32) -> bool {
     let word = &mut bits[index as usize / 32];
     let bit = 1 << (index % 32);
@@ -259,7 +259,7 @@ fn first_unset(bits: &[u32], count: usize) -> Option<usize> {
     (0..count).find(|&index| bits[index / 32] & (1 << (index % 32)) == 0)
 }
 
-/// A box of which nothing is known to be right.
+/// An unchecked box.
 struct Bounds {
     min: [f32; 3],
     max: [f32; 3],
@@ -272,7 +272,7 @@ impl Bounds {
         Self { min: node.min.map(|axis| axis[lane]), max: node.max.map(|axis| axis[lane]) }
     }
 
-    /// Of all children, unused lanes among them: these repeat a box, or the walk finds that they do not.
+    /// The box of all children, including unused lanes: these repeat a box, and the traversal checks that they do.
     fn of_node(node: &WideNode) -> Self {
         let mut bounds = Self::EMPTY;
         for lane in 0..WIDTH {
@@ -289,7 +289,7 @@ impl Bounds {
         }
     }
 
-    /// False for what is not a finite box.
+    /// Returns true if the box contains the other one; false if either is not finite.
     fn contains(&self, other: &Self) -> bool {
         (0..3).all(|axis| {
             -MAX_COORDINATE <= self.min[axis]

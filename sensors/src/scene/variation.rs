@@ -1,4 +1,4 @@
-//! A scene in other looks: other materials, lamps and light from everywhere, beside the same shapes.
+//! Variations of a scene: the same shapes with other materials, lamps and ambient light.
 
 use super::{
     Environment, Instance, Light, LightConfig, LightKind, Material, MaterialId, NO_TEXTURE, Scene,
@@ -6,17 +6,17 @@ use super::{
 };
 
 impl<'a> Scene<'a> {
-    /// The materials, by their indices.
+    /// The materials, in the order of their indices.
     pub fn materials(&self) -> &'a [Material] {
         self.materials
     }
 
-    /// Whether lidars and depth cameras see anything by way of a material.
+    /// Returns true if any material shows something to lidars and depth cameras by reflection or transmission.
     pub(crate) fn has_mirrors_or_panes(&self) -> bool {
         self.materials.iter().any(Material::is_mirror_or_pane)
     }
 
-    /// The same shapes in other materials, one in the place of each.
+    /// Returns the scene with each material replaced by the one with the same index.
     ///
     /// ```
     /// use belvedere_sensors::scene::*;
@@ -29,8 +29,8 @@ impl<'a> Scene<'a> {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::NoSuchMaterial`] if there are not as many; what
-    /// [`SceneBuilder::add_material`](super::SceneBuilder::add_material) refuses.
+    /// [`SceneError::NoSuchMaterial`] if the number of materials differs, and the errors of
+    /// [`SceneBuilder::add_material`](super::SceneBuilder::add_material).
     pub fn with_materials(self, materials: &'a [Material]) -> Result<Self, SceneError> {
         if materials.len() != self.materials.len() {
             return Err(SceneError::NoSuchMaterial);
@@ -45,29 +45,29 @@ impl<'a> Scene<'a> {
         Ok(Self { materials, ..self })
     }
 
-    /// The same shapes in the light of other lamps.
+    /// Returns the scene with other lamps.
     ///
     /// # Errors
-    /// What [`SceneBuilder::add_light`](super::SceneBuilder::add_light) refuses.
+    /// Those of [`SceneBuilder::add_light`](super::SceneBuilder::add_light).
     pub fn with_lights(self, lights: &'a [Light]) -> Result<Self, SceneError> {
         lights.iter().try_for_each(limits::light)?;
         Ok(Self { lights, ..self })
     }
 
-    /// The same shapes in other light from everywhere.
+    /// Returns the scene with another environment.
     #[must_use]
     pub fn with_environment(self, environment: Environment) -> Self {
         Self { environment, ..self }
     }
 
-    /// Light from everywhere, and what is seen where nothing is.
+    /// The ambient light and the background.
     pub fn environment(&self) -> Environment {
         self.environment
     }
 }
 
 impl Material {
-    /// The same in another colour of reflected light.
+    /// Returns the material with another colour of reflected light, diffuse and ambient.
     #[must_use]
     pub const fn with_colour(mut self, colour: [f32; 3]) -> Self {
         (self.diffuse, self.ambient) = (colour, colour);
@@ -76,14 +76,14 @@ impl Material {
 }
 
 impl Material {
-    /// The same with its colours of reflected light, of lamps and from everywhere, made into others one by one.
+    /// Returns the material with `of` applied to its diffuse and to its ambient colour.
     #[must_use]
     pub fn recoloured(mut self, of: impl Fn([f32; 3]) -> [f32; 3]) -> Self {
         (self.diffuse, self.ambient) = (of(self.diffuse), of(self.ambient));
         self
     }
 
-    /// The same without its picture. One whose alpha says where the surface is stays: the shape would be another one.
+    /// Returns the material without its texture. A texture whose alpha is used is kept, since the shape depends on it.
     #[must_use]
     pub fn without_texture(mut self) -> Self {
         if !self.has_texture_alpha() {
@@ -92,19 +92,19 @@ impl Material {
         self
     }
 
-    /// Colour of the reflected light of lamps, which a texture is multiplied by.
+    /// The diffuse colour, which is multiplied by the texture.
     pub const fn colour(&self) -> [f32; 3] {
         self.diffuse
     }
 
-    /// Whether it has a picture.
+    /// Returns true if the material has a texture.
     pub const fn is_textured(&self) -> bool {
         self.texture != NO_TEXTURE
     }
 }
 
 impl Light {
-    /// The same lamp with its light, that of highlights as well, times a factor in each of red, green and blue.
+    /// Returns the lamp with its diffuse and specular light multiplied by a factor for red, green and blue.
     #[must_use]
     pub fn times(mut self, factor: [f32; 3]) -> Self {
         for (channel, factor) in factor.into_iter().enumerate() {
@@ -114,17 +114,19 @@ impl Light {
         self
     }
 
-    /// Unit vector along which the light of a directional lamp or a spot travels, in the world.
+    /// Unit vector along which the light of a directional lamp or a spot travels, in the world; `None` for a point
+    /// light.
     pub fn direction(&self) -> Option<[f64; 3]> {
         (self.form() != super::Form::Point).then_some(self.direction)
     }
 
-    /// Where a point of light or a spot is, in the world, in metres.
+    /// Position of a point light or a spot in the world, in metres; `None` for directional light.
     pub fn position(&self) -> Option<[f64; 3]> {
         (self.form() != super::Form::Directional).then_some(self.position)
     }
 
-    /// A directional lamp or spot that shines along another vector of any length but 0; others as they are.
+    /// Returns a directional lamp or spot with another direction, of any length but 0. Point lights are returned
+    /// unchanged.
     #[must_use]
     pub fn with_direction(mut self, direction: [f64; 3]) -> Self {
         if self.form() != super::Form::Point {
@@ -134,14 +136,15 @@ impl Light {
         self
     }
 
-    /// The same lamp of another colour.
+    /// Returns the lamp with another diffuse colour.
     #[must_use]
     pub const fn with_diffuse(mut self, diffuse: [f32; 3]) -> Self {
         self.diffuse = diffuse;
         self
     }
 
-    /// The same lamp elsewhere: a position in the world, or of parallel light the direction in which it travels.
+    /// Returns the lamp moved to another position in the world, or, if it is directional, with another direction of
+    /// travel.
     #[must_use]
     pub fn with_vector(self, vector: [f64; 3]) -> Self {
         let is_parallel = self.form() == super::Form::Directional;
@@ -158,7 +161,7 @@ impl Light {
         }
     }
 
-    /// What [`Light::with_vector`] changes, and its colour.
+    /// The position, or the direction of a directional lamp, as set by [`Light::with_vector`], and the diffuse colour.
     pub fn vector_and_diffuse(&self) -> ([f64; 3], [f32; 3]) {
         let is_parallel = self.form() == super::Form::Directional;
         (if is_parallel { self.direction } else { self.position }, self.diffuse)
@@ -166,7 +169,7 @@ impl Light {
 }
 
 impl Instance {
-    /// How it looks.
+    /// The index of the material.
     pub const fn material_id(&self) -> MaterialId {
         MaterialId(self.material)
     }

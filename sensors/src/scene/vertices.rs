@@ -1,17 +1,17 @@
-//! The vertices of meshes: how far they may be, and which are the corners of a triangle.
+//! Checks of mesh vertices, and access to the corners of a triangle.
 
 use super::SceneError;
 
-/// Vertices farther than this from the origin of their mesh are refused, in metres: products of three lengths
-/// must stay in the range of f32.
+/// The greatest allowed distance of a vertex from the origin of its mesh along an axis, in metres: products of three
+/// lengths must stay in the range of f32.
 pub const MAX_COORDINATE: f32 = 1e12;
 
-/// Vertices that are checked at a time.
+/// Number of vertices that are checked at a time.
 const CHUNK: usize = 1024;
 
-/// Every vertex is finite and within [`MAX_COORDINATE`].
+/// Checks that every vertex is finite and within [`MAX_COORDINATE`].
 pub(super) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
-    // Without an early way out within a chunk, so that it is done in vectors.
+    // No early exit within a chunk, so that the check is vectorised.
     let inside = |x: &f32| x.abs() <= MAX_COORDINATE;
     let faulty = |chunk: &[[f32; 3]]| !chunk.as_flattened().iter().fold(true, |all, x| all & inside(x));
     let Some(chunk) = positions.chunks(CHUNK).position(faulty) else {
@@ -23,10 +23,10 @@ pub(super) fn check_vertices(positions: &[[f32; 3]]) -> Result<(), SceneError> {
     Err(if finite { SceneError::VertexTooFar(bad) } else { SceneError::BadVertex(bad) })
 }
 
-/// Corners of a triangle.
+/// The corners of a triangle.
 ///
 /// # Errors
-/// [`SceneError::BadTriangle`] when it names a vertex that is not there.
+/// [`SceneError::BadTriangle`] if the triangle refers to a vertex that does not exist.
 #[inline(always)]
 pub(super) fn corners(
     positions: &[[f32; 3]],

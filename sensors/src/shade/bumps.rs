@@ -1,4 +1,4 @@
-//! Normal maps: pictures of normals in the axes of the surface, right (u), up (v) and out.
+//! Normal maps: images of normals in the axes of the surface, right (u), up (v) and outwards.
 
 use super::surface::Footprint;
 use super::texture::{Reading, Sampler};
@@ -11,11 +11,11 @@ use glam::DVec3;
 
 type Vector<S> = [f32x16<S>; 3];
 
-/// The lanes of a tile whose normals are those of a map.
+/// The lanes of a tile whose normals come from a map.
 pub(super) struct Bumps {
-    /// A bit each.
+    /// The lanes, as one bit each.
     pub(super) lanes: u64,
-    /// The map's normals; once they have [taken their places](Bumps::swap), those of the surface itself.
+    /// The normals of the map; after [`Bumps::swap`], the normals of the surface itself.
     pub(super) normal: [Lanes<f32>; 3],
     sampler: Sampler,
 }
@@ -25,7 +25,7 @@ impl Bumps {
         Self { lanes: 0, normal: [[0.0; LANES]; 3], sampler: Sampler::new() }
     }
 
-    /// Changes over the normals of the map and those of the surfaces.
+    /// Swaps the normals of the map and those of the surfaces.
     pub(super) fn swap(&mut self, normal: &mut [Lanes<f32>; 3]) {
         for (own, normal) in self.normal.iter_mut().zip(normal) {
             for lane in 0..LANES {
@@ -36,8 +36,8 @@ impl Bumps {
         }
     }
 
-    /// Those of the lanes that a lamp, whose position is given in the view, does not reach because the surface itself is
-    /// in the way, whatever the map says.
+    /// The lanes that a lamp, whose position is given in the view, does not reach because the surface itself faces away
+    /// from it, whatever the normal of the map.
     pub(super) fn turned_away(&self, light: &Light, position: DVec3, tile: &Tile) -> u64 {
         let mut lanes = 0;
         for lane in 0..LANES {
@@ -57,7 +57,7 @@ impl Bumps {
 }
 
 impl Shader {
-    /// Reads the normals of lanes out of their material's map.
+    /// Reads the normals of the given lanes from the normal map of their material.
     pub(super) fn bump<S: Simd>(
         &mut self,
         simd: S,
@@ -90,7 +90,7 @@ impl Shader {
     }
 }
 
-/// The normal that a texel stands for, where u and v grow along their gradients.
+/// The normal for a texel, given the gradients of u and v.
 #[inline(always)]
 fn mapped<S: Simd>(
     simd: S,
@@ -100,13 +100,14 @@ fn mapped<S: Simd>(
     to_v: Vector<S>,
 ) -> Vector<S> {
     let zero = f32x16::splat(simd, 0.0);
-    // Along the surface, where v stays and u grows; and at a right angle to that, where v grows.
+    // Along the surface, in the direction in which u increases and v is constant; and perpendicular to that, in the
+    // direction in which v increases.
     let right = towards(simd, unit(simd, cross(to_v, normal)), to_u);
     let up = towards(simd, cross(normal, right), to_v);
     let [x, y, z] = texel.map(|value| value * 2.0 - 1.0);
     let mixed = [0, 1, 2].map(|axis| right[axis] * x + up[axis] * y + normal[axis] * z);
     let mapped = unit(simd, mixed);
-    // Where the map says nothing, the surface does.
+    // Where the map has no direction, use the surface's normal.
     let says = dot(mapped, mapped).simd_gt(zero);
     [0, 1, 2].map(|axis| says.select(mapped[axis], normal[axis]))
 }
@@ -126,7 +127,7 @@ fn cross<S: Simd>(a: Vector<S>, b: Vector<S>) -> Vector<S> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// Of length 1; 0 where there is no direction.
+/// The vector scaled to length 1, or 0 if it has no direction.
 #[inline(always)]
 fn unit<S: Simd>(simd: S, vector: Vector<S>) -> Vector<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -136,7 +137,7 @@ fn unit<S: Simd>(simd: S, vector: Vector<S>) -> Vector<S> {
     vector.map(|value| there.select(value * per_length, zero))
 }
 
-/// The vector, or its opposite, whichever goes along another.
+/// The vector or its opposite, whichever has a positive component along another vector.
 #[inline(always)]
 fn towards<S: Simd>(simd: S, vector: Vector<S>, along: Vector<S>) -> Vector<S> {
     let away = dot(vector, along).simd_lt(f32x16::splat(simd, 0.0));

@@ -1,8 +1,8 @@
-//! Flat faces: of boxes, rectangles and planes.
+//! Flat faces of boxes, rectangles and planes.
 //!
-//! On a plane, texture coordinates are linear in the point, and the normal is the same everywhere. So all that wants
-//! double precision is worked out once a face, at the sensor; what is left for the rays is in proportion to the
-//! distance from there, and single precision is enough.
+//! On a plane, texture coordinates are linear functions of the point, and the normal is constant. Everything that needs
+//! double precision is therefore computed once per face, at the position of the sensor. What remains for the rays is
+//! proportional to the distance from there, for which single precision is sufficient.
 
 use super::surface::Footprint;
 use super::tile::{Steps, Tile};
@@ -14,29 +14,29 @@ use crate::trace::view::Placed;
 use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
 use glam::DVec3;
 
-/// A face, in the axes of the world around the sensor.
+/// A face, in the axes of the world, with the sensor as the origin.
 #[derive(Clone, Copy)]
 pub(crate) struct Face {
-    /// Unit, outwards.
+    /// Unit normal, pointing outwards.
     pub(crate) normal: [f32; 3],
-    /// Texture coordinates below the sensor, less whole repetitions.
+    /// Texture coordinates at the foot point of the sensor, without whole repetitions.
     uv: [f32; 2],
-    /// Change of u and of v per metre.
+    /// Gradients of u and of v, per metre.
     pub(crate) gradient: [[f32; 3]; 2],
-    /// Of a pinhole, for the ray of the next pixel along the row, and of that down the column: how the ray's approach to
-    /// the face changes, and u and v at t = 1.
+    /// For a pinhole camera, the changes to the ray of the next pixel along the row and down the column: of the ray's
+    /// component towards the face, and of u and v at t = 1.
     approach: [f32; 2],
     change: [[f32; 2]; 2],
 }
 
-/// Faces that a tile and its neighbours have met, each in the place that its number gives.
+/// The faces that a tile and its neighbours have hit, each at the index derived from its number.
 pub(super) struct KnownFaces {
-    /// Instance and number.
+    /// Instance and number of each face.
     of: [(u32, u32); KNOWN],
     known: [Face; KNOWN],
 }
 
-/// How many faces are kept.
+/// Number of cached faces.
 const KNOWN: usize = 16;
 
 impl KnownFaces {
@@ -44,10 +44,10 @@ impl KnownFaces {
         Self { of: [(MISS, 0); KNOWN], known: [Face::NONE; KNOWN] }
     }
 
-    /// A face of an instance, which is made if it is not among those kept.
+    /// A face of an instance, which is computed if it is not cached.
     #[inline(always)]
     pub(super) fn find(&mut self, of: (u32, u32), make: impl FnOnce() -> Face) -> &Face {
-        // From outside a box shows three at most, on three axes.
+        // From outside, a box shows at most three faces, on three axes.
         let place = of.0.wrapping_mul(3).wrapping_add(of.1 / 2) as usize % KNOWN;
         if self.of[place] != of {
             (self.of[place], self.known[place]) = (of, make());
@@ -57,7 +57,7 @@ impl KnownFaces {
 }
 
 impl Face {
-    /// Of nothing.
+    /// An unused entry.
     const NONE: Self = Self {
         normal: [0.0; 3],
         uv: [0.0; 2],
@@ -66,7 +66,7 @@ impl Face {
         change: [[0.0; 2]; 2],
     };
 
-    /// Face `face` of an instance of a solid, as [`VisibleFaces`] counts them.
+    /// Creates face `face` of an instance of a solid, numbered as in [`VisibleFaces`].
     #[inline(always)]
     pub(crate) fn new(
         (instance, solid): (&Instance, Solid),
@@ -78,7 +78,7 @@ impl Face {
         let point = Self::point((instance, solid), face);
         let surface = solid_surface(solid, instance.size, point);
         let inverse = placed.inverse.map(DVec3::from_array);
-        // Normals and gradients go by the inverse transpose.
+        // Normals and gradients are transformed by the inverse transpose.
         let in_frame = |v: DVec3| inverse[0] * v.x + inverse[1] * v.y + inverse[2] * v.z;
         let normal = in_frame(surface.normal).normalize_or_zero();
         let below = DVec3::from_array(placed.origin_in_instance) - point;
@@ -102,7 +102,7 @@ impl Face {
         face
     }
 
-    /// A point of face `face` of an instance of a solid, in its axes.
+    /// A point on face `face` of an instance of a solid, in the axes of the instance.
     #[inline(always)]
     pub(super) fn point((instance, solid): (&Instance, Solid), face: u32) -> DVec3 {
         let mut point = DVec3::ZERO;
@@ -113,7 +113,7 @@ impl Face {
         point
     }
 
-    /// What the pixels of a row cover of the texture: how far the hit moves on the face from one to the next
+    /// The footprints of a row's pixels on the texture: how far the hit moves on the face from one pixel to the next
     /// (Igehy 1999, "Tracing ray differentials").
     #[inline(always)]
     pub(crate) fn footprint<S: Simd, const PINHOLE: bool>(
@@ -147,7 +147,7 @@ impl Face {
     }
 }
 
-/// Dot products of a vector with those of a row.
+/// Dot products of a vector with the vectors of a row.
 #[inline(always)]
 fn along<S: Simd>(simd: S, vector: &[f32; 3], with: &[Lanes<f32>; 3], row: usize) -> f32x16<S> {
     let [x, y, z] = *vector;
@@ -155,20 +155,21 @@ fn along<S: Simd>(simd: S, vector: &[f32; 3], with: &[Lanes<f32>; 3], row: usize
         + load_row(simd, &with[2], row) * z
 }
 
-/// The faces of a box that a sensor may see: from outside one of each axis, and of walls just the one; all, if insides are
-/// seen. Of shapes with one face, that one. A face's number is twice its axis, and 1 more if it looks to the axis's negative end.
+/// The faces of a box that a sensor may see: from outside, at most one per axis, and of walls only one; all faces if
+/// insides are visible. For shapes with a single face, that face. The number of a face is twice its axis, plus 1 if it
+/// faces the negative end of the axis.
 pub(super) struct VisibleFaces {
     faces: [VisibleFace; 6],
     count: usize,
 }
 
-/// A face of a box.
+/// A face of a box that may be visible.
 #[derive(Clone, Copy)]
 struct VisibleFace {
     number: u32,
-    /// The box's axis.
+    /// The axis of the box.
     axis: [f32; 3],
-    /// From the sensor along it.
+    /// Distance from the sensor along the axis.
     distance: f32,
 }
 
@@ -187,8 +188,8 @@ impl VisibleFaces {
                     continue;
                 }
                 let number = 2 * axis as u32 + u32::from(negative);
-                // The distance from the sensor is rounded after the subtraction: however large the box, what is near the
-                // sensor is told apart.
+                // The distance from the sensor is rounded after the subtraction, so that points near the sensor are
+                // resolved however large the box is.
                 let distance = (if negative { -half - origin } else { half - origin }) as f32;
                 let axis = DVec3::from_array(placed.inverse[axis]).as_vec3().to_array();
                 seen.faces[seen.count] = VisibleFace { number, axis, distance };
@@ -198,13 +199,13 @@ impl VisibleFaces {
         seen
     }
 
-    /// The face that all points lie on, if that is known without a look at them.
+    /// The face on which all points lie, if that is known without looking at them.
     #[inline(always)]
     pub(super) fn only(&self) -> Option<u32> {
         (self.count <= 1).then_some(self.faces[0].number)
     }
 
-    /// Of each ray of the tile which face it has hit, or nothing of use where none of the `lanes` is in the row.
+    /// The face that each ray of the tile has hit; undefined for rows in which none of the `lanes` is set.
     #[inline(always)]
     pub(super) fn of_tile<S: Simd>(&self, simd: S, tile: &Tile, lanes: u64) -> Lanes<u32> {
         let mut faces = [0; LANES];
@@ -212,7 +213,7 @@ impl VisibleFaces {
             if (lanes >> (row * WIDTH)) as u16 == 0 {
                 continue;
             }
-            // The face is the one that the point is nearest to.
+            // The face is the one nearest to the point.
             let mut nearest = f32x16::splat(simd, f32::INFINITY);
             let mut number = u32x16::splat(simd, self.faces[0].number);
             for face in &self.faces[..self.count] {
@@ -226,7 +227,7 @@ impl VisibleFaces {
         faces
     }
 
-    /// The same of one point.
+    /// The face on which a single point lies.
     #[inline(always)]
     pub(super) fn of_point(&self, [x, y, z]: [f32; 3]) -> u32 {
         let (mut nearest, mut number) = (f32::INFINITY, self.faces[0].number);

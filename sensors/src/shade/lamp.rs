@@ -1,4 +1,4 @@
-//! What one lamp adds, with its highlights and shadows.
+//! The contribution of one lamp, with highlights and shadows.
 
 use super::power::power;
 use super::tile::Tile;
@@ -10,7 +10,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x
 use glam::DVec3;
 
 impl Shader {
-    /// Adds the lamp's light to the colours of the lanes that it reaches. Lamps are numbered.
+    /// Adds the lamp's light to the colours of the lanes that it reaches. `number` is the number of the lamp.
     pub(super) fn add_lamp<S: Simd>(
         &mut self,
         simd: S,
@@ -34,7 +34,7 @@ impl Shader {
                     } else {
                         Ray::to(simd, light, position, row_of(simd, &tile.point, row)).shine_on(simd, normal)
                     };
-                    // A NaN, from a lamp that lies in the surface, lights nothing.
+                    // NaN, from a lamp that lies in the surface, gives no light.
                     let on = gain.simd_gt(0.0);
                     store_row(on.select(gain, f32x16::splat(simd, 0.0)), &mut brightness, row);
                     lit |= on.to_bitmask() << (row * WIDTH);
@@ -91,7 +91,7 @@ fn add_light<S: Simd>(
     }
 }
 
-/// Changes the numbers of what is seen where a lamp shines.
+/// Changes the fingerprints of the lanes that a lamp lights.
 #[inline(always)]
 fn tell_lit<S: Simd>(simd: S, number: usize, lit: u64, seen: &mut Lanes<u32>) {
     let change = ((number as u32 + 1).wrapping_mul(0x9e37_79b1) >> 25) | 1;
@@ -114,17 +114,17 @@ fn dot<S: Simd>(_simd: S, vectors: &[f32x16<S>; 3], with: &DVec3) -> f32x16<S> {
     (*x * with.x as f32 + *y * with.y as f32) + *z * with.z as f32
 }
 
-/// The ways from the points of a row to a lamp.
+/// The rays from the points of a row to a lamp.
 struct Ray<S: Simd> {
-    /// To the lamp, in metres.
+    /// Vectors to the lamp, in metres.
     way: [f32x16<S>; 3],
     per_distance: f32x16<S>,
-    /// What arrives on a surface that faces the lamp.
+    /// Light that reaches a surface facing the lamp.
     gain: f32x16<S>,
 }
 
 impl<S: Simd> Ray<S> {
-    /// To a lamp with a place, which is given in the view.
+    /// Rays to a point light or spot, whose position is given in the view.
     #[inline(always)]
     fn to(simd: S, light: &Light, position: DVec3, point: [f32x16<S>; 3]) -> Self {
         let one = f32x16::splat(simd, 1.0);
@@ -146,7 +146,7 @@ impl<S: Simd> Ray<S> {
         Self { way: [x, y, z], per_distance, gain }
     }
 
-    /// What arrives on surfaces of these normals; 0 on those that look away.
+    /// Light that reaches surfaces with the given normals; 0 for surfaces facing away.
     #[inline(always)]
     fn shine_on(&self, simd: S, normal: [f32x16<S>; 3]) -> f32x16<S> {
         let [x, y, z] = self.way;
@@ -156,9 +156,9 @@ impl<S: Simd> Ray<S> {
     }
 }
 
-/// Adds the lamp's highlights after Blinn and Phong: specular colours · (n·h)^shininess, where h lies in the middle between
-/// the directions to the lamp and to the sensor. As Ogre's shader has it, they end where the surface turns away from the
-/// lamp, without fading before.
+/// Adds the lamp's Blinn–Phong highlights: the specular colours · (n·h)^shininess, where h is the half-vector between
+/// the directions to the lamp and to the sensor. As in Ogre's shader, they end abruptly where the surface faces away
+/// from the lamp.
 #[inline(always)]
 fn add_highlights<S: Simd>(
     simd: S,
@@ -199,7 +199,8 @@ fn add_highlights<S: Simd>(
     }
 }
 
-/// Full inside the inner cone, none outside the outer; between, a power of what is linear in the cosine.
+/// Full light inside the inner cone, none outside the outer cone; in between, a power of a linear function of the
+/// cosine.
 #[inline(always)]
 fn cone<S: Simd>(simd: S, light: &Light, cos_angle: f32x16<S>) -> f32x16<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));

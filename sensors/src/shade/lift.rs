@@ -1,9 +1,9 @@
-//! Points a hair above the triangles that they lie on.
+//! Points slightly above the triangles on which they lie.
 //!
-//! A point of a tile is where its ray has hit, in single precision: it lies above its triangle or below it by some
-//! millionths of its distance. Low light that comes to it from beyond would pass through the triangle or its neighbours.
-//! So points on meshes and height fields are put onto the planes of their triangles in double precision, and then above
-//! them by as much as the neighbours' corners may be off; below them, where it is their back that is seen.
+//! A point of a tile is where its ray hit, in single precision, so it is above or below its triangle by some millionths
+//! of its distance. Light that reaches it at a low angle could pass through the triangle or its neighbours. Points on
+//! meshes and height fields are therefore projected onto the planes of their triangles in double precision, and then
+//! moved above them by the possible error of the neighbours' corners, or below them if their back is seen.
 
 use super::tile::Tile;
 use crate::simd::{LANES, Lanes};
@@ -11,12 +11,12 @@ use crate::trace::view::{Placed, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 
-/// So much above, in parts of the distance from the sensor and of the corners' coordinates: four roundings to single
-/// precision.
+/// Height above the triangle, as a fraction of the distance from the sensor and of the corners' coordinates: four
+/// rounding errors of single precision.
 const LIFT: f64 = 2.5e-7;
 
-/// Moves those of the `lanes` that lie on triangles above them, those that see the `back` of one below it, and tells which
-/// they are.
+/// Moves those of the `lanes` that lie on triangles above them, or below them for lanes that see the `back`, and
+/// returns the lanes that were moved.
 #[inline(always)]
 pub(super) fn lift<S: Simd>(
     simd: S,
@@ -74,7 +74,7 @@ fn above(view: &View<'_>, placed: &Placed, local: u32, point: DVec3, side: f64) 
     let to_frame = |v: DVec3| axes[0] * v.x + axes[1] * v.y + axes[2] * v.z;
     let beside = placed.vector_in_instance(point - DVec3::from_array(placed.translation)) - a;
     let on_plane = point - to_frame(normal * (beside.dot(normal) / squared));
-    // Normals go by the inverse transpose.
+    // Normals are transformed by the inverse transpose.
     let inverse = placed.inverse.map(DVec3::from_array);
     let normal = inverse[0] * normal.x + inverse[1] * normal.y + inverse[2] * normal.z;
     let coordinates = a.abs().max(b.abs()).max(c.abs());

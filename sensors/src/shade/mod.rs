@@ -1,11 +1,11 @@
-//! The colour of what a camera sees.
+//! Shading: the colours that a camera sees.
 //!
-//! colour = emissive + texture · (ambient · ambient light + Σ diffuse · lamp · max(0, n·l) · attenuation ·
-//! shadow) + Σ specular · lamp's specular · (n·h)^shininess · attenuation · shadow, in the space of the files' colours
-//! without gamma, as Gazebo classic renders.
+//! colour = emissive + texture · (ambient · ambient light + Σ diffuse · lamp · max(0, n·l) · attenuation · shadow) + Σ
+//! specular · lamp's specular · (n·h)^shininess · attenuation · shadow. It is computed directly on the given colours,
+//! without gamma, as in Gazebo classic, unless the scene's colours are sRGB.
 //!
-//! A tile sees few instances. One after the other gives its lanes their normals and their albedo, sixteen at a time;
-//! then come the lamps, for all lanes at once.
+//! A tile sees few instances. For one instance after the other, its lanes get their normals and their albedo, sixteen
+//! at a time; then the lamps are added for all lanes at once.
 
 mod bumps;
 mod face;
@@ -33,37 +33,37 @@ use surface::{Footprint, Surfaces};
 use texture::{Reading, Sampler};
 use tile::{Steps, Tile};
 
-/// Rows of a tile.
+/// Number of rows of sixteen lanes in a tile.
 const ROWS: usize = LANES / WIDTH;
 
 /// A colour per lane: all reds, all greens, all blues.
 pub(crate) type Colours = [Lanes<f32>; 3];
 
-/// What shading a tile works on; kept from tile to tile.
+/// The state of shading a tile, reused from tile to tile.
 pub(crate) struct Shader {
     surfaces: Surfaces,
     known_faces: KnownFaces,
     sampler: Sampler,
-    /// Diffuse colour times texture; black where nothing was hit.
+    /// Diffuse colour multiplied by the texture; black where nothing was hit.
     albedo: Colours,
     gloss: Gloss,
     bumps: Bumps,
-    /// Share of what is seen that is the surface: of the lanes that are [`Shader::clear`].
+    /// Opacity of the surface in each lane, for the lanes in [`Shader::clear`].
     coverage: Lanes<f32>,
-    /// Those through which something may be seen, a bit each.
+    /// The lanes through which something may be seen, as one bit each.
     clear: u64,
     shadows: Shadows,
-    /// Which sides of surfaces are seen.
+    /// The sides of surfaces that are visible.
     faces: Faces,
-    /// The lanes that see the inside of a surface, a bit each: their normals are turned to the sensor.
+    /// The lanes that see the inside of a surface, as one bit each. Their normals are flipped towards the sensor.
     back: u64,
-    /// What is seen by each lane, if that is kept: [`Shader::seen`].
+    /// Fingerprints of what each lane sees, if they are recorded; see [`Shader::seen`].
     seen: Option<Lanes<u32>>,
 }
 
-/// How the lanes of a tile shine.
+/// The highlights of a tile's lanes.
 struct Gloss {
-    /// Those that do, a bit each; the others have no more than places below.
+    /// The lanes with glossy materials, as one bit each; the values below are undefined for the others.
     lanes: u64,
     specular: Colours,
     shininess: Lanes<f32>,
@@ -87,24 +87,25 @@ impl Shader {
         }
     }
 
-    /// A shader that also tells what is [seen](Shader::seen).
+    /// Creates a shader that also records [`Shader::seen`].
     pub(crate) fn telling(faces: Faces) -> Self {
         Self { seen: Some([0; LANES]), ..Self::new(faces) }
     }
 
-    /// Of the tile shaded last, a number of seven bits for what each lane shows. It is another on each instance, face and
-    /// side of a shadow, but for chance; on one surface under the same lamps it stays, or changes in places.
+    /// For the tile shaded last, a seven-bit fingerprint of what each lane shows. It differs for each instance, face
+    /// and side of a shadow, except by chance. On one surface under the same lamps it is constant, or changes in
+    /// places.
     pub(crate) fn seen(&self) -> Option<&Lanes<u32>> {
         self.seen.as_ref()
     }
 
-    /// Whether something may be seen behind the tile shaded last.
+    /// Returns true if something may be visible behind the tile shaded last.
     pub(crate) fn is_clear(&self) -> bool {
         self.clear != 0
     }
 
-    /// Colours of a traced tile; the background where nothing was hit. What lies behind clear surfaces is for
-    /// [`Through`](through::Through) to add.
+    /// Computes the colours of a traced tile, with the background where nothing was hit. What lies behind clear
+    /// surfaces is added by [`Through`](through::Through).
     pub(crate) fn shade<S: Simd>(
         &mut self,
         simd: S,
@@ -151,7 +152,7 @@ impl Shader {
         }
     }
 
-    /// Turns normals that look away from the sensor to it, those of maps as the surfaces' own.
+    /// Flips normals that face away from the sensor towards it, both those of maps and the surfaces' own.
     #[inline(always)]
     fn turn_to_sensor<S: Simd>(&mut self, simd: S, tile: &Tile) {
         let mut back = 0;
@@ -173,7 +174,8 @@ impl Shader {
         self.back = back & tile.hits;
     }
 
-    /// Normals and albedo of the lanes that have hit an instance, and the part of their colours that needs no lamp.
+    /// Sets the normals and the albedo of the lanes that hit an instance, and adds the part of their colours that does
+    /// not depend on lamps.
     #[inline(always)]
     fn add_instance<S: Simd>(
         &mut self,
@@ -189,15 +191,15 @@ impl Shader {
         let material = &scene.materials[instance.material as usize];
         let textured = material.texture != NO_TEXTURE;
         let bumpy = material.normal_map != NO_TEXTURE;
-        // Whether anything needs to know where on the texture the pixels are.
+        // True if the positions of the pixels on the texture are needed.
         let mapped = textured || bumpy;
         let repeat = material.texture_repeat;
 
-        // Step 1: normals, and what the pixels cover of the texture. Without lamps nothing depends on normals.
+        // Step 1: compute normals and footprints on the texture. Without lamps, nothing depends on normals.
         let mut footprints = [Footprint::nothing(simd); ROWS];
         let is_flat_light = scene.lights.is_empty() && self.seen.is_none();
         if is_flat_light && !mapped {
-            // Neither is wanted.
+            // Neither is needed.
         } else if let Kind::Solid(solid) = instance.kind()
             && solid.has_flat_faces()
         {
@@ -249,7 +251,7 @@ impl Shader {
             self.surfaces.add(simd, (view, tile), (placed, lanes), repeat, steps, &mut footprints);
         }
 
-        // Step 2: colours.
+        // Step 2: compute the colours.
         let space = scene.colour_space;
         let ambient = light_of(material.ambient, space);
         let (diffuse, emissive) = (light_of(material.diffuse, space), light_of(material.emissive, space));
@@ -285,7 +287,7 @@ impl Shader {
         }
     }
 
-    /// How much is to be seen of the surfaces of a clear material.
+    /// Computes the opacity of the surfaces of a clear material.
     fn uncover<S: Simd>(
         &mut self,
         simd: S,
@@ -320,7 +322,7 @@ impl Shader {
     }
 }
 
-/// What a colour is in the light that is worked with.
+/// Converts a colour to the values in which light is computed.
 #[inline(always)]
 fn light_of(colour: [f32; 3], space: ColourSpace) -> [f32; 3] {
     match space {
@@ -346,8 +348,8 @@ impl Gloss {
     }
 }
 
-/// Numbers for the surfaces of a tile: from the instance, the normal, and how far the plane through the point with that
-/// normal is from the sensor, the last two in coarse steps.
+/// Fingerprints of the surfaces of a tile, from the instance, the normal, and the distance from the sensor to the plane
+/// through the point with that normal; the last two in coarse steps.
 #[inline(always)]
 fn tell_surfaces<S: Simd>(simd: S, tile: &Tile, surfaces: &Surfaces, seen: &mut Lanes<u32>) {
     for row in 0..ROWS {
@@ -358,24 +360,24 @@ fn tell_surfaces<S: Simd>(simd: S, tile: &Tile, surfaces: &Surfaces, seen: &mut 
             let normal = load_row(simd, &surfaces.normal[axis], row);
             offset += normal * load_row(simd, &tile.point[axis], row);
             let step = normal * 2.3 + 2.5;
-            // What is not a number becomes one.
+            // NaN becomes a number.
             let step = step.simd_gt(zero).select(step, zero);
             number = number * 5 + step.to_int::<u32x16<S>>();
         }
-        // Steps of a quarter, whose bounds lie at no round number of metres.
+        // Steps of a quarter, whose bounds are not at round numbers of metres.
         let steps: u32x16<S> = (offset * 1.37).bitcast();
         let mixed = (number * 0x9e37_79b1 + (steps >> 21)) * 0x85eb_ca6b;
         (mixed >> 25).store_array(&mut seen.as_chunks_mut().0[row]);
     }
 }
 
-/// Those lanes of a row whose bits are set.
+/// A mask of the lanes of a row whose bits are set.
 #[inline(always)]
 fn lanes_in<S: Simd>(simd: S, lanes: u64, row: usize) -> mask32x16<S> {
     simd.from_bitmask_mask32x16(lanes >> (row * WIDTH) & 0xffff)
 }
 
-/// Puts values into those lanes of a row that are `mine`.
+/// Stores values in the lanes of a row that are set in `mine`.
 #[inline(always)]
 fn store_where<S: Simd>(simd: S, mine: mask32x16<S>, values: f32x16<S>, lanes: &mut Lanes<f32>, row: usize) {
     store_row(mine.select(values, load_row(simd, lanes, row)), lanes, row);

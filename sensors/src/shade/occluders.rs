@@ -1,7 +1,7 @@
-//! The instances that may stand between a lamp and a box around some tiles.
+//! The instances that may be between a lamp and a box around some tiles.
 //!
-//! Neighbouring tiles are shadowed by the same few instances. So for each lamp the instances are looked for once for a box
-//! that is larger than the tile at hand, and remembered; tiles that lie in this box need no walk through the tree.
+//! Neighbouring tiles are shadowed by the same few instances. For each lamp, the instances are therefore collected for
+//! a box that is larger than the current tile, and cached. Tiles inside this box need no traversal of the tree.
 
 use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::simd::WIDTH;
@@ -10,20 +10,20 @@ use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 
-/// How much larger the box is than the tile that it is made for: to each side, so many times the tile's extent along that
-/// axis. A larger box serves more tiles, and has more instances between it and the lamp.
+/// Enlargement of the box on each side, as a multiple of the tile's extent along that axis. A larger box serves more
+/// tiles, but has more instances between it and the lamp.
 const REACH: f32 = 4.0;
-/// Besides, so many times the tile's greatest extent along every axis. The points of a wall are all but in one plane, and
-/// across it the box would otherwise be no thicker than their rounding errors.
+/// Additional enlargement along every axis, as a multiple of the tile's greatest extent. The points of a wall are
+/// nearly in one plane, and perpendicular to it the box would otherwise be no thicker than their rounding errors.
 const THICKNESS: f32 = 0.01;
 
-/// The instances between a lamp and a box, where there are sixteen at the most.
+/// The instances between a lamp and a box, if there are at most sixteen.
 pub(super) struct Occluders {
-    /// Least and most along each axis, around the sensor. Empty at first.
+    /// Bounds along each axis, relative to the sensor. Initially empty.
     bounds: [[f32; 2]; 3],
-    /// Their boxes; children are indices of placed instances.
+    /// The boxes of the instances; children are indices of placed instances.
     node: WideNode,
-    /// There are more than sixteen: nothing is remembered.
+    /// True if there are more than sixteen instances, which are then not cached.
     is_crowded: bool,
 }
 
@@ -33,13 +33,13 @@ impl Occluders {
         Self { bounds: [[f32::INFINITY, f32::NEG_INFINITY]; 3], node, is_crowded: false }
     }
 
-    /// All that may stand in the way.
+    /// All instances that may cast a shadow.
     pub(super) fn node(&self) -> &WideNode {
         &self.node
     }
 
-    /// Makes a new box if a tile within `bounds` lies outside of the old one. True if the instances of
-    /// [`Occluders::node`] are then all that may stand between the lamp and the tile.
+    /// Collects the instances for a new box if `bounds`, those of a tile, are not inside the current one. Returns true
+    /// if the instances of [`Occluders::node`] are all that may be between the lamp and the tile.
     #[inline(always)]
     pub(super) fn cover<S: Simd>(
         &mut self,

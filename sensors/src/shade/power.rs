@@ -1,12 +1,12 @@
-//! Powers of shares, of + − × ÷ alone: the same bits on every machine.
+//! Powers of numbers in [0, 1], with +, −, × and ÷ only, so that the bits are the same on every machine.
 
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, f32x16, u32x16};
 
-/// What counts as nothing: less than any power of a share that could be seen.
+/// Numbers up to this count as 0: they are less than any visible power.
 const LEAST: f32 = 1e-30;
 
-/// x^y of x from 0 to 1, which x is clamped to, and y ≥ 0; 0 where x is 0 or not a number, whatever y. The relative
-/// error is below 2e-7 · (3 + y·|ln x|), and what is less than 1e-30 may be nothing.
+/// x^y for y ≥ 0 and x in [0, 1], to which x is clamped; 0 if x is 0 or NaN, whatever y is. The relative error is below
+/// 2e-7 · (3 + y·|ln x|), and results below 1e-30 may be 0.
 #[inline(always)]
 pub(super) fn power<S: Simd>(simd: S, x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
@@ -16,8 +16,8 @@ pub(super) fn power<S: Simd>(simd: S, x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
     there.select(two_to(simd, log2(simd, x) * y), zero)
 }
 
-/// Binary logarithm of a positive number: from the exponent, and of what is left, which lies between 1/√2 and √2, by
-/// the series of artanh, cut off after its eleventh power.
+/// Binary logarithm of a positive number: the exponent, plus the logarithm of the mantissa between 1/√2 and √2 by the
+/// series of artanh up to its eleventh power.
 #[inline(always)]
 fn log2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     const TERMS: [f32; 5] = [1.0 / 11.0, 1.0 / 9.0, 1.0 / 7.0, 1.0 / 5.0, 1.0 / 3.0];
@@ -38,7 +38,7 @@ fn log2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     exponent + (ratio + ratio * sum) * TWO_PER_LN_2
 }
 
-/// Two to a power of 0 or less: the series of exp, of the part that is left of the nearest whole number.
+/// Two to a power of 0 or less: the series of exp for the remainder after subtracting the nearest integer.
 #[inline(always)]
 fn two_to<S: Simd>(simd: S, power: f32x16<S>) -> f32x16<S> {
     const TERMS: [f32; 7] = [1.0 / 5040.0, 1.0 / 720.0, 1.0 / 120.0, 1.0 / 24.0, 1.0 / 6.0, 0.5, 1.0];

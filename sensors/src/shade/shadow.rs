@@ -1,11 +1,12 @@
-//! What stands between a lamp and what it shines on: any hit of the 64 rays of a tile.
+//! Shadows: whether anything is between a lamp and the points that it lights, for the 64 rays of a tile.
 //!
-//! Of the instances, few lie between a lamp and a tile. The [`occluders`](super::occluders) of each lamp remember those
-//! for the neighbourhood of the last tile, so that the tree over the instances is seldom walked. Boxes, of which rooms
-//! are built, are tested in single precision; the rest in double.
+//! Only few instances are between a lamp and a tile. The [`occluders`](super::occluders) of each lamp cache them for
+//! the neighbourhood of the last tile, so the tree over the instances is seldom traversed. Boxes, of which rooms are
+//! built, are tested in single precision, everything else in double precision.
 //!
-//! The outside of a convex instance never stands in its own light; its inside does, but for a lamp that is inside as well.
-//! Points on meshes and height fields, which may, are [lifted](lift) above their triangles first, to the side that is seen.
+//! The outside of a convex instance never shadows itself; its inside does, unless the lamp is inside as well. Meshes
+//! and height fields may shadow themselves, so points on them are first [lifted](lift) from their triangles, to the
+//! side that is seen.
 
 use super::lift::lift;
 use super::occluders::Occluders;
@@ -20,18 +21,19 @@ use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 use glam::DVec3;
 
-/// Shadow rays stop this part of the way before the surface that they are to light, unless it is lifted.
+/// Shadow rays end before the surface by this fraction of their length, unless the point is lifted.
 const SHADOW_BIAS: f32 = 1e-5;
-/// Parallel ones start this many metres above it, and as much again for each metre that it is away from the sensor.
+/// Parallel shadow rays start this many metres above the surface, plus as much again per metre of distance from the
+/// sensor.
 const PARALLEL_BIAS: f64 = 1e-6;
 
-/// Lamps whose occluders are remembered; others look for them anew for every tile.
+/// Number of lamps whose occluders are cached; for others, they are searched for each tile.
 const REMEMBERED: usize = 4;
 
-/// What looking for shadows works on; kept from tile to tile of a frame.
+/// The state of the search for shadows, reused from tile to tile of a frame.
 pub(crate) struct Shadows {
     occluders: [Occluders; REMEMBERED],
-    /// Rays in double precision, and the same in the frame of an instance.
+    /// Rays in double precision, in the view and in the frame of an instance.
     packet: Packet,
     local: LocalRays,
 }
@@ -45,8 +47,8 @@ impl Shadows {
         }
     }
 
-    /// Which of the lanes that are `lit` a lamp does not reach, of which some see the `back` of a surface. The outside of
-    /// things casts shadows: the bulb around a lamp does not keep its light in.
+    /// The lanes in `lit` that a lamp does not reach; lanes in `back` see the back of a surface. Only the outside of
+    /// things casts shadows, so the bulb around a lamp does not block its light.
     #[inline(always)]
     pub(crate) fn of_lamp<S: Simd>(
         &mut self,
@@ -101,7 +103,7 @@ impl Shadows {
         )
     }
 
-    /// Which of the lanes that are `lit` parallel light does not reach. Both sides cast shadows.
+    /// The lanes in `lit` that parallel light does not reach. Both sides of surfaces cast shadows.
     pub(crate) fn of_parallel<S: Simd>(
         &mut self,
         simd: S,
@@ -127,7 +129,7 @@ impl Shadows {
                 packet.t_min = PARALLEL_BIAS * (1.0 + farthest);
                 let lifted = lift(simd, view, tile, (lit, back), &mut packet.origin);
                 if lifted != 0 {
-                    // These begin where they are.
+                    // The rays of lifted points start at the points themselves.
                     for axis in 0..3 {
                         let back = towards[axis] * packet.t_min;
                         for lane in 0..LANES {
@@ -166,8 +168,8 @@ impl Shadows {
     }
 }
 
-/// The lanes that lie on an instance, if it cannot stand in their light: those on the outside of something convex, and
-/// those on either side of what has no inside.
+/// The lanes on an instance that it cannot shadow itself: those on the outside of something convex, and those on either
+/// side of something without an inside.
 #[inline(always)]
 fn own_lanes<S: Simd>(simd: S, view: &View<'_>, tile: &Tile, (index, back): (u32, u64)) -> u64 {
     match view.instance(index).kind() {
@@ -185,18 +187,18 @@ struct ShadowRays<'a> {
     local: &'a mut LocalRays,
     position: DVec3,
     lit: u64,
-    /// Those that see the back of a surface.
+    /// The lanes that see the back of a surface.
     back: u64,
-    /// Those that do not arrive.
+    /// The lanes in shadow.
     dark: u64,
-    /// Whether the packet holds these rays.
+    /// True if the packet contains these rays.
     is_aimed: bool,
-    /// Those whose ends are lifted, once they are aimed.
+    /// The lanes whose end points are lifted, valid once the rays are in the packet.
     lifted: u64,
 }
 
 impl ShadowRays<'_> {
-    /// Stops those rays that an instance is in the way of; whether any is left.
+    /// Marks the rays that an instance blocks, and returns true if any lit lane is left.
     #[inline(always)]
     fn meet<S: Simd>(&mut self, simd: S, index: u32) -> bool {
         let own = own_lanes(simd, self.view, self.tile, (index, self.back));
@@ -216,7 +218,7 @@ impl ShadowRays<'_> {
         self.dark != self.lit
     }
 
-    /// Slabs, as [`crate::trace::shapes::cuboid`], in single precision.
+    /// The slab test of [`crate::trace::shapes::cuboid`] in single precision.
     #[inline(always)]
     fn meet_box<S: Simd>(&self, simd: S, index: u32, active: u64) -> u64 {
         let half = self.view.instance(index).size;
@@ -234,10 +236,10 @@ impl ShadowRays<'_> {
         dark & active
     }
 
-    /// Whether any ray comes near the box around a solid: seldom enough that it is worth to ask.
+    /// Returns true if any ray comes near the box around a solid. This happens seldom enough that the test pays off.
     #[inline(always)]
     fn comes_near<S: Simd>(&self, simd: S, index: u32, half: [f64; 3], active: u64) -> bool {
-        // More than all roundings of the slabs together.
+        // More than all rounding errors of the slabs together.
         const MARGIN: f64 = 4e-6;
         let mut reach = self.position.abs().max_element();
         for [low, high] in self.tile.bounds {
@@ -262,7 +264,8 @@ impl ShadowRays<'_> {
         near
     }
 
-    /// Gives for each row of lanes, of which some are active, where its rays enter and leave a box of an instance.
+    /// Calls `visit` for each row with active lanes, with the positions where its rays enter and leave a box of an
+    /// instance.
     #[inline(always)]
     fn for_each_row<S: Simd>(
         &self,

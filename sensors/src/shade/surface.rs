@@ -1,8 +1,8 @@
-//! The surfaces where the rays of a tile have hit: normals, and what a pixel covers of a texture. Flat faces have a
-//! short cut of their own, [`super::face`].
+//! The surfaces that the rays of a tile have hit: normals, and footprints on textures. Flat faces have their own,
+//! faster implementation in [`super::face`].
 //!
-//! A tile sees few instances, so its surfaces are worked out instance by instance, for all lanes of a row at once; each
-//! lane keeps those of its own.
+//! A tile sees few instances, so its surfaces are computed instance by instance, for all lanes of a row at once, and
+//! each lane keeps the result of its own instance.
 
 use super::tile::{Steps, Tile};
 use super::{ROWS, lanes_in, store_where};
@@ -17,24 +17,24 @@ use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use glam::DVec3;
 
-/// What the pixels of a row cover of a texture, in its coordinates, repetitions included.
+/// Footprints of a row's pixels on a texture, in texture coordinates including repetitions.
 #[derive(Clone, Copy)]
 pub(crate) struct Footprint<S: Simd> {
-    /// The middle, less whole repetitions.
+    /// The centre, without whole repetitions.
     pub(crate) uv: [f32x16<S>; 2],
-    /// Change of u and v to the next pixel along the row, and to that down the column.
+    /// Changes of u and v to the next pixel along the row, and down the column.
     pub(crate) steps: [[f32x16<S>; 2]; 2],
 }
 
 impl<S: Simd> Footprint<S> {
-    /// Points at the origin.
+    /// Footprints of size 0 at the origin.
     #[inline(always)]
     pub(crate) fn nothing(simd: S) -> Self {
         let zero = f32x16::splat(simd, 0.0);
         Self { uv: [zero; 2], steps: [[zero; 2]; 2] }
     }
 
-    /// Takes those lanes of another that are `mine`.
+    /// Copies the lanes of another footprint that are set in `mine`.
     #[inline(always)]
     pub(crate) fn take(&mut self, mine: mask32x16<S>, other: &Self) {
         for axis in 0..2 {
@@ -46,14 +46,14 @@ impl<S: Simd> Footprint<S> {
     }
 }
 
-/// Lane by lane, in the view. Where nothing was hit the normal is 0, and the rest undetermined.
+/// The surfaces of all lanes, in the view. If nothing was hit, the normal is 0 and the rest is undefined.
 pub(crate) struct Surfaces {
-    /// Unit, outwards.
+    /// Unit normal, pointing outwards.
     pub(crate) normal: [Lanes<f32>; 3],
-    /// Change of u and of v per metre, times any factor above 0. Only if it is wanted.
+    /// Gradients of u and of v, up to a positive factor. Only set if `wants_gradient`.
     pub(crate) gradient: [[Lanes<f32>; 3]; 2],
     pub(crate) wants_gradient: bool,
-    /// The solids without flat faces that were met lately.
+    /// Recently hit solids without flat faces.
     curved: Recent<Curved>,
 }
 
@@ -67,7 +67,7 @@ impl Surfaces {
         }
     }
 
-    /// Fills in the lanes that have hit `placed`; what they cover of a texture only if it is repeated so often.
+    /// Computes the lanes that hit `placed`, and their footprints on the texture if its number of repetitions is given.
     #[inline(always)]
     pub(crate) fn add<S: Simd>(
         &mut self,
@@ -85,7 +85,7 @@ impl Surfaces {
         }
     }
 
-    /// One row of lanes after the other: most instances show in but few of a tile's.
+    /// Processes the rows one by one, since most instances are only visible in a few rows of a tile.
     #[inline(always)]
     fn add_rows<S: Simd, const TEXTURED: bool>(
         &mut self,
@@ -139,7 +139,7 @@ impl Surfaces {
         }
     }
 
-    /// Takes what a shape says of the points of a row into the view.
+    /// Converts the surface of a shape at the points of a row to the view.
     #[inline(always)]
     fn add_row<S: Simd>(
         &mut self,
@@ -149,14 +149,14 @@ impl Surfaces {
         row: usize,
         (local, repeat): (&Local, [f32; 2]),
     ) {
-        // Normals go by the inverse transpose, and are unit ones again afterwards.
+        // Normals are transformed by the inverse transpose, and normalised again afterwards.
         let [x, y, z] = to_view(simd, placed, &local.normal, 1.0);
         let per_length = f32x16::splat(simd, 1.0) / ((x * x + y * y) + z * z).sqrt();
         for (axis, turned) in [x, y, z].into_iter().enumerate() {
             store_where(simd, mine, turned * per_length, &mut self.normal[axis], row);
         }
         if self.wants_gradient {
-            // Gradients as well.
+            // Gradients are transformed in the same way.
             for side in 0..2 {
                 let change = to_view(simd, placed, &local.gradient[side], repeat[side]);
                 for axis in 0..3 {
@@ -167,7 +167,7 @@ impl Surfaces {
     }
 }
 
-/// Vectors by the inverse transpose of an instance, times a factor.
+/// Multiplies vectors by the inverse transpose of an instance, and by a factor.
 #[inline(always)]
 fn to_view<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[[f32; WIDTH]; 3], by: f32) -> [f32x16<S>; 3] {
     let mut turned = [f32x16::splat(simd, 0.0); 3];
@@ -178,7 +178,7 @@ fn to_view<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[[f32; WIDTH]; 3], by:
     turned
 }
 
-/// The points of a row in the axes of an instance.
+/// The points of a row, in the axes of an instance.
 #[inline(always)]
 fn local_points(placed: &Placed, tile: &Tile, row: usize) -> [[f64; WIDTH]; 3] {
     let [px, py, pz] = tile.point.each_ref().map(|axis| &axis.as_chunks::<WIDTH>().0[row]);
@@ -200,13 +200,14 @@ fn load<S: Simd>(simd: S, values: &[f32; WIDTH]) -> f32x16<S> {
     f32x16::load_array_ref(simd, values)
 }
 
-/// What the shape of an instance says of the points of a row, in the axes of the instance: directions and differences in
-/// single precision, texture coordinates in double.
+/// The surface of an instance's shape at the points of a row, in the axes of the instance: directions and differences
+/// in single precision, texture coordinates in double precision.
 struct Local {
     normal: [[f32; WIDTH]; 3],
     uv: [[f64; WIDTH]; 2],
     gradient: [[[f32; WIDTH]; 3]; 2],
-    /// The triangle of a height field met last, and its normal: neighbours most often lie on the same.
+    /// The triangle of a height field that was hit last, and its normal, since neighbours usually lie on the same
+    /// triangle.
     last: (u32, [f32; 3]),
 }
 
@@ -221,7 +222,8 @@ impl Local {
         }
     }
 
-    /// Takes the surface of a solid at points; those that do not lie on it are undetermined. Not for flat faces.
+    /// Computes the surface of a solid without flat faces at the given points; the result is undefined for points that
+    /// are not on it.
     #[inline(always)]
     fn take_solid(&mut self, (solid, size): (Solid, [f64; 3]), points: &[[f64; WIDTH]; 3]) {
         macro_rules! each {
@@ -238,7 +240,7 @@ impl Local {
         each!(Sphere, Cylinder, Capsule, Ellipsoid, Cone);
     }
 
-    /// Takes the surfaces of triangles, for the lanes of some bits.
+    /// Computes the surfaces of triangles, for the lanes whose bits are set.
     #[inline(always)]
     fn take_triangles(
         &mut self,
@@ -275,7 +277,8 @@ impl Local {
         }
     }
 
-    /// Normals of triangles, for the lanes of some bits. Those of meshes are kept, and nothing else depends on the point.
+    /// Computes the normals of triangles, for the lanes whose bits are set. The normals of meshes are stored, and
+    /// nothing else depends on the point.
     #[inline(always)]
     fn take_normals(
         &mut self,
@@ -304,8 +307,8 @@ impl Local {
         }
     }
 
-    /// What the pixels cover of the texture: how far the hit moves on the surface's plane from one to the next
-    /// (Igehy 1999, "Tracing ray differentials").
+    /// The footprints of the pixels on the texture: how far the hit moves on the surface's plane from one pixel to the
+    /// next (Igehy 1999, "Tracing ray differentials").
     #[inline(always)]
     fn footprint<S: Simd>(
         &self,
@@ -316,7 +319,7 @@ impl Local {
     ) -> Footprint<S> {
         let mut footprint = Footprint::nothing(simd);
         for axis in 0..2 {
-            // Whole repetitions are taken away in f64: the rest keeps its digits in f32.
+            // Whole repetitions are subtracted in f64, so that the rest keeps its digits in f32.
             let repeat = f64::from(repeat[axis]);
             let mut rest = [0.0; WIDTH];
             for lane in 0..WIDTH {
@@ -352,7 +355,7 @@ impl Local {
     }
 }
 
-/// Vectors of a row of the view in the axes of an instance.
+/// Converts vectors of a row from the view to the axes of an instance.
 #[inline(always)]
 fn to_instance<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[Lanes<f32>; 3], row: usize) -> [f32x16<S>; 3] {
     let mut turned = [f32x16::splat(simd, 0.0); 3];
@@ -363,7 +366,8 @@ fn to_instance<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[Lanes<f32>; 3], r
     turned
 }
 
-/// Unit normal in the view of a triangle without a texture, by the operations of [`Surfaces::add`].
+/// Unit normal, in the view, of a triangle without a texture, computed with the same operations as in
+/// [`Surfaces::add`].
 pub(super) fn triangle_normal(
     view: &View<'_>,
     (placed, triangles): (&Placed, Triangles),
@@ -383,7 +387,7 @@ pub(super) fn triangle_normal(
     [x * per_length, y * per_length, z * per_length]
 }
 
-/// Unit normal of a mesh's triangle.
+/// The stored unit normal of a mesh's triangle.
 #[inline(always)]
 fn kept_normal(view: &View<'_>, placed: &Placed, local: u32) -> [f32; 3] {
     view.scene.facets[placed.first_block as usize * WIDTH + local as usize].normal

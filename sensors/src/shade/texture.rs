@@ -1,7 +1,7 @@
-//! Filtered texture look-up: trilinear between mip levels, several samples along the longer side of the
-//! footprint, so that tags neither alias nor blur when seen at a slant.
+//! Filtered texture look-up: trilinear between mip levels, with several samples along the longer side of the footprint,
+//! so that fiducial tags neither alias nor blur when seen at a slant.
 //!
-//! Tried without gain: reading a texel of every lane of a tile before any is needed, in place of a prefetch.
+//! Tried without gain: reading a texel of every lane of a tile in advance, instead of a prefetch.
 
 use super::surface::Footprint;
 use crate::scene::{NO_TEXTURE, Scene, Texture};
@@ -11,31 +11,31 @@ use fearless_simd::{
     Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x16, mask32x16, u32x16, u64x8,
 };
 
-/// Most samples along the footprint, as Ogre's default anisotropy of 8.
+/// Greatest number of samples along the footprint, equal to Ogre's default anisotropy of 8.
 const MAX_ANISOTROPY: f32 = 8.0;
 
-/// Most mip levels of a texture.
+/// Greatest number of mip levels of a texture.
 const MOST_LEVELS: usize = 32;
 
-/// What is looked for in a texture.
+/// The quantity to read from a texture.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum Reading {
-    /// Its numbers, as they are.
+    /// The values as they are stored.
     Numbers,
-    /// The linear light that they are in sRGB.
+    /// The linear light for values in sRGB.
     Light,
-    /// Its alpha, in the place of each colour.
+    /// The alpha, in all three channels.
     Alpha,
 }
 
-/// Looks into one texture after the other; keeps what it knows of the last.
+/// Reads one texture after the other; caches the properties of the last one.
 pub(super) struct Sampler {
     texture: u32,
     first_texel: usize,
-    /// Of level 0, and the number of the coarsest level.
+    /// Size of level 0, and the number of the coarsest level.
     size: [f32; 2],
     coarsest: f32,
-    /// First texel, width and height of each level; those after the last are the last again.
+    /// The levels; entries after the last level repeat it.
     levels: [Level; MOST_LEVELS],
 }
 
@@ -59,7 +59,7 @@ impl Sampler {
         }
     }
 
-    /// Turns to a texture of the scene.
+    /// Selects a texture of the scene.
     #[inline(always)]
     pub(super) fn turn_to(&mut self, scene: &Scene<'_>, texture: u32) {
         if self.texture != texture {
@@ -82,8 +82,8 @@ impl Sampler {
         }
     }
 
-    /// Means over the footprints of sixteen pixels, RGB in [0, 1]; only lanes that are `mine`, of which there
-    /// is one at least, count.
+    /// Mean values over the footprints of sixteen pixels, RGB in [0, 1]. Only lanes in `mine` are used, of which there
+    /// must be at least one.
     #[inline(always)]
     pub(super) fn sample<S: Simd>(
         &self,
@@ -98,7 +98,7 @@ impl Sampler {
         let mixed = (taps.blend.simd_gt(0.0) & mine).any_true();
         let fine = self.pick(simd, taps.level, mine);
         let coarse = self.pick(simd, taps.level + 1, mine);
-        // Of the samples, the most that any lane has; others finish before.
+        // The loop runs for the greatest number of samples of any lane; others finish before.
         let zero = f32x16::splat(simd, 0.0);
         let counts = mine.select(taps.samples, zero);
         let most = simd.reduce_max_f32x16(counts);
@@ -125,7 +125,7 @@ impl Sampler {
         [sum[0] * scale, sum[1] * scale, sum[2] * scale]
     }
 
-    /// How finely each lane looks into the texture. What is not finite becomes something that is.
+    /// Selects the mip levels and sample positions for each lane. Values that are not finite become finite.
     #[inline(always)]
     fn taps<S: Simd>(&self, simd: S, footprint: &Footprint<S>) -> Taps<S> {
         let one = f32x16::splat(simd, 1.0);
@@ -137,7 +137,8 @@ impl Sampler {
         let major = steep.select(along_column, along_row);
         let minor = steep.select(along_row, along_column);
 
-        // As many samples as the footprint is long in terms of its width; a magnified texture needs but one.
+        // The number of samples is the ratio of the footprint's length to its width; a magnified texture needs only
+        // one.
         let ratio = major / greater(minor, one);
         let ratio = greater(lesser(ratio, f32x16::splat(simd, MAX_ANISOTROPY)), one);
         let samples = (ratio + 0.5).floor();
@@ -156,12 +157,12 @@ impl Sampler {
         }
     }
 
-    /// A level for each of sixteen lanes.
+    /// Gets the mip level for each of sixteen lanes.
     #[inline(always)]
     fn pick<S: Simd>(&self, simd: S, level: u32x16<S>, mine: mask32x16<S>) -> LaneLevels<S> {
         let mut levels = [0; WIDTH];
         level.store_array(&mut levels);
-        // Mostly it is the same for all.
+        // Usually the level is the same for all lanes.
         let first = levels[mine.to_bitmask().trailing_zeros() as usize % WIDTH];
         if (level.simd_ne(u32x16::splat(simd, first)) & mine).any_true() {
             let (mut offset, mut width, mut height) = ([0; WIDTH], [0; WIDTH], [0; WIDTH]);
@@ -185,18 +186,18 @@ impl Sampler {
     }
 }
 
-/// How finely each lane looks into its texture.
+/// The mip levels and sample positions for each lane.
 struct Taps<S: Simd> {
-    /// From one sample to the next, along the longer side of the footprint.
+    /// Offset from one sample to the next, along the longer side of the footprint.
     step: [f32x16<S>; 2],
     samples: f32x16<S>,
     /// The finer of the two mip levels.
     level: u32x16<S>,
-    /// Share of the next coarser one.
+    /// Weight of the next coarser level.
     blend: f32x16<S>,
 }
 
-/// The mip levels that sixteen lanes look into.
+/// The mip levels that sixteen lanes read.
 struct LaneLevels<S: Simd> {
     offset: u32x16<S>,
     width: u32x16<S>,
@@ -204,8 +205,7 @@ struct LaneLevels<S: Simd> {
 }
 
 impl<S: Simd> LaneLevels<S> {
-    /// The colours at (u, v), 0 to 255. Row 0 is the top, v = 1; texel centres lie at half integers; the picture
-    /// repeats.
+    /// The colours at (u, v), 0 to 255. Row 0 is the top, v = 1; texel centres are at half-integers; the image repeats.
     #[inline(always)]
     fn bilinear(
         &self,
@@ -232,7 +232,8 @@ impl<S: Simd> LaneLevels<S> {
     }
 }
 
-/// Two texels for each lane, of which the second follows the first but in those lanes that are `wrapping`, a bit each.
+/// Two texels for each lane. The second follows the first in memory, except in the lanes of `wrapping`, as one bit
+/// each.
 #[inline(always)]
 fn look_up_neighbours<S: Simd>(
     simd: S,
@@ -244,7 +245,7 @@ fn look_up_neighbours<S: Simd>(
     if wrapping == 0 { found } else { look_up_apart(simd, texels, [left, right], wrapping, found) }
 }
 
-/// Looks up the texels of some lanes one by one.
+/// Reads the texels of some lanes one by one.
 #[inline(always)]
 fn look_up_apart<S: Simd>(
     simd: S,
@@ -271,7 +272,7 @@ fn look_up_apart<S: Simd>(
     patched
 }
 
-/// A texel for each lane and the one after it, at a single load a lane. Lanes that do not count may look anywhere.
+/// For each lane, a texel and the one after it, with a single load per lane. Unused lanes may read any texel.
 #[inline(always)]
 fn look_up_pairs<S: Simd>(simd: S, texels: &[[u8; 4]], index: u32x16<S>) -> [u32x16<S>; 2] {
     let indices = indices_up_to(simd, index, texels.len().saturating_sub(2));
@@ -289,29 +290,29 @@ fn look_up_pairs<S: Simd>(simd: S, texels: &[[u8; 4]], index: u32x16<S>) -> [u32
     [simd.unzip_low_u32x16(low, high), simd.unzip_high_u32x16(low, high)]
 }
 
-/// Indices, none of them above `last`: a check that then never fails costs next to nothing.
+/// Limits indices to `last`, so that the bounds check never fails and costs next to nothing.
 #[inline(always)]
 fn indices_up_to<S: Simd>(simd: S, index: u32x16<S>, last: usize) -> [u32; WIDTH] {
     let last = u32x16::splat(simd, last as u32);
     let mut indices = [0; WIDTH];
     index.simd_lt(last).select(index, last).store_array(&mut indices);
-    // By way of memory: sixteen loads are cheaper than as many extractions from a vector.
+    // Through memory: sixteen loads are cheaper than as many extractions from a vector.
     core::hint::black_box(indices)
 }
 
-/// The two texels out of `size` whose centres lie around each coordinate, and how far it is from the first.
+/// The two texels out of `size` whose centres are around each coordinate, and the distance from the first to it.
 #[inline(always)]
 fn neighbours<S: Simd>(simd: S, coordinate: f32x16<S>, size: u32x16<S>) -> (u32x16<S>, u32x16<S>, f32x16<S>) {
     let zero = f32x16::splat(simd, 0.0);
     let one = u32x16::splat(simd, 1);
     let part = coordinate - coordinate.floor();
-    // What is not finite becomes 0.
+    // A value that is not finite becomes 0.
     let part = part.simd_ge(zero).select(part, zero);
     let at = part * size.to_float::<f32x16<S>>() - 0.5;
     let first = at.floor();
     let last = size - one;
     let index = first.simd_lt(zero).select(last, first.max_precise(zero).to_int::<u32x16<S>>());
-    // Rounding may have made of the part a whole.
+    // Rounding may have increased the fraction to 1.
     let index = index.simd_gt(last).select(last, index);
     let next = index.simd_eq(last).select(u32x16::splat(simd, 0), index + one);
     (index, next, at - first)
@@ -322,8 +323,8 @@ fn length<S: Simd>(x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
     (x * x + y * y).sqrt()
 }
 
-/// Binary logarithm of x ≥ 1, linear between powers of two: exact bits everywhere, and within 0.09 of the truth,
-/// which moves the blend between two levels a little and nothing else.
+/// Binary logarithm of x ≥ 1, linear between powers of two. The bits are the same on every machine, and the error is at
+/// most 0.09, which only slightly changes the blend between two levels.
 #[inline(always)]
 fn log2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     let bits: u32x16<S> = x.bitcast();
@@ -333,13 +334,13 @@ fn log2<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
     exponent + (mantissa - 1.0)
 }
 
-/// The lesser; `limit` for NaN.
+/// The minimum; `limit` for NaN.
 #[inline(always)]
 fn lesser<S: Simd>(x: f32x16<S>, limit: f32x16<S>) -> f32x16<S> {
     x.simd_lt(limit).select(x, limit)
 }
 
-/// The greater; `limit` for NaN.
+/// The maximum; `limit` for NaN.
 #[inline(always)]
 fn greater<S: Simd>(x: f32x16<S>, limit: f32x16<S>) -> f32x16<S> {
     x.simd_gt(limit).select(x, limit)
@@ -350,7 +351,7 @@ fn mix<S: Simd>(from: f32x16<S>, to: f32x16<S>, part: f32x16<S>) -> f32x16<S> {
     from + (to - from) * part
 }
 
-/// What is read of texels, 0 to 255, mixed.
+/// Converts and mixes the values of texels, 0 to 255.
 #[inline(always)]
 fn mix_texels<S: Simd>(
     simd: S,

@@ -1,7 +1,7 @@
-//! What is seen through clear surfaces: rays go on behind them, and what they meet there is shaded and blended.
+//! Transparency: rays continue behind clear surfaces, and what they hit there is shaded and blended.
 //!
-//! Only the pixels that show a clear surface are traced again, 64 at a time from where they were, in double precision. So
-//! scenes without such surfaces pay for a compare of each tile.
+//! Only pixels that show a clear surface are traced again, 64 at a time from the point that was hit, in double
+//! precision. Scenes without such surfaces therefore only pay for one comparison per tile.
 
 use super::tile::{Steps, Tile};
 use super::{Colours, Shader};
@@ -14,14 +14,15 @@ use crate::trace::shapes::LocalRays;
 use crate::trace::view::View;
 use fearless_simd::Simd;
 
-/// Surfaces that are seen behind the first; the last one is opaque.
+/// Number of surfaces visible behind the first; the last one is opaque.
 const SURFACES: usize = 4;
-/// Rays go on this part of their way behind a surface: more than single precision loses of it.
+/// Rays continue behind a surface at this fraction of the distance to it, which exceeds the rounding error of single
+/// precision.
 const GAP: f64 = 1e-5;
-/// Where less than this share of the light is left, no more is looked for: a fourth of a step of 8 bits.
+/// If less than this fraction of the light is left, the ray is not continued: a quarter of a step of 8 bits.
 const LEAST: f32 = 1.0 / 1024.0;
 
-/// What rays behind surfaces are traced with.
+/// The state of tracing rays behind surfaces.
 pub(crate) struct Through {
     packet: Packet,
     local: LocalRays,
@@ -34,7 +35,7 @@ impl Through {
         Self { packet: Packet::new(), local: LocalRays::new(), tile: Tile::new(), colours: [[0.0; LANES]; 3] }
     }
 
-    /// Adds to the colours of a tile, which `shader` has just worked out, what is seen behind its clear surfaces.
+    /// Adds what is seen behind clear surfaces to the colours of a tile, which `shader` has just computed.
     pub(crate) fn look<S: Simd>(
         &mut self,
         simd: S,
@@ -62,7 +63,7 @@ impl Through {
     ) {
         let Self { packet, local, tile, colours: behind } = self;
         let mut seen = shader.seen;
-        // The share of the light that comes from farther behind.
+        // The fraction of the light that comes from farther behind.
         let mut share = [0.0; LANES];
         for lane in 0..LANES {
             let coverage = if shader.clear >> lane & 1 != 0 { shader.coverage[lane] } else { 1.0 };
@@ -93,7 +94,7 @@ impl Through {
                     continue;
                 }
                 let is_hit = packet.hit[lane] != MISS;
-                // A ray that meets the surface which it has just left has not got behind it.
+                // A ray that hits the same surface again has not got behind it.
                 let again = is_hit && (placed[lane], triangle[lane]) == (tile.placed[lane], tile.local[lane]);
                 let clear = shader.clear >> lane & 1 != 0;
                 let coverage = match clear {
@@ -116,7 +117,7 @@ impl Through {
     }
 }
 
-/// Lets the rays of lanes that have light left go on behind t; returns where they begin.
+/// Continues the rays of lanes that have light left behind t, and returns their starting positions.
 #[inline(always)]
 fn aim(
     packet: &mut Packet,

@@ -1,7 +1,7 @@
-//! Sixty-four neighbouring rays of a traced band, as the cameras work on them: tiles of 16 × 4 pixels, or of 64 × 1.
+//! Sixty-four neighbouring rays of a traced band, the unit of shading: tiles of 16 × 4 pixels, or of 64 × 1.
 //!
-//! Coordinates are metres along the world's axes, relative to the sensor, in single precision: what that loses is
-//! in proportion to the distance, and less than a thousandth of a pixel at any.
+//! Coordinates are metres along the world's axes, relative to the sensor, in single precision. The rounding error is
+//! proportional to the distance, and less than a thousandth of a pixel at any distance.
 
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
@@ -17,18 +17,18 @@ use glam::{DMat3, DVec3};
 /// The rays of a camera in the axes of the world.
 pub(crate) struct CameraRays<'a> {
     rays: Rays<'a>,
-    /// Columns: forward, left and up.
+    /// The sensor's axes as columns: forward, left and up.
     axes: DMat3,
-    /// The same in single precision.
+    /// The axes in single precision.
     columns: [[f32; 3]; 3],
-    /// Of a pinhole, centre and 1/focal length in 1/pixels.
+    /// For a pinhole camera, the principal point in pixels and 1/focal length in 1/pixels.
     centre: [f32; 2],
     per_focal: [f32; 2],
     pub(crate) steps: Steps,
 }
 
-/// Of a pinhole, how a ray's direction changes to the next pixel along a row, and to that down a column. Of others it
-/// differs from pixel to pixel: [`Tile::steps`].
+/// For a pinhole camera, the change of a ray's direction to the next pixel along a row, and down a column. For other
+/// cameras it differs from pixel to pixel; see [`Tile::steps`].
 pub(crate) type Steps = Option<[DVec3; 2]>;
 
 impl<'a> CameraRays<'a> {
@@ -52,13 +52,14 @@ impl<'a> CameraRays<'a> {
         self.columns[0]
     }
 
-    /// Pixels across the picture.
+    /// Width of the image in pixels.
     #[inline(always)]
     pub(crate) fn width(&self) -> usize {
         self.rays.fan().width as usize
     }
 
-    /// Directions of sixteen rays of a pinhole from a pixel on along its row, of length 1 along the optical axis.
+    /// Directions of sixteen rays of a pinhole camera, starting at a pixel and along its row, with length 1 along the
+    /// optical axis.
     #[inline(always)]
     fn pinhole_row<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 3] {
         let [forward, left, up] = &self.columns;
@@ -72,7 +73,7 @@ impl<'a> CameraRays<'a> {
         directions
     }
 
-    /// The point that a pinhole's ray of a pixel meets at 1/t, by the operations of [`Tile::take`].
+    /// The point that a pinhole camera's ray hits at 1/t, computed with the same operations as in [`Tile::take`].
     #[inline(always)]
     pub(super) fn pinhole_point(&self, [column, row]: [usize; 2], inverse: f32) -> [f32; 3] {
         let [forward, left, up] = &self.columns;
@@ -86,7 +87,7 @@ impl<'a> CameraRays<'a> {
         point
     }
 
-    /// Directions of the rays of a tile, of length 1, row after row.
+    /// Directions of the rays of a tile, of length 1, row by row.
     #[inline(always)]
     fn unit_rows<S: Simd>(&self, simd: S, [tile_column, row]: [usize; 2], directions: &mut [Lanes<f32>; 3]) {
         let tiling = Tiling::of(self.rays.fan());
@@ -107,8 +108,8 @@ impl<'a> CameraRays<'a> {
         }
     }
 
-    /// How the direction of a pixel's ray changes to the next along its row, and to that down its column; backwards
-    /// where there is none.
+    /// The change of direction from a pixel's ray to the next along its row, and down its column; from the previous one
+    /// if there is no next.
     fn steps_at(&self, column: usize, row: usize) -> [DVec3; 2] {
         let fan = self.rays.fan();
         let [column, row] = [column as i32, row as i32];
@@ -128,7 +129,7 @@ impl<'a> CameraRays<'a> {
     }
 }
 
-/// The lanes of a tile that have no ray.
+/// The lanes of a tile without a ray.
 #[inline(always)]
 pub(crate) fn missing_lanes(rays: &Rays<'_>, [tile_column, block_row]: [usize; 2]) -> u64 {
     let tiling = Tiling::of(rays.fan());
@@ -147,26 +148,26 @@ pub(crate) fn missing_lanes(rays: &Rays<'_>, [tile_column, block_row]: [usize; 2
 const ACROSS: [f32; WIDTH] =
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
-/// What the rays of a tile have hit, row after row.
+/// The hits of a tile's rays, row by row.
 pub(crate) struct Tile {
-    /// In units of t.
+    /// Directions in units of t.
     pub(crate) direction: [Lanes<f32>; 3],
-    /// The point that was hit; the sensor itself where none was.
+    /// The point that was hit; the position of the sensor if there is none.
     pub(crate) point: [Lanes<f32>; 3],
-    /// Where on its ray the point lies; 0 where nothing was hit.
+    /// Position of the point on its ray; 0 if nothing was hit.
     pub(crate) t: Lanes<f32>,
-    /// How directions change to the next pixel along the row, and to that down the column, where that is not the same
-    /// for all of a picture.
+    /// Changes of the direction to the next pixel along the row, and down the column, if these are not constant over
+    /// the image.
     pub(crate) steps: [[Lanes<f32>; 3]; 2],
-    /// Index among the placed instances, or [`MISS`].
+    /// Index of the placed instance that was hit, or [`MISS`].
     pub(crate) placed: Lanes<u32>,
-    /// Of meshes and height fields, which triangle: its slot from the instance's first.
+    /// For meshes and height fields, the slot of the triangle, counted from the instance's first.
     pub(crate) local: Lanes<u32>,
-    /// The lanes that have hit something, a bit each.
+    /// The lanes that hit something, as one bit each.
     pub(crate) hits: u64,
-    /// Those that have no ray.
+    /// The lanes without a ray.
     pub(crate) missing: u64,
-    /// Least and most of the points that were hit, along each axis. Only if lamps cast shadows.
+    /// Bounds of the points that were hit, along each axis. Only set if lamps cast shadows.
     pub(crate) bounds: [[f32; 2]; 3],
 }
 
@@ -185,7 +186,8 @@ impl Tile {
         }
     }
 
-    /// Takes the hits of a tile out of a band. Rays outside the grid miss. Compiled once a level, whatever sensor it is for.
+    /// Copies the hits of a tile from a band. Rays outside the grid miss. Compiled once per level, for all kinds of
+    /// sensors.
     #[inline(never)]
     pub(crate) fn take<S: Simd>(
         &mut self,
@@ -195,7 +197,7 @@ impl Tile {
         rays: &CameraRays<'_>,
         tile: [usize; 2],
     ) {
-        // Apart, so that a pinhole's loop is as short as it can be.
+        // Compiled separately, so that the loop for a pinhole camera is as short as possible.
         simd.vectorize(
             #[inline(always)]
             || {
@@ -231,7 +233,7 @@ impl Tile {
             self.missing = missing_lanes(&band.rays, [tile_column, block_row]);
         }
 
-        // Step 1: points, line by line, each of which runs through four blocks if these are square.
+        // Step 1: compute points, line by line. With square blocks, each line runs through four blocks.
         let mut slot = [[0; WIDTH]; BLOCKS];
         let zero = f32x16::splat(simd, 0.0);
         let mut grazing = 0;
@@ -261,14 +263,14 @@ impl Tile {
             grazing |= doubtful.to_bitmask() << (row * WIDTH);
         }
 
-        // Step 2: what they lie on.
+        // Step 2: find the instances and triangles that were hit.
         self.resolve(simd, &slot, resolver);
 
         if !PINHOLE && band.view.scene.has_textures() {
             self.find_steps(rays, [tile_column, block_row]);
         }
 
-        // Step 3: where a ray runs along a triangle, in double precision.
+        // Step 3: recompute rays that graze a triangle, in double precision.
         while grazing != 0 {
             let lane = grazing.trailing_zeros() as usize % LANES;
             grazing &= grazing - 1;
@@ -287,7 +289,7 @@ impl Tile {
         }
     }
 
-    /// Finds the least and the most of the points that were hit.
+    /// Computes the bounds of the points that were hit.
     #[inline(always)]
     fn find_bounds<S: Simd>(&mut self, simd: S) {
         for axis in 0..3 {
@@ -327,7 +329,7 @@ impl Tile {
         }
     }
 
-    /// Takes what rays of a packet from the sensor have hit first; lanes that took no part miss.
+    /// Copies the first hits of a packet of rays from the sensor; inactive lanes miss.
     #[inline(always)]
     pub(crate) fn take_first_hits<S: Simd>(&mut self, simd: S, packet: &Packet, resolver: &mut Resolver<'_>) {
         (self.hits, self.missing) = (0, 0);
@@ -353,7 +355,7 @@ impl Tile {
         self.find_bounds(simd);
     }
 
-    /// Takes the directions of the rays of a tile in square blocks.
+    /// Computes the directions of the rays of a tile with square blocks.
     #[inline(always)]
     pub(crate) fn take_directions<S: Simd>(
         &mut self,
@@ -374,7 +376,7 @@ impl Tile {
         }
     }
 
-    /// Works out [`Tile::steps`] of the lanes that have hit something.
+    /// Computes [`Tile::steps`] for the lanes that hit something.
     fn find_steps(&mut self, rays: &CameraRays<'_>, [tile_column, block_row]: [usize; 2]) {
         let tiling = Tiling::of(rays.rays.fan());
         let [columns, rows] = tiling.size();
@@ -392,14 +394,14 @@ impl Tile {
         }
     }
 
-    /// The lanes that have hit `placed`, a bit each.
+    /// The lanes that hit `placed`, as one bit each.
     #[inline(always)]
     pub(crate) fn lanes_of<S: Simd>(&self, simd: S, placed: u32) -> u64 {
         lanes_with(simd, &self.placed, placed)
     }
 }
 
-/// The lanes that hold a number, a bit each.
+/// The lanes that contain a number, as one bit each.
 #[inline(always)]
 pub(super) fn lanes_with<S: Simd>(simd: S, numbers: &Lanes<u32>, number: u32) -> u64 {
     let mut lanes = 0;

@@ -1,8 +1,8 @@
-//! Tiles of one colour, as most of a floor, of a wall and of the sky are.
+//! Tiles of a single colour, as in most of a floor, a wall or the sky.
 //!
-//! Under lamps whose light is parallel and is not in anybody's shadow, a flat face without a texture has one colour. So
-//! where all rays of a tile have hit the same face, its colour is worked out once, by the same operations as that of a
-//! lane, so of the same bits, and is kept for the tiles beside it.
+//! Under lamps with parallel light and without shadows, a flat face without a texture has a single colour. If all rays
+//! of a tile hit the same face, its colour is computed once and cached for neighbouring tiles. The operations are the
+//! same as for a lane, so the bits are the same too.
 
 use super::face::{Face, VisibleFaces};
 use super::light_of;
@@ -18,23 +18,24 @@ use crate::trace::view::View;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 
-/// How many colours are kept.
+/// Number of cached colours.
 const KEPT: usize = 16;
 
-/// The face of a triangle, and of a solid of which but one is seen.
+/// The face number of a triangle, and of a solid of which only one face is visible.
 const ONLY_FACE: u32 = 6;
 
-/// Finds tiles of one colour.
+/// Finds tiles of a single colour.
 pub(crate) struct UniformTiles {
-    /// Slot and face of the colours that are kept, each in the place that these give: [`ONLY_FACE`] of what has no others.
+    /// Slot and face of the cached colours, each at the index derived from them; [`ONLY_FACE`] if there is only one
+    /// face.
     of: [(u32, u32); KEPT],
     colours: [[f32; 3]; KEPT],
-    /// Which sides of surfaces are seen.
+    /// The sides of surfaces that are visible.
     faces: Faces,
 }
 
 impl UniformTiles {
-    /// None if the lamps of a scene shine otherwise on every point.
+    /// Creates the cache, or `None` if the light of a scene's lamps varies from point to point.
     pub(crate) fn new(scene: &Scene<'_>, faces: Faces) -> Option<Self> {
         let mut lights = scene.lights.iter();
         lights.all(|light| light.form() == Form::Directional && light.cast_shadows == 0).then_some(Self {
@@ -44,7 +45,7 @@ impl UniformTiles {
         })
     }
 
-    /// The colour of all rays of a tile, if it is known to be one.
+    /// The colour of all rays of a tile, if they are known to have the same colour.
     #[inline(always)]
     pub(crate) fn colour<S: Simd>(
         &mut self,
@@ -97,7 +98,7 @@ impl UniformTiles {
         Some(colour)
     }
 
-    /// The colour of a face, if it is kept.
+    /// The colour of a face, if it is cached.
     #[inline(always)]
     fn kept(&self, of: (u32, u32)) -> Option<[f32; 3]> {
         let place = place(of);
@@ -105,14 +106,14 @@ impl UniformTiles {
     }
 }
 
-/// Where the colour of a face is kept. From outside a box shows three at most, on three axes.
+/// The index at which the colour of a face is cached. From outside, a box shows at most three faces, on three axes.
 #[inline(always)]
 fn place((slot, face): (u32, u32)) -> usize {
     slot.wrapping_mul(3).wrapping_add(face / 2) as usize % KEPT
 }
 
-/// The face of a box that all rays of a tile have hit: since it is convex, so has whatever lies between the rays at the
-/// tile's corners. Of a pinhole, whose rays lie between straight lines.
+/// The face of a box that all rays of a tile have hit. Since the box is convex, it is enough to test the rays at the
+/// tile's corners. For a pinhole camera only, whose rays lie between straight lines.
 #[inline(always)]
 fn common_face(
     visible: &VisibleFaces,
@@ -133,13 +134,13 @@ fn common_face(
     others.into_iter().all(|corner| face(corner) == of_first).then_some(of_first)
 }
 
-/// Whether the colour of a flat face depends on the light alone.
+/// Returns true if the colour of a flat face depends only on the light.
 fn is_plain(material: &Material) -> bool {
     let is_mapped = material.texture != NO_TEXTURE || material.normal_map != NO_TEXTURE;
     !(is_mapped || material.is_glossy() || material.is_clear())
 }
 
-/// The colour of a face of something plain.
+/// The colour of a face of a plain material.
 #[inline(never)]
 fn shine(view: &View<'_>, material: &Material, hit: &Hit<'_>, (face, faces): (u32, Faces)) -> [f32; 3] {
     let (scene, space) = (&view.scene, view.scene.colour_space);
@@ -157,7 +158,7 @@ fn shine(view: &View<'_>, material: &Material, hit: &Hit<'_>, (face, faces): (u3
         }
     };
     if faces == Faces::Both {
-        // The face is turned to the sensor.
+        // Flip the face towards the sensor.
         let axes = hit.instance.axes.map(DVec3::from_array);
         let place = DVec3::from_array(hit.instance.translation)
             + (axes[0] * point.x + axes[1] * point.y + axes[2] * point.z);

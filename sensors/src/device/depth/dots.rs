@@ -1,32 +1,35 @@
-//! The projected dots of structured light, and the window that they are found by.
+//! The projected dot pattern of structured light, and the window in which dots are matched.
 
 use super::check;
 use super::lateral::{LateralNoise, Shift};
 use crate::ParameterError;
 use crate::noise::Stream;
 
-/// Pixels across and down a square of the pattern that has one dot.
+/// Side length in pixels of the squares of the pattern, each of which has one dot.
 const SQUARE: usize = 3;
-/// Pixels to each side of a dot that its window reaches.
+/// Half size in pixels of the window around a dot.
 const REACH: usize = 4;
-/// Pixels to each side of a dot that may take its disparity.
+/// Greatest distance in pixels from a pixel to the dot whose disparity it may take.
 const FILL: usize = 3;
 
-/// Depths come from dots of a pattern: one in each square of 3 × 3 pixels, where a random number of the sensor's puts it. A dot
-/// is found if, of the dots in the 9 × 9 pixels around it, more than one in 1.2 has a disparity within 0.1 · 1.44 · r² pixels of
-/// their mean (r pixels from the dot; 0.1 at the dot itself). Disparities are rounded to eighths of a pixel. Pixels take that of the nearest dot that was
-/// found, up to three pixels away; where there is none, the depth is NaN.
+/// Depths come from the dots of a projected pattern.
 ///
-/// The filter is that of J. Bohg et al., "Robot arm pose estimation through pixel-wise part classification", 2014, and of
-/// J. T. Barron, J. Malik, "Intrinsic scene properties from a single RGB-D image", 2013, as ICL-NUIM has it (A. Handa et al.,
-/// 2014); their pattern is a picture of a Kinect's.
+/// There is one dot in each square of 3 × 3 pixels, at a position given by a random number of the sensor. A dot is
+/// found if, of the dots in the 9 × 9 pixels around it, more than one in 1.2 has a disparity within 0.1 · 1.44 · r²
+/// pixels of their mean (r is the distance from the dot in pixels; the limit is 0.1 at the dot itself). Disparities are
+/// rounded to eighths of a pixel. Pixels take the disparity of the nearest dot that was found, up to three pixels away;
+/// if there is none, the depth is NaN.
+///
+/// The filter is that of J. Bohg et al., "Robot arm pose estimation through pixel-wise part classification", 2014, and
+/// of J. T. Barron, J. Malik, "Intrinsic scene properties from a single RGB-D image", 2013, in the form used by
+/// ICL-NUIM (A. Handa et al., 2014); their pattern is an image of a Kinect's pattern.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DotWindow {
-    /// Focal length in pixels, 10⁻⁶ … 10⁶.
+    /// Focal length in pixels, 10⁻⁶ to 10⁶.
     pub focal_px: f64,
-    /// From the projector to the camera, 10⁻⁶ … 1000 m.
+    /// Baseline from the projector to the camera in metres, 10⁻⁶ to 1000.
     pub baseline_m: f64,
-    /// By how much pixels see beside their own ray, before dots are looked for.
+    /// Lateral noise, applied before dots are matched.
     pub lateral: LateralNoise,
 }
 
@@ -38,20 +41,20 @@ impl DotWindow {
     }
 }
 
-/// The dots of a checked device.
+/// The dot pattern of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Dots {
-    /// Disparity in pixels times depth in metres.
+    /// Disparity in pixels at a depth of 1 m: the product of disparity and depth.
     pub(crate) disparity_at_1m: f32,
     pub(super) shift: Option<Shift>,
 }
 
-/// Squares of a picture, across and down.
+/// Number of squares of an image across and down.
 pub(crate) fn squares([width, height]: [usize; 2]) -> [usize; 2] {
     [width.div_ceil(SQUARE), height.div_ceil(SQUARE)]
 }
 
-/// Where the dot of a square is: column and row. It may lie beyond a picture that ends within the square.
+/// Column and row of the dot of a square. It may be outside the image if the image ends within the square.
 #[inline]
 pub(crate) fn dot(pattern: &Stream, across: usize, [x, y]: [usize; 2]) -> [usize; 2] {
     let random = u64::from(pattern.word((y * across + x) as u32));
@@ -59,7 +62,7 @@ pub(crate) fn dot(pattern: &Stream, across: usize, [x, y]: [usize; 2]) -> [usize
     [x * SQUARE + place % SQUARE, y * SQUARE + place / SQUARE]
 }
 
-/// The squares whose dots may lie within so many pixels of one.
+/// The squares whose dots may be within `reach` pixels of a pixel, along one axis.
 fn near(pixel: usize, reach: usize, count: usize) -> core::ops::Range<usize> {
     pixel.saturating_sub(reach) / SQUARE..((pixel + reach) / SQUARE + 1).min(count)
 }
@@ -75,7 +78,7 @@ impl Dots {
         Self { disparity_at_1m, shift: Shift::new(&window.lateral) }
     }
 
-    /// The depth of a pixel, by the disparities that the dots of all squares were found at.
+    /// The depth of a pixel, from the disparities at which the dots of all squares were found.
     pub(crate) fn depth(
         self,
         pixel: [usize; 2],
@@ -98,13 +101,13 @@ impl Dots {
     }
 }
 
-/// More than one in 1.2.
+/// Returns true if `count` is more than one in 1.2 of `all`.
 fn is_most(count: usize, all: usize) -> bool {
     6 * count > 5 * all
 }
 
-/// The disparity that a dot is found at; 0 if it is not. `disparity` is what pixels have, 0 where there is none, and
-/// `dots` are those of all squares.
+/// The disparity at which a dot is found; 0 if it is not found. `disparity` holds the disparity of each pixel, 0 where
+/// there is none, and `dots` the dots of all squares.
 pub(crate) fn find_dot(
     [column, row]: [usize; 2],
     [width, height]: [usize; 2],
@@ -115,7 +118,7 @@ pub(crate) fn find_dot(
         return 0.0;
     }
     let [across, down] = squares([width, height]);
-    // At most four squares by four lie near.
+    // At most four by four squares are near.
     let (mut found, mut count, mut all) = ([(0.0_f32, 0_usize); 16], 0, 0_usize);
     let mut sum = 0.0;
     for y in near(row, REACH, down) {

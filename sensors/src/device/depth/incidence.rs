@@ -1,12 +1,12 @@
-//! How flat a ray meets a surface, in the measure that depth cameras' noise grows by.
+//! The angle of incidence, in the measure by which the noise of depth cameras grows.
 
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 
-/// Cosines below this, 0.006° from a ray along the surface, count as this.
+/// Lower limit of the cosine, 0.006° from grazing incidence.
 const LEAST_COSINE: f32 = 1e-4;
 
-/// θ/√(1 − cos θ) in cos θ: M. Abramowitz, I. A. Stegun, "Handbook of Mathematical Functions", 1964, 4.4.46; θ is
-/// off by 2e-8 at most.
+/// θ/√(1 − cos θ) as a polynomial in cos θ: M. Abramowitz, I. A. Stegun, "Handbook of Mathematical Functions", 1964,
+/// 4.4.46; the error of θ is at most 2e-8.
 const ACOS: [f32; 8] = [
     core::f32::consts::FRAC_PI_2,
     -0.214_598_8,
@@ -31,7 +31,7 @@ pub(super) fn slant<S: Simd>(simd: S, cosines: f32x16<S>) -> f32x16<S> {
     angle / (f32x16::splat(simd, core::f32::consts::FRAC_PI_2) - angle)
 }
 
-/// The same of an angle.
+/// θ/(π/2 − θ) from the angle of incidence.
 pub(super) fn slant_of(incidence_rad: f64) -> f64 {
     incidence_rad / (core::f64::consts::FRAC_PI_2 - incidence_rad)
 }
@@ -48,8 +48,9 @@ mod tests {
             let cosine = libm::cos(angle) as f32;
             let found: [f32; 16] =
                 dispatch!(best_level(), simd => slant(simd, f32x16::splat(simd, cosine)).into());
-            // In single precision a cosine tells little of small angles; root, sum and product round the angle six times,
-            // by 6e-8 of it each at most, and what is left of a right angle is off by as much.
+            // In single precision, a cosine does not resolve small angles. Root, sum and product round the angle six
+            // times, by a relative error of at most 6e-8 each, and the difference from a right angle has the same
+            // absolute error.
             let doubt = 1.2e-7 / (libm::sin(angle) + 3e-4) + 3.6e-7 * angle;
             let doubt = doubt / (core::f64::consts::FRAC_PI_2 - angle);
             let (found, expected) = (f64::from(found[0]), slant_of(angle));

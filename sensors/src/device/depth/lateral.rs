@@ -1,14 +1,14 @@
-//! Lateral noise: pixels that see what lies beside their own ray.
+//! Lateral noise: pixels measure at a position beside their own ray.
 
 use super::check;
 use super::incidence::{slant, slant_of};
 use crate::ParameterError;
 use fearless_simd::{Simd, SimdBase, f32x16};
 
-/// Pixels see what lies beside their own ray: to the right and down by one normal number each, anew in every frame. So edges
-/// fray.
+/// Lateral noise: each pixel measures at a random offset from its own ray, to the right and down, drawn from a normal
+/// distribution anew in every frame. As a result, edges are frayed.
 ///
-/// σ = `stddev_px` + `slant_px` · θ/(π/2 − θ), with θ between the ray and the surface's normal.
+/// σ = `stddev_px` + `slant_px` · θ/(π/2 − θ), where θ is the angle between the ray and the surface normal.
 ///
 /// ```
 /// use belvedere_sensors::device::depth::LateralNoise;
@@ -19,33 +19,33 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LateralNoise {
-    /// At right angles, in pixels, 0 … 100.
+    /// Standard deviation at normal incidence, in pixels, 0 to 100.
     pub stddev_px: f64,
-    /// Factor of what is added at other angles, in pixels, 0 … 100.
+    /// Factor of the increase at other angles, in pixels, 0 to 100.
     pub slant_px: f64,
-    /// How what lies there is read.
+    /// The method of reading the depth at the offset position.
     pub sampling: Sampling,
 }
 
-/// What is seen beside the rays of a picture.
+/// The method of reading a depth between the rays of an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sampling {
-    /// What the nearest of them meets.
+    /// The depth of the nearest ray.
     Nearest,
-    /// What the nearest of them meets, if that is another surface; else a pixel keeps its own depth. So edges fray, and
-    /// depths of slanted surfaces do not scatter by their slope. Surfaces that end more than sixteen columns or eight rows
-    /// away are not looked at.
+    /// The depth of the nearest ray if that ray hits another surface; otherwise a pixel keeps its own depth. Edges are
+    /// frayed, but the depths of slanted surfaces do not scatter by their slope. Surfaces that end more than sixteen
+    /// columns or eight rows away are not considered.
     Edges,
-    /// The depth between those of the four around, by distances; if one of them has none, what the nearest meets. At edges
-    /// that is a depth where nothing is.
+    /// The depth interpolated between the four rays around the position, by distance; if one of them has no depth, the
+    /// depth of the nearest ray. At edges, this produces depths where there is no surface.
     Bilinear,
 }
 
 impl LateralNoise {
-    /// Pixels see along their own rays.
+    /// No lateral noise: pixels measure along their own rays.
     pub const NONE: Self = Self { stddev_px: 0.0, slant_px: 0.0, sampling: Sampling::Nearest };
 
-    /// σ in pixels on a surface that a ray meets at that angle to its normal.
+    /// Returns σ in pixels for a surface that a ray hits at the given angle to its normal.
     #[must_use]
     pub fn stddev_px(&self, incidence_rad: f64) -> f64 {
         self.stddev_px + self.slant_px * slant_of(incidence_rad)
@@ -57,7 +57,7 @@ impl LateralNoise {
     }
 }
 
-/// Lateral noise of a checked device.
+/// The lateral noise of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Shift {
     stddev_px: f32,
@@ -79,7 +79,7 @@ impl Shift {
         self.slant_px > 0.0 || self.sampling == Sampling::Edges
     }
 
-    /// Standard deviations of sixteen pixels, in pixels.
+    /// Standard deviations for sixteen pixels, in pixels.
     #[inline(always)]
     pub(crate) fn stddevs<S: Simd>(self, simd: S, cosines: f32x16<S>) -> f32x16<S> {
         let stddev = f32x16::splat(simd, self.stddev_px);

@@ -1,21 +1,24 @@
-//! What a stereo camera finds in its other eye: where there is contrast.
+//! Stereo matching: which pixels have enough contrast to be matched.
 
 use super::check;
 use crate::ParameterError;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 
-/// Pixels to each side of one that its window reaches.
+/// Half size in pixels of the window around a pixel.
 pub(crate) const REACH: usize = 2;
 
-/// A stereo camera finds a pixel in its other eye by what is around it. The contrast there is the root mean square, over
-/// 5 × 5 pixels, of half the differences between the neighbours to the left and right in brightness (of lamps and textures, as the
-/// camera shades them, at most 1), together with that of the projected pattern, `projector` · cos θ/z²: cos θ of the
-/// surface, over that of a plane parallel to the picture. So the share of pixels that have a depth, the fill factor, is
+/// Stereo matching finds a pixel in the second image by the contrast around it.
+///
+/// The contrast is the root mean square over 5 × 5 pixels of half the difference in brightness between the left and
+/// right neighbours (of lamps and textures, as the camera shades them, at most 1), combined with the contrast of the
+/// projected pattern, `projector` · cos θ/z², where cos θ of the surface is relative to that of a plane parallel to the
+/// image. The fill factor, the fraction of pixels that have a depth, is
 ///
 /// Φ((contrast/`half` − 1)/`spread`)
 ///
-/// and where the contrast is below `full`, disparities are noisier by `full`/contrast: their variance is as the inverse of the sum
-/// of squared gradients (T. Kanade, M. Okutomi, "A stereo matching algorithm with an adaptive window", PAMI 1994).
+/// Where the contrast is below `full`, the noise of disparities is multiplied by `full`/contrast: their variance is
+/// inversely proportional to the sum of squared gradients (T. Kanade, M. Okutomi, "A stereo matching algorithm with an
+/// adaptive window", PAMI 1994).
 ///
 /// ```
 /// use belvedere_sensors::device::depth::Matching;
@@ -26,24 +29,25 @@ pub(crate) const REACH: usize = 2;
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Matching {
-    /// Contrast of the projected pattern on what faces the camera 1 m away, 0 … 10; 0 without a projector.
+    /// Contrast of the projected pattern on a surface that faces the camera at a distance of 1 m, 0 to 10; 0 without a
+    /// projector.
     pub projector: f64,
-    /// Contrast at which half of the pixels are found, 10⁻⁶ … 1.
+    /// Contrast at which half of the pixels are matched, 10⁻⁶ to 1.
     pub half: f64,
-    /// Contrast from which on disparities get no better, 0 … 1.
+    /// Contrast above which disparities do not improve, 0 to 1.
     pub full: f64,
-    /// How the contrast that a pixel needs differs from frame to frame, in parts of `half`, 10⁻⁶ … 0.3.
+    /// Standard deviation from frame to frame of the contrast that a pixel needs, as a fraction of `half`, 10⁻⁶ to 0.3.
     pub spread: f64,
 }
 
 impl Matching {
-    /// Contrast of the projected pattern on what faces the camera.
+    /// Returns the contrast of the projected pattern on a surface that faces the camera.
     #[must_use]
     pub fn projected(&self, depth_m: f64) -> f64 {
         self.projector / (depth_m * depth_m)
     }
 
-    /// The share of pixels that are found at a contrast.
+    /// Returns the fraction of pixels that are matched at the given contrast.
     #[must_use]
     pub fn fill_factor(&self, contrast: f64) -> f64 {
         0.5 * libm::erfc((1.0 - contrast / self.half) / (self.spread * core::f64::consts::SQRT_2))
@@ -57,7 +61,7 @@ impl Matching {
     }
 }
 
-/// The matching of a checked device.
+/// The stereo matching of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Matcher {
     projector: f32,
@@ -73,8 +77,9 @@ impl Matcher {
         Self { projector, half, full, spread }
     }
 
-    /// Which of sixteen pixels are found, each with a normal number, and by how much noisier they are: by the sum of squares
-    /// of their windows' differences, their depths, and their cosines over those of a plane parallel to the picture.
+    /// A mask of the pixels that are matched, of sixteen with a normal number each, and the factors by which their
+    /// noise increases. The inputs are the sums of squares of the differences in their windows, their depths, and their
+    /// cosines relative to those of a plane parallel to the image.
     #[inline(always)]
     pub(crate) fn find<S: Simd>(
         self,
@@ -85,7 +90,7 @@ impl Matcher {
     ) -> (mask32x16<S>, f32x16<S>) {
         let number = |value: f32| f32x16::splat(simd, value);
         let window = (2 * REACH + 1) * (2 * REACH + 1);
-        // Of differences between pixels two columns apart: half of them are meant.
+        // The differences are between pixels two columns apart, and half of each is needed.
         let scene = squares * (0.25 / window as f32);
         let projected = facing * self.projector / (depths * depths);
         let contrast = (scene + projected * projected).sqrt();

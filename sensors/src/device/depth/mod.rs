@@ -1,17 +1,17 @@
-//! The device behind a depth camera's lens: what it makes of true depths.
+//! Models of depth cameras: the measurement of true depths, with its errors.
 //!
 //! ```text
-//! true depth, ─► second eye ─► window ─► matching ─► noise ─► steps ─► range ─► picture
+//! true depth, ─► second eye ─► window ─► matching ─► noise ─► steps ─► range ─► image
 //! incidence,     hidden:       own ray,  not found:  metres   of       too near,
 //! brightness     NaN           beside,   NaN         or       1/z      too far
 //!                              dots,                 pixels
 //!                              light
 //! ```
 //!
-//! A [`DepthModel`] is set by [`DepthCameraConfig::model`](crate::depth::DepthCameraConfig::model()); each of its stages may
-//! be left out. [Models of the literature](published) and [presets] of cameras are there. A model of
-//! [Gaussian noise](DepthNoise::Gaussian) alone adds it while rays are traced; all others are a second pass over the frame,
-//! which reads true depths, and the angles at which the rays meet the surfaces, from the workspace.
+//! A [`DepthModel`] is set by [`DepthCameraConfig::model`](crate::depth::DepthCameraConfig::model()); each of its
+//! stages is optional. [Published models](published) and [presets] of cameras are included. A model that consists only
+//! of [Gaussian noise](DepthNoise::Gaussian) is applied while rays are traced. All other models are a second pass over
+//! the frame, which reads true depths and the angles of incidence from the workspace.
 
 mod dots;
 mod incidence;
@@ -43,7 +43,7 @@ pub(crate) use time_of_flight::{Around, FREQUENCIES, Light};
 pub(crate) use window::Look;
 pub use window::Window;
 
-/// What a depth camera makes of true depths; nothing at first.
+/// The measurement model of a depth camera. By default, true depths are reported unchanged.
 ///
 /// ```
 /// use belvedere_sensors::device::depth::{AxialNoise, DepthModel, SecondEye};
@@ -57,20 +57,20 @@ pub use window::Window;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DepthModel {
-    /// Where a point must be seen from as well.
+    /// The second eye, from which a point must also be visible.
     pub second_eye: Option<SecondEye>,
-    /// What a pixel's depth is taken from.
+    /// The part of the image from which a pixel's depth is taken.
     pub window: Window,
-    /// By what contrast a pixel is found in the second eye.
+    /// The contrast required to match a pixel in the second eye.
     pub matching: Option<Matching>,
-    /// Noise of a depth; what it takes to the limits of the range or beyond is too near or too far.
+    /// Noise of the depth. Noisy depths at or beyond the limits of the range are reported as too near or too far.
     pub noise: DepthNoise,
-    /// Steps that noisy depths are rounded to.
+    /// Disparity steps to which noisy depths are rounded.
     pub steps: Option<DisparitySteps>,
 }
 
 impl DepthModel {
-    /// True depths.
+    /// Creates a model that reports true depths.
     pub const fn new() -> Self {
         Self {
             second_eye: None,
@@ -81,29 +81,30 @@ impl DepthModel {
         }
     }
 
-    /// Sets where a point must be seen from as well.
+    /// Sets the second eye, from which a point must also be visible.
     #[must_use]
     pub fn second_eye(mut self, eye: impl Into<Option<SecondEye>>) -> Self {
         self.second_eye = eye.into();
         self
     }
 
-    /// Sets what a pixel's depth is taken from.
+    /// Sets the part of the image from which a pixel's depth is taken.
     #[must_use]
     pub fn window(mut self, window: impl Into<Window>) -> Self {
         self.window = window.into();
         self
     }
 
-    /// Sets by what contrast a pixel is found in the second eye. Frames are shaded for it, whoever asks for colours.
+    /// Sets the contrast required to match a pixel in the second eye. Frames are then shaded even if no colours are
+    /// requested.
     #[must_use]
     pub fn matching(mut self, matching: impl Into<Option<Matching>>) -> Self {
         self.matching = matching.into();
         self
     }
 
-    /// The same with its projector switched off, whose pattern then adds nothing to the contrast of what is seen; none if
-    /// it cannot measure without.
+    /// Returns the model with its projector switched off, so that the pattern adds no contrast, or `None` if it cannot
+    /// measure without a projector.
     #[must_use]
     pub fn without_projector(mut self) -> Option<Self> {
         let matching = self.matching?;
@@ -111,24 +112,24 @@ impl DepthModel {
         Some(self)
     }
 
-    /// Sets the noise of a depth.
+    /// Sets the noise of the depth.
     #[must_use]
     pub fn noise(mut self, noise: impl Into<DepthNoise>) -> Self {
         self.noise = noise.into();
         self
     }
 
-    /// Sets the steps that noisy depths are rounded to.
+    /// Sets the disparity steps to which noisy depths are rounded.
     #[must_use]
     pub fn steps(mut self, steps: impl Into<Option<DisparitySteps>>) -> Self {
         self.steps = steps.into();
         self
     }
 
-    /// Whether a camera can have it.
+    /// Checks that all parameters are in range.
     ///
     /// # Errors
-    /// Names the first parameter that is out of its range.
+    /// Names the first parameter that is out of range.
     pub fn check(&self) -> Result<(), ParameterError> {
         if let Some(eye) = &self.second_eye {
             eye.check()?;
@@ -154,25 +155,25 @@ impl From<GaussianNoise> for DepthModel {
     }
 }
 
-/// That a parameter is in its range.
+/// Checks that a parameter is in range.
 fn check(parameter: &'static str, value: f64, range: [f64; 2]) -> Result<(), ParameterError> {
     ParameterError::require_in("device", parameter, value, range)
 }
 
-/// A checked model of more than Gaussian noise.
+/// A checked model with more than Gaussian noise.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct DepthDevice {
     pub(crate) eye: Option<Eye>,
     pub(crate) look: Look,
     pub(crate) matcher: Option<Matcher>,
     noise: noise::Sigma,
-    /// Of the Gaussian noise.
+    /// Bias of the Gaussian noise.
     bias: f32,
     steps: Option<steps::Steps>,
 }
 
 impl DepthDevice {
-    /// None for Gaussian noise alone, which has this bias.
+    /// Creates the device, or `None` for Gaussian noise alone, which has the given bias.
     pub(crate) fn new(model: &DepthModel, bias: f32) -> Result<Option<Self>, ParameterError> {
         model.check()?;
         let step_m = model.steps.map_or(0.0, |steps| steps.step_m(1.0));
@@ -191,30 +192,30 @@ impl DepthDevice {
         Ok((!is_plain || !matches!(model.noise, DepthNoise::Gaussian(_))).then_some(device))
     }
 
-    /// Whether it asks how the rays meet the surfaces.
+    /// Returns true if the device needs the angles of incidence.
     pub(crate) fn wants_incidence(&self) -> bool {
         self.noise.wants_incidence() || self.look.wants_incidence() || self.matcher.is_some()
     }
 
-    /// Whether it draws random numbers for depths.
+    /// Returns true if the device draws random numbers for depths.
     pub(crate) fn is_noisy(&self) -> bool {
         self.noise.is_noisy() && !self.has_noisy_phases()
     }
 
-    /// Whether its noise is that of phases, before their turns are counted.
+    /// Returns true if the noise is applied to phases, before their turns are counted.
     pub(crate) fn has_noisy_phases(&self) -> bool {
         matches!(self.look, Look::Light(light) if light.has_several())
             && matches!(self.noise, noise::Sigma::Axial { .. })
     }
 
-    /// Standard deviations in metres of the depths of its phases.
+    /// Standard deviations in metres of the depths from its phases.
     #[inline(always)]
     pub(crate) fn phase_stddevs<S: Simd>(&self, simd: S, depths: f32x16<S>, cosines: f32x16<S>) -> f32x16<S> {
         self.noise.stddevs(simd, depths, cosines)
     }
 
-    /// Sixteen depths as they are measured, of surfaces that the rays meet at an angle of this cosine, each with a normal
-    /// number. What is not finite stays.
+    /// Measures sixteen depths of surfaces that the rays hit at angles with the given cosines, with one normal number
+    /// each. Depths that are not finite are left unchanged.
     #[inline(always)]
     pub(crate) fn measure<S: Simd>(
         &self,

@@ -11,12 +11,12 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum DepthNoise {
-    /// The same at every depth, as SDF's `<noise>` describes it.
+    /// Noise that is the same at every depth, as described by SDF's `<noise>`.
     Gaussian(GaussianNoise),
-    /// That grows with depth, and where rays meet surfaces flat. It is that of measured depths: what
-    /// [steps](super::DisparitySteps) add to it, a twelfth of their square, is taken off first.
+    /// Noise that grows with depth and with the angle of incidence. It describes measured depths, so the contribution
+    /// of the [steps](super::DisparitySteps), a twelfth of their square, is subtracted from its variance.
     Axial(AxialNoise),
-    /// Of the disparities of a triangulating sensor, in pixels.
+    /// Noise of the disparities of a triangulating sensor, in pixels.
     Disparity(DisparityNoise),
 }
 
@@ -48,12 +48,12 @@ impl DepthNoise {
     }
 }
 
-/// Normal noise with a standard deviation of
+/// Axial noise: normally distributed, with the standard deviation
 ///
 /// σ = p₀ + p₁·z + p₂·z² + (s₀/√z + s₁·z·√z) · θ²/(π/2 − θ)²
 ///
-/// at a depth of z metres on a surface whose normal is at an angle of θ to the ray. It is 0 where the sum is less, and the
-/// last term is there from `slant_from_rad` on.
+/// at a depth of z metres on a surface whose normal is at an angle of θ to the ray. If the sum is negative, σ is 0. The
+/// last term applies from `slant_from_rad` on.
 ///
 /// ```
 /// use belvedere_sensors::device::depth::AxialNoise;
@@ -68,11 +68,11 @@ impl DepthNoise {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AxialNoise {
-    /// p₀ in metres, p₁, p₂ in 1/m, each −1000 … 1000.
+    /// p₀ in metres, p₁ without unit, and p₂ in 1/m, each −1000 to 1000.
     pub polynomial: [f64; 3],
-    /// s₀ in m^1.5 and s₁ in m^−0.5, each 0 … 1000.
+    /// s₀ in m^1.5 and s₁ in m^−0.5, each 0 to 1000.
     pub slant: [f64; 2],
-    /// From which angle on their term counts, 0 … π/2 radians.
+    /// Angle of incidence in radians from which the slant terms apply, 0 to π/2.
     pub slant_from_rad: f64,
 }
 
@@ -80,7 +80,7 @@ impl AxialNoise {
     /// No noise.
     pub const NONE: Self = Self { polynomial: [0.0; 3], slant: [0.0; 2], slant_from_rad: 0.0 };
 
-    /// σ in metres.
+    /// Returns σ in metres.
     #[must_use]
     pub fn stddev_m(&self, depth_m: f64, incidence_rad: f64) -> f64 {
         let ([p0, p1, p2], [s0, s1]) = (self.polynomial, self.slant);
@@ -101,10 +101,12 @@ impl AxialNoise {
     }
 }
 
-/// Noise of the disparity d = `focal_px` · `baseline_m` / z: normal, which at a depth of z metres is one of
-/// z² · `stddev_px` / (`focal_px` · `baseline_m`), and subpixel locking. Matchers that look between whole pixels pull what they find
-/// towards them: d becomes d − `locking_px` · sin 2πd. So planes ripple, and over all places between pixels that adds
-/// `locking_px`²/2 to the variance.
+/// Noise of the disparity d = `focal_px` · `baseline_m` / z of a triangulating sensor.
+///
+/// It consists of normal noise, which at a depth of z metres has a standard deviation of z² · `stddev_px` / (`focal_px`
+/// · `baseline_m`), and of subpixel locking: matchers that interpolate between whole pixels pull disparities towards
+/// whole pixels, and d becomes d − `locking_px` · sin 2πd. As a result, planes ripple. Averaged over all positions
+/// between pixels, this adds `locking_px`²/2 to the variance.
 ///
 /// ```
 /// use belvedere_sensors::device::depth::DisparityNoise;
@@ -114,19 +116,19 @@ impl AxialNoise {
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisparityNoise {
-    /// Focal length in the pixels that disparities are counted in, 10⁻⁶ … 10⁶.
+    /// Focal length in the pixels in which disparities are counted, 10⁻⁶ to 10⁶.
     pub focal_px: f64,
-    /// From one eye to the other, 10⁻⁶ … 1000 m.
+    /// Baseline between the two eyes in metres, 10⁻⁶ to 1000.
     pub baseline_m: f64,
-    /// In pixels, 0 … 1000.
+    /// Standard deviation of the disparity in pixels, 0 to 1000.
     pub stddev_px: f64,
-    /// How far disparities are pulled to whole pixels at the most, 0 … 0.15 pixels: below 1/2π, from where on they would change
-    /// their order.
+    /// Greatest displacement of disparities towards whole pixels, 0 to 0.15 pixels. From 1/2π on, their order would
+    /// change.
     pub locking_px: f64,
 }
 
 impl DisparityNoise {
-    /// σ of the normal noise in metres.
+    /// Returns σ of the normal noise in metres.
     #[must_use]
     pub fn stddev_m(&self, depth_m: f64) -> f64 {
         depth_m * depth_m * self.stddev_px / (self.focal_px * self.baseline_m)
@@ -140,30 +142,30 @@ impl DisparityNoise {
     }
 }
 
-/// Noise of a checked device.
+/// The noise of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Sigma {
     Gaussian(GaussianNoise),
     Axial {
         polynomial: [f32; 3],
         slant: [f32; 2],
-        /// Cosine of the angle that slant counts from.
+        /// Cosine of the angle from which the slant terms apply.
         slant_below: f32,
         /// Standard deviation that rounding adds at 1 m.
         rounding: f32,
     },
-    /// Of 1/z.
+    /// Noise of 1/z.
     Inverse {
         stddev: f32,
         /// Disparity at 1 m.
         pixels: f32,
-        /// How far it is pulled to whole pixels.
+        /// Greatest displacement towards whole pixels.
         locking: f32,
     },
 }
 
 impl Sigma {
-    /// Before steps that are so wide at 1 m.
+    /// Creates the noise before rounding to steps whose width at 1 m is `step_m`.
     pub(super) fn new(noise: &DepthNoise, step_m: f64) -> Self {
         match *noise {
             DepthNoise::Gaussian(noise) => Self::Gaussian(noise),
@@ -192,7 +194,7 @@ impl Sigma {
         matches!(self, Self::Axial { slant, .. } if *slant != [0.0; 2])
     }
 
-    /// Noisy depths of finite ones.
+    /// Adds noise to finite depths.
     #[inline(always)]
     pub(super) fn apply<S: Simd>(
         &self,
@@ -206,7 +208,7 @@ impl Sigma {
         match self {
             Self::Gaussian(noise) => noise.apply_vector(simd, depths, bias, normals),
             Self::Axial { .. } => depths + self.stddevs(simd, depths, cosines) * normals,
-            // What noise takes beyond infinity is at infinity.
+            // A depth that noise moves beyond infinity is infinite.
             Self::Inverse { stddev, pixels, locking } => {
                 let mut inverse = number(1.0) / depths;
                 if *locking > 0.0 {
@@ -219,7 +221,7 @@ impl Sigma {
         }
     }
 
-    /// Standard deviations in metres of axial noise; 0 of any other.
+    /// Standard deviations in metres of axial noise; 0 for any other noise.
     #[inline(always)]
     pub(super) fn stddevs<S: Simd>(&self, simd: S, depths: f32x16<S>, cosines: f32x16<S>) -> f32x16<S> {
         let number = |value: f32| f32x16::splat(simd, value);

@@ -1,25 +1,26 @@
-//! Depth cameras whose figures are published. What no sheet tells is marked as assumed or derived where it is set.
+//! Depth cameras with published figures. Figures that no data sheet gives are marked as assumed or derived where they
+//! are set.
 
 use super::{AxialNoise, DepthModel, DisparityNoise, SecondEye, published};
 
-/// A depth camera that can be bought.
+/// A commercially available depth camera.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct DepthPreset {
-    /// As files ask for it.
+    /// The name by which configuration files refer to the preset.
     pub name: &'static str,
-    /// What it is called, and where its figures are from.
+    /// The product name, and the sources of the figures.
     pub source: &'static str,
-    /// Pixels across and down.
+    /// Width and height of the image in pixels.
     pub size: [u32; 2],
-    /// Field of view across, in degrees.
+    /// Horizontal field of view, in degrees.
     pub horizontal_fov_deg: f64,
-    /// Least and greatest depth, in metres.
+    /// Least and greatest depth in metres.
     pub range_m: [f64; 2],
     model: fn(f64) -> DepthModel,
 }
 
-/// Presets of one name are one.
+/// Two presets with the same name are equal.
 impl PartialEq for DepthPreset {
     fn eq(&self, other: &Self) -> bool {
         self.name == other.name
@@ -27,14 +28,14 @@ impl PartialEq for DepthPreset {
 }
 
 impl DepthPreset {
-    /// What it makes of true depths, with pictures of that focal length in pixels: a stereo camera finds disparities in the
-    /// pixels of its picture. A Kinect does so in its own, whatever picture it gives.
+    /// Returns the measurement model for images with the given focal length in pixels: a stereo camera computes
+    /// disparities in the pixels of its image. A Kinect uses its own pixels, whatever the size of the image.
     #[must_use]
     pub fn model(&self, focal_px: f64) -> DepthModel {
         (self.model)(focal_px)
     }
 
-    /// Focal length in pixels of a picture of its own size.
+    /// Returns the focal length in pixels of an image of the preset's own size.
     #[must_use]
     pub fn focal_px(&self) -> f64 {
         let half = 0.5 * self.horizontal_fov_deg.to_radians();
@@ -42,13 +43,13 @@ impl DepthPreset {
     }
 }
 
-/// Structured light: noise and steps of a Kinect, and the shadow of a projector 75 mm to the right.
+/// Structured light: the noise and steps of a Kinect, and the shadow of a projector 75 mm to the right.
 fn structured_light(_focal_px: f64) -> DepthModel {
     published::nguyen().steps(published::KINECT_STEPS).second_eye(SecondEye::at(0.075))
 }
 
-/// Stereo with a subpixel accuracy of 0.08 px, of Intel's 0.05 to 0.1, which is that of walls that face the camera: locking
-/// shows on others.
+/// Stereo with a subpixel accuracy of 0.08 px, out of Intel's range of 0.05 to 0.1. This holds for walls that face the
+/// camera; subpixel locking is visible on others.
 fn stereo(focal_px: f64, baseline_m: f64, horizontal_fov_deg: f64) -> DepthModel {
     let (stddev_px, locking_px) = (0.08, published::D4XX_LOCKING_PX);
     published::active_stereo(focal_px, baseline_m, stddev_px, 0.5 * horizontal_fov_deg.to_radians())
@@ -56,7 +57,7 @@ fn stereo(focal_px: f64, baseline_m: f64, horizontal_fov_deg: f64) -> DepthModel
         .matching(published::D4XX_MATCHING)
 }
 
-/// All of them.
+/// All presets.
 pub const PRESETS: [DepthPreset; 8] = [
     DepthPreset {
         name: "kinect_v1",
@@ -135,7 +136,7 @@ pub const PRESETS: [DepthPreset; 8] = [
     },
 ];
 
-/// Their names, as files ask for them.
+/// The names of all presets, by which configuration files refer to them.
 pub const NAMES: [&str; PRESETS.len()] = {
     let mut names = [""; PRESETS.len()];
     let mut index = 0;
@@ -146,7 +147,7 @@ pub const NAMES: [&str; PRESETS.len()] = {
     names
 };
 
-/// The preset of that name.
+/// Returns the preset with the given name, or `None` if there is none.
 ///
 /// ```
 /// use belvedere_sensors::device::depth::presets;

@@ -1,11 +1,11 @@
-//! The steps of a triangulating sensor: disparities come in parts of a pixel.
+//! The disparity steps of a triangulating sensor.
 
 use super::check;
 use crate::ParameterError;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 
-/// A disparity of `focal_px` · `baseline_m` / z is rounded to a multiple of `step_px`, halves to the even one. At a depth of z
-/// metres that is a step of z² · `step_px` / (`focal_px` · `baseline_m`).
+/// Rounding of disparities, `focal_px` · `baseline_m` / z, to a multiple of `step_px`, with halves to even. At a depth
+/// of z metres, this is a step of z² · `step_px` / (`focal_px` · `baseline_m`).
 ///
 /// ```
 /// use belvedere_sensors::device::depth::DisparitySteps;
@@ -15,16 +15,16 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DisparitySteps {
-    /// Focal length in the pixels that disparities are counted in, above 0, at most 10⁶.
+    /// Focal length in the pixels in which disparities are counted, above 0, at most 10⁶.
     pub focal_px: f64,
-    /// From one eye to the other, above 0, at most 1000 m.
+    /// Baseline between the two eyes in metres, above 0, at most 1000.
     pub baseline_m: f64,
-    /// Above 0, at most 1000 px.
+    /// Step of the disparity in pixels, above 0, at most 1000.
     pub step_px: f64,
 }
 
 impl DisparitySteps {
-    /// The step at a depth.
+    /// Returns the step in metres at the given depth.
     #[must_use]
     pub fn step_m(&self, depth_m: f64) -> f64 {
         depth_m * depth_m * self.step_px / (self.focal_px * self.baseline_m)
@@ -37,10 +37,10 @@ impl DisparitySteps {
     }
 }
 
-/// Steps of a checked device.
+/// The steps of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Steps {
-    /// Steps at a depth of 1 m.
+    /// Number of steps at a depth of 1 m.
     per_inverse: f32,
 }
 
@@ -49,7 +49,7 @@ impl Steps {
         Self { per_inverse: (steps.focal_px * steps.baseline_m / steps.step_px) as f32 }
     }
 
-    /// Depths of whole steps.
+    /// Rounds depths to whole steps.
     #[inline(always)]
     pub(super) fn round<S: Simd>(self, simd: S, depths: f32x16<S>) -> f32x16<S> {
         let all = f32x16::splat(simd, self.per_inverse);

@@ -1,4 +1,5 @@
-//! Time of flight: the phases of modulated light, mixed over what a pixel sees, and the range that they agree on.
+//! Time of flight: the phases of modulated light, mixed over the area that a pixel sees, and the range on which they
+//! agree.
 
 use super::check;
 use super::turns::{sin_cos_of_turns, turns_of};
@@ -8,52 +9,54 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 /// The speed of light in m/s.
 const LIGHT: f64 = 299_792_458.0;
 
-/// Most frequencies.
+/// The greatest number of frequencies.
 pub(crate) const FREQUENCIES: usize = 3;
 
-/// Most turns of the highest frequency in the ambiguity range.
+/// The greatest number of turns of the highest frequency in the ambiguity range.
 const MOST_TURNS: f64 = 64.0;
 
-/// A pixel measures the phases of the light that comes back to it, of one to three frequencies. Light of several ranges adds
-/// up as waves do: at a frequency of f
+/// Time of flight: a pixel measures the phases of the modulated light that returns to it, at one to three frequencies.
+/// Light from several ranges adds up like waves: at a frequency f
 ///
 /// range = c/(4πf) · arg Σ aₖ · exp(i·4πf·rₖ/c), up to multiples of c/(2f)
 ///
-/// over the pixel and its eight neighbours, which stand for its footprint by weights of a normal distribution. The
-/// amplitude aₖ is that weight · cos θₖ/rₖ². So at edges pixels fly between what is before and behind.
+/// over the pixel and its eight neighbours, which represent its footprint with the weights of a normal distribution.
+/// The amplitude aₖ is that weight · cos θₖ/rₖ². At edges, this produces flying pixels between foreground and
+/// background.
 ///
-/// Of several frequencies the range is that which all phases agree best on: for each number of turns of the highest
-/// frequency, the others take the turns that fit best; the mean is by squares of frequencies; and the sum of squares of
-/// what phases are off it is least. Pixels whose phases do not agree, as at edges, have no depth (NaN). What is beyond the
-/// range that all frequencies have in common comes back near. An [axial noise](super::AxialNoise) is that of the phases then,
-/// so that much of it makes pixels lose count of turns.
+/// With several frequencies, the range is the one on which all phases agree best. For each number of turns of the
+/// highest frequency, the others take the best-fitting number of turns, and the range is the mean weighted by the
+/// squares of the frequencies. The candidate with the least sum of squared phase errors is used. Pixels whose phases do
+/// not agree, such as at edges, have no depth (NaN). Ranges beyond the common ambiguity range wrap around to near ones.
+/// [Axial noise](super::AxialNoise) is then applied to the phases, so strong noise makes pixels miscount turns.
 ///
 /// ```
 /// use belvedere_sensors::device::depth::TimeOfFlight;
 /// let kinect = TimeOfFlight { modulation_hz: [120e6, 80e6, 16e6], footprint_px: 0.5, most_off_rad: 0.45 };
-/// // 8 MHz in common.
+/// // 8 MHz is the greatest common divisor.
 /// assert!((kinect.ambiguity_m() - 18.737).abs() < 1e-3);
 /// assert!((TimeOfFlight::of_one(80e6, 0.5).ambiguity_m() - 1.8737).abs() < 1e-4);
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TimeOfFlight {
-    /// Each 1000 … 10¹¹ Hz, in whole hertz, and 0 where there is none but for the first. The greatest is at most 64 times what
-    /// all have in common.
+    /// Modulation frequencies in whole hertz, each 1000 to 10¹¹; all but the first may be 0 for none. The greatest is
+    /// at most 64 times their greatest common divisor.
     pub modulation_hz: [f64; FREQUENCIES],
-    /// Standard deviation of the footprint in pixels, 0 … 1.
+    /// Standard deviation of the footprint in pixels, 0 to 1.
     pub footprint_px: f64,
-    /// Root mean square of what phases may be off the range that they agree on, 10⁻⁶ … 10 rad. Of one frequency it is 0.
+    /// Greatest root mean square of the phase errors with respect to the common range, 10⁻⁶ to 10 rad. With one
+    /// frequency the error is always 0.
     pub most_off_rad: f64,
 }
 
 impl TimeOfFlight {
-    /// Light of one frequency.
+    /// Creates the model for light of a single frequency.
     #[must_use]
     pub const fn of_one(modulation_hz: f64, footprint_px: f64) -> Self {
         Self { modulation_hz: [modulation_hz, 0.0, 0.0], footprint_px, most_off_rad: 10.0 }
     }
 
-    /// The range from which on ranges come again.
+    /// Returns the ambiguity range, after which ranges repeat.
     #[must_use]
     pub fn ambiguity_m(&self) -> f64 {
         LIGHT / (2.0 * self.common_hz())
@@ -87,25 +90,25 @@ impl TimeOfFlight {
     }
 }
 
-/// Ranges and cosines of incidence of sixteen pixels and those around them, row by row, column by column.
+/// Ranges and cosines of incidence of sixteen pixels and their neighbours, row by row, column by column.
 pub(crate) type Around<S> = [[[f32x16<S>; 2]; 3]; 3];
 
-/// The light of a checked device.
+/// The modulated light of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Light {
-    /// The range of a turn of each frequency, the highest first.
+    /// The range of one turn of each frequency, the highest frequency first.
     turn_m: [f32; FREQUENCIES],
-    /// How much a phase counts, by the square of its frequency; their sum is 1.
+    /// Weight of each phase, by the square of its frequency; the weights sum to 1.
     shares: [f32; FREQUENCIES],
     count: usize,
     ambiguity: f32,
-    /// Turns of the first frequency in the ambiguity range.
+    /// Number of turns of the first frequency in the ambiguity range.
     turns: usize,
-    /// Standard deviation of each phase, in turns, that makes a range have one of 1 m.
+    /// Standard deviation of each phase, in turns, that causes a standard deviation of the range of 1 m.
     turns_per_metre: f32,
-    /// Most sum of squares of what phases are off, in turns.
+    /// Greatest sum of squares of the phase errors, in turns.
     most_off: f32,
-    /// Of a pixel, of its four neighbours, and of those at its corners.
+    /// Weights of the pixel, of its four neighbours, and of the four at its corners.
     weights: [f32; 3],
 }
 
@@ -131,13 +134,13 @@ impl Light {
         }
     }
 
-    /// Whether it has turns to count, and so noise in its phases.
+    /// Returns true if there are several frequencies, so that turns are counted and noise is in the phases.
     pub(crate) fn has_several(self) -> bool {
         self.count > 1
     }
 
-    /// The ranges that sixteen pixels measure, with a standard deviation in metres and a normal number for each frequency;
-    /// what is not finite stays.
+    /// The ranges that sixteen pixels measure, with a standard deviation in metres and a normal number for each
+    /// frequency. Ranges that are not finite are left unchanged.
     #[inline(always)]
     pub(crate) fn ranges<S: Simd>(
         self,
@@ -163,7 +166,7 @@ impl Light {
         own.abs().simd_lt(f32x16::splat(simd, f32::INFINITY)).select(range, own)
     }
 
-    /// By how many turns the phases of mixed light differ from those of the pixels' own ranges.
+    /// The differences, in turns, between the phases of mixed light and those of the pixels' own ranges.
     #[inline(always)]
     fn turns_off<S: Simd>(self, simd: S, around: &Around<S>, turn_m: f32) -> f32x16<S> {
         let [own, _] = around[1][1];
@@ -172,7 +175,7 @@ impl Light {
         for (y, row) in around.iter().enumerate() {
             for (x, &[range, incidence]) in row.iter().enumerate() {
                 let weight = self.weights[usize::from(x != 1) + usize::from(y != 1)];
-                // From the pixel's own phase: what all of a surface has in common keeps its digits.
+                // Relative to the pixel's own phase, so that the common part of a surface does not lose digits.
                 let turns = (range - own) * (1.0 / turn_m);
                 let [sin, cos] = sin_cos_of_turns(simd, turns - turns.round_ties_even());
                 let amplitude = incidence * weight / (range * range);
@@ -184,7 +187,7 @@ impl Light {
         turns_of(simd, sine, cosine)
     }
 
-    /// The ranges that phases in turns agree on; NaN where they do not.
+    /// The ranges on which phases, in turns, agree; NaN if they do not agree.
     #[inline(always)]
     fn agreed<S: Simd>(self, simd: S, phases: [f32x16<S>; FREQUENCIES]) -> f32x16<S> {
         let number = |value: f32| f32x16::splat(simd, value);

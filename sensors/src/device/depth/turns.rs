@@ -1,10 +1,10 @@
-//! Angles in turns: their sine and cosine, and back.
+//! Angles in turns: sine and cosine, and the inverse.
 
 use core::f64::consts::TAU;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
-/// Sine and cosine of so many turns, −½ … ½: M. Abramowitz, I. A. Stegun, "Handbook of Mathematical Functions", 1964,
-/// 4.3.97 and 4.3.99, up to a quarter; 2e-9 off, and what single precision adds.
+/// Sine and cosine of an angle of −½ to ½ turns: M. Abramowitz, I. A. Stegun, "Handbook of Mathematical Functions",
+/// 1964, 4.3.97 and 4.3.99, up to a quarter turn. The error is 2e-9 plus the rounding of single precision.
 #[inline(always)]
 pub(super) fn sin_cos_of_turns<S: Simd>(simd: S, turns: f32x16<S>) -> [f32x16<S>; 2] {
     const SIN: [f32; 6] = [1.0, -0.166_666_67, 0.008_333_331, -0.000_198_409, 2.7526e-6, -2.39e-8];
@@ -22,7 +22,7 @@ pub(super) fn sin_cos_of_turns<S: Simd>(simd: S, turns: f32x16<S>) -> [f32x16<S>
     [(sin * angle).copysign(turns), is_behind.select(-cos, cos)]
 }
 
-/// The angle of a vector in turns, −½ … ½: arctan by the same handbook's 4.4.49, 2e-8 off.
+/// The angle of a vector in turns, −½ to ½: the arc tangent by 4.4.49 of the same handbook, with an error of 2e-8.
 #[inline(always)]
 pub(super) fn turns_of<S: Simd>(simd: S, sine: f32x16<S>, cosine: f32x16<S>) -> f32x16<S> {
     const ATAN: [f32; 9] = [

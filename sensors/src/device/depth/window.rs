@@ -1,21 +1,21 @@
-//! What a pixel sees around itself.
+//! The part of the image from which a pixel's depth is taken.
 
 use super::dots::{DotWindow, Dots};
 use super::lateral::{LateralNoise, Shift};
 use super::time_of_flight::{Light, TimeOfFlight};
 use crate::ParameterError;
 
-/// What a pixel's depth is taken from.
+/// The part of the image from which a pixel's depth is taken.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Window {
-    /// What its own ray meets.
+    /// The pixel's own ray.
     Own,
-    /// What a ray beside it meets.
+    /// A ray beside the pixel's own.
     Lateral(LateralNoise),
-    /// The dots of a pattern around it.
+    /// The dots of a projected pattern around the pixel.
     Dots(DotWindow),
-    /// All light that reaches it.
+    /// All modulated light that reaches the pixel.
     TimeOfFlight(TimeOfFlight),
 }
 
@@ -67,7 +67,7 @@ impl Look {
         }
     }
 
-    /// How far pixels look beside their own ray.
+    /// The lateral noise with which pixels look beside their own ray, if any.
     pub(crate) fn shift(&self) -> Option<Shift> {
         match self {
             Self::Beside(shift) => Some(*shift),

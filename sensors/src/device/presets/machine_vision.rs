@@ -4,11 +4,11 @@ use crate::device::{DeviceConfig, Exposure, Tone};
 
 /// Sony's IMX900 (2064 × 1552 pixels of 2.25 µm), as a monochrome camera at 0 dB and low conversion gain.
 ///
-/// Of FRAMOS's EMVA 1288 (3.1) report of the IMX900-AMR-C at 536 nm and 36 °C: K 0.399 DN/e⁻ at 12 bits, quantum
+/// From FRAMOS's EMVA 1288 (3.1) report of the IMX900-AMR-C at 536 nm and 36 °C: K 0.399 DN/e⁻ at 12 bits, quantum
 /// efficiency 91.25 %, temporal dark noise 5.56 e⁻, saturation capacity 9458 e⁻, DSNU 3.7 e⁻, PRNU 0.7 %, black level
-/// 240 DN. The dark current, 1.473 e⁻/s, is that of its report at high conversion gain. Assumed: a lens of f/2.8.
+/// 240 DN. The dark current, 1.473 e⁻/s, is from the report at high conversion gain. Assumed: a lens of f/2.8.
 ///
-/// The report's dynamic range and largest signal-to-noise ratio follow from them:
+/// The dynamic range and the greatest signal-to-noise ratio of the report follow from these figures:
 /// ```
 /// let device = belvedere_sensors::device::presets::machine_vision();
 /// let quantisation = 1.0 / 12.0 / (device.dn_per_electron * device.dn_per_electron);

@@ -1,4 +1,4 @@
-//! Devices whose figures are published. What no sheet tells is marked as assumed where it is set.
+//! Camera devices with published figures. Figures that no data sheet gives are marked as assumed where they are set.
 
 mod machine_vision;
 mod raspberry_pi;
@@ -9,10 +9,10 @@ pub use machine_vision::machine_vision;
 pub use raspberry_pi::raspberry_pi_hq;
 pub use webcam::webcam;
 
-/// Names of the presets, as files ask for them.
+/// The names of the presets, by which configuration files refer to them.
 pub const NAMES: [&str; 3] = ["webcam", "machine_vision", "raspberry_pi_hq"];
 
-/// The preset of that name.
+/// Returns the preset with the given name, or `None` if there is none.
 ///
 /// ```
 /// use belvedere_sensors::device::presets;

@@ -1,14 +1,14 @@
-//! Raspberry Pi's High Quality Camera.
+//! The Raspberry Pi High Quality Camera.
 
 use crate::device::{DeviceConfig, Exposure, Tone, Vignetting};
 
-/// Sony's IMX477 (4056 × 3040 pixels of 1.55 µm, 12 bits) on the Raspberry Pi HQ camera, with the curve of sRGB.
+/// Sony's IMX477 (4056 × 3040 pixels of 1.55 µm, 12 bits) on the Raspberry Pi HQ camera, with the sRGB curve.
 ///
-/// Of "Pi HQ Cam Sensor Performance" (strollswithmydog.com, 2020), measured in raw pictures: K 0.47 DN/e⁻ at an analogue gain
-/// of 1, clipping at 8180 e⁻, black level 256.3 DN, noise of black frames 1.53 DN at a gain of 1 and 11.50 DN at 16. These
-/// two are 1.52 e⁻ before the gain and 1.32 DN behind it. Assumed: f/2.8 and a lens that darkens by cos⁴θ, quantum
-/// efficiencies with the colour filters and the white balance that goes with them, a PRNU of 0.5 %; the dark current, of
-/// which nothing is told, is 0.
+/// From "Pi HQ Cam Sensor Performance" (strollswithmydog.com, 2020), measured in raw images: K 0.47 DN/e⁻ at an
+/// analogue gain of 1, clipping at 8180 e⁻, black level 256.3 DN, noise of black frames 1.53 DN at a gain of 1 and
+/// 11.50 DN at 16. The last two are equivalent to 1.52 e⁻ before the gain and 1.32 DN after it. Assumed: f/2.8 and a
+/// lens with cos⁴θ vignetting, the quantum efficiencies with the colour filters and a matching white balance, and a
+/// PRNU of 0.5 %. The dark current is not published and set to 0.
 ///
 /// ```
 /// let device = belvedere_sensors::device::presets::raspberry_pi_hq();

@@ -2,13 +2,13 @@
 
 use crate::device::{DeviceConfig, Exposure, Tone, Vignetting};
 
-/// `OmniVision`'s OV5647 (2592 × 1944 pixels of 1.4 µm) behind a USB interface, with the curve of sRGB.
+/// `OmniVision`'s OV5647 (2592 × 1944 pixels of 1.4 µm) behind a USB interface, with the sRGB curve.
 ///
-/// Of the user guide of such a camera (`OptArc` AF51, v1.02, page 21): well capacity 4.3 ke⁻, dynamic range 68 dB, from which
-/// the noise of reading follows as 1.71 e⁻, largest signal-to-noise ratio 36 dB, fixed patterns below 1 %, which is what is
-/// taken for PRNU. Its dark current is given in mV/s at 60 °C and left out. Assumed: 10 bits that a full well just
-/// fills above a black level of 16, f/2.4 and a lens that darkens by cos⁴θ, quantum efficiencies with the colour filters
-/// and the white balance that goes with them.
+/// From the user guide of such a camera (`OptArc` AF51, v1.02, page 21): well capacity 4.3 ke⁻; dynamic range 68 dB,
+/// which implies a read noise of 1.71 e⁻; greatest signal-to-noise ratio 36 dB; fixed-pattern noise below 1 %, which is
+/// used as PRNU. Its dark current is given in mV/s at 60 °C and is omitted. Assumed: 10 bits that a full well just
+/// fills above a black level of 16, f/2.4 and a lens with cos⁴θ vignetting, and the quantum efficiencies with the
+/// colour filters and a matching white balance.
 ///
 /// ```
 /// let device = belvedere_sensors::device::presets::webcam();

@@ -1,10 +1,10 @@
-//! Rays between those of a grid.
+//! Ray directions between the pixels of a grid.
 
 use super::Rays;
 use glam::DVec3;
 
-/// A ray, and how directions change from the last one of its row to it and from it to the next; then the same down its
-/// column.
+/// A ray, the changes of direction from its left neighbour to it and from it to its right neighbour, and the same along
+/// its column.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Neighbours {
     middle: DVec3,
@@ -12,7 +12,7 @@ pub(crate) struct Neighbours {
 }
 
 impl Neighbours {
-    /// The direction so many pixels to the right and down, at most one each: interpolated, and of length 1.
+    /// The direction at an offset of at most one pixel each to the right and down, interpolated and of length 1.
     #[inline(always)]
     pub(crate) fn direction(&self, right: f64, down: f64) -> DVec3 {
         let [across, along] = self.changes;
@@ -20,14 +20,14 @@ impl Neighbours {
         (self.middle + across + along[usize::from(down > 0.0)] * down).normalize()
     }
 
-    /// How directions change per pixel along the row, and down the column.
+    /// The change of direction per pixel along the row, and down the column.
     pub(crate) fn steps(&self) -> [DVec3; 2] {
         self.changes.map(|[before, after]| (before + after) * 0.5)
     }
 }
 
 impl Rays<'_> {
-    /// The neighbourhood of a ray that there is.
+    /// The neighbourhood of a ray, which must exist.
     pub(crate) fn neighbours(&self, column: i32, row: i32) -> Neighbours {
         let fan = self.fan();
         let middle = self.direction(column, row);
@@ -38,7 +38,7 @@ impl Rays<'_> {
         let changes = [[1, 0], [0, 1]].map(|[x, y]| {
             let after = at(column + x, row + y).map(|next| next - middle);
             let before = at(column - x, row - y).map(|last| middle - last);
-            // Beyond the edge it goes on as within.
+            // Beyond the edge, directions continue as inside.
             [before.or(after), after.or(before)].map(Option::unwrap_or_default)
         });
         Neighbours { middle, changes }

@@ -1,18 +1,18 @@
-//! The pixel of a direction, by looking where the rays of others go: for rules that say only which way each goes.
+//! Finds the pixel of a direction by searching among the rays, for rules that only define the direction of each pixel.
 
 use super::Rays;
 use glam::{DVec2, DVec3};
 
-/// Newton's method takes two or three steps from a neighbour, and some more across a picture.
+/// Newton's method takes two or three steps from a neighbouring pixel, and a few more across an image.
 const MOST_STEPS: usize = 24;
-/// A step that is shorter, in pixels, is the last.
+/// The search ends with a step shorter than this, in pixels.
 const SETTLED: f64 = 1e-6;
-/// So far beyond the middles of the outermost pixels they reach.
+/// Pixels extend this far beyond the centres of the outermost ones.
 const HALF: f64 = 0.5;
 
 impl Rays<'_> {
-    /// Column and row whose ray goes through a point, found from a guess of them, between pixels as on them. None where
-    /// there is no such ray: behind a pinhole, and beyond the pixels of other rules.
+    /// Fractional column and row of the ray through a point, searched from a guess. `None` if there is no such ray:
+    /// behind a pinhole camera, and outside the image for other rules.
     pub(crate) fn project(&self, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
         match self {
             Self::Pinhole(rule) => {
@@ -25,8 +25,8 @@ impl Rays<'_> {
     }
 }
 
-/// Column and row, by Newton's method on the directions of four neighbouring rays, between which directions are linear:
-/// off by no more than the square of the angle between two rays, over eight.
+/// Fractional column and row, by Newton's method on the directions of four neighbouring rays, interpolated linearly.
+/// The error is at most an eighth of the square of the angle between two rays.
 fn pixel(rays: &Rays<'_>, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
     let fan = rays.fan();
     let last = DVec2::new(f64::from(fan.width - 1), f64::from(fan.height - 1));
@@ -48,7 +48,7 @@ fn pixel(rays: &Rays<'_>, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
         let share = at - cell;
         let direction = a.lerp(b, share.x).lerp(c.lerp(d, share.x), share.y);
         let (across, down) = ((b - a).lerp(d - c, share.y), (c - a).lerp(d - b, share.x));
-        // How far it is off, seen along the target, and what a step changes of that.
+        // The error as seen along the target, and the change of it per step.
         let off = DVec2::new(direction.dot(right), direction.dot(up));
         let step_x = DVec2::new(across.dot(right), across.dot(up));
         let step_y = DVec2::new(down.dot(right), down.dot(up));

@@ -1,7 +1,7 @@
-//! The rays of a frame, whatever rule gives their directions.
+//! The rays of a frame, whatever rule defines their directions.
 //!
-//! Only drawing is compiled for each rule, as its inner loops are all about directions. What follows (distances,
-//! normals, colours) asks for the directions of sixteen rays at a time and is compiled once.
+//! Only the drawing code is compiled for each rule, since its inner loops depend on the directions. Later stages
+//! (distances, normals, colours) request the directions of sixteen rays at a time and are compiled once.
 
 mod between;
 mod fan;
@@ -26,7 +26,7 @@ use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdNarrow, f32x16, f64x8};
 use glam::DVec3;
 
-/// The rule by which the rays of a frame get their directions, in the axes of the sensor: x forward, y left, z up.
+/// The rule that defines the directions of a frame's rays, in the axes of the sensor: x forward, y left, z up.
 #[allow(clippy::large_enum_variant, reason = "one a frame: a heap there may not be")]
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rays<'a> {
@@ -38,7 +38,7 @@ pub(crate) enum Rays<'a> {
     Table(TableFan<'a>),
 }
 
-/// Evaluates an expression for the rule that there is.
+/// Evaluates an expression for the actual rule.
 macro_rules! each {
     ($rays:expr, $rule:ident => $value:expr) => {
         match $rays {
@@ -56,26 +56,26 @@ impl Rays<'_> {
         each!(self, rule => rule.fan())
     }
 
-    /// The direction of a ray to the last bit, in units of t.
+    /// The exact direction of a ray, in units of t.
     pub(crate) fn direction(&self, column: i32, row: i32) -> DVec3 {
         each!(self, rule => rule.direction(column, row))
     }
 
-    /// Whether there is such a ray.
+    /// Returns true if the ray exists.
     pub(crate) fn has(&self, column: i32, row: i32) -> bool {
         let fan = self.fan();
         let lanes = self.missing((column >> fan.shift_x) as usize, (row >> fan.shift_y) as usize);
         lanes >> fan.lane(column, row) & 1 == 0
     }
 
-    /// Directions of the rays of a block to the last bit, in units of t: all x, all y, all z.
+    /// The exact directions of the rays of a block, in units of t: all x, all y, all z.
     #[inline(always)]
     pub(crate) fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
         each!(self, rule => rule.exact_block(column, row))
     }
 
-    /// How far right and down the rays of sixteen pixels lead in a metre of depth: side by side in a row, from a column on
-    /// that is a multiple of sixteen. Lanes beyond the end of the row have any value.
+    /// The slopes of the rays of sixteen adjacent pixels in a row: metres to the right and down per metre of depth.
+    /// `column` must be a multiple of sixteen. Lanes beyond the end of the row have arbitrary values.
     #[inline(always)]
     pub(crate) fn slopes<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 2] {
         match self {
@@ -85,7 +85,7 @@ impl Rays<'_> {
         }
     }
 
-    /// Directions of the rays of a block, in units of t.
+    /// The directions of the rays of a block, in units of t.
     #[inline(always)]
     pub(crate) fn directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
         match self {
@@ -98,7 +98,7 @@ impl Rays<'_> {
         }
     }
 
-    /// Directions of the rays of a block, of length 1.
+    /// The directions of the rays of a block, of length 1.
     #[inline(always)]
     pub(crate) fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
         match self {
@@ -108,7 +108,7 @@ impl Rays<'_> {
         }
     }
 
-    /// Metres along the rays of a block, from 1/t.
+    /// Distances in metres along the rays of a block, from 1/t.
     #[inline(always)]
     pub(crate) fn distances<S: Simd>(
         &self,
@@ -123,7 +123,7 @@ impl Rays<'_> {
         }
     }
 
-    /// Metres along the optical axis of what the rays of a block meet, from 1/t.
+    /// Depths in metres along the optical axis of the points hit by the rays of a block, from 1/t.
     #[inline(always)]
     pub(crate) fn depths<S: Simd>(
         &self,
@@ -139,7 +139,7 @@ impl Rays<'_> {
         }
     }
 
-    /// The lanes of a block that have no ray: pixels beyond what their lens maps, a bit each.
+    /// The lanes of a block without a ray, as one bit each: pixels outside the domain of their lens.
     #[inline(always)]
     pub(crate) fn missing(&self, column: usize, row: usize) -> u16 {
         match self {
@@ -149,7 +149,7 @@ impl Rays<'_> {
     }
 }
 
-/// Of directions to the last bit, eight lanes at a time.
+/// The slopes of exact directions, eight lanes at a time.
 #[inline(always)]
 fn slopes_of<S: Simd>(simd: S, [x, y, z]: [[f64x8<S>; 2]; 3]) -> [f32x16<S>; 2] {
     let zero = f64x8::splat(simd, 0.0);

@@ -1,5 +1,5 @@
-//! Rays of a pinhole camera: (1, (cx − column)/fx, (cy − row)/fy), so that t is the depth along the optical axis
-//! and a plane's 1/t takes two multiplications.
+//! Rays of a pinhole camera: (1, (cx − column)/fx, (cy − row)/fy), so that t is the depth along the optical axis and
+//! 1/t of a plane takes two multiplications.
 
 use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, TINY, bounds_of, max, min, of_rows, whole};
@@ -11,7 +11,7 @@ use fearless_simd::{
 };
 use glam::DVec3;
 
-/// The rays of a pinhole camera: a rule, where other lenses need a table.
+/// The rays of a pinhole camera, given by a formula; other lenses need a table.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PinholeGrid {
     width: u32,
@@ -20,10 +20,10 @@ pub struct PinholeGrid {
 }
 
 impl PinholeGrid {
-    /// A picture of so many pixels.
+    /// Creates the rays of an image of `width` × `height` pixels.
     ///
     /// # Errors
-    /// When a side is 0 or the lens has skew, for which make a [`RayTable`](crate::optics::RayTable).
+    /// If a side is 0, or if the lens has skew, for which a [`RayTable`](crate::optics::RayTable) is needed.
     pub fn new(width: u32, height: u32, lens: Pinhole) -> Result<Self, ParameterError> {
         let wrong = |name, value, rule| Err(ParameterError::new("camera", name, value, rule));
         let skew = lens.intrinsics().skew;
@@ -35,7 +35,8 @@ impl PinholeGrid {
         }
     }
 
-    /// A centred camera with square pixels: f = w / (2·tan(hfov / 2)), principal point ((w−1)/2, (h−1)/2).
+    /// Creates the rays of a centred camera with square pixels: f = w / (2·tan(hfov / 2)), principal point ((w−1)/2,
+    /// (h−1)/2).
     ///
     /// ```
     /// // The articles' ceiling camera.
@@ -47,13 +48,13 @@ impl PinholeGrid {
     /// ```
     ///
     /// # Errors
-    /// When a side is 0, or the field of view (radians) is not between 0 and π.
+    /// If a side is 0, or the field of view (in radians) is not between 0 and π.
     pub fn from_fov(width: u32, height: u32, horizontal_fov_rad: f64) -> Result<Self, ParameterError> {
         let lens = Pinhole::new(Intrinsics::from_fov(width, height, horizontal_fov_rad)?)?;
         Self::new(width, height, lens)
     }
 
-    /// Pixels across and down.
+    /// Width and height in pixels.
     pub fn size(&self) -> [u32; 2] {
         [self.width, self.height]
     }
@@ -63,16 +64,16 @@ impl PinholeGrid {
         &self.lens
     }
 
-    /// Its parameters in pixels; the skew is 0.
+    /// The intrinsic parameters in pixels; the skew is 0.
     pub fn intrinsics(&self) -> Intrinsics {
         self.lens.intrinsics()
     }
 }
 
-/// Rays to each side of a projection that rounding may have moved out of it.
+/// Margin on each side of a projection for rounding errors, in rays.
 const MARGIN: f32 = 0.02;
 
-/// Columns and rows of the lanes within a block: 4×4, 16×1.
+/// Columns and rows of the lanes within a block, for 4×4 and 16×1.
 const ACROSS: [[f32; WIDTH]; 2] = [
     [0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0, 0.0, 1.0, 2.0, 3.0],
     [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0],
@@ -80,7 +81,7 @@ const ACROSS: [[f32; WIDTH]; 2] = [
 const DOWN: [[f32; WIDTH]; 2] =
     [[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0, 3.0, 3.0, 3.0, 3.0], [0.0; 16]];
 
-/// The second of [`ACROSS`] in double precision, in halves.
+/// The second array of [`ACROSS`] in double precision, in two halves.
 const IN_LINE: [[f64; WIDTH / 2]; 2] =
     [[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0], [8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0]];
 
@@ -95,7 +96,7 @@ pub(crate) struct PinholeFan {
     cy: f32,
     per_fx: f32,
     per_fy: f32,
-    /// The same to the last bit.
+    /// The exact inverses of fx and fy.
     per_focal: [f64; 2],
     /// First and last row to draw.
     rows: [i32; 2],
@@ -134,19 +135,19 @@ impl PinholeFan {
         ]
     }
 
-    /// y of a direction.
+    /// The y coordinate of the directions of a column.
     #[inline(always)]
     fn left(&self, column: i32) -> f32 {
         (self.cx - column as f32) * self.per_fx
     }
 
-    /// z of a direction.
+    /// The z coordinate of the directions of a row.
     #[inline(always)]
     fn up(&self, row: i32) -> f32 {
         (self.cy - row as f32) * self.per_fy
     }
 
-    /// Directions of the rays of a block, of length 1.
+    /// The directions of the rays of a block, of length 1.
     #[inline(always)]
     pub(super) fn unit_directions<S: Simd>(&self, simd: S, column: usize, row: usize) -> Points<S> {
         let [y, z] = self.block(simd, column, row);
@@ -154,7 +155,7 @@ impl PinholeFan {
         [shorter, y * shorter, z * shorter]
     }
 
-    /// Metres along the rays of a block, from 1/t.
+    /// Distances in metres along the rays of a block, from 1/t.
     #[inline(always)]
     pub(super) fn distances<S: Simd>(
         &self,
@@ -167,7 +168,8 @@ impl PinholeFan {
         ((y * y + z * z) + 1.0).sqrt() / inverse
     }
 
-    /// What [`Rays::slopes`](super::Rays::slopes) gives: to the right it depends on the column alone, down on the row.
+    /// Implements [`Rays::slopes`](super::Rays::slopes): the slope to the right depends only on the column, the slope
+    /// down only on the row.
     #[inline(always)]
     pub(super) fn slopes<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 2] {
         let ([per_fx, per_fy], zero) = (self.per_focal, f64x8::splat(simd, 0.0));
@@ -179,7 +181,7 @@ impl PinholeFan {
         [first.narrow(second), f32x16::splat(simd, down as f32)]
     }
 
-    /// From the projected interval of columns and rows to whole rays.
+    /// Converts the projected intervals of columns and rows to whole rays.
     #[inline(always)]
     fn rectangles<S: Simd>(
         &self,
@@ -195,13 +197,13 @@ impl PinholeFan {
     }
 }
 
-/// Directions of a pinhole camera in other axes: there as here they are linear in column and row.
+/// Directions of a pinhole camera in other axes, where they are linear in column and row too.
 pub(crate) struct Turning {
-    /// Of the ray of column 0 and row 0, and what is added from one column and row to the next.
+    /// Direction of the ray at column 0 and row 0, and the increments per column and per row.
     origin: [f64; 3],
     across: [f64; 3],
     down: [f64; 3],
-    /// What is added for the lanes of a block.
+    /// Increments for the lanes of a block.
     lanes: [[f64; WIDTH]; 3],
 }
 
@@ -328,7 +330,7 @@ impl Projection for PinholeFan {
             rectangles.some &= valid;
             return (rectangles, self.inverse_of_boxes(simd, &low, &high));
         }
-        // All in front of the camera: the corners' own projections bound them closely.
+        // All corners are in front of the camera, so their own projections are tight bounds.
         let one = f32x16::splat(simd, 1.0);
         let inverse =
             [one / max(corners[0][0], tiny), one / max(corners[1][0], tiny), one / max(corners[2][0], tiny)];
@@ -361,7 +363,7 @@ impl Projection for PinholeFan {
     }
 }
 
-/// Columns or rows, as fractions, of the least and the most y/x or z/x.
+/// Fractional columns or rows, from the least and the greatest y/x or z/x.
 #[inline(always)]
 fn pixels<S: Simd>(simd: S, [least, most]: [f32x16<S>; 2], focal: f32, centre: f32) -> [f32x16<S>; 2] {
     let centre = f32x16::splat(simd, centre);

@@ -1,21 +1,21 @@
-//! Where on the grid of rays something may be seen.
+//! Bounds on the part of the grid of rays in which something may be visible.
 
 use super::fan::Fan;
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, i32x16, mask32x16};
 use glam::DVec3;
 
-/// Nearer than that in metres, distances are not told apart when something is projected.
+/// Distances below this, in metres, are treated as equal in projections.
 pub(crate) const TINY: f32 = 1e-12;
 
-/// Sixteen rectangles of the grid, both ends included. Columns may run past the last one, to be counted on from
-/// column 0, where a grid closes to a ring.
+/// Sixteen rectangles of the grid, both ends included. Where a grid closes to a ring, columns may exceed the last one
+/// and then wrap to column 0.
 pub(crate) struct Rectangles<S: Simd> {
     pub(crate) first_column: i32x16<S>,
     pub(crate) last_column: i32x16<S>,
     pub(crate) first_row: i32x16<S>,
     pub(crate) last_row: i32x16<S>,
-    /// Those that hold a ray.
+    /// The rectangles that contain a ray.
     pub(crate) some: mask32x16<S>,
 }
 
@@ -25,35 +25,36 @@ pub(crate) type Points<S> = [f32x16<S>; 3];
 /// Sixteen planes through the origin, or plane equations of 1/t: each coefficient for all sixteen.
 pub(crate) type Planes<S> = [f32x16<S>; 3];
 
-/// A rule that gives directions to a grid of rays. The sensor looks along +x, y is left, z is up.
+/// A rule that defines the directions of a grid of rays. The sensor looks along +x; y is left, z is up.
 ///
-/// Every method that gives a direction gives the same bits for the same ray: two triangles that share an edge
+/// Every method that returns a direction returns the same bits for the same ray, since two triangles that share an edge
 /// may be drawn by different loops.
 pub(crate) trait Projection: Copy {
-    /// What [`Projection::block`] gives: directions of sixteen rays.
+    /// The directions of sixteen rays, as returned by [`Projection::block`].
     type Directions<S: Simd>: Copy;
 
-    /// What is the same for all blocks when directions are taken to other axes.
+    /// Precomputed values, the same for all blocks, for converting directions to other axes.
     type Turning;
 
-    /// Whether [`Projection::most_over_strip`] tells blocks apart.
+    /// Whether [`Projection::most_over_strip`] returns useful bounds.
     const HAS_STRIPS: bool = false;
 
     fn fan(&self) -> &Fan;
 
-    /// The same, for drawing the rows from the first to the last of `rows` only.
+    /// The same projection, restricted to drawing the rows from the first to the last of `rows`.
     fn with_rows(self, rows: [i32; 2]) -> Self;
 
-    /// The direction of a ray to the last bit, in units of t.
+    /// The exact direction of a ray, in units of t.
     fn direction(&self, column: i32, row: i32) -> DVec3;
 
-    /// Directions of the rays of a block to the last bit, in units of t: all x, all y, all z.
+    /// The exact directions of the rays of a block, in units of t: all x, all y, all z.
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3];
 
-    /// Makes what [`Projection::turned`] takes of the rows of a matrix from the sensor's axes to others.
+    /// Precomputes the argument of [`Projection::turned`] from the rows of a matrix that converts the sensor's axes to
+    /// others.
     fn turning(&self, rows: &[[f64; 3]; 3]) -> Self::Turning;
 
-    /// Directions of the rays of a block in other axes, in double precision: all x, all y, all z.
+    /// The directions of the rays of a block in other axes, in double precision: all x, all y, all z.
     fn turned<S: Simd>(
         &self,
         simd: S,
@@ -62,25 +63,25 @@ pub(crate) trait Projection: Copy {
         row: usize,
     ) -> [[f64; WIDTH]; 3];
 
-    /// Directions of the rays of a block.
+    /// The directions of the rays of a block.
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S>;
 
-    /// Directions of one ray each for the sixteen lanes.
+    /// The directions of sixteen rays, one for each lane.
     fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S>;
 
-    /// The direction of one ray, sixteen times.
+    /// The direction of one ray in all sixteen lanes.
     fn ray<S: Simd>(&self, simd: S, column: i32, row: i32) -> Self::Directions<S>;
 
     /// plane · direction, lane by lane.
     fn dot<S: Simd>(plane: &Planes<S>, directions: &Self::Directions<S>) -> f32x16<S>;
 
-    /// A bound of 1/t from above for anything in the boxes.
+    /// An upper bound of 1/t for anything in the boxes.
     fn inverse_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S>;
 
-    /// Rays that may pass through the boxes.
+    /// Rectangles of the rays that may pass through the boxes.
     fn bound_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> Rectangles<S>;
 
-    /// Rays that may pass through triangles, and a bound of 1/t on them from above.
+    /// Rectangles of the rays that may pass through triangles, and an upper bound of 1/t on them.
     fn bound_triangles<S: Simd>(
         &self,
         simd: S,
@@ -88,10 +89,10 @@ pub(crate) trait Projection: Copy {
         valid: mask32x16<S>,
     ) -> (Rectangles<S>, f32x16<S>);
 
-    /// A bound from above of plane · direction over the rays of the sixteen blocks from `column` on.
+    /// An upper bound of plane · direction over the rays of each of the sixteen blocks from `column` on.
     fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S>;
 
-    /// Bounds from above of sixteen planes · direction over the rays of one block, which lie in one row.
+    /// Upper bounds of plane · direction for sixteen planes over the rays of one block, which is a single row.
     #[inline(always)]
     fn most_over_strip<S: Simd>(
         &self,
@@ -103,15 +104,15 @@ pub(crate) trait Projection: Copy {
         f32x16::splat(simd, f32::MAX)
     }
 
-    /// Two planes through the origin between which all rays of a block lie that is a strip: plane · direction is
-    /// positive for both, by more than is lost to rounding. None where they would not lie close.
+    /// Two planes through the origin that enclose all rays of a block that is a strip: plane · direction is positive
+    /// for both, by more than the rounding error. `None` if they would not enclose the rays tightly.
     #[inline(always)]
     fn slab(&self, _column: usize, _row: usize) -> Option<[[f32; 3]; 2]> {
         None
     }
 }
 
-/// What [`Projection`] asks of a rule that keeps its grid in `fan`, and the rows to draw in `rows`.
+/// The methods of [`Projection`] for a rule that stores its grid in `fan`, and the rows to draw in `rows`.
 macro_rules! of_rows {
     () => {
         #[inline(always)]
@@ -127,7 +128,7 @@ macro_rules! of_rows {
 }
 pub(super) use of_rows;
 
-/// What [`Projection`] asks of a rule whose directions have three coordinates, and length 1.
+/// The methods of [`Projection`] for a rule whose directions have three coordinates and length 1.
 macro_rules! of_length_one {
     () => {
         type Directions<S: Simd> = [f32x16<S>; 3];
@@ -171,7 +172,7 @@ macro_rules! of_length_one {
 }
 pub(super) use of_length_one;
 
-/// Lower and upper bounds of three points, coordinate by coordinate.
+/// Lower and upper bounds of three points, for each coordinate.
 #[inline(always)]
 pub(crate) fn bounds_of<S: Simd>(corners: &[Points<S>; 3]) -> (Points<S>, Points<S>) {
     let [a, b, c] = corners;
@@ -180,13 +181,13 @@ pub(crate) fn bounds_of<S: Simd>(corners: &[Points<S>; 3]) -> (Points<S>, Points
     (low, high)
 }
 
-/// Distance of 0 from an interval: 0 inside.
+/// The distance of 0 from an interval; 0 inside.
 #[inline(always)]
 pub(crate) fn outside<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
     max(max(low, -high), f32x16::splat(low.simd, 0.0))
 }
 
-/// The inverse of the distance of boxes, a little more: a bound of 1/t where directions have length 1.
+/// The inverse of the distance of boxes, slightly enlarged: an upper bound of 1/t for directions of length 1.
 #[inline(always)]
 pub(crate) fn inverse_distance<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
     let [x, y, z] = [outside(low[0], high[0]), outside(low[1], high[1]), outside(low[2], high[2])];
@@ -200,20 +201,20 @@ pub(crate) fn dot<S: Simd>(plane: &Planes<S>, direction: &Points<S>) -> f32x16<S
     (plane[0] * direction[0] + plane[1] * direction[1]) + plane[2] * direction[2]
 }
 
-/// The lesser; arguments are never NaN, for which SIMD levels differ.
+/// The minimum. Arguments are never NaN, for which SIMD levels differ.
 #[inline(always)]
 pub(crate) fn min<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     a.simd.min_f32x16(a, b)
 }
 
-/// The greater; arguments are never NaN.
+/// The maximum. Arguments are never NaN.
 #[inline(always)]
 pub(crate) fn max<S: Simd>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S> {
     a.simd.max_f32x16(a, b)
 }
 
-/// The whole numbers from `least` to `most` that lie in the intervals, widened by `margin`: the first and the
-/// last of them, where first > last if there are none.
+/// The first and last integer from `least` to `most` in the intervals widened by `margin`; first > last if there are
+/// none.
 #[inline(always)]
 pub(crate) fn whole<S: Simd>(
     simd: S,

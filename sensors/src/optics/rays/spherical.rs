@@ -1,4 +1,5 @@
-//! Rays of a spinning lidar: columns by azimuth, rows by elevation, both in equal steps, so that t is the range.
+//! Rays of a spinning lidar: columns by azimuth and rows by elevation, both equally spaced, with length 1, so that t is
+//! the range.
 
 mod angles;
 mod grid;
@@ -18,59 +19,59 @@ use angles::{atan2, azimuth_error, magnitude};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, i32x16, mask32x16};
 use glam::DVec3;
 
-/// More than the error of [`atan2`] and of the roundings around it, in radians.
+/// An upper bound on the error of [`atan2`] and the rounding around it, in radians.
 const ANGLE_MARGIN: f32 = 4e-6;
 
-/// What a slab is wider than its rays on both sides, as the tangent of an angle: many times what rounding takes …
+/// Margin of a slab on both sides of its rays, as the tangent of an angle: many times the rounding error …
 const SLAB_MARGIN: f32 = 4e-5;
-/// … unless rays look steeply up or down, or a strip is wide. There are no slabs where the cosine of the elevation is
-/// less, or that of half a strip's width.
+/// … unless rays are steep or a strip is wide. There are no slabs if the cosine of the elevation, or of half a strip's
+/// width, is less than this.
 const SLAB_COSINE: f32 = 0.25;
 
-/// Cosines and sines of the grid's angles, in the caller's memory.
+/// Cosines and sines of the grid's angles, in memory that the caller provides.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SphericalFan<'a> {
     fan: Fan,
-    /// Cosine and sine of each column's azimuth and each row's elevation, exactly.
+    /// Cosine and sine of each column's azimuth and each row's elevation, in double precision.
     azimuths: &'a [[f64; 2]],
     elevations: &'a [[f64; 2]],
     /// First and last row to draw.
     rows: [i32; 2],
-    /// Of azimuths, column by column, filled up to whole blocks.
+    /// Cosines and sines of the azimuths, column by column, padded to whole blocks.
     cos_azimuth: &'a [f32],
     sin_azimuth: &'a [f32],
-    /// Of elevations, for the lanes of each row of blocks.
+    /// Cosines and sines of the elevations, for the lanes of each row of blocks.
     cos_elevation: &'a [[f32; WIDTH]],
     sin_elevation: &'a [[f32; WIDTH]],
-    /// Of the middle azimuths of block columns, and sixteen more to read.
+    /// Cosines and sines of the middle azimuths of block columns, with sixteen more so that vectors can be read.
     cos_middle: &'a [f32],
     sin_middle: &'a [f32],
     /// Cosine and sine of the middle elevations of block rows.
     levels: &'a [[f32; 2]],
-    /// No direction of a block is farther from that of its middle.
+    /// Upper bound on the distance of a block's directions from the direction of its middle.
     radius: f32,
-    /// Over the azimuths of a block, from that of its middle: the least cosine and the greatest sine.
+    /// The least cosine and the greatest sine of azimuth offsets within a block from its middle.
     arc: [f32; 2],
     first_azimuth: f32,
     columns_per_radian: f32,
     first_elevation: f32,
     rows_per_radian: f32,
-    /// What intervals of columns and of rows are widened by.
+    /// Margins by which intervals of columns and of rows are widened.
     column_margin: f32,
     row_margin: f32,
-    /// Columns and rows in a whole turn.
+    /// Number of columns and of rows in a full turn.
     turn: f32,
     row_turn: f32,
-    /// The columns close to a ring: the first follows the last.
+    /// True if the columns close to a ring: the first follows the last.
     ring: bool,
-    /// The columns go on for more than a turn.
+    /// True if the columns continue for more than a turn.
     overlaps: bool,
-    /// Some rows lie beyond a pole, where rays look the other way.
+    /// True if some rows are beyond a pole, where rays look in the opposite direction.
     tumbles: bool,
 }
 
 impl SphericalFan<'_> {
-    /// Directions of the rays of a block to the last bit, eight lanes at a time.
+    /// The exact directions of the rays of a block, eight lanes at a time.
     #[inline(always)]
     fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
         let directions = self.exact_block(column, row);
@@ -80,7 +81,8 @@ impl SphericalFan<'_> {
 }
 
 impl SphericalFan<'_> {
-    /// Directions of sixteen rays side by side in a row to the last bit, eight lanes at a time; beyond its end the last one.
+    /// The exact directions of sixteen adjacent rays in a row, eight lanes at a time; beyond its end, the last ray is
+    /// repeated.
     #[inline(always)]
     pub(super) fn exact_line<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
         let [level, up] = self.elevations[row];
@@ -147,7 +149,7 @@ impl Projection for SphericalFan<'_> {
         rows.store_array(&mut at_row);
         let mut values = [[0.0_f32; WIDTH]; 4];
         for lane in 0..WIDTH {
-            // Lanes that are done stand past the end; any value will do.
+            // Finished lanes are past the end; any value will do for them.
             let column = (at_column[lane] as usize).min(self.cos_azimuth.len() - 1);
             let row = at_row[lane].min(self.fan.height - 1);
             let (block, place) = ((row >> self.fan.shift_y) as usize, self.fan.lane(0, row));
@@ -183,7 +185,7 @@ impl Projection for SphericalFan<'_> {
         let (x, y) = (magnitude(low[0], high[0]), magnitude(low[1], high[1]));
         let farthest = (x * x + y * y).sqrt();
         let (elevation, candidates) = self.elevations_of_boxes(simd, low[2], high[2], nearest, farthest);
-        // Seen from above, a box that is not around the axis lies between two of its corners.
+        // Seen from above, a box that does not contain the axis lies between two of its corners.
         let (left, right) = (low[1].simd_gt(zero), high[1].simd_lt(zero));
         let ahead = low[0].simd_gt(zero);
         let behind = high[0].simd_lt(zero);
@@ -217,7 +219,7 @@ impl Projection for SphericalFan<'_> {
         let (low, high) = bounds_of(corners);
         let nearest = self.inverse_of_boxes(simd, &low, &high);
         let zero = f32x16::splat(simd, 0.0);
-        // Angles from those of the centroid. For small ones, tan(angle) = cross / dot bounds the angle closely.
+        // Angles relative to the centroid. For small triangles, tan(angle) = cross / dot bounds the angle closely.
         let x = (corners[0][0] + corners[1][0]) + corners[2][0];
         let y = (corners[0][1] + corners[1][1]) + corners[2][1];
         let z = (corners[0][2] + corners[1][2]) + corners[2][2];
@@ -236,14 +238,14 @@ impl Projection for SphericalFan<'_> {
             let rise = (level * corner[2] - z * corner_level) / max(rise_dot, f32x16::splat(simd, 1e-30));
             below = min(below, rise);
             above = max(above, rise);
-            // Both dot products say that the corner lies within a right angle of the centroid.
+            // Both dot products show that the corner is within a right angle of the centroid.
             least = min(least, min(dot, rise_dot));
         }
         let spread = to - from;
         let small = spread.simd_lt(f32x16::splat(simd, 0.4))
             & (above - below).simd_lt(f32x16::splat(simd, 0.4))
             & least.simd_gt(f32x16::splat(simd, 1e-25));
-        // An edge's great circle bulges above its ends.
+        // The great circle of an edge bulges above its ends.
         let bulge = spread * spread * 0.07;
         let rise = atan2(z, level);
         let elevation = [rise + below - bulge, rise + above + bulge];
@@ -255,7 +257,7 @@ impl Projection for SphericalFan<'_> {
         let never = mask32x16::splat(simd, false);
         let mut close = self.rectangles(simd, azimuth, [from, to], elevation, never, valid);
         if (valid & !small).any_true() {
-            // Rounding may have put a corner that lies on the vertical axis beside it.
+            // Rounding may have moved a corner on the vertical axis off it.
             let slack = farthest * 1e-6;
             let (mut low, mut high) = (low, high);
             for axis in 0..2 {
@@ -276,7 +278,7 @@ impl Projection for SphericalFan<'_> {
         let cos = f32x16::from_slice(simd, &self.cos_middle[column..][..WIDTH]);
         let sin = f32x16::from_slice(simd, &self.sin_middle[column..][..WIDTH]);
         let [cos_level, sin_level] = self.levels[row];
-        // Of a strip, the closer bound of `most_over_strip` costs more than it saves: S1/R3 10 % slower.
+        // The tighter bound of `most_over_strip` costs more than it saves here: S1/R3 would be 10 % slower.
         let length = sqrt_f32(plane[0] * plane[0] + plane[1] * plane[1] + plane[2] * plane[2]);
         (cos * (plane[0] * cos_level) + sin * (plane[1] * cos_level))
             + (plane[2] * sin_level + length * self.radius)
@@ -284,7 +286,7 @@ impl Projection for SphericalFan<'_> {
 
     #[inline(always)]
     fn most_over_strip<S: Simd>(&self, _simd: S, planes: &Planes<S>, column: usize, row: usize) -> f32x16<S> {
-        // With δ from the middle, plane · direction = along · cos δ + across · sin δ + what z gives.
+        // At δ from the middle, plane · direction = along · cos δ + across · sin δ + the contribution of z.
         let [level, up] = self.levels[row];
         let (cos, sin) = (self.cos_middle[column] * level, self.sin_middle[column] * level);
         let along = planes[0] * cos + planes[1] * sin;
@@ -300,9 +302,10 @@ impl Projection for SphericalFan<'_> {
         if level < SLAB_COSINE || self.arc[0] < SLAB_COSINE {
             return None;
         }
-        // A plane through the origin that rises by the angle p towards the middle azimuth of the strip has, at δ beside
-        // it, the elevation atan(tan p · cos δ). All rays have one elevation: a plane that rises as they do touches
-        // them at the middle, and one of a tangent 1/cos δ as large at both ends. Times the cosine of the elevation:
+        // A plane through the origin that rises by the angle p towards the middle azimuth of the strip has, at an
+        // azimuth offset of δ, the elevation atan(tan p · cos δ). All rays have one elevation, so a plane that rises at
+        // their elevation touches them at the middle, and one with the tangent multiplied by 1/cos δ touches them at
+        // both ends. Multiplied by the cosine of the elevation:
         let (near, far) = (up, up / self.arc[0]);
         let (low, high) = if up < 0.0 { (far, near) } else { (near, far) };
         let (low, high) = (low - SLAB_MARGIN, high + SLAB_MARGIN);

@@ -1,7 +1,8 @@
-//! Rays in any directions: those of a distorted lens or a fisheye, or of a lidar with uneven rings.
+//! Rays in arbitrary directions, for distorted or fisheye lenses, and for lidars with unevenly spaced channels.
 //!
-//! Directions are read from the table, block by block. What bounds need is a [`chart`](chart::Chart) on which
-//! columns and rows rise about evenly, and two [look-ups](look_up::LookUp) from it to columns and rows.
+//! Directions are read from the table, block by block. Bounds are computed on a [`chart`](chart::Chart), on which
+//! columns and rows increase about evenly, and with two [look-ups](look_up::LookUp) from chart coordinates to columns
+//! and rows.
 
 mod build;
 mod chart;
@@ -43,18 +44,18 @@ impl<'a> TableFan<'a> {
         Self { fan, table: *table, rows: [0, fan.height - 1] }
     }
 
-    /// The lanes of a block that have no ray, a bit each.
+    /// The lanes of a block without a ray, as one bit each.
     #[inline(always)]
     pub(crate) fn missing(&self, column: usize, row: usize) -> u16 {
         self.table.missing[row * self.fan.blocks_across() + column]
     }
 
-    /// Whether any ray of the table is missing.
+    /// Returns true if any ray of the table is missing.
     pub(crate) fn has_missing(&self) -> bool {
         self.table.has_missing
     }
 
-    /// Directions of the rays of a block to the last bit, eight lanes at a time.
+    /// The exact directions of the rays of a block, eight lanes at a time.
     #[inline(always)]
     fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
         let [x, y, z] = self.block(simd, column, row);
@@ -62,8 +63,8 @@ impl<'a> TableFan<'a> {
         [[x.0, x.1], [y.0, y.1], [z.0, z.1]]
     }
 
-    /// Directions of sixteen rays side by side in a row, from a column on that is a multiple of sixteen, to the last bit,
-    /// eight lanes at a time; beyond the last block its own once more.
+    /// The exact directions of sixteen adjacent rays in a row, eight lanes at a time. `column` must be a multiple of
+    /// sixteen; beyond the last block, that block is repeated.
     #[inline(always)]
     pub(super) fn exact_line<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
         let (shift_x, shift_y) = (self.fan.shift_x, self.fan.shift_y);
@@ -85,7 +86,7 @@ impl<'a> TableFan<'a> {
         line
     }
 
-    /// Index of a ray's block, and its lane. Lanes that are done stand past the end; any ray will do for them.
+    /// Index of a ray's block, and its lane. Finished lanes are past the end; any ray will do for them.
     #[inline(always)]
     fn place(&self, column: i32, row: i32) -> (usize, usize) {
         let column = column.min(self.fan.width - 1);
@@ -95,7 +96,7 @@ impl<'a> TableFan<'a> {
         (block, self.fan.lane(column, row))
     }
 
-    /// From windows of the chart to rays.
+    /// Converts windows of the chart to rays.
     #[inline(always)]
     fn rectangles<S: Simd>(&self, simd: S, windows: &Windows<S>) -> Rectangles<S> {
         let table = &self.table;
@@ -154,7 +155,7 @@ impl Projection for TableFan<'_> {
     #[inline(always)]
     fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S> {
         let fan = &self.fan;
-        // Lanes that are done stand past the end; any ray will do for them.
+        // Finished lanes are past the end; any ray will do for them.
         let (last_column, last_row) =
             (i32x16::splat(simd, fan.width - 1), i32x16::splat(simd, fan.height - 1));
         let columns = columns.simd_lt(last_column).select(columns, last_column);
@@ -206,7 +207,7 @@ impl Projection for TableFan<'_> {
     #[inline(always)]
     fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S> {
         let first = row * self.fan.blocks_across() + column;
-        // One by one: what an array's `map` calls is not always inlined.
+        // Written out, since calls in an array's `map` are not always inlined.
         let x = sixteen(simd, self.table.middles[0], first);
         let y = sixteen(simd, self.table.middles[1], first);
         let z = sixteen(simd, self.table.middles[2], first);

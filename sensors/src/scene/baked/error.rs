@@ -1,42 +1,42 @@
-//! What may be wrong with a baked scene.
+//! Errors of baked scenes.
 
 use crate::scene::SceneFault;
 
-/// Why bytes are not a scene.
+/// The reason why bytes are not a valid baked scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum BakedError {
     /// The bytes do not begin at a multiple of 64.
     Misaligned,
-    /// They do not begin as a baked scene does, or come from a machine of another byte order.
+    /// The bytes do not start like a baked scene, or come from a machine with another byte order.
     NotAScene {
-        /// The number that they begin with.
+        /// The number that the bytes start with.
         magic: u64,
     },
-    /// Another version of this library wrote them.
+    /// The bytes were written by another version of this library.
     Version {
-        /// Theirs.
+        /// The format version of the bytes.
         found: u32,
-        /// The one that can be read.
+        /// The format version that can be read.
         known: u32,
     },
-    /// There are fewer bytes, or more, than there should be.
+    /// The number of bytes is wrong.
     Length {
-        /// Bytes that there are.
+        /// Number of bytes that there are.
         have: u64,
-        /// Bytes that there should be.
+        /// Number of bytes that there should be.
         need: u64,
     },
-    /// A section does not begin where the one before ends, or ends behind the last byte.
+    /// A section does not start where the previous one ends, or ends after the last byte.
     Section {
-        /// Which.
+        /// Name of the section.
         section: &'static str,
-        /// Where it is said to begin, in bytes.
+        /// Offset at which the table says it starts, in bytes.
         offset: u64,
-        /// How many elements it is said to have.
+        /// Number of elements that the table says it has.
         count: u64,
     },
-    /// The sections are not a scene.
+    /// The sections do not form a valid scene.
     Scene(SceneFault),
 }
 

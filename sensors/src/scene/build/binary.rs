@@ -1,4 +1,4 @@
-//! The binary tree that the wide one is made of.
+//! The binary tree from which the wide tree is made.
 
 use super::Quality;
 use super::bins::{blocks, find_cut};
@@ -9,18 +9,18 @@ use crate::Execution;
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x4, f32x8};
 
-/// From this depth on sets are halved, whatever it costs, so that the depth of every tree is bounded.
+/// From this depth on, sets are halved regardless of cost, so that the depth of every tree is bounded.
 const HALVE_FROM_DEPTH: u32 = 32;
 
-/// A set that fits in one block is cut all the same where both sides together have less than this part of its
-/// surface. Random rays in a room and a warehouse are 2 to 3 % faster for it; with 0.9, leaves are emptier.
+/// A set that fits into one block is still split if the areas of both sides sum to less than this fraction of its own.
+/// This makes random rays in a room and a warehouse 2 to 3 % faster; with 0.9, leaves are emptier.
 const WORTHWHILE: f32 = 0.7;
 
-/// Sets below this are not worth handing to another thread.
+/// Sets smaller than this are not worth handing to another thread.
 #[cfg(feature = "rayon")]
 const PARALLEL_FROM: usize = 4096;
 
-/// What is the same for all sets.
+/// Settings that are the same for all sets.
 #[derive(Clone, Copy)]
 struct How<S> {
     simd: S,
@@ -30,19 +30,19 @@ struct How<S> {
     execution: Execution,
 }
 
-/// A set of primitives with what its parent found out about it.
+/// A set of primitives, with what its parent computed about it.
 #[derive(Clone, Copy)]
 struct Set {
     bounds: Scratch,
-    /// Bounds of [`centre`].
+    /// Bounds of the primitives' [`centre`]s.
     centres: Scratch,
-    /// Blocks that it may use.
+    /// Maximum number of blocks for the set.
     budget: usize,
     depth: u32,
 }
 
-/// Sorts `items` and fills `nodes` with the binary tree over them. The node of a set with a budget of b blocks
-/// owns 2b − 1 nodes; its left child is the next one, so where a node lies depends on nothing but the input.
+/// Sorts `items` and fills `nodes` with the binary tree over them. The node of a set with a budget of b blocks owns 2b
+/// − 1 nodes, and its left child is the next one, so the position of a node depends only on the input.
 pub(super) fn build<S: Simd>(
     simd: S,
     quality: Quality,
@@ -61,7 +61,7 @@ pub(super) fn build<S: Simd>(
     build_set(how, items, nodes, 0, 0, set);
 }
 
-/// `first`: the scene-wide index of the first item. `base`: that of the first node.
+/// `first`: the scene-wide index of the first item. `base`: the index of the first node.
 #[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
 fn build_set<S: Simd>(
     how: How<S>,
@@ -92,7 +92,8 @@ fn build_set<S: Simd>(
     build_set(how, right_items, right_part, right_first, right_base, right);
 }
 
-/// Sorts the items into two sides. How many are on the left, and both sides; none if they are better one leaf.
+/// Partitions the items into two sides. Returns the number of items on the left, and both sides, or `None` if they are
+/// better kept as one leaf.
 fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> Option<(usize, Set, Set)> {
     let How { simd, quality, power, .. } = how;
     let fits = items.len() <= WIDTH;
@@ -135,14 +136,14 @@ fn split<S: Simd>(how: How<S>, items: &mut [Scratch], set: &Set) -> Option<(usiz
     )
 }
 
-/// What both sides need, and what is left over in proportion to their sizes.
+/// Gives both sides the blocks that they need, and divides the spare ones in proportion to their sizes.
 fn share(budget: usize, left: usize, right: usize) -> (usize, usize) {
     let spare = budget - blocks(left) - blocks(right);
     let extra = (spare as u64 * left as u64 / (left + right) as u64) as usize;
     (blocks(left) + extra, blocks(right) + spare - extra)
 }
 
-/// Halves by rank along the longest axis of the centres, at a multiple of a block.
+/// Splits in half by rank along the longest axis of the centres, at a multiple of a block.
 #[inline(always)]
 fn halve<S: Simd>(simd: S, items: &mut [Scratch], centres: &Scratch) -> (usize, [Scratch; 2], [Scratch; 2]) {
     let extent = |axis: usize| 0.0 - (centres.lanes[axis] + centres.lanes[axis + 4]);
@@ -160,7 +161,7 @@ fn halve<S: Simd>(simd: S, items: &mut [Scratch], centres: &Scratch) -> (usize, 
     (count, [left, right], [left_centres, right_centres])
 }
 
-/// The box of all, and that of their [`centre`]s.
+/// The box of all items, and the box of their [`centre`]s.
 #[inline(always)]
 fn bounds_of<S: Simd>(simd: S, items: &[Scratch]) -> (Scratch, Scratch) {
     let zero = f32x4::splat(simd, 0.0);

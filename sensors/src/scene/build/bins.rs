@@ -1,20 +1,20 @@
-//! Where to cut a set of boxes: the surface area heuristic over bins of their centres.
+//! Split planes for a set of boxes: the surface area heuristic over bins of their centres.
 //!
-//! Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007), with the size of a side in
-//! *blocks* of sixteen triangles, as that is what a ray pays for.
+//! Wald, "On fast construction of SAH-based bounding volume hierarchies" (2007), with the size of a side measured in
+//! *blocks* of sixteen triangles, since a ray pays per block.
 
 use super::bounds::{Scratch, centre};
 use super::cost::{Cheapest, Points, Power, lengths};
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x4, f32x8, u32x16};
 
-/// Bins on each axis: a vector of them.
+/// Number of bins on each axis: one per vector lane.
 const BINS: usize = WIDTH;
 
-/// 2²³: adding it rounds a small f32 to a whole number, in the low bits.
+/// 2²³: adding it rounds a small f32 to an integer in the low bits.
 const ROUND: f32 = 8_388_608.0;
 
-/// A plane between two bins, and what lies on both sides.
+/// A plane between two bins, and the boxes of both sides.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cut {
     pub(super) plane: Plane,
@@ -23,7 +23,7 @@ pub(super) struct Cut {
     pub(super) right: Scratch,
 }
 
-/// Which side a box belongs to.
+/// A split plane, which decides the side of a box.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plane {
     axis: usize,
@@ -42,8 +42,8 @@ impl Plane {
         x + ROUND <= self.last
     }
 
-    /// Moves what lies left to the front, without a branch on where an item belongs. The bounds of the centres of
-    /// both sides.
+    /// Moves the items on the left to the front, without branching on the side of an item. Returns the bounds of the
+    /// centres of both sides.
     #[inline(always)]
     pub(super) fn partition<S: Simd>(&self, simd: S, items: &mut [Scratch]) -> [Scratch; 2] {
         let zero = f32x4::splat(simd, 0.0);
@@ -55,7 +55,7 @@ impl Plane {
             let is_left = self.is_left(&item);
             let centre = centre(simd, f32x8::from_slice(simd, &item.lanes));
             let centre = simd.combine_f32x4(centre, zero - centre);
-            // ∞ on the side it does not belong to, 0 on the other.
+            // ∞ for the side to which the item does not belong, 0 for the other.
             let infinity = f32::INFINITY.to_bits();
             let mask = u32::from(is_left).wrapping_neg();
             left_centres = left_centres.min(centre + f32::from_bits(infinity & !mask));
@@ -68,14 +68,14 @@ impl Plane {
     }
 }
 
-/// Blocks that `count` triangles need.
+/// Number of blocks that `count` triangles need.
 #[inline(always)]
 pub(super) fn blocks(count: usize) -> usize {
     count.div_ceil(WIDTH)
 }
 
-/// The cheapest cut of `items` whose sides fit in `budget` blocks, or none. `centres` are the bounds of
-/// [`centre`] of all.
+/// The cheapest cut of `items` whose sides fit into `budget` blocks, or `None`. `centres` are the bounds of the items'
+/// [`centre`]s.
 #[inline(always)]
 pub(super) fn find_cut<S: Simd>(
     simd: S,
@@ -84,8 +84,8 @@ pub(super) fn find_cut<S: Simd>(
     centres: &Scratch,
     budget: usize,
 ) -> Option<Cut> {
-    // Step 1: scales from centres to bins; an axis without extent, or one too short to divide by, gets all into
-    // its first bin.
+    // Step 1: compute the scales from centres to bins. On an axis without extent, or with one too short to divide by,
+    // all items go into the first bin.
     let c = &centres.lanes;
     let origin = [c[0], c[1], c[2], 0.0];
     let mut scale = [0.0; 4];
@@ -95,7 +95,7 @@ pub(super) fn find_cut<S: Simd>(
         scale[axis] = if s.is_finite() { s } else { 0.0 };
     }
 
-    // Step 2: into the bins of all three axes at once. Even and odd boxes have bins of their own: neighbours often
+    // Step 2: sort into the bins of all three axes at once. Even and odd boxes have separate bins: neighbours often
     // fall into the same bin, and would wait for each other.
     let origins = f32x4::from_slice(simd, &origin);
     let scales = f32x4::from_slice(simd, &scale);
@@ -126,7 +126,7 @@ pub(super) fn find_cut<S: Simd>(
     }
     let Bins { bounds: bins, counts } = bins.joined(simd, &odd_bins);
 
-    // Step 3: the cuts of each axis, by their last bin on the left.
+    // Step 3: compare the cuts of each axis, identified by the last bin on the left.
     let mut best = Cheapest::below(f32::INFINITY);
     let mut left_counts = [[0; BINS]; 3];
     let empty = f32x8::splat(simd, f32::INFINITY);
@@ -153,7 +153,7 @@ pub(super) fn find_cut<S: Simd>(
         best.compare(simd, (axis, 0), costs, left_count, items.len(), budget);
     }
 
-    // Step 4: what lies on both sides of the best.
+    // Step 4: compute the boxes of both sides of the best cut.
     let Cheapest { axis, cut, .. } = best.found()?;
     let union = |bins: &[Scratch]| {
         let mut all = empty;
@@ -170,7 +170,7 @@ pub(super) fn find_cut<S: Simd>(
     })
 }
 
-/// What fell into each bin of each axis.
+/// The boxes and the number of primitives in each bin of each axis.
 struct Bins {
     bounds: [[Scratch; BINS]; 3],
     counts: [[u32; BINS]; 3],
@@ -179,7 +179,7 @@ struct Bins {
 impl Bins {
     const EMPTY: Self = Self { bounds: [[Scratch::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
 
-    /// `place`: the bin plus [`ROUND`].
+    /// `place`: the bin number plus [`ROUND`].
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, axis: usize, place: f32, bounds: f32x8<S>) {
         let bin = place.to_bits() as usize % BINS;

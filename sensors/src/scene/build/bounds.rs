@@ -1,9 +1,9 @@
-//! What the builder sorts: boxes with a tag, thirty-two bytes each.
+//! The elements that the builder sorts: boxes with tags, thirty-two bytes each.
 
 use bytemuck::{Pod, Zeroable};
 use fearless_simd::{Simd, f32x4, f32x8};
 
-/// Added to tags: as floats they are not subnormal then, which some processors are slow at.
+/// Added to tags so that they are not subnormal as floats, which slows down some processors.
 const TAG: u32 = 1 << 23;
 
 /// Added to counts: about 1 as a float, so that sums and differences with a tag are not subnormal either.
@@ -11,9 +11,9 @@ const COUNT: u32 = 127 << 23;
 
 /// One unit of the builder's working memory: a box and two tags.
 ///
-/// Lanes 0–2 are the lower corner and lanes 4–6 the upper corner *negated*, so that one minimum of eight lanes
-/// joins two boxes. Lanes 3 and 7 carry whole numbers as bits; arithmetic may spoil them. There is no −0 in a
-/// box, so the result of a minimum never depends on the machine.
+/// Lanes 0–2 are the lower corner and lanes 4–6 the *negated* upper corner, so that one eight-lane minimum joins two
+/// boxes. Lanes 3 and 7 carry integers as bits, which arithmetic may corrupt. A box never contains −0, so the result of
+/// a minimum does not depend on the machine.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(32))]
 pub struct Scratch {
@@ -21,7 +21,7 @@ pub struct Scratch {
 }
 
 impl Scratch {
-    /// Contains nothing: neutral when joined.
+    /// The empty box, neutral when joined.
     pub(super) const EMPTY: Self = Self { lanes: [f32::INFINITY; 8] };
 
     #[inline(always)]
@@ -32,11 +32,11 @@ impl Scratch {
         Self { lanes: [a, b, c, 0.0, d, e, f, 0.0] }
     }
 
-    /// Half of the surface.
+    /// Half of the surface area.
     #[inline(always)]
     pub(super) fn area(&self) -> f32 {
         let l = &self.lanes;
-        // Lengths negated: the products do not mind.
+        // The lengths are negated; their products are the same.
         let [x, y, z] = [l[0] + l[4], l[1] + l[5], l[2] + l[6]];
         x * y + y * z + z * x
     }
@@ -51,13 +51,14 @@ impl Scratch {
         [0.0 - self.lanes[4], 0.0 - self.lanes[5], 0.0 - self.lanes[6]]
     }
 
-    /// A primitive: the triangle. A binary node: first primitive of a leaf, right child of an inner node.
+    /// The tag. Of a primitive: its triangle. Of a binary node: the first primitive of a leaf, the right child of an
+    /// inner node.
     #[inline(always)]
     pub(super) fn tag(&self) -> u32 {
         self.lanes[3].to_bits().wrapping_sub(TAG)
     }
 
-    /// A binary node: how many primitives a leaf has, 0 for an inner node.
+    /// The number of primitives of a leaf of the binary tree; 0 for an inner node.
     #[inline(always)]
     pub(super) fn count(&self) -> u32 {
         self.lanes[7].to_bits().wrapping_sub(COUNT)
@@ -78,7 +79,7 @@ pub(super) fn centre<S: Simd>(simd: S, bounds: f32x8<S>) -> f32x4<S> {
     lower - upper
 }
 
-/// The box of three corners.
+/// The bounding box of three corners.
 #[inline(always)]
 pub(super) fn bounds_of([a, b, c]: [[f32; 3]; 3]) -> Scratch {
     let min = |i: usize| smaller(smaller(a[i], b[i]), c[i]);
@@ -86,7 +87,7 @@ pub(super) fn bounds_of([a, b, c]: [[f32; 3]; 3]) -> Scratch {
     Scratch::new([min(0), min(1), min(2)], [max(0), max(1), max(2)])
 }
 
-/// One instruction, unlike `f32::min`.
+/// The smaller number, in one instruction, unlike `f32::min`.
 #[inline(always)]
 pub(super) fn smaller(a: f32, b: f32) -> f32 {
     if b < a { b } else { a }

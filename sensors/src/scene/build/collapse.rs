@@ -1,4 +1,4 @@
-//! From the binary tree to nodes of sixteen children and leaves as structures of arrays.
+//! Conversion of the binary tree to nodes of sixteen children, and to leaves as structures of arrays.
 
 use super::TreeSize;
 use super::bounds::Scratch;
@@ -8,10 +8,10 @@ use crate::scene::tree::{LEAF, MAX_DEPTH, NONE, TriangleBlock, WideNode};
 use crate::scene::vertices::corners;
 use crate::simd::WIDTH;
 
-/// Nodes that can wait for their turn: of each level all but one child.
+/// Maximum number of waiting nodes: on each level, all children but one.
 const STACK: usize = MAX_DEPTH * (WIDTH - 1) + 1;
 
-/// A wide node to be made of a binary one, and the lane of the parent that waits for its index.
+/// A wide node that is still to be made from a binary one, and the lane of the parent that needs its index.
 #[derive(Clone, Copy, Default)]
 struct Pending {
     binary: u32,
@@ -19,7 +19,7 @@ struct Pending {
     lane: u32,
 }
 
-/// How large the wide tree over a binary one is.
+/// Computes the size of the wide tree over a binary one.
 pub(super) fn measure(binary: &[Scratch], ways: &[u64]) -> TreeSize {
     let mut size = TreeSize { nodes: 0, blocks: 0 };
     let mut stack = [0; STACK];
@@ -40,8 +40,8 @@ pub(super) fn measure(binary: &[Scratch], ways: &[u64]) -> TreeSize {
     size
 }
 
-/// Writes the tree depth first: a node, its leaves, then the nodes below it, child by child. `nodes` and `blocks`
-/// hold what [`measure`] says.
+/// Writes the tree depth first: a node, its leaves, then the nodes below it, child by child. `nodes` and `blocks` must
+/// have the size that [`measure`] returns.
 pub(super) fn collapse(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
@@ -90,7 +90,7 @@ pub(super) fn collapse(
     Ok(())
 }
 
-/// Writes a leaf of up to sixteen triangles, at least one.
+/// Writes a leaf of one to sixteen triangles.
 fn fill(
     block: &mut TriangleBlock,
     positions: &[[f32; 3]],
@@ -110,7 +110,7 @@ fn fill(
     Ok(())
 }
 
-/// Into `corners[corner][axis][lane]`.
+/// Stores a triangle in `corners[corner][axis][lane]`.
 #[inline(always)]
 pub(super) fn put(corners: &mut [[[f32; WIDTH]; 3]; 3], lane: usize, triangle: &[[f32; 3]; 3]) {
     for corner in 0..3 {

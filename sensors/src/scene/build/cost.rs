@@ -1,9 +1,9 @@
-//! What cuts cost, sixteen at a time.
+//! The costs of cuts, sixteen at a time.
 
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x8, f32x16, prelude::*, u32x16};
 
-/// Sixteen times x, y, z and something else.
+/// Sixteen times x, y, z and a fourth value.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Points(pub(super) [[f32; 4]; WIDTH]);
@@ -11,7 +11,7 @@ pub(super) struct Points(pub(super) [[f32; 4]; WIDTH]);
 impl Points {
     pub(super) const ZERO: Self = Self([[0.0; 4]; WIDTH]);
 
-    /// All x, all y, all z.
+    /// The columns: all x, all y, all z.
     #[inline(always)]
     pub(super) fn columns<S: Simd>(&self, simd: S) -> [f32x16<S>; 3] {
         let rows: &[[f32; WIDTH]; 4] = bytemuck::cast_ref(&self.0);
@@ -22,7 +22,7 @@ impl Points {
         [x, simd.unzip_low_f32x16(yw, more_yw), z]
     }
 
-    /// Half of the surfaces of boxes, of their [`lengths`].
+    /// Half of the surface areas of boxes, whose [`lengths`] are stored.
     #[inline(always)]
     pub(super) fn areas<S: Simd>(&self, simd: S) -> f32x16<S> {
         let [x, y, z] = self.columns(simd);
@@ -30,7 +30,7 @@ impl Points {
     }
 }
 
-/// The lengths of a box, negated: their products do not mind.
+/// The negated edge lengths of a box; the sign does not change their products.
 #[inline(always)]
 pub(super) fn lengths<S: Simd>(simd: S, bounds: f32x8<S>) -> [f32; 4] {
     let (lower, upper) = simd.split_f32x8(bounds);
@@ -47,24 +47,25 @@ const LANES: [u32; WIDTH] = {
     lanes
 };
 
-/// first, first + 1, …
+/// The numbers first, first + 1, …
 #[inline(always)]
 pub(super) fn numbers<S: Simd>(simd: S, first: usize) -> u32x16<S> {
     u32x16::from_slice(simd, &LANES) + first as u32
 }
 
-/// Blocks that so many triangles need.
+/// Number of blocks that `counts` triangles need.
 #[inline(always)]
 fn blocks<S: Simd>(counts: u32x16<S>) -> u32x16<S> {
     (counts + (WIDTH as u32 - 1)) >> WIDTH.ilog2()
 }
 
-/// What a set counts for beside its surface: its blocks to this power.
+/// The exponent of a set's number of blocks, which weights its surface area.
 ///
-/// The heuristic takes a set for a leaf that is not cut any more. But its blocks will each have a part of its
-/// surface only, so a power of 1 overrates large sets. Measured at [`Quality::High`](super::Quality::High), the boxes
-/// that a random ray meets in a room, a warehouse, a noisy ball and a terrain are 11, 4, 1 and 1 % fewer with ¾ than
-/// with 1; with ½, 12 % fewer again in the room, but 9 % more in the warehouse, and leaves are emptier.
+/// The surface area heuristic treats a set as a leaf that is not split any further. But each of its blocks will have
+/// only a part of its surface, so an exponent of 1 overrates large sets. Measured at
+/// [`Quality::High`](super::Quality::High), a random ray meets 11, 4, 1 and 1 % fewer boxes in a room, a warehouse, a
+/// noisy ball and a terrain with ¾ than with 1. With ½ it meets another 12 % fewer in the room but 9 % more in the
+/// warehouse, and leaves are emptier.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Power {
     Half,
@@ -73,7 +74,7 @@ pub(super) enum Power {
 }
 
 impl Power {
-    /// Weights of sets of so many triangles.
+    /// Weights of sets with `counts` triangles.
     #[inline(always)]
     pub(super) fn weights<S: Simd>(self, simd: S, counts: u32x16<S>) -> f32x16<S> {
         let blocks = simd.cvt_f32_u32x16(blocks(counts));
@@ -89,15 +90,15 @@ impl Power {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cheapest {
     cost: f32,
-    /// By how much the sides differ in size.
+    /// Difference in size between the two sides.
     skew: u32,
     pub(super) axis: usize,
-    /// Its number among the cuts of the axis.
+    /// Number of the cut among those of the axis.
     pub(super) cut: usize,
 }
 
 impl Cheapest {
-    /// None so far; what is found must cost less than `limit`.
+    /// No cut yet; a cut must cost less than `limit` to be taken.
     pub(super) fn below(limit: f32) -> Self {
         Self { cost: limit, skew: 0, axis: usize::MAX, cut: 0 }
     }
@@ -106,9 +107,9 @@ impl Cheapest {
         (self.axis != usize::MAX).then_some(self)
     }
 
-    /// Takes the cheapest of sixteen cuts of `count` primitives, `first` the number of the first, if it is cheaper
-    /// than what was found before. `left`: how many each has on its left. Both sides must have some, and fit in
-    /// `budget` blocks. Among equals it is the more even one, or flat sets would become lists.
+    /// Takes the cheapest of sixteen cuts of `count` primitives if it is cheaper than the best so far. `first` is the
+    /// number of the first cut, `left` the number of primitives on the left of each. Both sides must be non-empty and
+    /// fit into `budget` blocks. Among equal costs the more even cut wins, otherwise flat sets would become lists.
     #[inline(always)]
     pub(super) fn compare<S: Simd>(
         &mut self,
@@ -120,7 +121,7 @@ impl Cheapest {
         budget: usize,
     ) {
         let right = u32x16::splat(simd, count as u32) - left;
-        // Below 0 it wraps, and is not less.
+        // A difference below 0 wraps around, and is not less.
         let in_range = (left - 1).simd_lt(count as u32 - 1);
         let fits = (blocks(left) + blocks(right)).simd_le(budget as u32);
         let costs = (in_range & fits).select(costs, f32x16::splat(simd, f32::INFINITY));
@@ -128,7 +129,7 @@ impl Cheapest {
         if least > self.cost || least == f32::INFINITY {
             return;
         }
-        // Less than 2²⁸, as a number of triangles is.
+        // Less than 2²⁸, like any number of triangles.
         let skews = left.max(right) - left.min(right);
         let skews = skews << WIDTH.ilog2() | u32x16::from_slice(simd, &LANES);
         let best = costs.simd_eq(least).select(skews, u32x16::splat(simd, u32::MAX)).reduce_min();

@@ -1,36 +1,36 @@
-//! Which nodes of the binary tree become wide nodes, so that the sum of their surfaces is the least.
+//! Selects the nodes of the binary tree that become wide nodes, so that the sum of their surface areas is least.
 //!
-//! The dynamic programme of Ylitie, Karras and Laine, "Efficient incoherent ray traversal on GPUs through
-//! compressed wide BVHs" (2017), section 3.1, for leaves that are given. A subtree can be handed to the wide node
-//! above it as one child or as up to k, and the cost of k is the least over all ways to share k between its two
-//! sides.
+//! This is the dynamic programme of Ylitie, Karras and Laine, "Efficient incoherent ray traversal on GPUs through
+//! compressed wide BVHs" (2017), section 3.1, for given leaves. A subtree can be attached to the wide node above it as
+//! one child or as up to k children, and the cost of k is the least over all ways to divide k between its two sides.
 
 use super::bounds::Scratch;
 use crate::simd::WIDTH;
 
-/// `costs[k]`: the least sum of surfaces of a subtree that takes at most k + 1 lanes of the node above.
+/// `costs[k]`: the least sum of surface areas of a subtree that takes at most k + 1 lanes of the node above.
 type Costs = [f32; WIDTH - 1];
 
-/// How a subtree uses the lanes it gets. Four bits for each number of lanes k from 2 to 16: the share of the left
-/// side, or 0 if fewer lanes are as good. For 16 lanes, it is a wide node itself, and is always shared.
+/// The number of lanes that the left side of a subtree gets if the subtree has `lanes` lanes. `ways` holds four bits
+/// for each number of lanes from 2 to 16: the share of the left side, or 0 if fewer lanes are as good. With 16 lanes,
+/// the subtree is a wide node itself, and is always divided.
 #[inline(always)]
 fn share(ways: u64, lanes: usize) -> usize {
     (ways >> (4 * (lanes - 2))) as usize & 15
 }
 
-/// Writes `ways` for the subtree of each inner node: as many as binary nodes. What is there for others is left.
-/// The sum of the surfaces of wide nodes and leaves: how many boxes a ray meets, but for a factor.
+/// Writes `ways` for the subtree of each inner node, at the node's index; other entries are left unchanged. Returns the
+/// sum of the surface areas of wide nodes and leaves, which is proportional to the number of boxes that a ray meets.
 pub(super) fn choose(binary: &[Scratch], ways: &mut [u64]) -> f32 {
-    // Too little to change what is best, but it makes the fewest nodes the best among equals, such as the nodes of
-    // a mesh that lies on a line.
+    // Too small to change the optimum, but among equal costs it prefers the fewest nodes, for example for a mesh that
+    // lies on a line.
     let area = binary[0].area();
     let tiny = if area > 0.0 { area * 1e-7 } else { 1.0 };
     let (costs, leaves) = subtree(binary, ways, 0, tiny);
     costs[0] + leaves
 }
 
-/// Costs of the wide nodes, and the surfaces of the leaves. `tiny` is added to each surface of the former. As deep as
-/// the binary tree, so its depth is bounded.
+/// Returns the costs of the wide nodes, and the sum of the surface areas of the leaves. `tiny` is added to the area of
+/// each wide node. The recursion is as deep as the binary tree, so its depth is bounded.
 fn subtree(binary: &[Scratch], ways: &mut [u64], index: usize, tiny: f32) -> (Costs, f32) {
     let node = &binary[index];
     if node.count() > 0 {
@@ -66,12 +66,12 @@ fn subtree(binary: &[Scratch], ways: &mut [u64], index: usize, tiny: f32) -> (Co
     (costs, left_leaves + right_leaves)
 }
 
-/// The children of the wide node that is made of an inner binary node, in the order of the binary tree, so that
-/// neighbours are side by side.
+/// The children of the wide node that is made from an inner binary node, in the order of the binary tree, so that
+/// neighbours are adjacent.
 pub(super) fn children(binary: &[Scratch], ways: &[u64], top: u32) -> ([u32; WIDTH], usize) {
     let mut children = [top; WIDTH];
     let mut count = 0;
-    // Subtrees to be entered with the lanes they get; the lanes that wait are no more than sixteen.
+    // Subtrees to visit with the lanes that they get; at most sixteen lanes are waiting.
     let mut stack = [(top, WIDTH); WIDTH];
     let mut waiting = 1;
     while waiting > 0 {

@@ -1,15 +1,15 @@
-//! What is known of triangles besides their corners.
+//! Normals of triangles.
 
 use crate::Execution;
 use crate::scene::tree::{Facet, TriangleBlock};
 use crate::simd::{WIDTH, dispatch};
 use fearless_simd::{Simd, SimdBase, f32x16, f64x8, prelude::*};
 
-/// Works out the facets of blocks, sixteen for each. (Within [`refit`](super::refit), block by block, it is no faster:
-/// that waits for memory, and this would come between.)
+/// Computes the facets of blocks, sixteen per block. (Computing them block by block within [`refit`](super::refit) is
+/// not faster: refitting is limited by memory latency, and this would delay its loads.)
 ///
 /// # Panics
-/// When there are not sixteen facets for each block.
+/// If there are not sixteen facets per block.
 pub fn fill_facets(blocks: &[TriangleBlock], execution: Execution, facets: &mut [Facet]) {
     assert_eq!(facets.len(), blocks.len() * WIDTH, "sixteen facets for each block");
     dispatch!(execution.level, simd => fill_all(simd, blocks, facets));
@@ -27,7 +27,7 @@ fn fill_all<S: Simd>(simd: S, blocks: &[TriangleBlock], facets: &mut [Facet]) {
     );
 }
 
-/// The facets of one block.
+/// Computes the facets of one block.
 #[inline(always)]
 pub(super) fn fill<S: Simd>(simd: S, block: &TriangleBlock, facets: &mut [Facet; WIDTH]) {
     // In double precision, so that small triangles far from the origin keep their normals.

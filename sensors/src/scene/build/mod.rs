@@ -1,11 +1,12 @@
 //! Trees over triangles: built into the caller's memory, and refitted when vertices move.
 //!
 //! 1. The box of each triangle goes into scratch memory ([`Scratch`]).
-//! 2. A binary tree: sets of boxes are cut where the surface area heuristic says, down to sixteen triangles.
+//! 2. A binary tree is built: the surface area heuristic splits sets of boxes until they hold at most sixteen
+//!    triangles.
 //! 3. The binary tree is collapsed to nodes of sixteen children ([`WideNode`]); leaves become blocks
-//!    ([`TriangleBlock`]). Nodes and blocks lie depth first, so what is visited together lies together.
+//!    ([`TriangleBlock`]). Nodes and blocks are stored depth first, so what is visited together is adjacent in memory.
 //!
-//! The same input gives the same bytes on every machine, SIMD level and number of threads.
+//! The same input gives the same bytes on every machine, at every SIMD level and with any number of threads.
 
 mod binary;
 mod bins;
@@ -33,48 +34,50 @@ use crate::simd::{WIDTH, dispatch};
 use bytemuck::Zeroable;
 use cost::Power;
 
-/// How much effort goes into a tree.
+/// The effort spent on building a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Quality {
-    /// For meshes that change often.
+    /// Fast to build, for meshes that change often.
     Fast,
-    /// For meshes that are traced often: slower to build, faster to trace.
+    /// Slower to build and faster to trace, for meshes that are traced often.
     #[default]
     High,
 }
 
-/// Meshes up to this size are built with several weights, and the best tree is kept: half a millisecond more per
-/// thousand triangles.
+/// Meshes up to this size are built with several weights, and the best tree is kept. This takes half a millisecond more
+/// per thousand triangles.
 const TRIED: usize = 16_384;
 
-/// How many nodes and blocks a tree has.
+/// The number of nodes and blocks of a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct TreeSize {
-    /// [`WideNode`]s.
+    /// Number of [`WideNode`]s.
     pub nodes: usize,
-    /// [`TriangleBlock`]s.
+    /// Number of [`TriangleBlock`]s.
     pub blocks: usize,
 }
 
-/// The most that a tree over so many triangles can need.
+/// Returns an upper bound on the size of a tree over `triangles` triangles.
 ///
-/// The builder keeps the number of blocks below twice what full blocks would need. All nodes have at least two
-/// children (but for the root, which can have one), and everything but the root is the child of one node, so there
-/// are fewer nodes than blocks. [`plan`] knows the numbers of a given mesh, which are a small part of this.
+/// The builder keeps the number of blocks below twice the number of full blocks. All nodes have at least two children
+/// (except the root, which can have one), and everything but the root is the child of one node, so there are fewer
+/// nodes than blocks. For a given mesh, [`plan`] computes the exact size, which is much smaller.
 pub const fn max_size(triangles: usize) -> TreeSize {
     let blocks = if triangles <= WIDTH { triangles.div_ceil(WIDTH) } else { 2 * triangles.div_ceil(WIDTH) };
     TreeSize { nodes: if blocks > 2 { blocks - 1 } else { 1 }, blocks }
 }
 
-/// How much working memory [`build`] needs.
+/// Returns the number of [`Scratch`] elements that [`build`] needs for `triangles` triangles.
 pub const fn scratch_len(triangles: usize) -> usize {
-    // A box for each triangle and each node of the binary tree, and the eight bytes of `cut` for the latter.
+    // A box for each triangle and each node of the binary tree, and for the latter also the eight bytes of `cut`.
     let binary = 2 * max_size(triangles).blocks;
     triangles + binary + binary.div_ceil(4)
 }
 
-/// Builds the tree of a mesh into the front of `nodes` and `blocks`, and says how many of each it took.
-/// [`max_size`] and [`scratch_len`] tell what is always enough. `positions` are metres, `triangles` index them.
+/// Builds the tree of a mesh into the front of `nodes` and `blocks`, and returns the number of each that it used.
+///
+/// [`max_size`] and [`scratch_len`] give sizes that are always enough. `positions` are in metres; `triangles` are
+/// indices into them.
 ///
 /// # Errors
 /// Those of [`plan`] and [`Plan::write`].
@@ -92,12 +95,12 @@ pub fn build(
     Ok(plan.size())
 }
 
-/// A tree that is only to be written: its size is known, so memory can be got for it.
+/// A tree that has been planned but not written. Its size is known, so that memory for it can be allocated.
 #[derive(Debug)]
 pub struct Plan<'a> {
     positions: &'a [[f32; 3]],
     triangles: &'a [[u32; 3]],
-    /// The primitives, sorted.
+    /// The sorted primitives.
     items: &'a [Scratch],
     binary: &'a [Scratch],
     /// See [`cut`].
@@ -105,11 +108,11 @@ pub struct Plan<'a> {
     size: TreeSize,
 }
 
-/// The first half of [`build`]: all but the writing. [`scratch_len`] tells how much `scratch` must hold.
+/// The first half of [`build`]: everything except the writing. `scratch` must hold [`scratch_len`] elements.
 ///
 /// # Errors
-/// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the
-/// element; [`SceneError::TooMany`] when there would be more triangles in blocks than a u32 counts;
+/// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the element;
+/// [`SceneError::TooMany`] if the slots of the blocks or the vertices cannot be counted in a u32;
 /// [`SceneError::BufferTooSmall`].
 pub fn plan<'a>(
     positions: &'a [[f32; 3]],
@@ -119,7 +122,7 @@ pub fn plan<'a>(
     scratch: &'a mut [Scratch],
 ) -> Result<Plan<'a>, SceneError> {
     let most = max_size(triangles.len());
-    // A hit is a u32, block · 16 + lane, and the last u32 means none.
+    // A hit is a u32, block · 16 + lane; the last u32 means no hit.
     if (most.blocks as u64 + 1) * WIDTH as u64 > u64::from(u32::MAX) || positions.len() > u32::MAX as usize {
         return Err(SceneError::TooMany);
     }
@@ -141,7 +144,7 @@ pub fn plan<'a>(
     let mut size = TreeSize { nodes: 1, blocks: 0 };
     if !triangles.is_empty() {
         if quality == Quality::High && triangles.len() <= TRIED {
-            // Which power is best for a small mesh is luck, and all three are soon tried.
+            // Which exponent is best for a small mesh is unpredictable, and trying all three is quick.
             let costs = [make(Power::One)?, make(Power::Half)?, make(Power::ThreeQuarters)?];
             if costs[1] < costs[2] && costs[1] <= costs[0] {
                 make(Power::Half)?;
@@ -157,7 +160,7 @@ pub fn plan<'a>(
 }
 
 impl Plan<'_> {
-    /// What [`Plan::write`] fills.
+    /// The size of the tree that [`Plan::write`] writes.
     pub const fn size(&self) -> TreeSize {
         self.size
     }

@@ -8,7 +8,7 @@ use crate::simd::WIDTH;
 use alloc::vec::Vec;
 use bytemuck::allocation::zeroed_vec;
 
-/// Nodes and blocks of a mesh.
+/// The tree of a mesh: its nodes and blocks.
 ///
 /// ```
 /// use belvedere_sensors::{Execution, scene::build::{Quality, Tree}};
@@ -20,17 +20,17 @@ use bytemuck::allocation::zeroed_vec;
 /// ```
 #[derive(Debug, Clone)]
 pub struct Tree {
-    /// The root is the first.
+    /// The nodes; the first is the root.
     pub nodes: Vec<WideNode>,
     /// The leaves.
     pub blocks: Vec<TriangleBlock>,
 }
 
 impl Tree {
-    /// As [`build`](super::build), in memory of its own.
+    /// Builds the tree of a mesh like [`build`](super::build), into allocated memory.
     ///
     /// # Errors
-    /// As [`build`](super::build).
+    /// Those of [`build`](super::build).
     pub fn build(
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
@@ -45,10 +45,10 @@ impl Tree {
         Ok(tree)
     }
 
-    /// As [`refit`].
+    /// Refits the tree to moved vertices like [`refit`].
     ///
     /// # Errors
-    /// As [`refit`].
+    /// Those of [`refit`].
     pub fn refit(
         &mut self,
         positions: &[[f32; 3]],
@@ -58,21 +58,21 @@ impl Tree {
         refit(positions, triangles, execution, &mut self.nodes, &mut self.blocks)
     }
 
-    /// As [`validate_tree`].
+    /// Checks the tree like [`validate_tree`].
     ///
     /// # Errors
-    /// As [`validate_tree`].
+    /// Those of [`validate_tree`].
     pub fn validate(&self, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), TreeFault> {
         let words = validate_scratch_len(triangles.len(), self.nodes.len(), self.blocks.len());
         validate_tree(positions, triangles, &self.nodes, &self.blocks, &mut zeroed_vec(words))
     }
 
-    /// Corners of the box that holds the mesh; both 0 for a mesh without triangles.
+    /// Corners of the bounding box of the mesh; both 0 for a mesh without triangles.
     pub fn bounds(&self) -> [[f32; 3]; 2] {
         self.nodes[0].bounds()
     }
 
-    /// What is known of the triangles besides their corners, sixteen for each block.
+    /// Computes the normals of the triangles, sixteen facets per block.
     pub fn facets(&self) -> Vec<Facet> {
         let mut facets = zeroed_vec(self.blocks.len() * WIDTH);
         fill_facets(&self.blocks, Execution::default(), &mut facets);

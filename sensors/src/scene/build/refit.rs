@@ -1,4 +1,4 @@
-//! New boxes for moved vertices.
+//! Refits a tree to moved vertices.
 
 use super::collapse::put;
 use crate::Execution;
@@ -8,16 +8,16 @@ use crate::scene::vertices::check_vertices;
 use crate::simd::{WIDTH, dispatch};
 use fearless_simd::{Simd, SimdBase, f32x16};
 
-/// Takes over moved vertices: the same triangles, the same tree, new boxes. `nodes` and `blocks` are what
-/// [`build`](super::build) wrote for `triangles`, no more and no less.
+/// Refits a tree to moved vertices: the same triangles and the same tree with new boxes.
 ///
-/// The boxes stay exact, but the farther the vertices move apart, the more the boxes overlap and the slower
-/// tracing gets: build anew after a large change of shape.
+/// `nodes` and `blocks` must be exactly what [`build`](super::build) wrote for `triangles`. The boxes stay exact, but
+/// the farther vertices move apart, the more the boxes overlap and the slower tracing becomes. Rebuild the tree after a
+/// large change of shape.
 ///
 /// # Errors
-/// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`],
-/// [`SceneError::BadTree`] with the first node or block that no build made; the tree is then in part of the old
-/// vertices and in part of the new.
+/// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`], or [`SceneError::BadTree`]
+/// with the first node or block that cannot come from a build. After an error, part of the tree has the old vertices
+/// and part the new ones.
 pub fn refit(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],
@@ -40,7 +40,7 @@ fn refit_on<S: Simd>(
     simd.vectorize(
         #[inline(always)]
         || {
-            // Children come after their parents, so the last node is done first.
+            // Children come after their parents, so process the last node first.
             for index in (0..nodes.len()).rev() {
                 let (front, below) = nodes[index..].split_at_mut(1);
                 refit_node(simd, positions, triangles, &mut front[0], below, index, blocks)?;
@@ -60,8 +60,8 @@ fn refit_node<S: Simd>(
     index: usize,
     blocks: &mut [TriangleBlock],
 ) -> Result<(), SceneError> {
-    // Step 1: which vertices the leaves need. All these reads are under way at once, as none waits for another;
-    // done leaf by leaf, each would cost the time to memory.
+    // Step 1: find the vertices that the leaves need. These reads are independent and overlap; done leaf by leaf, each
+    // would cost a memory latency.
     let mut vertices = [[[0; 3]; WIDTH]; WIDTH];
     for (child, vertices) in node.child.iter().zip(&mut vertices) {
         if *child != NONE && child & LEAF != 0 {
@@ -76,7 +76,7 @@ fn refit_node<S: Simd>(
         }
     }
 
-    // Step 2: corners and boxes.
+    // Step 2: update corners and boxes.
     let mut bounds = ([0.0; 3], [0.0; 3]);
     for lane in 0..WIDTH {
         let child = node.child[lane];
@@ -97,7 +97,7 @@ fn refit_node<S: Simd>(
     Ok(())
 }
 
-/// New corners for a block, of those vertices. Its box.
+/// Updates the corners of a block from the given vertices, and returns its box.
 #[inline(always)]
 fn refit_block<S: Simd>(
     simd: S,
@@ -132,7 +132,7 @@ fn refit_block<S: Simd>(
     Ok(bounds)
 }
 
-/// Box of the children of a node.
+/// The box of the children of a node.
 #[inline(always)]
 fn node_bounds<S: Simd>(simd: S, node: &WideNode) -> ([f32; 3], [f32; 3]) {
     let mut bounds = ([0.0; 3], [0.0; 3]);
@@ -143,7 +143,7 @@ fn node_bounds<S: Simd>(simd: S, node: &WideNode) -> ([f32; 3], [f32; 3]) {
     bounds
 }
 
-/// Never −0, as the builder has it: levels may differ in which of two zeros is the smaller.
+/// The minimum, never −0, as in the builder: SIMD levels may differ in which of two zeros is smaller.
 #[inline(always)]
 fn least<S: Simd>(values: f32x16<S>) -> f32 {
     values.reduce_min() + 0.0

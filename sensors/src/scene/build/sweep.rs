@@ -1,12 +1,11 @@
-//! Small sets: every cut between two neighbours on an axis is tried, where bins would miss most multiples of
-//! sixteen.
+//! Small sets: tries every cut between two neighbours on an axis, where bins would miss most multiples of sixteen.
 
 use super::bounds::{Scratch, centre};
 use super::cost::{Cheapest, Points, Power, lengths, numbers};
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x8, f32x16, prelude::*, u32x16};
 
-/// Sets up to this size are swept. With 128, leaves are 2 % fuller, but rays meet no fewer boxes.
+/// Sets up to this size are swept. With 128, leaves are 2 % fuller, but rays do not meet fewer boxes.
 pub(super) const SWEEP: usize = 64;
 
 /// Vectors that hold a number for each primitive.
@@ -15,15 +14,15 @@ const VECTORS: usize = SWEEP / WIDTH;
 /// A number for each primitive.
 type Numbers = [[u32; WIDTH]; VECTORS];
 
-/// 2²³: adding it rounds a small f32 to a whole number, in the low bits.
+/// 2²³: adding it rounds a small f32 to an integer in the low bits.
 const ROUND: f32 = 8_388_608.0;
 
-/// Centres are sorted by so many steps of an axis.
+/// Centres are sorted with a resolution of this many steps along an axis.
 const STEPS: f32 = 4_194_303.0;
 
-/// Sorts `items`, at most [`SWEEP`], along the axis of the cheapest cut that fits in `budget` blocks and costs less
-/// than `limit`. How many are on the left; none if there is no such cut. `centres` are the bounds of [`centre`] of
-/// all.
+/// Sorts `items`, at most [`SWEEP`], along the axis of the cheapest cut that fits into `budget` blocks and costs less
+/// than `limit`. Returns the number of items on the left, or `None` if there is no such cut. `centres` are the bounds
+/// of the items' [`centre`]s.
 #[inline(always)]
 pub(super) fn sweep<S: Simd>(
     simd: S,
@@ -36,7 +35,7 @@ pub(super) fn sweep<S: Simd>(
     let count = items.len();
     let vectors = count.div_ceil(WIDTH);
 
-    // Step 1: keys to sort by.
+    // Step 1: compute the sort keys.
     let mut points = [Points::ZERO; VECTORS];
     for (i, item) in items.iter().enumerate() {
         points[i / WIDTH].0[i % WIDTH] = centre(simd, f32x8::from_slice(simd, &item.lanes)).into();
@@ -50,7 +49,7 @@ pub(super) fn sweep<S: Simd>(
             let extent = 0.0 - (centres.lanes[axis] + centres.lanes[axis + 4]);
             let scale = STEPS / extent;
             let scale = if scale.is_finite() { scale } else { 0.0 };
-            // The place on the axis, then the position in the set: a total order, so the result depends on nothing
+            // The position on the axis, then the index in the set: a total order, so that the result depends on nothing
             // else.
             let place = (columns[axis] - centres.lanes[axis]) * scale + ROUND;
             let place = place.bitcast::<u32x16<S>>() & (ROUND as u32 - 1);
@@ -60,7 +59,7 @@ pub(super) fn sweep<S: Simd>(
         both_weights[vector] = [power.weights(simd, positions), power.weights(simd, rest)];
     }
 
-    // Step 2: the cuts of each axis, by how many they leave on the left.
+    // Step 2: compare the cuts of each axis, identified by the number of items on the left.
     let mut orders = [[0; SWEEP]; 3];
     let mut best = Cheapest::below(limit);
     let empty = f32x8::splat(simd, f32::INFINITY);
@@ -94,8 +93,8 @@ pub(super) fn sweep<S: Simd>(
     Some(cut)
 }
 
-/// Positions in ascending order of their keys, which all differ. The place of a key is the number of lesser keys:
-/// counted in vectors, that is faster for so few than a sort of any kind.
+/// Indices in ascending order of their keys, which are all different. The rank of a key is the number of smaller keys;
+/// for so few keys, counting these in vectors is faster than any sort.
 #[inline(always)]
 fn sort<S: Simd>(simd: S, keys: &Numbers, count: usize, order: &mut [u32; SWEEP]) {
     let (zero, one) = (u32x16::splat(simd, 0), u32x16::splat(simd, 1));

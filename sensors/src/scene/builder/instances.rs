@@ -8,8 +8,8 @@ use crate::scene::{
 };
 
 impl SceneBuilder {
-    /// Adds an instance. Its material may be left at its default where none was added, as for scenes of lidars: the scene
-    /// then gets a material of [`MaterialConfig::default`], which is its first.
+    /// Adds an instance. If no material was added, as in scenes for lidars only, the material may be left at its
+    /// default: the scene then gets a material of [`MaterialConfig::default`], which is its first.
     ///
     /// # Errors
     /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchHeightField`],
@@ -30,10 +30,10 @@ impl SceneBuilder {
         Ok(InstanceId(index))
     }
 
-    /// Puts another instance in the place of one, pose included; its id stays.
+    /// Replaces an instance, including its pose; its id stays the same.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchInstance`], and those of [`SceneBuilder::add_instance`]; the old one is there then.
+    /// [`SceneError::NoSuchInstance`], and those of [`SceneBuilder::add_instance`]; the old instance is then kept.
     pub fn set_instance(&mut self, instance: InstanceId, config: &InstanceConfig) -> Result<(), SceneError> {
         let old = *self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance)?;
         let new = self.check_instance(config, Some(&old))?;
@@ -46,7 +46,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Takes an instance out: nobody sees it any more, and its place is for the next.
+    /// Removes an instance: no sensor sees it any more, and its index is reused by the next one added.
     ///
     /// # Errors
     /// [`SceneError::NoSuchInstance`].
@@ -54,14 +54,14 @@ impl SceneBuilder {
         let old = *self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance)?;
         self.leave(&old);
         let unseen = InstanceConfig { shape: Shape::Plane, visibility: 0, ..InstanceConfig::default() };
-        // The number of some material that the scene has, or had: bytes that name none are refused.
+        // An index of a material that the scene has or had: baked scenes with other indices are rejected.
         let blank = Instance { material: old.material, ..Instance::new(&unseen)? };
         self.instances.remove(instance.0, blank);
         self.poses[instance.0 as usize] = Pose::IDENTITY;
         Ok(())
     }
 
-    /// Sets which sensors see an instance; with 0 none does.
+    /// Sets the visibility mask of an instance; with 0 no sensor sees it.
     ///
     /// # Errors
     /// [`SceneError::NoSuchInstance`].
@@ -70,13 +70,13 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Where an instance stands; none if there is no such.
+    /// Returns the pose of an instance, or `None` if there is no such instance.
     pub fn pose(&self, instance: InstanceId) -> Option<Pose> {
         self.instances.get(instance.0)?;
         self.poses.get(instance.0 as usize).copied()
     }
 
-    /// Moves an instance.
+    /// Sets the pose of an instance.
     ///
     /// # Errors
     /// [`SceneError::NoSuchInstance`], [`SceneError::BadPose`].
@@ -87,7 +87,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Checks what is to be added, or put in the place of another.
+    /// Checks an instance that is to be added, or to replace another.
     fn check_instance(
         &self,
         config: &InstanceConfig,
@@ -115,12 +115,12 @@ impl SceneBuilder {
         Ok(instance)
     }
 
-    /// Slots of one instance.
+    /// Number of slots of one instance.
     fn slots_of(&self, instance: &Instance) -> u64 {
         u64::from(self.scene().slots(instance))
     }
 
-    /// Counts what an instance uses.
+    /// Counts the slots, mesh, height field and material that an instance uses.
     fn enter(&mut self, instance: &Instance) {
         self.slots += self.slots_of(instance);
         self.materials.use_one(instance.material);
@@ -142,7 +142,7 @@ impl SceneBuilder {
         }
     }
 
-    /// The error that names the first instance of that kind.
+    /// The error that names the first instance that matches.
     pub(super) fn used_by_instance(&self, uses: impl Fn(&Instance) -> bool) -> SceneError {
         let mut all = self.instances.items().iter().enumerate();
         let user =

@@ -9,7 +9,7 @@ use crate::scene::{
 use alloc::vec;
 
 impl SceneBuilder {
-    /// Takes in a picture of `width` × `height` RGBA texels, top row first, and makes its mip levels.
+    /// Adds a texture of `width` × `height` RGBA texels, top row first, and computes its mip levels.
     ///
     /// # Errors
     /// [`SceneError::BadTexture`], [`SceneError::TooMany`].
@@ -24,8 +24,8 @@ impl SceneBuilder {
         Ok(TextureId(self.textures.add(texture)))
     }
 
-    /// Takes in a picture of normals: of each, the parts along u, along v and outwards, which 0 to 255 stand for −1 to 1.
-    /// Unlike a picture of colours it is averaged as it is, whatever the [`ColourSpace`].
+    /// Adds a normal map. Red, green and blue are the components of the normal along u, along v and outwards; 0 to 255
+    /// represent −1 to 1. Unlike a colour texture it is averaged linearly, whatever the [`ColourSpace`].
     ///
     /// # Errors
     /// Those of [`SceneBuilder::add_texture`].
@@ -40,10 +40,10 @@ impl SceneBuilder {
         Ok(TextureId(self.textures.add(texture)))
     }
 
-    /// Puts another picture, of any size, in the place of one. Materials that wear it wear the new one.
+    /// Replaces a texture by another of any size. Materials that use it show the new one.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchTexture`], and those of [`SceneBuilder::add_texture`]; the old one is there then.
+    /// [`SceneError::NoSuchTexture`], and those of [`SceneBuilder::add_texture`]; the old texture is then kept.
     pub fn set_texture(
         &mut self,
         texture: TextureId,
@@ -60,7 +60,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Takes a picture out.
+    /// Removes a texture.
     ///
     /// # Errors
     /// [`SceneError::NoSuchTexture`], [`SceneError::InUse`] by a material.
@@ -98,7 +98,7 @@ impl SceneBuilder {
         Ok(Texture { is_data: is_data.into(), ..Texture::new(width, height, start as u32) })
     }
 
-    /// Sets what the colours of materials and textures, and of the background, are, of what is there and what will come.
+    /// Sets the colour space of the background and of all materials and textures, present and future.
     ///
     /// ```
     /// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
@@ -128,7 +128,7 @@ impl SceneBuilder {
             return;
         }
         for &Texture { first_texel, width, height, is_data, .. } in self.textures.items() {
-            // What was taken out has no size.
+            // Removed textures have no size.
             if width > 0 && is_data == 0 {
                 let texels = self.texels.slice_mut(first_texel, mip_texels(width, height));
                 fill_levels(width, height, texels, colour_space);
@@ -136,7 +136,7 @@ impl SceneBuilder {
         }
     }
 
-    /// Takes in a material.
+    /// Adds a material.
     ///
     /// # Errors
     /// [`SceneError::NoSuchTexture`], [`SceneError::BadTextureRepeat`], [`SceneError::BadShininess`],
@@ -149,7 +149,7 @@ impl SceneBuilder {
         Ok(MaterialId(self.materials.add(material)))
     }
 
-    /// Changes a material, and the look of all instances that have it.
+    /// Replaces a material. All instances that use it show the new one.
     ///
     /// # Errors
     /// [`SceneError::NoSuchMaterial`], and those of [`SceneBuilder::add_material`].
@@ -164,7 +164,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Takes a material out.
+    /// Removes a material.
     ///
     /// # Errors
     /// [`SceneError::NoSuchMaterial`], [`SceneError::InUse`] by an instance.
@@ -189,7 +189,7 @@ impl SceneBuilder {
         Ok(material)
     }
 
-    /// Takes in a lamp.
+    /// Adds a lamp.
     ///
     /// # Errors
     /// [`SceneError::BadLight`], [`SceneError::BadFalloff`], [`SceneError::TooMany`].
@@ -198,7 +198,7 @@ impl SceneBuilder {
         Ok(LightId(self.lights.add(check_light(config)?)))
     }
 
-    /// Changes a lamp.
+    /// Replaces a lamp.
     ///
     /// # Errors
     /// [`SceneError::NoSuchLight`], and those of [`SceneBuilder::add_light`].
@@ -207,7 +207,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Takes a lamp out. In its place there is one that gives no light, until another comes.
+    /// Removes a lamp. Until its index is reused, a lamp that gives no light takes its place.
     ///
     /// # Errors
     /// [`SceneError::NoSuchLight`].

@@ -1,4 +1,4 @@
-//! An owned scene that grows, changes and shrinks.
+//! An owned scene to which things can be added, and in which they can be changed and removed.
 
 mod instances;
 mod looks;
@@ -18,13 +18,13 @@ pub(super) use packed::Packed;
 use pool::Pool;
 use table::Table;
 
-/// Owns a scene's data, which [`SceneBuilder::scene`] lends, and the present pose of each instance, which
+/// Owns a scene's data, which [`SceneBuilder::scene`] lends, and the current pose of each instance, which
 /// [`SceneBuilder::moment`] lends.
 ///
-/// Everything that is added has an id, which stays while it is there; by it, it can be changed (`set_…`) and taken
-/// out (`remove_…`). Places and memory of what is taken out are used again, ids included, so that things may come and
-/// go for ever. What something else still uses cannot be taken out: first the instances, then their meshes and
-/// materials, then the textures of these.
+/// Everything that is added has an id, which stays valid until it is removed. By its id it can be replaced (`set_…`)
+/// and removed (`remove_…`). The memory and the id of something that was removed are reused, so things can come and go
+/// indefinitely. What is still in use cannot be removed: remove instances first, then their meshes and materials, then
+/// the textures of these.
 ///
 /// ```
 /// use belvedere_sensors::scene::*;
@@ -45,16 +45,16 @@ use table::Table;
 #[derive(Debug, Default, Clone)]
 pub struct SceneBuilder {
     instances: Table<Instance>,
-    /// Of each instance.
+    /// Pose of each instance.
     poses: Vec<Pose>,
-    /// Of all instances together: adding to a sum takes no longer the more there are.
+    /// Total number of slots of all instances, kept as a sum so that adding an instance takes constant time.
     slots: u64,
     meshes: Table<Mesh>,
     uvs: Pool<[f32; 2]>,
     triangles: Pool<[u32; 3]>,
     nodes: Pool<WideNode>,
     blocks: Pool<TriangleBlock>,
-    /// Sixteen for each block.
+    /// Sixteen per block.
     facets: Vec<Facet>,
     height_fields: Table<HeightField>,
     heights: Pool<f32>,
@@ -68,27 +68,27 @@ pub struct SceneBuilder {
 }
 
 impl SceneBuilder {
-    /// An empty scene in Gazebo's default light.
+    /// Creates an empty scene in Gazebo's default light.
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Where all instances stand, by their indices.
+    /// The poses of all instances, in the order of their indices.
     pub fn poses(&self) -> &[Pose] {
         &self.poses
     }
 
-    /// The moment at which the instances stand where the builder has them, and the sensor at `world_from_sensor`.
+    /// Returns the moment with the current poses of the instances, and the sensor at `world_from_sensor`.
     pub fn moment(&self, world_from_sensor: Pose) -> Moment<'_> {
         Moment { world_from_sensor, world_from_instance: &self.poses }
     }
 
-    /// Sets ambient light and background.
+    /// Sets the ambient light and the background.
     pub fn set_environment(&mut self, environment: Environment) {
         self.environment = environment;
     }
 
-    /// Lends the scene to sensors. Where an instance was taken out, there is one that nobody sees.
+    /// Lends the scene to sensors. An instance that was removed is replaced by one that no sensor sees.
     pub fn scene(&self) -> Scene<'_> {
         Scene {
             instances: self.instances.items(),
@@ -110,7 +110,7 @@ impl SceneBuilder {
         }
     }
 
-    /// Bytes of everything that the scene holds, what is free for others included.
+    /// Number of bytes of everything that the scene holds, including free memory within it.
     pub fn memory_len(&self) -> usize {
         let scene = self.scene();
         size_of_val(scene.instances)
@@ -131,7 +131,7 @@ impl SceneBuilder {
     }
 }
 
-/// What cannot be taken out of a table because nobody, or somebody, has it.
+/// Returns an element of a table, or the error `missing` if it does not exist, or that of `user` if it is in use.
 fn unused<T: Copy>(
     table: &Table<T>,
     index: u32,

@@ -8,8 +8,8 @@ use crate::simd::WIDTH;
 use alloc::vec::Vec;
 use bytemuck::{Pod, Zeroable};
 
-/// What lies one after the other, in the order of the tables. Where something was taken out of these, there is the
-/// least that is something: a mesh of no triangles, a flat square, a texel.
+/// The contents of the pools without gaps, in the order of the tables. Where something was removed, there is the
+/// smallest valid element: a mesh without triangles, a flat square, a single texel.
 #[derive(Default)]
 pub(in crate::scene) struct Packed {
     meshes: Vec<Mesh>,
@@ -25,7 +25,7 @@ pub(in crate::scene) struct Packed {
     texels: Vec<[u8; 4]>,
 }
 
-/// Copies a range to the end of what is there, and says where that begins.
+/// Appends a range to a vector, and returns the index at which it starts there.
 fn append<T: Pod>(to: &mut Vec<T>, from: &[T], first: u32, count: usize) -> u32 {
     let start = to.len() as u32;
     to.extend_from_slice(&from[first as usize..][..count]);
@@ -99,7 +99,7 @@ impl Packed {
         self.textures.push(Texture { first_texel, ..*texture });
     }
 
-    /// The scene of the builder, from here.
+    /// The builder's scene with its data taken from here.
     pub(in crate::scene) fn scene<'a>(&'a self, builder: &'a SceneBuilder) -> Scene<'a> {
         Scene {
             meshes: &self.meshes,

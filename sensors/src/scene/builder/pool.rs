@@ -1,15 +1,15 @@
-//! Memory that many things of different length share, and leave again.
+//! A pool: memory that is shared by elements of different length.
 
 use crate::scene::SceneError;
 use alloc::vec::Vec;
 use bytemuck::Pod;
 use core::ops::Range;
 
-/// Elements in one slice, and which ranges of it nobody uses.
+/// Elements in one slice, with a list of the ranges that are free.
 #[derive(Debug, Clone)]
 pub(super) struct Pool<T> {
     items: Vec<T>,
-    /// In order; no two touch, and none is at the end.
+    /// Free ranges in ascending order; no two are adjacent, and none is at the end.
     free: Vec<Range<usize>>,
 }
 
@@ -24,15 +24,15 @@ impl<T: Pod> Pool<T> {
         &self.items
     }
 
-    /// The elements from one on, to be changed.
+    /// The `count` elements from `start` on, mutable.
     pub(super) fn slice_mut(&mut self, start: u32, count: usize) -> &mut [T] {
         &mut self.items[start as usize..][..count]
     }
 
-    /// Where so many elements can be put: into the smallest range that is free and holds them, or at the end.
+    /// Finds a position for `count` elements: the smallest free range that fits, or the end.
     ///
     /// # Errors
-    /// [`SceneError::TooMany`] if the elements could not be counted in `bits` bits.
+    /// [`SceneError::TooMany`] if the number of elements would not fit into `bits` bits.
     pub(super) fn place(&self, count: usize, bits: u32) -> Result<usize, SceneError> {
         let fitting = self.free.iter().filter(|range| range.len() >= count);
         let start = match fitting.min_by_key(|range| range.len()) {
@@ -43,7 +43,7 @@ impl<T: Pod> Pool<T> {
         if fits { Ok(start) } else { Err(SceneError::TooMany) }
     }
 
-    /// Puts elements where [`Pool::place`] said.
+    /// Stores elements at a position returned by [`Pool::place`].
     pub(super) fn put(&mut self, start: usize, items: &[T]) {
         let end = start + items.len();
         if start == self.items.len() {
@@ -59,7 +59,7 @@ impl<T: Pod> Pool<T> {
         }
     }
 
-    /// Lets a range be used again.
+    /// Marks a range as free.
     pub(super) fn release(&mut self, start: u32, count: usize) {
         if count == 0 {
             return;

@@ -9,12 +9,12 @@ use crate::simd::WIDTH;
 use alloc::vec;
 use bytemuck::Zeroable;
 
-/// Slots are counted in 32 bits, sixteen to a block.
+/// Slots are counted in 32 bits, sixteen per block.
 const BLOCK_BITS: u32 = 32 - WIDTH.ilog2();
 
 impl SceneBuilder {
-    /// Takes in triangles, counter-clockwise seen from outside, and builds their tree. `uvs` holds one texture
-    /// coordinate per vertex, or none at all.
+    /// Adds a mesh of triangles, counter-clockwise seen from outside, and builds its tree. `uvs` holds one texture
+    /// coordinate per vertex, or is empty.
     ///
     /// # Errors
     /// Those of [`Tree::build`], [`SceneError::UvCount`], [`SceneError::BadUv`].
@@ -30,11 +30,11 @@ impl SceneBuilder {
         Ok(MeshId(self.meshes.add(mesh)))
     }
 
-    /// Puts other triangles in the place of a mesh. All its instances show the new ones.
+    /// Replaces a mesh. All its instances show the new one.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchMesh`], [`SceneError::TooMany`] and those of [`SceneBuilder::add_mesh`]; the old one is
-    /// there then.
+    /// [`SceneError::NoSuchMesh`], [`SceneError::TooMany`] and those of [`SceneBuilder::add_mesh`]; the old mesh is
+    /// then kept.
     pub fn set_mesh(
         &mut self,
         mesh: MeshId,
@@ -55,7 +55,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Takes a mesh out.
+    /// Removes a mesh.
     ///
     /// # Errors
     /// [`SceneError::NoSuchMesh`], [`SceneError::InUse`] by an instance.
@@ -114,15 +114,15 @@ impl SceneBuilder {
         self.facets.truncate(self.blocks.items().len() * WIDTH);
     }
 
-    /// Slots of all instances, once `uses` of them have another number of blocks.
+    /// Total number of slots after `uses` instances change their number of blocks.
     fn slots_with(&self, uses: u32, old_blocks: u32, new_blocks: usize) -> Result<u64, SceneError> {
         let slots_of = |blocks: u64| u64::from(uses) * blocks * WIDTH as u64;
         let slots = self.slots - slots_of(old_blocks.into()) + slots_of(new_blocks as u64);
         if slots >= 1 << 31 { Err(SceneError::TooMany) } else { Ok(slots) }
     }
 
-    /// Takes in a terrain of `rows` × `columns` heights in metres, row by row from +y to −y, each row from −x to
-    /// +x. `size` are its full lengths along x and y; z = 0 is where the height is 0.
+    /// Adds a terrain of `rows` × `columns` heights in metres, row by row from +y to −y, each row from −x to +x. `size`
+    /// holds its full lengths along x and y; a height of 0 is at z = 0.
     ///
     /// # Errors
     /// Those of [`HeightField::build`].
@@ -138,11 +138,11 @@ impl SceneBuilder {
         Ok(HeightFieldId(self.height_fields.add(field)))
     }
 
-    /// Puts another terrain in the place of one. All its instances show the new one.
+    /// Replaces a terrain. All its instances show the new one.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchHeightField`], [`SceneError::TooMany`] and those of [`HeightField::build`]; the old one is
-    /// there then.
+    /// [`SceneError::NoSuchHeightField`], [`SceneError::TooMany`] and those of [`HeightField::build`]; the old terrain
+    /// is then kept.
     pub fn set_height_field(
         &mut self,
         field: HeightFieldId,
@@ -168,7 +168,7 @@ impl SceneBuilder {
         Ok(())
     }
 
-    /// Takes a terrain out.
+    /// Removes a terrain.
     ///
     /// # Errors
     /// [`SceneError::NoSuchHeightField`], [`SceneError::InUse`] by an instance.
@@ -191,7 +191,7 @@ impl SceneBuilder {
         heights: &[f32],
         check: impl FnOnce((&Self, &HeightField)) -> Result<(), SceneError>,
     ) -> Result<HeightField, SceneError> {
-        // Nothing is allocated for a grid whose heights are not there.
+        // Nothing is allocated if the number of heights is wrong.
         let fits = u64::from(rows) * u64::from(columns) == heights.len() as u64;
         let need = if fits { HeightField::extents_len(rows, columns) } else { 0 };
         let first_height = self.heights.place(heights.len(), 32)?;

@@ -1,12 +1,12 @@
-//! Things that are known by their index, which stays while they are there.
+//! A table of elements whose indices stay the same until they are removed.
 
 use alloc::vec::Vec;
 
-/// Elements by index. The places of those that are gone are used again, the last one first.
+/// Elements by index. Indices of removed elements are reused, the last one first.
 #[derive(Debug, Clone)]
 pub(super) struct Table<T> {
     items: Vec<T>,
-    /// How many others use each; none where nothing is.
+    /// Number of users of each element; `None` where there is no element.
     uses: Vec<Option<u32>>,
     free: Vec<u32>,
 }
@@ -18,12 +18,12 @@ impl<T> Default for Table<T> {
 }
 
 impl<T: Copy> Table<T> {
-    /// All of them; where one is gone, what was put in its place.
+    /// All elements; a removed one is replaced by its blank.
     pub(super) fn items(&self) -> &[T] {
         &self.items
     }
 
-    /// Whether another has an index in 32 bits.
+    /// Returns true if one more element has an index in 32 bits.
     pub(super) fn has_room(&self) -> bool {
         !self.free.is_empty() || self.items.len() < u32::MAX as usize
     }
@@ -49,7 +49,7 @@ impl<T: Copy> Table<T> {
         self.items.get_mut(index as usize)
     }
 
-    /// How many others use it; none if it is not there.
+    /// Number of users of an element, or `None` if there is no such element.
     pub(super) fn uses(&self, index: u32) -> Option<u32> {
         *self.uses.get(index as usize)?
     }
@@ -66,7 +66,7 @@ impl<T: Copy> Table<T> {
         }
     }
 
-    /// Takes one out that is there; `blank` lies in its place until another comes.
+    /// Removes an element, which must exist; `blank` takes its place until the index is reused.
     pub(super) fn remove(&mut self, index: u32, blank: T) {
         self.items[index as usize] = blank;
         self.uses[index as usize] = None;

@@ -1,19 +1,19 @@
-//! Nodes and leaves of a height field's tree, made when they are visited.
+//! Nodes and leaves of a height field's tree, generated when they are visited.
 
 use super::{FAN, HeightField, LEAF_COLUMNS, LEAF_ROWS, leaves, level_size};
 use crate::scene::tree::{LEAF, NONE, TriangleBlock, WideNode};
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x4};
 
-/// Heights along a row and rows of heights in a full leaf.
+/// Number of heights along a row, and number of rows of heights, in a full leaf.
 const WIDE: usize = LEAF_COLUMNS as usize + 1;
 const HIGH: usize = LEAF_ROWS as usize + 1;
 
-/// Corners of the even and the odd triangle of a cell, as steps down and to the right from its first height;
+/// Corners of the even and the odd triangle of a cell, as steps down and to the right from its first height,
 /// counter-clockwise seen from above.
 const CUT: [[[usize; 2]; 3]; 2] = [[[0, 0], [1, 0], [0, 1]], [[1, 0], [1, 1], [0, 1]]];
 
-/// Which of [`HeightGrid::vertices`] are the corners of each triangle of a leaf.
+/// Indices in [`HeightGrid::vertices`] of the corners of each triangle of a leaf.
 pub(crate) const CORNERS: [[usize; WIDTH]; 3] = corners();
 
 const fn corners() -> [[usize; WIDTH]; 3] {
@@ -32,12 +32,12 @@ const fn corners() -> [[usize; WIDTH]; 3] {
     corners
 }
 
-/// Where a vertex is among them: four of each row, and then the last of each.
+/// Index of a vertex in [`HeightGrid::vertices`]: four of each row, then the last of each row.
 const fn vertex(row: usize, column: usize) -> usize {
     if column + 1 < WIDE { row * (WIDE - 1) + column } else { HIGH * (WIDE - 1) + row }
 }
 
-/// A height field and its data: the tree that is walked.
+/// A height field with its data: the tree that is traversed.
 #[derive(Debug, Clone, Copy)]
 pub struct HeightGrid<'a> {
     pub(super) field: HeightField,
@@ -46,7 +46,7 @@ pub struct HeightGrid<'a> {
 }
 
 impl<'a> HeightGrid<'a> {
-    /// Of a field and the slices that it was built from; none if they are shorter than that.
+    /// Creates the grid of a field from the slices from which it was built; `None` if they are too short.
     pub fn new(field: &HeightField, heights: &'a [f32], extents: &'a [[f32; 2]]) -> Option<Self> {
         let enough = heights.len() >= field.first_height as usize + field.heights()
             && extents.len()
@@ -54,7 +54,7 @@ impl<'a> HeightGrid<'a> {
         enough.then(|| Self::of(field, heights, extents))
     }
 
-    /// Of a field and the slices of the whole scene that it lies in.
+    /// Creates the grid of a field from the slices of its scene.
     #[inline(always)]
     pub(crate) fn of(field: &HeightField, heights: &'a [f32], extents: &'a [[f32; 2]]) -> Self {
         Self {
@@ -64,12 +64,12 @@ impl<'a> HeightGrid<'a> {
         }
     }
 
-    /// Its measures.
+    /// The height field without its data.
     pub fn field(&self) -> &HeightField {
         &self.field
     }
 
-    /// Lower and upper corner of the box that holds it.
+    /// Lower and upper corner of the bounding box.
     pub fn bounds(&self) -> [[f32; 3]; 2] {
         let field = &self.field;
         let [low, high] = self.extents[0];
@@ -79,16 +79,16 @@ impl<'a> HeightGrid<'a> {
         ]
     }
 
-    /// A node of the tree. The root is node 0; children are numbered as those of a mesh's tree are, so that
-    /// leaves are the indices of [`HeightGrid::block`] with [`LEAF`] set.
+    /// Generates a node of the tree. The root is node 0. Children are numbered as in the tree of a mesh; leaves are
+    /// indices for [`HeightGrid::block`] with [`LEAF`] set.
     ///
     /// # Panics
-    /// For a node that is no child of another.
+    /// If no node has this index.
     #[inline(always)]
     pub fn node(&self, node: u32) -> WideNode {
         let field = &self.field;
         let leaves = leaves(field.rows, field.columns);
-        // Which level, and where in it: levels come one after the other, the root's first.
+        // The level, and the index within it: levels are consecutive, starting with the root's.
         let (mut level, mut first) = (field.levels, 0);
         let mut size = [1, 1];
         while node - first >= size[0] * size[1] && level > 1 {
@@ -112,7 +112,7 @@ impl<'a> HeightGrid<'a> {
             y[edge as usize] = field.y_at(end(row, LEAF_ROWS, field.rows - 1));
         }
 
-        // All sixteen, repeating the last row and column where there are fewer: without a branch.
+        // All sixteen, repeating the last row and column if there are fewer, without branching.
         let mut wide = WideNode { min: [[0.0; WIDTH]; 3], max: [[0.0; WIDTH]; 3], child: [NONE; WIDTH] };
         let flag = if level == 1 { LEAF } else { first_child };
         for j in 0..FAN as usize {
@@ -134,8 +134,8 @@ impl<'a> HeightGrid<'a> {
         wide
     }
 
-    /// The vertices of a leaf, row by row but for the last column; what [`CORNERS`] says of them. None of a leaf at the
-    /// edge that has fewer.
+    /// The vertices of a leaf, row by row except for the last column, as indexed by [`CORNERS`]. `None` for a smaller
+    /// leaf at the edge.
     #[inline(always)]
     pub(crate) fn vertices<S: Simd>(&self, simd: S, block: u32) -> Option<[[f32; WIDTH]; 3]> {
         let field = &self.field;
@@ -162,10 +162,10 @@ impl<'a> HeightGrid<'a> {
         ])
     }
 
-    /// A leaf of the tree: the triangles of 4 × 2 cells.
+    /// Generates a leaf of the tree: the triangles of 4 × 2 cells.
     ///
     /// # Panics
-    /// For a block that is not one of [`HeightField::blocks`].
+    /// If the block is not one of [`HeightField::blocks`].
     #[inline(always)]
     pub fn block(&self, block: u32) -> TriangleBlock {
         let field = &self.field;
@@ -214,21 +214,21 @@ impl<'a> HeightGrid<'a> {
         wide
     }
 
-    /// Which triangle a used lane of a leaf is.
+    /// Index of the triangle in a used lane of a leaf.
     ///
     /// # Panics
-    /// For a block that is not one of [`HeightField::blocks`].
+    /// If the block is not one of [`HeightField::blocks`].
     #[inline(always)]
     pub fn triangle_of(&self, block: u32, lane: u32) -> u32 {
         let [row, column] = self.cell(block, lane);
         2 * (row * (self.field.columns - 1) + column) + lane % 2
     }
 
-    /// How much the triangle in a lane of a leaf rises along x and along y, in metres a metre.
+    /// Slopes along x and along y of the triangle in a lane of a leaf.
     #[inline(always)]
     pub(crate) fn slopes(&self, block: u32, lane: u32) -> [f32; 2] {
         let [row, column] = self.cell(block, lane);
-        // Of its corners two are on a row of heights, and two on a column.
+        // Two of its corners are on one row of heights, and two on one column.
         let [on_row, on_column] = [row + lane % 2, column + lane % 2];
         let along_x = self.height(on_row, column + 1) - self.height(on_row, column);
         let along_y = self.height(row, on_column) - self.height(row + 1, on_column);
@@ -242,15 +242,15 @@ impl<'a> HeightGrid<'a> {
         let field = &self.field;
         let [blocks_x, _] = leaves(field.rows, field.columns);
         let (column, row) = (LEAF_COLUMNS * (block % blocks_x), LEAF_ROWS * (block / blocks_x));
-        // Leaves at the edge may be narrower, and count their lanes along what they have.
+        // Leaves at the edge may be narrower, and number their lanes by their actual columns.
         let across = LEAF_COLUMNS.min(field.columns - 1 - column);
         [row + lane / 2 / across, column + lane / 2 % across]
     }
 
-    /// Corners of a triangle, bit for bit those of its block.
+    /// Corners of a triangle, bit for bit the same as in its block.
     ///
     /// # Panics
-    /// For a triangle that is not one of [`HeightField::triangles`].
+    /// If the triangle is not one of [`HeightField::triangles`].
     #[inline(always)]
     pub fn triangle(&self, triangle: u32) -> [[f32; 3]; 3] {
         let cells = self.field.columns - 1;
@@ -263,7 +263,7 @@ impl<'a> HeightGrid<'a> {
         corners
     }
 
-    /// The heights of a row of a leaf.
+    /// The heights of one row of a leaf.
     #[inline(always)]
     fn line(&self, row: u32, column: u32) -> Option<&'a [f32; WIDE]> {
         self.heights[row as usize * self.field.columns as usize + column as usize..].first_chunk()
@@ -275,7 +275,7 @@ impl<'a> HeightGrid<'a> {
     }
 }
 
-/// Sixteen values, put together as vectors: what is stored in parts is slow to load as a whole.
+/// Joins sixteen values as vectors: values that are stored in parts are slow to load as a whole.
 #[inline(always)]
 fn join<S: Simd>(simd: S, [a, b, c, d]: [&[f32; 4]; 4]) -> [f32; WIDTH] {
     let [a, b] = [f32x4::load_array_ref(simd, a), f32x4::load_array_ref(simd, b)];
@@ -285,7 +285,7 @@ fn join<S: Simd>(simd: S, [a, b, c, d]: [&[f32; 4]; 4]) -> [f32; WIDTH] {
     joined
 }
 
-/// Keeps the first columns and rows of children, and fills the lanes behind them as unused.
+/// Keeps the first columns and rows of children, and marks the lanes after them as unused.
 #[cold]
 fn trim_node(wide: &mut WideNode, across: usize, down: usize) {
     let used = across * down;
@@ -300,7 +300,7 @@ fn trim_node(wide: &mut WideNode, across: usize, down: usize) {
     }
 }
 
-/// The same of a leaf's cells, of two triangles each.
+/// Trims the cells of a leaf in the same way, two triangles per cell.
 #[cold]
 fn trim_block(wide: &mut TriangleBlock, across: usize, down: usize) {
     let used = 2 * across * down;

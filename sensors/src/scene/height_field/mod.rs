@@ -1,12 +1,13 @@
-//! Terrain: heights on a grid, under a tree that is not stored.
+//! Terrain: heights on a grid, with a tree that is not stored.
 //!
-//! The grid itself says where nodes and triangles lie in x and y. So all that a tree over it needs in memory is
-//! the range of heights below each node: a pyramid with 4 × 4 children to a node, and leaves of 4 × 2 cells, two
-//! triangles each. [`HeightGrid::node`] and [`HeightGrid::block`] make [`WideNode`](super::tree::WideNode)s and [`TriangleBlock`](super::tree::TriangleBlock)s of it
-//! as they are visited, and what walks the tree of a mesh walks this one. A corner that triangles share has the
-//! same bits in all of them, whatever block they are in: nothing slips through.
+//! The grid itself determines the positions of nodes and triangles in x and y. A tree over it therefore only needs to
+//! store the range of heights below each node: a pyramid with 4 × 4 children per node, and leaves of 4 × 2 cells with
+//! two triangles each. [`HeightGrid::node`] and [`HeightGrid::block`] generate [`WideNode`](super::tree::WideNode)s and
+//! [`TriangleBlock`](super::tree::TriangleBlock)s when they are visited, so the traversal for meshes works here too. A
+//! corner shared by several triangles has the same bits in all of them, whatever their blocks, so no ray slips through
+//! between triangles.
 //!
-//! Rows are counted like those of a picture, from +y down to −y; columns from −x to +x. Seen from above (+z):
+//! Rows are numbered like those of an image, from +y down to −y; columns from −x to +x. Seen from above (+z):
 //!
 //! ```text
 //!  (row, column) ●───────● (row, column + 1)        even triangle: (row, column), (row + 1, column),
@@ -16,8 +17,8 @@
 //!            ●───────●                                             (row, column + 1)
 //! ```
 //!
-//! That is how parry3d cuts its cells. Triangle 2·cell is the even one of that cell, 2·cell + 1 the odd one,
-//! where cell = row · (columns − 1) + column. The outside is above.
+//! parry3d splits its cells in the same way. Triangle 2·cell is the even one of a cell, 2·cell + 1 the odd one, where
+//! cell = row · (columns − 1) + column. The outside is above.
 
 mod grid;
 mod validate;
@@ -28,51 +29,51 @@ pub use grid::HeightGrid;
 use super::{HeightFieldId, SceneError};
 use bytemuck::{Pod, Zeroable};
 
-/// The range of no heights.
+/// The empty range of heights.
 const EMPTY: [f32; 2] = [f32::INFINITY, f32::NEG_INFINITY];
 
-/// Children of a node along each side.
+/// Number of children of a node along each side.
 const FAN: u32 = 4;
-/// Cells of a leaf along a row, and rows of cells.
+/// Number of cells of a leaf along a row, and number of rows of cells.
 const LEAF_COLUMNS: u32 = 4;
 const LEAF_ROWS: u32 = 2;
 
-/// A height field as it lies in a scene's memory: its measures, and where its heights begin.
+/// A height field as it is stored in a scene: its dimensions, and the position of its heights.
 #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
 #[repr(C)]
 pub struct HeightField {
     /// Full lengths along x and y.
     size: [f64; 2],
-    /// Lengths of a cell.
+    /// Lengths of a cell along x and y.
     step: [f64; 2],
-    /// Heights to a row, and rows.
+    /// Number of heights per row, and number of rows.
     columns: u32,
     rows: u32,
-    /// Levels of nodes; leaves are level 0, the root is the last.
+    /// Number of levels of nodes; leaves are level 0, the root is the last level.
     levels: u32,
-    /// Nodes in all of them.
+    /// Number of nodes on all levels.
     nodes: u32,
     pub(crate) first_height: u32,
     pub(crate) first_extent: u32,
 }
 
-/// Leaves along a row, and rows of leaves.
+/// Number of leaves along a row, and number of rows of leaves.
 const fn leaves(rows: u32, columns: u32) -> [u32; 2] {
     [(columns - 1).div_ceil(LEAF_COLUMNS), (rows - 1).div_ceil(LEAF_ROWS)]
 }
 
-/// Nodes along x and y of a level above so many leaves.
+/// Number of nodes along x and y on a level above the given leaves.
 #[inline(always)]
 const fn level_size([x, y]: [u32; 2], level: u32) -> [u32; 2] {
-    // In 64 bits: 4^level may be 2³².
+    // In 64 bits, since 4^level may be 2³².
     let shift = 2 * level;
     let round_up = (1_u64 << shift) - 1;
     [((x as u64 + round_up) >> shift) as u32, ((y as u64 + round_up) >> shift) as u32]
 }
 
 impl HeightField {
-    /// How many `extents` [`HeightField::build`] fills for a grid of that size. A grid of fewer than 2 × 2 heights
-    /// needs none, as it cannot be built.
+    /// Returns the number of `extents` that [`HeightField::build`] fills for a grid of the given size; 0 for a grid of
+    /// fewer than 2 × 2 heights, which cannot be built.
     pub const fn extents_len(rows: u32, columns: u32) -> usize {
         if rows < 2 || columns < 2 {
             return 0;
@@ -82,7 +83,7 @@ impl HeightField {
         (nodes + x as u64 * y as u64) as usize
     }
 
-    /// Levels of nodes, and nodes.
+    /// Number of levels of nodes, and number of nodes.
     const fn count_nodes(rows: u32, columns: u32) -> (u32, u64) {
         let leaves = leaves(rows, columns);
         let (mut levels, mut nodes) = (0, 0);
@@ -98,13 +99,14 @@ impl HeightField {
 
     /// Checks a grid and fills the `extents` of its tree.
     ///
-    /// `size` are the full lengths along x and y in metres, centred on the origin; `heights` are rows × columns
-    /// metres, row by row.
+    /// `size` holds the full lengths along x and y in metres, centred on the origin. `heights` holds rows × columns
+    /// heights in metres, row by row.
     ///
     /// # Errors
-    /// [`SceneError::HeightFieldTooSmall`] for fewer than 2 × 2 heights, [`SceneError::HeightCount`] if `heights`
-    /// are not rows × columns, [`SceneError::BadSize`], [`SceneError::BadHeight`] with the index of a height that is
-    /// not finite or beyond [`MAX_COORDINATE`](super::MAX_COORDINATE), [`SceneError::BufferTooSmall`], [`SceneError::TooMany`].
+    /// [`SceneError::HeightFieldTooSmall`] for fewer than 2 × 2 heights, [`SceneError::HeightCount`] if the number of
+    /// `heights` is not rows × columns, [`SceneError::BadSize`], [`SceneError::BadHeight`] with the index of a height
+    /// that is not finite or beyond [`MAX_COORDINATE`](super::MAX_COORDINATE), [`SceneError::BufferTooSmall`],
+    /// [`SceneError::TooMany`].
     pub fn build(
         rows: u32,
         columns: u32,
@@ -121,7 +123,7 @@ impl HeightField {
         Ok(field)
     }
 
-    /// The same, where its heights and extents are not the first of the scene's but begin with those.
+    /// Returns the field with its heights and extents starting at the given indices of the scene's slices.
     #[must_use]
     pub const fn at(self, first_height: u32, first_extent: u32) -> Self {
         Self { first_height, first_extent, ..self }
@@ -159,38 +161,38 @@ impl HeightField {
         }
     }
 
-    /// Rows of heights.
+    /// Number of rows of heights.
     pub fn rows(&self) -> u32 {
         self.rows
     }
 
-    /// Heights to a row.
+    /// Number of heights per row.
     pub fn columns(&self) -> u32 {
         self.columns
     }
 
-    /// Heights in all.
+    /// Total number of heights.
     fn heights(&self) -> usize {
         self.rows as usize * self.columns as usize
     }
 
-    /// Full lengths along x and y in metres.
+    /// Full lengths along x and y, in metres.
     pub fn size(&self) -> [f64; 2] {
         self.size
     }
 
-    /// Triangles: two a cell.
+    /// Number of triangles: two per cell.
     pub fn triangles(&self) -> u32 {
         2 * (self.columns - 1) * (self.rows - 1)
     }
 
-    /// Leaves of the tree: what [`HeightGrid::block`] gives.
+    /// Number of leaves of the tree, which [`HeightGrid::block`] generates.
     pub fn blocks(&self) -> u32 {
         let [x, y] = leaves(self.rows, self.columns);
         x * y
     }
 
-    /// The one place that knows where a column of heights stands: all corners on it get the same bits.
+    /// The x coordinate of a column of heights. It is computed only here, so all corners on it get the same bits.
     #[inline(always)]
     fn x_at(&self, column: u32) -> f32 {
         (f64::from(column) * self.step[0] - 0.5 * self.size[0]) as f32
@@ -208,7 +210,7 @@ fn join([low, high]: [f32; 2], [other_low, other_high]: [f32; 2]) -> [f32; 2] {
 }
 
 impl super::Scene<'_> {
-    /// A height field of the scene; none if it has no such.
+    /// Returns a height field of the scene, or `None` if there is none with this id.
     pub fn height_field(&self, id: HeightFieldId) -> Option<HeightGrid<'_>> {
         let field = self.height_fields.get(id.0 as usize).filter(|field| field.rows > 0)?;
         Some(HeightGrid::of(field, self.heights, self.extents))

@@ -1,18 +1,18 @@
-//! Whether a height field that somebody else has stored is one that can be walked.
+//! Checks that an untrusted height field can be traversed.
 
 use super::{FAN, HeightField, HeightGrid, LEAF_COLUMNS, LEAF_ROWS, leaves, level_size};
 use crate::scene::SceneError;
 use crate::scene::vertices::MAX_COORDINATE;
 
 impl HeightField {
-    /// Checks a field that was not made by [`HeightField::build`] just now, but comes from a file: that its measures
-    /// agree with each other and with its slices, that every height is one, and that each node's range of heights
-    /// holds those below it.
+    /// Checks a field that comes from an untrusted source, such as a file: that its dimensions are consistent with each
+    /// other and with its slices, that every height is valid, and that each node's range of heights is that of its
+    /// children.
     ///
     /// # Errors
-    /// Those of [`HeightField::build`], and [`SceneError::BadTree`] with the first node, counted as
-    /// [`HeightGrid::node`] does and the leaves behind them, whose heights are not those of the field. A field
-    /// without errors is walked without a panic.
+    /// Those of [`HeightField::build`], and [`SceneError::BadTree`] with the first node whose range of heights does not
+    /// match the field, or with 0 if the dimensions are inconsistent. Nodes are numbered as in [`HeightGrid::node`],
+    /// and leaves follow them. A field without errors is traversed without a panic.
     pub fn validate(&self, heights: &[f32], extents: &[[f32; 2]]) -> Result<(), SceneError> {
         if self.rows < 2 || self.columns < 2 {
             return Err(SceneError::HeightFieldTooSmall);
@@ -37,7 +37,7 @@ impl HeightField {
             .map_or(Ok(()), |bad| Err(SceneError::BadTree(bad as usize)))
     }
 
-    /// The measures of a grid, with its heights at the beginning of the slices.
+    /// The dimensions of a grid whose heights are at the start of the slices.
     pub(super) fn measures(
         rows: u32,
         columns: u32,
@@ -54,13 +54,13 @@ impl HeightField {
         if !size.iter().all(|length| in_range(*length)) {
             return Err(SceneError::BadSize);
         }
-        // NaN fails the compare as well.
+        // NaN fails the comparison as well.
         if let Some(bad) = heights.iter().position(|height| !matches!(height.abs(), 0.0..=MAX_COORDINATE)) {
             return Err(SceneError::BadHeight(bad));
         }
         let (levels, nodes) = Self::count_nodes(rows, columns);
         let [x, y] = leaves(rows, columns);
-        // Every triangle has a slot of its own, in 32 bits with the marks of leaves.
+        // Every triangle has its own slot, in 32 bits together with the leaf flags.
         let slots = u64::from(x) * u64::from(y) * crate::simd::WIDTH as u64;
         if slots > u64::from(u32::MAX) || heights.len() as u64 > u64::from(u32::MAX) {
             return Err(SceneError::TooMany);
@@ -71,7 +71,7 @@ impl HeightField {
 }
 
 impl HeightGrid<'_> {
-    /// Whether a node's range of heights is that of what is below it.
+    /// Returns true if a node's range of heights is exactly that of its descendants.
     fn holds(&self, node: u32) -> bool {
         let field = &self.field;
         let leaves = leaves(field.rows, field.columns);
@@ -102,7 +102,7 @@ impl HeightGrid<'_> {
                 }
             }
         }
-        // Compared as numbers: −0 is 0.
+        // Compared as numbers: −0 equals 0.
         [low, high] == seen
     }
 }

@@ -10,7 +10,7 @@ pub(super) fn magnitude<S: Simd>(low: f32x16<S>, high: f32x16<S>) -> f32x16<S> {
     max(-low, high)
 }
 
-/// What rounding may do to azimuths of points that far from the vertical axis, given their greatest coordinate.
+/// The rounding error of azimuths of points at a distance from the vertical axis, given their greatest coordinate.
 #[inline(always)]
 pub(super) fn azimuth_error<S: Simd>(from_axis: f32x16<S>, farthest: f32x16<S>) -> f32x16<S> {
     let simd = farthest.simd;
@@ -18,7 +18,7 @@ pub(super) fn azimuth_error<S: Simd>(from_axis: f32x16<S>, farthest: f32x16<S>) 
     min(error, f32x16::splat(simd, TAU))
 }
 
-/// Angle of (x, y) to the x axis, to 2e-6 radians: a minimax polynomial for the arc tangent up to 1.
+/// The angle of (x, y) from the x axis, with an error of 2e-6 radians: a minimax polynomial of the arc tangent up to 1.
 #[inline(always)]
 pub(super) fn atan2<S: Simd>(y: f32x16<S>, x: f32x16<S>) -> f32x16<S> {
     let zero = f32x16::splat(y.simd, 0.0);

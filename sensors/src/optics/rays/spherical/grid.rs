@@ -1,20 +1,20 @@
-//! What a spinning lidar's rays are given by.
+//! The parameters of a spinning lidar's rays.
 
-/// The rays of a spinning lidar. Angles in radians; azimuth is counter-clockwise seen from +z, elevation up. Any finite
-/// angles will do: azimuth a and elevation e are the direction (cos a cos e, sin a cos e, sin e), so beyond a pole rays
-/// look the other way.
+/// The rays of a spinning lidar. Angles are in radians; azimuth is counter-clockwise seen from +z, elevation is up. All
+/// finite angles are allowed: azimuth a and elevation e mean the direction (cos a cos e, sin a cos e, sin e), so beyond
+/// a pole rays look in the opposite direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SphericalGrid {
-    /// Columns, 1 … [`MAX_GRID_SIZE`](crate::optics::MAX_GRID_SIZE).
+    /// Number of columns, 1 to [`MAX_GRID_SIZE`](crate::optics::MAX_GRID_SIZE).
     pub columns: u32,
-    /// Rows, 1 … [`MAX_GRID_SIZE`](crate::optics::MAX_GRID_SIZE).
+    /// Number of rows, 1 to [`MAX_GRID_SIZE`](crate::optics::MAX_GRID_SIZE).
     pub rows: u32,
-    /// Of the first column.
+    /// Azimuth of the first column, in radians.
     pub first_azimuth_rad: f64,
-    /// From a column to the next.
+    /// Azimuth difference from one column to the next, in radians.
     pub azimuth_step_rad: f64,
-    /// Of the first row.
+    /// Elevation of the first row, in radians.
     pub first_elevation_rad: f64,
-    /// From a row to the next.
+    /// Elevation difference from one row to the next, in radians.
     pub elevation_step_rad: f64,
 }

@@ -1,13 +1,13 @@
-//! Cosines and sines of a grid's angles.
+//! Tables of cosines and sines of a grid's angles.
 
 use super::{ANGLE_MARGIN, SphericalFan};
 use crate::optics::rays::Fan;
 use crate::simd::{WIDTH, sin_cos, sqrt};
 
-/// Grids that are narrower, in radians, are bounded as a whole.
+/// A grid that is narrower than this, in radians, is bounded as a whole.
 const NARROW: f64 = 1e-5;
 
-/// Angles of a grid in radians: that of the first column or row, and the step to the next.
+/// The angles of a grid in radians: the angle of the first column or row, and the step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Steps {
     pub(crate) first: f64,
@@ -15,8 +15,8 @@ pub(crate) struct Steps {
 }
 
 impl Steps {
-    /// The same directions by a first angle of at most `most` (π or more) to both sides, and a step of at most half
-    /// a turn: single precision must tell the angles apart.
+    /// The same directions with a first angle of at most ±`most` (π or more) and a step of at most half a turn, so that
+    /// single precision can distinguish the angles.
     fn reduced(self, most: f64) -> Self {
         let within = |angle: f64, most: f64| {
             if angle.abs() <= most {
@@ -28,34 +28,35 @@ impl Steps {
         Self { first: within(self.first, most), step: within(self.step, core::f64::consts::PI) }
     }
 
-    /// Of the last of so many.
+    /// The last of `count` angles.
     fn last(self, count: i32) -> f64 {
         self.first + self.step * f64::from(count - 1)
     }
 
-    /// Columns or rows per radian, and what bounds are widened by.
+    /// Number of columns or rows per radian, and the margin by which bounds are widened.
     fn density(self, count: i32) -> (f64, f32) {
         let margin = |per_radian: f64| 0.01 + ANGLE_MARGIN * per_radian.abs() as f32;
         if self.step.abs() * f64::from(count - 1) < NARROW {
-            // Angles that are all but the same: either none of them or all.
+            // The angles are practically equal: either none of them is hit or all.
             return (1e3, margin(1e3) + (count - 1) as f32);
         }
         (1.0 / self.step, margin(1.0 / self.step))
     }
 
-    /// The angles of the middles of blocks of 2^`shift` columns or rows, which lie `half` a block from the first.
+    /// The angles of the middles of blocks of 2^`shift` columns or rows; the first middle is `half` steps from the
+    /// first angle.
     #[inline(always)]
     fn of_blocks(self, half: f64, shift: u32) -> Self {
         Self { first: self.first + self.step * half, step: self.step * f64::from(1 << shift) }
     }
 
-    /// The angles from one of them on.
+    /// The angles from the one with the given index on.
     fn from(self, index: u32) -> Self {
         Self { first: self.first + self.step * f64::from(index), ..self }
     }
 
-    /// Calls `take` with the cosines and sines of each sixteen angles. Those of the first sixteen steps turn the
-    /// first angle of each sixteen: a few products, where sine and cosine are dozens of them.
+    /// Calls `take` with the cosines and sines of each group of sixteen angles. The first angle of each group is
+    /// rotated by the first sixteen steps, which takes a few products, whereas a sine and a cosine take dozens.
     #[inline(always)]
     fn fill(
         self,
@@ -78,13 +79,13 @@ impl Steps {
     }
 }
 
-/// Sixteens of columns whose directions are kept: those that the blocks of the grid reach into.
+/// Number of groups of sixteen columns whose directions are stored: those that the blocks of the grid overlap.
 const fn sixteens(fan: &Fan, first_column: u32) -> usize {
     (first_column as usize % WIDTH + (fan.width as usize).next_multiple_of(WIDTH)).div_ceil(WIDTH)
 }
 
 impl<'a> SphericalFan<'a> {
-    /// Arrays of sixteen that the tables of a grid take, which begins with a column of another.
+    /// Number of arrays of sixteen in the tables of a grid that starts at a column of another grid.
     pub(crate) const fn table_len(fan: &Fan, first_column: u32) -> usize {
         let columns = sixteens(fan, first_column);
         let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
@@ -96,7 +97,7 @@ impl<'a> SphericalFan<'a> {
             + (4 * fan.blocks_down() * WIDTH).div_ceil(WIDTH)
     }
 
-    /// Fills the tables of a grid that begins with a column of that whose angles are given.
+    /// Fills the tables of a grid that starts at a column of the grid with the given angles.
     #[inline(always)]
     pub(crate) fn new(
         (fan, first_column): (Fan, u32),
@@ -106,7 +107,7 @@ impl<'a> SphericalFan<'a> {
     ) -> Self {
         let (all_azimuths, elevation) =
             (azimuth.reduced(core::f64::consts::TAU), elevation.reduced(core::f64::consts::PI));
-        // Directions of columns are worked out with those of their sixteen, counted from the first of all.
+        // The directions of columns are computed in groups of sixteen, counted from the first column of the whole grid.
         let skipped = first_column as usize % WIDTH;
         let first_sixteen = first_column as usize / WIDTH;
         let azimuth = all_azimuths.from(first_column).reduced(core::f64::consts::TAU);
@@ -134,8 +135,8 @@ impl<'a> SphericalFan<'a> {
                 }
             },
         );
-        // One by one: there are few, and at a pole the sign of a cosine must be right, or the ray is none of its
-        // column's.
+        // Computed one by one: there are few rows, and at a pole the sign of the cosine must be right, otherwise the
+        // ray would not belong to its column.
         for (row, angles) in elevations[..fan.blocks_down() << fan.shift_y].iter_mut().enumerate() {
             let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
             *angles = [cos, sin];

@@ -1,4 +1,4 @@
-//! From intervals of angles to columns and rows.
+//! Conversion of intervals of angles to columns and rows.
 
 use super::SphericalFan;
 use super::angles::{atan2, magnitude};
@@ -8,8 +8,8 @@ use core::f32::consts::PI;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
 
 impl SphericalFan<'_> {
-    /// Intervals of elevation that hold boxes which lie so far up from the sensor and so far from its axis, and
-    /// which of the boxes have a ray at their height at all.
+    /// Intervals of elevation that contain boxes at a given height (`low` to `high`) and distance from the axis
+    /// (`nearest` to `farthest`), and a mask of the boxes that can be hit by a ray at their height at all.
     #[inline(always)]
     pub(super) fn elevations_of_boxes<S: Simd>(
         &self,
@@ -21,7 +21,7 @@ impl SphericalFan<'_> {
     ) -> ([f32x16<S>; 2], mask32x16<S>) {
         let [cos, sin] = self.levels[0];
         if self.fan.height == 1 && cos > 0.01 {
-            // One row is a cone around the axis: how far below and above it is the box?
+            // A single row is a cone around the axis: compare the bottom and top of the box with it.
             let (top, bottom) = if sin > 0.0 { (nearest, farthest) } else { (farthest, nearest) };
             let slack = (magnitude(low, high) + farthest) * 1e-5;
             let some = (low * cos - bottom * sin).simd_le(slack) & (high * cos - top * sin).simd_ge(-slack);
@@ -35,7 +35,7 @@ impl SphericalFan<'_> {
         (elevation, mask32x16::splat(simd, true))
     }
 
-    /// From intervals of elevation and of azimuth (its middle, and how far to both sides) to rays.
+    /// Converts intervals of elevation and of azimuth (its middle, and the offsets to both sides) to rays.
     #[inline(always)]
     pub(super) fn rectangles<S: Simd>(
         &self,
@@ -59,7 +59,7 @@ impl SphericalFan<'_> {
         let turn = f32x16::splat(simd, self.turn);
         let last_column = f32x16::splat(simd, (self.fan.width - 1) as f32);
         let zero = f32x16::splat(simd, 0.0);
-        // The interval from [0, turn) on, and the same a turn earlier.
+        // The interval from [0, turn) on, and the same interval one turn earlier.
         let first = first - turn * simd.floor_f32x16(first / turn);
         let last = first + length;
         let starts = first.simd_le(last_column);
@@ -68,14 +68,14 @@ impl SphericalFan<'_> {
         let (begin, end) = if self.ring {
             (simd.ceil_f32x16(first), simd.floor_f32x16(last))
         } else {
-            // From both ends at once: all of it, which is rare.
+            // Visible at both ends: take all columns, which is rare.
             let begin = both.select(zero, comes_round.select(zero, first));
             let mut end = both.select(
                 last_column,
                 comes_round.select(min(last - turn, last_column), min(last, last_column)),
             );
             if self.overlaps {
-                // And once more a turn later.
+                // The interval one turn later.
                 end = (first + turn).simd_le(last_column).select(last_column, end);
             }
             (simd.ceil_f32x16(begin), simd.floor_f32x16(end))
@@ -86,7 +86,7 @@ impl SphericalFan<'_> {
         let limit = f32x16::splat(simd, 65_535.0);
         let first_column = simd.cvt_i32_f32x16(min(begin, limit));
         let last = simd.cvt_i32_f32x16(min(end, limit));
-        // A ring's interval that starts after the last column starts at the first.
+        // An interval of a ring that starts after the last column starts at the first one.
         let width = i32x16::splat(simd, self.fan.width);
         let over = first_column.simd_ge(width);
         let none = i32x16::splat(simd, 0);
@@ -103,8 +103,8 @@ impl SphericalFan<'_> {
         Rectangles { first_column, last_column: last, first_row, last_row, some }
     }
 
-    /// The same of a grid with rows beyond a pole: something is seen at its own elevation, and at its elevation over
-    /// the pole by the columns that look the other way.
+    /// The same conversion for a grid with rows beyond a pole: something is seen at its own elevation, and also at its
+    /// elevation counted over the pole, by the columns on the opposite side.
     #[inline(never)]
     fn rectangles_beyond<S: Simd>(
         &self,
@@ -157,15 +157,15 @@ impl SphericalFan<'_> {
     }
 }
 
-/// Intervals of columns or rows from intervals of angles.
+/// Converts intervals of angles to intervals of columns or rows.
 #[inline(always)]
 fn indices<S: Simd>([low, high]: [f32x16<S>; 2], first: f32, per_radian: f32) -> [f32x16<S>; 2] {
     let (a, b) = ((low - first) * per_radian, (high - first) * per_radian);
     [min(a, b), max(a, b)]
 }
 
-/// The first and last whole number from `least` to `most` that lie in the intervals, widened by `margin`, or in those
-/// any number of `turn`s away; first > last if there are none.
+/// The first and last integer from `least` to `most` in the intervals widened by `margin`, or in the intervals shifted
+/// by any number of `turn`s; first > last if there are none.
 #[inline(always)]
 fn over_turns<S: Simd>(
     [first, last]: [f32x16<S>; 2],
@@ -177,7 +177,7 @@ fn over_turns<S: Simd>(
     let (first, last) = (first - margin, last + margin);
     let length = last - first;
     let (least, most) = (f32x16::splat(simd, least as f32), f32x16::splat(simd, most as f32));
-    // The earliest that ends within, and the latest that begins within.
+    // The earliest interval that ends within the range, and the latest that starts within it.
     let after = last - least;
     let earliest = (after - simd.floor_f32x16(after / turn) * turn) + least - length;
     let before = most - first;
@@ -185,6 +185,6 @@ fn over_turns<S: Simd>(
     let all = length.simd_ge(f32x16::splat(simd, turn - 1.0));
     let begin = all.select(least, simd.ceil_f32x16(max(earliest, least)));
     let end = all.select(most, simd.floor_f32x16(min(latest, most)));
-    // What begins too late might be beyond what integers hold.
+    // A start that is too late might exceed the range of integers.
     [min(begin, most + 1.0), max(end, least - 1.0)]
 }

@@ -1,4 +1,4 @@
-//! Preparing a table of rays.
+//! Building a table of rays.
 
 use super::chart::Chart;
 use super::error::{TableError, check_size};
@@ -11,11 +11,11 @@ use crate::optics::rays::Fan;
 use crate::simd::WIDTH;
 use glam::{DVec2, DVec3};
 
-/// Directions of the rays of a sensor, prepared for tracing once and for all in the caller's memory: of a
-/// distorted or fisheye lens, of a lidar with uneven rings, or any others.
+/// A table of ray directions, prepared for tracing in memory that the caller provides: for a distorted or fisheye lens,
+/// a lidar with unevenly spaced channels, or any other directions.
 ///
-/// Frames are fast if neighbours in a row or column are neighbours in space, and fastest if rows and columns of
-/// rays are about straight or, for a lidar, circles. Any table gives right answers.
+/// Tracing is fast if neighbours in a row or column are neighbours in space, and fastest if rows and columns of rays
+/// are approximately straight or, for a lidar, circles. The results are correct for any table.
 ///
 /// ```
 /// use belvedere_sensors::optics::{Optics, RayTable};
@@ -30,26 +30,26 @@ use glam::{DVec2, DVec3};
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayTable<'a> {
     fan: Fan,
-    /// What all slices below are cut off.
+    /// The memory of all slices below.
     pub(super) buffer: &'a [CacheLine],
-    /// All x, y and z of each block of sixteen rays; where it reaches over the edge, its last rays repeat.
+    /// All x, y and z of each block of sixteen rays. In blocks that extend over the edge, the last rays are repeated.
     pub(super) directions: &'a [[[f32; WIDTH]; 3]],
-    /// The lanes of each block that have no ray, a bit each.
+    /// The lanes of each block without a ray, as one bit each.
     pub(super) missing: &'a [u16],
     pub(super) has_missing: bool,
-    /// x, y and z of the middle direction of each block, and sixteen more to read.
+    /// x, y and z of the middle direction of each block, with sixteen more so that vectors can be read.
     pub(super) middles: [&'a [f32]; 3],
-    /// No direction of a block is farther from that of its middle; sixteen more, too.
+    /// Upper bound on the distance of a block's directions from its middle direction, with sixteen more likewise.
     pub(super) radii: &'a [f32],
     pub(super) chart: Chart,
     pub(super) columns: LookUp<'a>,
     pub(super) rows: LookUp<'a>,
-    /// The columns close to a ring: the first follows the last.
+    /// True if the columns close to a ring: the first follows the last.
     pub(super) ring: bool,
 }
 
 impl<'a> RayTable<'a> {
-    /// Cache lines that a table needs: about 13 bytes a ray, 16 for each column and row, and 3 kB.
+    /// Returns the number of cache lines that a table needs: about 13 bytes per ray, 16 per column and row, and 3 kB.
     pub const fn required_len(width: u32, height: u32) -> usize {
         let (any, square) = (Fan::new(width, height), Fan::square(width, height));
         let (any, square) =
@@ -62,15 +62,15 @@ impl<'a> RayTable<'a> {
             + 2 * look_up_lines(height as usize)
     }
 
-    /// Prepares a table of directions, row after row, in the sensor's frame: x forward, y left, z up. [0, 0, 0] says
-    /// that a pixel has no ray: it sees nothing.
+    /// Builds a table of directions, row by row, in the sensor's frame: x forward, y left, z up. [0, 0, 0] means that a
+    /// pixel has no ray and sees nothing.
     ///
-    /// Directions are normalised in double precision and rounded to single: what [`RayTable::direction`] then
-    /// tells is what is traced, to the last bit.
+    /// Directions are normalised in double precision and rounded to single precision. [`RayTable::direction`] returns
+    /// exactly the direction that is traced.
     ///
     /// # Errors
-    /// When there are no rays or too many, not one direction each, one that is not finite or not of length 1
-    /// (± 1e-4), or the buffer is too small; the error names the ray.
+    /// If there are no rays or too many, if the number of directions is wrong, if a direction is not finite or not of
+    /// length 1 (± 1e-4), or if the buffer is too small. The error names the ray.
     pub fn build(
         width: u32,
         height: u32,
@@ -88,7 +88,7 @@ impl<'a> RayTable<'a> {
         Self::fill(Fan::new(width, height), direction, buffer)
     }
 
-    /// Prepares the rays of the pixels of a picture, seen through a lens.
+    /// Builds a table of the rays of an image's pixels, seen through a lens.
     ///
     /// # Errors
     /// [`TableError::Size`], [`TableError::BufferTooSmall`]; [`TableError::Empty`] if the lens maps no pixel.
@@ -120,7 +120,7 @@ impl<'a> RayTable<'a> {
         Ok(Self::cut(&plan, buffer))
     }
 
-    /// The table that lies in a buffer.
+    /// Borrows the table that is stored in a buffer.
     pub(super) fn cut(plan: &Plan, buffer: &'a [CacheLine]) -> Self {
         let Plan { fan, layout, has_missing, scales } = *plan;
         let count = fan.blocks_across() * fan.blocks_down();
@@ -149,10 +149,10 @@ impl<'a> RayTable<'a> {
         }
     }
 
-    /// The direction of a ray as it is traced; [0, 0, 0] where there is none.
+    /// Returns the direction of a ray exactly as it is traced, or [0, 0, 0] if the pixel has no ray.
     ///
     /// # Panics
-    /// When there is no such ray.
+    /// If `column` or `row` is outside the table.
     pub fn direction(&self, column: u32, row: u32) -> [f32; 3] {
         assert!(column < self.fan.width as u32 && row < self.fan.height as u32, "there is no such ray");
         let grid = Grid { fan: self.fan, blocks: self.directions, missing: self.missing };
@@ -167,7 +167,7 @@ impl<'a> RayTable<'a> {
         Plan { fan: self.fan, layout, has_missing: self.has_missing, scales }
     }
 
-    /// Columns and rows.
+    /// Number of columns and rows.
     pub fn size(&self) -> [u32; 2] {
         [self.fan.width as u32, self.fan.height as u32]
     }
@@ -177,7 +177,7 @@ impl<'a> RayTable<'a> {
     }
 }
 
-/// Cache lines of both look-ups of columns (or rows), each.
+/// Number of cache lines of each of the two look-up arrays for columns (or rows).
 const fn look_up_lines(count: usize) -> usize {
     ((cells(count) + 1) * size_of::<i16>()).div_ceil(size_of::<CacheLine>())
 }

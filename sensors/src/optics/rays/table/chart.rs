@@ -1,7 +1,7 @@
 //! Flat charts of the directions of a table, on which boxes and triangles are bounded.
 //!
-//! A chart's first coordinate should rise with the column and its second with the row; how closely decides how
-//! tight bounds are, never whether they hold.
+//! The first coordinate of a chart should increase with the column and the second with the row. How closely they do
+//! determines how tight bounds are, but bounds are always valid.
 
 mod ahead;
 mod around;
@@ -18,19 +18,20 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
 use glam::{DMat3, DVec3};
 pub(super) use stretch::Stretch;
 
-/// More than what rounding does to a direction, in radians.
+/// An upper bound on the rounding error of a direction, in radians.
 const MARGIN: f32 = 4e-6;
-/// A coordinate beyond all charts.
+/// A coordinate outside all charts.
 const BEYOND: f32 = 1e9;
 
-/// How directions are laid out flat.
+/// The map from directions to the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Kind {
-    /// y/x and z/x: for directions within 65° of the axis. Straight lines stay straight, and boxes tight.
+    /// y/x and z/x, for directions within 65° of the axis. Straight lines stay straight, and the bounds of boxes are
+    /// tight.
     Perspective,
-    /// y/(1 + x) and z/(1 + x), stereographic: for directions within 150° of the axis, as of a fisheye.
+    /// y/(1 + x) and z/(1 + x), stereographic, for directions within 150° of the axis, such as those of a fisheye lens.
     Stereographic,
-    /// Azimuth around z and half the elevation's tangent: for rings of a lidar, and whatever else.
+    /// Azimuth around z, and tangent of half the elevation: for the rings of a lidar, and anything else.
     Cylindrical,
 }
 
@@ -38,18 +39,18 @@ pub(super) enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Chart {
     pub(super) kind: Kind,
-    /// Rows of the matrix from the sensor's axes to the chart's. It may mirror.
+    /// Rows of the matrix from the sensor's axes to the chart's, which may include a reflection.
     rows: [[f32; 3]; 3],
     axes: [[f64; 3]; 3],
-    /// What a chart that looks ahead is stretched by.
+    /// The stretch of a perspective or stereographic chart.
     stretch: Option<Stretch>,
 }
 
-/// Sixteen windows of a chart, from the least to the greatest of each coordinate. Azimuths may go past the seam.
+/// Sixteen windows of a chart, from the least to the greatest of each coordinate. Azimuths may continue past the seam.
 pub(super) struct Windows<S: Simd> {
     pub(super) u: [f32x16<S>; 2],
     pub(super) v: [f32x16<S>; 2],
-    /// Those that hold anything.
+    /// The windows that are not empty.
     pub(super) some: mask32x16<S>,
 }
 
@@ -63,7 +64,7 @@ fn rotate<S: Simd>(rows: &[[f32; 3]; 3], point: &Points<S>) -> Points<S> {
     ]
 }
 
-/// Least and greatest of three.
+/// The least and the greatest of three values.
 #[inline(always)]
 fn spread_of<S: Simd>(values: &[f32x16<S>; 3]) -> [f32x16<S>; 2] {
     [min(min(values[0], values[1]), values[2]), max(max(values[0], values[1]), values[2])]
@@ -79,12 +80,12 @@ impl Chart {
         }
     }
 
-    /// The same, stretched.
+    /// The same chart with a stretch.
     pub(super) fn stretched(self, stretch: Stretch) -> Self {
         Self { stretch: Some(stretch), ..self }
     }
 
-    /// Where a direction of length 1 lies.
+    /// Chart coordinates of a direction of length 1.
     pub(super) fn coordinates(&self, direction: DVec3) -> [f32; 2] {
         let point = DMat3::from_cols_array_2d(&self.axes).transpose() * direction;
         let [u, v] = match self.kind {
@@ -99,7 +100,7 @@ impl Chart {
         [u as f32, v as f32]
     }
 
-    /// Windows that hold the boxes.
+    /// Windows that contain the boxes.
     #[inline(always)]
     pub(super) fn windows_of_boxes<S: Simd>(&self, simd: S, low: &Points<S>, high: &Points<S>) -> Windows<S> {
         let (mut centre, mut half) = (*low, *low);
@@ -107,7 +108,7 @@ impl Chart {
             centre[axis] = (low[axis] + high[axis]) * 0.5;
             half[axis] = (high[axis] - low[axis]) * 0.500_001;
         }
-        // Rounding moves the turned box by less than that.
+        // Upper bound on the rounding error of the rotated box.
         let far = |axis: usize| centre[axis].abs() + half[axis];
         let slack = max(max(far(0), far(1)), far(2)) * 1e-6;
         centre = rotate(&self.rows, &centre);
@@ -133,7 +134,7 @@ impl Chart {
         }
     }
 
-    /// Windows that hold the triangles.
+    /// Windows that contain the triangles.
     #[inline(always)]
     pub(super) fn windows_of_triangles<S: Simd>(
         &self,
@@ -163,7 +164,8 @@ impl Chart {
         windows
     }
 
-    /// Where all corners are well in front, and triangles small if their edges are bent, and then the windows.
+    /// The windows of triangles, and a mask of those that are valid: all corners must be well in front, and triangles
+    /// must be small if the chart bends their edges.
     #[inline(always)]
     fn triangles_ahead<S: Simd>(&self, simd: S, corners: &[Points<S>; 3]) -> (Windows<S>, mask32x16<S>) {
         let zero = f32x16::splat(simd, 0.0);
@@ -198,7 +200,7 @@ impl Chart {
             (across, down) = (spread_of(&u), spread_of(&v));
             stretch.margin(square, bulge)
         } else {
-            // An error of direction moves a point by 1 + u² + v² times as much, at most.
+            // An error of direction moves a point by at most 1 + u² + v² times as much.
             let (far_u, far_v) = (max(-across[0], across[1]), max(-down[0], down[1]));
             ((far_u * far_u + far_v * far_v) + 1.0) * MARGIN + square * bulge
         };

@@ -1,49 +1,49 @@
-//! Why a table cannot be made.
+//! Errors of building a table.
 
-/// Columns or rows of a table, at most.
+/// The greatest number of columns or rows of a table.
 pub(super) const MOST: u32 = 16_384;
 
-/// What is wrong with a table of rays.
+/// The reason why a table of rays cannot be built.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum TableError {
     /// There are no rays, or more than 16384 columns or rows.
     Size {
-        /// Columns.
+        /// Number of columns.
         width: u32,
-        /// Rows.
+        /// Number of rows.
         height: u32,
     },
-    /// Not a single ray: all pixels lie beyond what the lens maps.
+    /// There is no ray: all pixels are outside the domain of the lens.
     Empty,
-    /// Not one direction a ray.
+    /// The number of directions is not the number of rays.
     Count {
         /// Columns × rows.
         expected: usize,
-        /// Directions.
+        /// Number of directions given.
         found: usize,
     },
     /// A direction has a coordinate that is not finite.
     NotFinite {
-        /// Of the ray.
+        /// Column of the ray.
         column: u32,
-        /// Of the ray.
+        /// Row of the ray.
         row: u32,
     },
-    /// A direction's length is not 1 to within 1e-4.
+    /// The length of a direction differs from 1 by more than 1e-4.
     NotUnit {
-        /// Of the ray.
+        /// Column of the ray.
         column: u32,
-        /// Of the ray.
+        /// Row of the ray.
         row: u32,
-        /// What it is.
+        /// Length of the direction.
         length: f64,
     },
-    /// Fewer cache lines than [`RayTable::required_len`](crate::optics::RayTable::required_len).
+    /// The buffer has fewer cache lines than [`RayTable::required_len`](crate::optics::RayTable::required_len).
     BufferTooSmall {
-        /// Cache lines that are needed.
+        /// Number of cache lines that are needed.
         required: usize,
-        /// Those that there are.
+        /// Number of cache lines of the buffer.
         found: usize,
     },
 }

@@ -1,33 +1,33 @@
-//! Which chart suits a table.
+//! Selection of the chart for a table.
 
 use super::super::Fan;
 use super::chart::{Chart, Kind, Stretch, TURN};
 use crate::simd::{WIDTH, sqrt};
 use glam::{DMat3, DVec3};
 
-/// Cosine of the greatest angle to the axis of a perspective chart: 65°.
+/// Cosine of the greatest angle from the axis of a perspective chart, 65°.
 const COS_PERSPECTIVE: f64 = 0.4226;
-/// And of a stereographic one: 150°.
+/// Cosine of the greatest angle from the axis of a stereographic chart, 150°.
 const COS_STEREOGRAPHIC: f64 = -0.866;
-/// An axis whose cosine to one of the sensor's is greater is taken to be that one.
+/// An axis with a greater cosine to one of the sensor's axes is replaced by that axis.
 const COS_SAME: f64 = 0.999_99;
 
-/// A chart, and how columns run on it.
+/// A chart, and the way in which columns run on it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub(super) chart: Chart,
-    /// The columns close to a ring.
+    /// True if the columns close to a ring.
     pub(super) ring: bool,
 }
 
 impl Layout {
-    /// The number of a column at a coordinate: on a ring, those that lie beyond the seam count on.
+    /// The number of a column at a coordinate: on a ring, numbers continue past the seam.
     pub(super) fn column(&self, rays: &Grid<'_>, column: i32, u: f32) -> i32 {
         if !self.ring {
             return column;
         }
         let width = rays.fan.width;
-        // Within an eighth of a turn of where the column is.
+        // Within an eighth of a turn of the column's position.
         let about = (u / TURN + 0.5) * width as f32 - 0.5;
         let turns = libm::roundf((about - column as f32) / width as f32);
         column + turns as i32 * width
@@ -38,7 +38,7 @@ impl Layout {
 pub(super) struct Grid<'a> {
     pub(super) fan: Fan,
     pub(super) blocks: &'a [[[f32; WIDTH]; 3]],
-    /// The lanes of each block that have no ray, a bit each.
+    /// The lanes of each block without a ray, as one bit each.
     pub(super) missing: &'a [u16],
 }
 
@@ -49,20 +49,20 @@ impl Grid<'_> {
         (block, fan.lane(column, row))
     }
 
-    /// Whether there is such a ray.
+    /// Returns true if the ray exists.
     pub(super) fn has(&self, column: i32, row: i32) -> bool {
         let (block, lane) = self.place(column, row);
         self.missing[block] >> lane & 1 == 0
     }
 
-    /// The direction of a ray; where there is none, that of another or straight ahead.
+    /// The direction of a ray. If it does not exist, another ray's direction, or straight ahead.
     pub(super) fn direction(&self, column: i32, row: i32) -> DVec3 {
         let (block, lane) = self.place(column, row);
         let [x, y, z] = &self.blocks[block];
         DVec3::new(x[lane].into(), y[lane].into(), z[lane].into())
     }
 
-    /// Calls `work` with column, row and direction of each ray that there is.
+    /// Calls `work` with the column, row and direction of each ray that exists.
     pub(super) fn for_each(&self, mut work: impl FnMut(i32, i32, DVec3)) {
         for row in 0..self.fan.height {
             for column in 0..self.fan.width {
@@ -73,8 +73,8 @@ impl Grid<'_> {
         }
     }
 
-    /// The axis for charts that look ahead, if no direction is farther from it than that: the sensor's own
-    /// that is nearest to the middle, if it will do, as the sensor's boxes lie along it.
+    /// The axis of a perspective or stereographic chart, if all directions are within the given angle of it. The
+    /// sensor's own axis nearest to the middle is preferred, since the boxes of the sensor are aligned with it.
     fn axis_ahead(&self, cosine: f64) -> Option<DVec3> {
         let mut sum = DVec3::ZERO;
         self.for_each(|_, _, direction| sum += direction);
@@ -94,7 +94,7 @@ impl Grid<'_> {
         Some(self.ahead(Kind::Stereographic, self.axis_ahead(COS_STEREOGRAPHIC)?))
     }
 
-    /// A chart around an axis, turned so that columns go along its first coordinate.
+    /// A chart around an axis, rotated so that columns run along its first coordinate.
     fn ahead(&self, kind: Kind, axis: DVec3) -> Layout {
         let [across, down] = self.steps().map(|step| step - axis * axis.dot(step));
         let along_column = unit(down).map(|down| down.cross(axis));
@@ -106,7 +106,7 @@ impl Grid<'_> {
         Layout { chart: Chart::new(kind, [axis, u, v]), ring: false }
     }
 
-    /// The same chart, stretched so that columns and rows lie as straight on it as they can.
+    /// The same chart with a stretch that makes columns and rows as straight as possible.
     pub(super) fn stretched(&self, layout: &Layout) -> Option<Layout> {
         let wide = self.fan.width >= self.fan.height;
         let stretch = Stretch::fit(self.fan.width * self.fan.height, |take| {
@@ -118,7 +118,8 @@ impl Grid<'_> {
         Some(Layout { chart: layout.chart.stretched(stretch), ..*layout })
     }
 
-    /// From the first to the last column, summed over rows, and from the first to the last row.
+    /// The differences from the first to the last column, summed over rows, and from the first to the last row, summed
+    /// over columns.
     fn steps(&self) -> [DVec3; 2] {
         let [right, bottom] = [self.fan.width - 1, self.fan.height - 1];
         let step = |from: [i32; 2], to: [i32; 2]| {
@@ -127,7 +128,7 @@ impl Grid<'_> {
         };
         let across = (0..=bottom).map(|row| step([0, row], [right, row])).sum();
         let down = (0..=right).map(|column| step([column, 0], [column, bottom])).sum();
-        // A round picture may reach no edge: then neighbours in its middle tell.
+        // A circular image may not reach any edge; use neighbours in its middle instead.
         if across == DVec3::ZERO || down == DVec3::ZERO {
             let [x, y] = [right / 2, bottom / 2];
             let next = |first: i32, last: i32| (first + 1).min(last);
@@ -136,10 +137,10 @@ impl Grid<'_> {
         [across, down]
     }
 
-    /// A chart around the axis that rows go round.
+    /// A chart around the axis that the rows encircle.
     pub(super) fn cylindrical(&self) -> Layout {
         let (width, height) = (self.fan.width, self.fan.height);
-        // Steps along rows are across the axis: that in which they are least.
+        // Steps along rows are perpendicular to the axis, so the axis is the direction in which they are smallest.
         let mut steps = DMat3::ZERO;
         for row in 0..height {
             for column in 1..width {
@@ -167,7 +168,7 @@ impl Grid<'_> {
         let chart = Chart::new(Kind::Cylindrical, [ahead, left, axis]);
         let ends = [0, width - 1].map(|column| across(self.direction(column, height / 2)));
         let ring = match ends {
-            // Closer than two and a half columns of a whole turn.
+            // Less than two and a half columns short of a full turn.
             [Some(first), Some(last)] => {
                 let most = 2.5 * core::f64::consts::TAU / f64::from(width);
                 width >= 16 && first.dot(last) > 1.0 - 0.5 * most * most
@@ -178,13 +179,13 @@ impl Grid<'_> {
     }
 }
 
-/// The unit vector in that direction, if there is any.
+/// The unit vector in the direction of `vector`, or `None` if it has almost no length.
 fn unit(vector: DVec3) -> Option<DVec3> {
     let length = sqrt(vector.length_squared());
     (length > 1e-6).then(|| vector / length)
 }
 
-/// The axis of the sensor that a vector is nearest to.
+/// The axis of the sensor that is nearest to a vector.
 fn nearest_axis(vector: DVec3) -> DVec3 {
     let size = vector.abs();
     let axis = if size.x >= size.y && size.x >= size.z {
@@ -197,15 +198,15 @@ fn nearest_axis(vector: DVec3) -> DVec3 {
     if axis.dot(vector) < 0.0 { -axis } else { axis }
 }
 
-/// Normalised; one of the sensor's axes, if it is one but for rounding.
+/// Normalises a vector, and replaces it by one of the sensor's axes if they differ only by rounding.
 fn settled(vector: DVec3) -> DVec3 {
     let nearest = nearest_axis(vector);
     let vector = unit(vector).unwrap_or(nearest);
     if vector.dot(nearest) > COS_SAME { nearest } else { vector }
 }
 
-/// The axis along which a sum of squares is least: an eigenvector, by squaring its complement to the trace over
-/// and over.
+/// The axis along which a sum of squares is least: an eigenvector, computed by repeatedly squaring its complement to
+/// the trace.
 fn least_axis(squares: &DMat3) -> DVec3 {
     let trace = |matrix: &DMat3| matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;
     let mut power = DMat3::IDENTITY * (trace(squares) + 1e-30) - *squares;

@@ -1,30 +1,32 @@
-//! From a coordinate of a chart to the columns or rows that have rays there.
+//! The look-up from a coordinate of a chart to the columns or rows that have rays there.
 
 use super::chart::TURN;
 use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16};
 
-/// The least and the greatest column (or row) from and up to each of the cells into which a coordinate is cut.
+/// For each of the cells into which a coordinate is divided: the least column (or row) from the cell on, and the
+/// greatest before it.
 ///
-/// As columns rise with the coordinate, that is all there is to know; if they do not, bounds are loose, and hold.
+/// If columns increase with the coordinate, these two describe them completely. Otherwise bounds are loose but still
+/// valid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct LookUp<'a> {
     pub(super) scale: Scale,
-    /// The least in this cell and the later ones; one entry more, for what lies past the last.
+    /// The least number in this cell and the later ones, with one more entry for coordinates past the last cell.
     pub(super) first: &'a [i16],
-    /// The greatest in the cells before this one; one entry more, too.
+    /// The greatest number in the cells before this one, also with one more entry.
     pub(super) last: &'a [i16],
 }
 
-/// How a coordinate is cut into cells.
+/// The division of a coordinate into cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Scale {
-    /// Where the cells begin.
+    /// Start of the first cell.
     start: f32,
     cells_per_unit: f32,
 }
 
-/// Cells for a grid of that many columns (or rows).
+/// Number of cells for a grid of `count` columns (or rows).
 pub(super) const fn cells(count: usize) -> usize {
     4 * count + 252
 }
@@ -37,9 +39,9 @@ pub(super) struct Filling<'a> {
 }
 
 impl<'a> Filling<'a> {
-    /// Empty, for coordinates in the interval.
+    /// Creates an empty look-up for coordinates in the interval.
     pub(super) fn new([least, most]: [f32; 2], first: &'a mut [i16], last: &'a mut [i16]) -> Self {
-        // Apart from each other where there is but one.
+        // Keeps the ends apart if there is only one coordinate.
         const PAD: f32 = 1e-4;
         first.fill(i16::MAX);
         last.fill(i16::MIN);
@@ -48,7 +50,7 @@ impl<'a> Filling<'a> {
         Self { scale: Scale { start: least - PAD, cells_per_unit }, first, last }
     }
 
-    /// A ray of that column (or row) is there.
+    /// Adds a ray of the column (or row) `number`.
     pub(super) fn add(&mut self, coordinate: f32, number: i32) {
         let cell = ((coordinate - self.scale.start) * self.scale.cells_per_unit) as usize;
         let cell = cell.min(self.first.len() - 2);
@@ -57,7 +59,7 @@ impl<'a> Filling<'a> {
         self.last[cell + 1] = self.last[cell + 1].max(number);
     }
 
-    /// Once all have been added.
+    /// Completes the look-up after all rays have been added.
     pub(super) fn finish(self) -> LookUp<'a> {
         for cell in (1..self.first.len()).rev() {
             self.first[cell - 1] = self.first[cell - 1].min(self.first[cell]);
@@ -70,7 +72,7 @@ impl<'a> Filling<'a> {
 }
 
 impl LookUp<'_> {
-    /// How many columns or rows a cell holds on average.
+    /// Average number of columns or rows per cell.
     pub(super) fn looseness(&self) -> f64 {
         let cells = self.first.len() - 1;
         let width = |cell: usize| (i32::from(self.last[cell + 1]) - i32::from(self.first[cell]) + 1).max(0);
@@ -89,7 +91,7 @@ impl LookUp<'_> {
         array
     }
 
-    /// First of sixteen intervals that begin there.
+    /// The first number of sixteen intervals that start at `from`.
     #[inline(always)]
     fn first_from<S: Simd>(&self, simd: S, from: f32x16<S>) -> i32x16<S> {
         let cells = self.cells(simd, from, 0.0);
@@ -100,7 +102,7 @@ impl LookUp<'_> {
         i32x16::load_array_ref(simd, &numbers)
     }
 
-    /// Last of sixteen intervals that end there.
+    /// The last number of sixteen intervals that end at `to`.
     #[inline(always)]
     fn last_to<S: Simd>(&self, simd: S, to: f32x16<S>) -> i32x16<S> {
         let cells = self.cells(simd, to, -1.0);
@@ -111,14 +113,14 @@ impl LookUp<'_> {
         i32x16::load_array_ref(simd, &numbers)
     }
 
-    /// First and last column (or row) in sixteen intervals; first > last where there is none.
+    /// The first and the last column (or row) in sixteen intervals; first > last if there is none.
     #[inline(always)]
     pub(super) fn look_up<S: Simd>(&self, simd: S, [from, to]: [f32x16<S>; 2]) -> [i32x16<S>; 2] {
         [self.first_from(simd, from), self.last_to(simd, to)]
     }
 
-    /// The same for intervals of azimuth, which may go on past the seam, where columns count on from `width` if
-    /// they close to a ring, and else from 0 again.
+    /// The same look-up for intervals of azimuth, which may continue past the seam. There, columns continue from
+    /// `width` if they close to a ring, and from 0 otherwise.
     #[inline(always)]
     pub(super) fn look_up_round<S: Simd>(
         &self,
@@ -141,7 +143,7 @@ impl LookUp<'_> {
         if !ring {
             return [first, last];
         }
-        // Numbers of a ring's columns run from −width to 3 × width: back to where the first is a column.
+        // The numbers of a ring's columns run from −width to 3 × width: shift them until the first is a column.
         let width = i32x16::splat(simd, width);
         let all = (last - first + 1).simd_ge(width);
         for _ in 0..2 {

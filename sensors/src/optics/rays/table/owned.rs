@@ -27,7 +27,7 @@ pub struct RayTableBuf {
 }
 
 impl RayTableBuf {
-    /// [`RayTable::build`] in memory of its own.
+    /// Builds a table with [`RayTable::build`] in allocated memory.
     ///
     /// # Errors
     /// Those of [`RayTable::build`].
@@ -35,7 +35,7 @@ impl RayTableBuf {
         Self::with(width, height, |buffer| RayTable::build(width, height, directions, buffer))
     }
 
-    /// [`RayTable::from_lens`] in memory of its own.
+    /// Builds a table with [`RayTable::from_lens`] in allocated memory.
     ///
     /// # Errors
     /// [`TableError::Size`]; [`TableError::Empty`] if the lens maps no pixel.
@@ -54,12 +54,12 @@ impl RayTableBuf {
         Ok(Self { plan, buffer })
     }
 
-    /// Copies a table into memory of its own.
+    /// Copies a table into allocated memory.
     pub(crate) fn copy_of(table: &RayTable<'_>) -> Self {
         Self { plan: table.plan(), buffer: table.buffer.to_vec() }
     }
 
-    /// Lends the table to a sensor.
+    /// Returns the table, for use by a sensor.
     pub fn table(&self) -> RayTable<'_> {
         RayTable::cut(&self.plan, &self.buffer)
     }

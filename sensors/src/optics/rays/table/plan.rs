@@ -1,4 +1,4 @@
-//! Filling a table's memory.
+//! Fills the memory of a table.
 
 use super::error::TableError;
 use super::layout::{Grid, Layout};
@@ -8,23 +8,23 @@ use crate::optics::rays::Fan;
 use crate::simd::{WIDTH, sqrt};
 use glam::DVec3;
 
-/// How far from 1 the length of a direction may be.
+/// Tolerance for the length of a direction, which must be 1.
 const LENGTH_TOLERANCE: f64 = 1e-4;
-/// A chart that takes more work must be so much tighter.
+/// A more expensive chart is used only if its looseness is less than this fraction of the cheaper one's.
 const TIGHTER: f64 = 0.9;
 
-/// What is known of a table besides what lies in its buffer.
+/// The properties of a table that are not stored in its buffer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
     pub(super) fan: Fan,
     pub(super) layout: Layout,
     pub(super) has_missing: bool,
-    /// Of the look-ups of columns and of rows.
+    /// Scales of the look-ups of columns and of rows.
     pub(super) scales: [Scale; 2],
 }
 
 impl Plan {
-    /// Fills the buffer.
+    /// Builds the table in the buffer.
     pub(super) fn fill(
         fan: Fan,
         direction: impl Fn(u32, u32) -> DVec3,
@@ -51,7 +51,7 @@ impl Plan {
         let ahead = perspective.or_else(|| rays.stereographic());
         let around = if perspective.is_none() { Some(rays.cylindrical()) } else { None };
         let stretched = ahead.and_then(|layout| rays.stretched(&layout));
-        // The simplest of those that are about as tight.
+        // Choose the simplest of the charts that are about equally tight.
         let mut layout = None;
         for candidate in [ahead, stretched, around].into_iter().flatten() {
             let looseness = looseness(&candidate);
@@ -65,8 +65,8 @@ impl Plan {
     }
 }
 
-/// Normalises directions and lays them out in blocks. Where there is no ray, another of its block stands, so that the
-/// block is not wider for it.
+/// Normalises directions and stores them in blocks. A missing ray is filled with another direction of its block, so
+/// that it does not enlarge the block.
 fn fill_blocks(
     fan: &Fan,
     direction: impl Fn(u32, u32) -> DVec3,
@@ -111,7 +111,7 @@ fn fill_blocks(
     if is_empty { Err(TableError::Empty) } else { Ok(()) }
 }
 
-/// The middle and the radius of each block; of those past the last they are 0.
+/// The middle and the radius of each block; 0 for blocks past the last one.
 fn fill_middles(blocks: &[[[f32; WIDTH]; 3]], values: &mut [&mut [f32]; 4]) {
     for values in values.iter_mut() {
         values.fill(0.0);
@@ -125,12 +125,12 @@ fn fill_middles(blocks: &[[[f32; WIDTH]; 3]], values: &mut [&mut [f32]; 4]) {
         for axis in 0..3 {
             values[axis][index] = middle[axis];
         }
-        // A little more, for what rounding does to planes.
+        // Slightly enlarged for the rounding error of planes.
         values[3][index] = sqrt(farthest) as f32 * 1.0001 + 2e-6;
     }
 }
 
-/// Memory for the look-ups: the first and the last for each cell.
+/// Memory of the look-ups: the first and the last number for each cell.
 struct Tables<'t> {
     columns: [&'t mut [i16]; 2],
     rows: [&'t mut [i16]; 2],
@@ -143,7 +143,7 @@ impl<'t> Tables<'t> {
         Tables { columns: [first_column, last_column], rows: [first_row, last_row] }
     }
 
-    /// The look-ups of columns and rows.
+    /// Fills the look-ups of columns and rows.
     fn fill(self, rays: &Grid<'_>, layout: &Layout) -> [LookUp<'t>; 2] {
         let mut extent = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
         rays.for_each(|_, _, direction| {

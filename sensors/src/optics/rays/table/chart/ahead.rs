@@ -1,11 +1,11 @@
-//! Charts of what lies ahead: perspective and stereographic.
+//! Charts of directions ahead: perspective and stereographic.
 
 use super::{BEYOND, MARGIN, Windows};
 use crate::optics::rays::projection::{Points, max, min, outside};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 
-/// How far an edge of a triangle rises above its chord on the stereographic chart, by the chord's square: edges are
-/// arcs of circles of radius 1 or more, and rise by little more than an eighth.
+/// Height of a triangle's edge above its chord on the stereographic chart, per square of the chord: edges are arcs of
+/// circles of radius 1 or more, and rise by little more than an eighth.
 pub(super) const ARC: f32 = 0.14;
 
 #[inline(always)]
@@ -16,13 +16,13 @@ pub(super) fn boxes_in_perspective<S: Simd>(simd: S, low: &Points<S>, high: &Poi
     let slopes = |axis: usize| {
         let most = high[axis] * high[axis].simd_gt(zero).select(nearest, farthest);
         let least = low[axis] * low[axis].simd_lt(zero).select(nearest, farthest);
-        // Slopes of up to 3 are in the chart.
+        // The chart contains slopes of up to 3.
         [least - 10.0 * MARGIN, most + 10.0 * MARGIN]
     };
     Windows { u: slopes(1), v: slopes(2), some: high[0].simd_gt(tiny) }
 }
 
-/// The closest windows there are.
+/// The tightest possible windows.
 #[inline(always)]
 pub(super) fn boxes_in_stereographic<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>) -> Windows<S> {
     let u = window(simd, low, high, [1, 2]);
@@ -47,10 +47,10 @@ fn window<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>, [axis, other]: [u
     ]
 }
 
-/// The greatest y/(r + x) in boxes, given x and y from the least to the greatest, and the least and greatest |z|.
+/// The greatest y/(r + x) in boxes, given intervals of x, y and |z|.
 ///
-/// Its magnitude falls as x or |z| rise, so x and |z| are those of an end. It rises with y up to x = 0; beyond, it
-/// rises up to r = (x² + z²)/|x|, and falls again, to 1.
+/// Its magnitude falls as x or |z| increases, so x and |z| are at an end of their intervals. It rises with y while x ≥
+/// 0; for x < 0 it rises up to r = (x² + z²)/|x|, and then falls again, to 1.
 #[inline(always)]
 fn greatest<S: Simd>(simd: S, x: [f32x16<S>; 2], y: [f32x16<S>; 2], z: [f32x16<S>; 2]) -> f32x16<S> {
     let (zero, tiny) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1e-30));
@@ -66,14 +66,14 @@ fn greatest<S: Simd>(simd: S, x: [f32x16<S>; 2], y: [f32x16<S>; 2], z: [f32x16<S
     let at = (behind & positive).select(at, y[1]);
     let distance = (square + at * at).sqrt();
     let sum = distance + x;
-    // About where the chart ends, it is without end.
+    // Near the end of the chart, the coordinate is unbounded.
     let there = sum.simd_gt(distance * 1e-6);
     let most = there.select(at / max(sum, tiny), f32x16::splat(simd, BEYOND));
     let below = max(at / max(sum, tiny), f32x16::splat(simd, -1.0));
     (behind & !positive).select(below, most)
 }
 
-/// Coordinates of points of which it is true that they are well in front.
+/// Coordinates of points, and a mask of the points that are well in front.
 #[inline(always)]
 pub(super) fn points_in_perspective<S: Simd>(
     simd: S,
@@ -84,7 +84,7 @@ pub(super) fn points_in_perspective<S: Simd>(
     ([*y * inverse, *z * inverse], x.simd_gt(ahead))
 }
 
-/// Coordinates of points of which it is true that they are well in front of the back.
+/// Coordinates of points, and a mask of the points that are well away from straight backwards.
 #[inline(always)]
 pub(super) fn points_in_stereographic<S: Simd>(
     simd: S,

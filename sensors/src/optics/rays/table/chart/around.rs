@@ -7,8 +7,8 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x
 /// A full turn in units of [`turn_of`].
 pub(in super::super) const TURN: f32 = 4.0;
 
-/// A measure of the angle of (x, y) to the x axis that takes one division: from −2 to 2, exactly 2 more for a
-/// half turn more, and never steeper than the angle in radians nor less than half as steep.
+/// A measure of the angle of (x, y) from the x axis that takes a single division. It ranges from −2 to 2, increases by
+/// exactly 2 per half turn, and its slope is between 0.5 and 1 per radian.
 pub(super) fn turn_of(x: f64, y: f64) -> f64 {
     let across = y / (x.abs() + y.abs()).max(1e-30);
     match (x < 0.0, y >= 0.0) {
@@ -18,7 +18,7 @@ pub(super) fn turn_of(x: f64, y: f64) -> f64 {
     }
 }
 
-/// [`turn_of`] for sixteen.
+/// Vector form of [`turn_of`] for sixteen values.
 #[inline(always)]
 fn turns_of<S: Simd>(x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
     let simd = x.simd;
@@ -28,8 +28,8 @@ fn turns_of<S: Simd>(x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
     x.simd_lt(zero).select(behind, across)
 }
 
-/// The interval of azimuths of points of which each is within half a turn of the others, and all of them where
-/// there is none such. It may go past the seam.
+/// The interval of azimuths of points that are all within half a turn of each other, and a mask of the valid results;
+/// otherwise the whole turn. The interval may continue past the seam.
 #[inline(always)]
 fn azimuths<S: Simd, const N: usize>(
     simd: S,
@@ -52,14 +52,14 @@ fn azimuths<S: Simd, const N: usize>(
     let from = plain.select(from, from_later) - margin;
     let to = plain.select(to, to_later) + margin;
     let some = (plain | over_seam) & (to - from).simd_lt(f32x16::splat(simd, TURN * 0.9));
-    // With the margin an interval may begin before the seam, too.
+    // With the margin, an interval may also start before the seam.
     let before = from.simd_lt(f32x16::splat(simd, -TURN * 0.5));
     let (from, to) = (before.select(from + turn, from), before.select(to + turn, to));
     let half = f32x16::splat(simd, TURN * 0.5);
     ([some.select(from, -half), some.select(to, half)], some)
 }
 
-/// What rounding may do to azimuths of points at least that far from the axis.
+/// The rounding error of azimuths of points that are at least `from_axis` from the axis.
 #[inline(always)]
 fn azimuth_margin<S: Simd>(from_axis: f32x16<S>, farthest: f32x16<S>) -> f32x16<S> {
     let simd = farthest.simd;
@@ -86,12 +86,12 @@ pub(super) fn boxes_in_cylindrical<S: Simd>(simd: S, low: &Points<S>, high: &Poi
         turns_of(low[0], high[1]),
         turns_of(high[0], high[1]),
     ];
-    // The box has been widened by what rounding may do.
+    // The box has been widened by the rounding error.
     let (u, _) = azimuths(simd, turns, f32x16::splat(simd, MARGIN));
     Windows { u, v, some: mask32x16::splat(simd, true) }
 }
 
-/// Where triangles are small as seen from the axis, and then the windows.
+/// The windows of triangles, and a mask of the triangles for which they are valid: those that look small from the axis.
 #[inline(always)]
 pub(super) fn triangles_in_cylindrical<S: Simd>(
     simd: S,
@@ -112,8 +112,8 @@ pub(super) fn triangles_in_cylindrical<S: Simd>(
     let (u, _) = azimuths(simd, turns, azimuth_margin(lowest, farthest));
     let span = u[1] - u[0];
     let sure = span.simd_lt(f32x16::splat(simd, 0.2));
-    // An edge's great circle bulges above its ends by up to a sixteenth of the square of the azimuths between
-    // them, which are up to twice their measure.
+    // An edge's great circle bulges above its ends by up to a sixteenth of the square of its azimuth range, which is up
+    // to twice its measure.
     let margin = span * span * 0.28 + MARGIN;
     let v =
         [min(min(rises[0], rises[1]), rises[2]) - margin, max(max(rises[0], rises[1]), rises[2]) + margin];

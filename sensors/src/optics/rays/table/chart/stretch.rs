@@ -1,61 +1,61 @@
-//! The radial stretch of a chart on which columns and rows of a lens lie straight.
+//! The radial stretch of a chart, with which the columns and rows of a lens become straight.
 //!
-//! A lens's picture is a chart of its directions, too, but one on which boxes and triangles are hard to bound. About
-//! its axis nearly all of what makes it differ from a chart that looks ahead is a factor g(ρ²), with which a point's
-//! distance ρ from the axis is multiplied. So bounds are found on the chart, and stretched: then columns depend on one
-//! coordinate and rows on the other, but for what is not round about a lens.
+//! The image of a lens is a chart of its directions too, but one on which boxes and triangles are hard to bound. Around
+//! the axis of the lens, nearly all of its difference from a perspective or stereographic chart is a factor g(ρ²) by
+//! which a point's distance ρ from the axis is multiplied. So bounds are computed on the chart and then stretched.
+//! Columns then depend on one coordinate and rows on the other, except for asymmetries of the lens.
 
 use super::{MARGIN, Windows};
 use crate::optics::rays::projection::{max, min, outside};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
-/// Powers of the polynomial.
+/// Degree of the polynomial.
 const DEGREE: usize = 8;
-/// Its coefficients, and the centre of the numbers.
+/// Number of unknowns: the coefficients of the polynomial, and the centre of the numbers.
 const UNKNOWN: usize = DEGREE + 2;
-/// Rays that the polynomial is fitted to, about.
+/// Approximate number of rays to which the polynomial is fitted.
 const SAMPLES: i32 = 16_384;
-/// Places at which a stretch is looked at.
+/// Number of steps at which a stretch is evaluated.
 const STEPS: usize = 512;
-/// What may lie between those.
+/// Safety factor for values between these steps.
 const BETWEEN: f64 = 1.02;
 
-/// A factor that depends on the square of the distance from the axis: a polynomial of `square` · `scale` − 1.
+/// A factor that depends on the square of the distance from the axis: a polynomial in `square` · `scale` − 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in super::super) struct Stretch {
     scale: f32,
     factor: [f32; DEGREE + 1],
-    /// Of the factor by the square.
+    /// Derivative of the factor with respect to the square.
     slope: [f32; DEGREE],
-    /// No ray has a greater square.
+    /// The greatest square of a ray.
     rays: f32,
-    /// Up to which square it is a stretch.
+    /// The greatest square for which the stretch is valid.
     known: f32,
-    /// The least and greatest factor of a ray.
+    /// The least and the greatest factor of a ray.
     factors: [f32; 2],
-    /// Half of the greatest second derivative of the factor by the square.
+    /// Half of the greatest second derivative of the factor with respect to the square.
     half_second: f32,
-    /// What rounding does to stretched coordinates, at most.
+    /// Upper bound on the rounding error of stretched coordinates.
     rounding: f32,
-    /// How many times as long anything may become.
+    /// The greatest factor by which a length may grow.
     longest: f32,
-    /// How far the image of a straight line may be from that of its chord, by the square of its length.
+    /// Greatest distance of the image of a straight line from the image of its chord, per square of its length.
     bulge: f32,
 }
 
 impl Stretch {
-    /// The one that makes numbers of columns (or rows) proportional to the coordinate that runs with them, but for
-    /// where they begin, as nearly as there is one. `samples` calls its argument with pairs of coordinates, that which
-    /// runs with the numbers first, and numbers, of so many rays.
+    /// Fits the stretch that makes the numbers of columns (or rows) as proportional as possible to the coordinate that
+    /// runs with them, up to an offset. `samples` calls its argument for each of the `count` rays with a pair of
+    /// coordinates, first the one that runs with the numbers, and with the number.
     pub(in super::super) fn fit(count: i32, samples: impl Fn(&mut dyn FnMut([f64; 2], f64))) -> Option<Self> {
         let square = |[u, v]: [f64; 2]| u * u + v * v;
         let mut rays = 0.0_f64;
         samples(&mut |at, _| rays = rays.max(square(at)));
-        // Narrower ones are straight enough.
+        // Narrower charts are straight enough.
         if rays < 1e-3 {
             return None;
         }
-        // Single precision may have put a ray farther out.
+        // Single precision may have moved a ray outwards.
         rays *= 1.000_01;
         let scale = f64::from((2.0 / rays) as f32);
         let stride = (count / SAMPLES).max(1);
@@ -82,14 +82,14 @@ impl Stretch {
         });
         let solution = solve(equations)?;
         let factor: [f64; DEGREE + 1] = core::array::from_fn(|power| solution[power + 1]);
-        // 1 on the axis.
+        // Normalise to 1 on the axis.
         let at_axis = polynomial(&factor, -1.0);
         let factor = factor.map(|coefficient| (coefficient / at_axis) as f32);
         if !factor.iter().all(|coefficient| coefficient.is_finite()) {
             return None;
         }
         let stretch = Self::of(factor, scale, rays, rays)?;
-        // Triangles reach beyond the rays: as far out as that costs little elsewhere.
+        // Triangles extend beyond the rays, so extend the stretch as far as that costs little elsewhere.
         let farther = [1.3, 1.15, 1.05].into_iter().find_map(|beyond| {
             let other = Self::of(factor, scale, rays, rays * beyond)?;
             let is_close =
@@ -99,7 +99,7 @@ impl Stretch {
         Some(farther.unwrap_or(stretch))
     }
 
-    /// Unless directions would come to lie over each other.
+    /// Creates a stretch, or `None` if directions would overlap.
     fn of(factor: [f32; DEGREE + 1], scale: f64, rays: f64, known: f64) -> Option<Self> {
         let exact = factor.map(f64::from);
         let by_square: [f64; DEGREE] =
@@ -116,7 +116,7 @@ impl Stretch {
                 polynomial(&by_square, argument),
                 polynomial(&second, argument),
             ];
-            // Of the stretched distance by the distance.
+            // Derivative of the stretched distance with respect to the distance.
             let radial = factor + 2.0 * square * slope;
             if !(factor > 0.02 && radial > 0.02) {
                 return None;
@@ -127,7 +127,7 @@ impl Stretch {
             longest = longest.max(factor).max(radial);
             bend = bend.max(6.0 * distance * slope.abs() + 4.0 * distance * square * second.abs());
         }
-        // What rounding grows with: as if all terms of factor and slope had one sign.
+        // The rounding error grows with this sum, in which all terms of factor and slope have the same sign.
         let farthest = known * scale - 1.0;
         let terms: [f64; DEGREE + 1] = core::array::from_fn(|power| exact[power].abs() * (power + 1) as f64);
         let sum = polynomial(&terms, farthest.max(1.0));
@@ -141,19 +141,19 @@ impl Stretch {
             half_second: (most_second * 0.5 * BETWEEN) as f32,
             rounding: (f64::from(MARGIN) * (1.0 + known) * (longest + sum)) as f32,
             longest: (longest * BETWEEN) as f32,
-            // An eighth, of a chord that is a little shorter than what it belongs to.
+            // An eighth, with a margin since a chord is slightly shorter than its arc.
             bulge: (bend * 0.13 * BETWEEN) as f32,
         })
     }
 
-    /// Where a point of the chart comes to lie.
+    /// The stretched coordinates of a point of the chart.
     pub(super) fn point(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let argument = (u * u + v * v) * f64::from(self.scale) - 1.0;
         let factor = polynomial(&self.factor.map(f64::from), argument);
         [u * factor, v * factor]
     }
 
-    /// The same for sixteen, and which of them it is known for.
+    /// Vector form for sixteen points, with a mask of the points for which the stretch is valid.
     #[inline(always)]
     pub(super) fn points<S: Simd>(
         &self,
@@ -166,14 +166,14 @@ impl Stretch {
         ([u * factor, v * factor], known)
     }
 
-    /// What windows around the stretched corners of a triangle are widened by, given the square of its greatest
-    /// extent on the chart, and how far its edges may bulge there, by the same.
+    /// The margin around the stretched corners of a triangle, given the square of its greatest extent on the chart, and
+    /// the bulge of its edges there per the same square.
     #[inline(always)]
     pub(super) fn margin<S: Simd>(&self, square: f32x16<S>, bulge: f32) -> f32x16<S> {
         square * (self.bulge + self.longest * bulge) + self.rounding
     }
 
-    /// Windows that hold the stretched windows, as far as rays go.
+    /// Windows that contain the stretched windows, limited to the extent of the rays.
     #[inline(always)]
     pub(super) fn windows<S: Simd>(&self, simd: S, windows: &Windows<S>) -> Windows<S> {
         let reach = f32x16::splat(simd, crate::simd::sqrt_f32(self.rays) * 1.000_01);
@@ -186,7 +186,7 @@ impl Stretch {
         Windows { u: self.interval(simd, u, v), v: self.interval(simd, v, u), some }
     }
 
-    /// The interval that holds stretched coordinates, and the other ones lie in an interval, too.
+    /// The interval of stretched coordinates, given the interval of the other coordinate.
     #[inline(always)]
     fn interval<S: Simd>(
         &self,
@@ -199,8 +199,8 @@ impl Stretch {
         [-self.most(simd, -least, squares), self.most(simd, most, squares)]
     }
 
-    /// A bound from above of a stretched coordinate, where the square of the other one lies between two. It rises with
-    /// the coordinate itself, so that this is the greatest.
+    /// An upper bound of a stretched coordinate, given the interval of the square of the other coordinate. It increases
+    /// with the coordinate itself, so the greatest coordinate gives the greatest bound.
     #[inline(always)]
     fn most<S: Simd>(&self, simd: S, coordinate: f32x16<S>, others: [f32x16<S>; 2]) -> f32x16<S> {
         let own = coordinate * coordinate;
@@ -217,7 +217,7 @@ impl Stretch {
     }
 }
 
-/// Intervals cut off at ±`reach`.
+/// Clamps intervals to ±`reach`.
 #[inline(always)]
 fn within<S: Simd>([least, most]: [f32x16<S>; 2], reach: f32x16<S>) -> [f32x16<S>; 2] {
     [max(min(least, reach), -reach), max(min(most, reach), -reach)]
@@ -236,7 +236,7 @@ fn evaluate<S: Simd, const N: usize>(coefficients: &[f32; N], argument: f32x16<S
     sum
 }
 
-/// Solves linear equations, whose right sides are the last column, by elimination.
+/// Solves a system of linear equations, whose right-hand sides are the last column, by elimination.
 fn solve(mut equations: [[f64; UNKNOWN + 1]; UNKNOWN]) -> Option<[f64; UNKNOWN]> {
     for column in 0..UNKNOWN {
         let pivot = (column..UNKNOWN)

@@ -1,181 +1,269 @@
-//! Standard normal numbers by the Box–Muller transform, two from each random word.
-//!
-//! From two independent uniform numbers U and V, r = √(−2 ln U) and θ = 2πV give the two independent normals r·cos θ
-//! and r·sin θ (G. E. P. Box, M. E. Muller, "A note on the generation of random normal deviates", 1958,
-//! doi:10.1214/aoms/1177706645). Here both come from one random 32-bit word w: U = (⌊w/2⌋ + ½)/2³¹. The two lowest bits
-//! of w select the quarter of the circle, and the position within the quarter is the fractional part of w·φ, where φ is
-//! the golden ratio. The 2³² pairs (U, V) therefore form a lattice without gaps at any scale: for all U below any
-//! bound, however small, the angles are spread as evenly as possible, like the seeds of a sunflower (L. Kuipers, H.
-//! Niederreiter, "Uniform distribution of sequences", 1974, chapter 2, section 3).
-//!
-//! All 2³³ normals were examined. Their distribution differs from the normal one by at most 3.1e-7 (Kolmogorov
-//! distance). The variance and the fourth and sixth moments are correct to 1e-6. Pairs and their squares are
-//! uncorrelated to 2e-7. The fractions beyond 3, 4, 5 and 5.5 are correct to 1e-6, 1e-4, 2e-4 and 3e-3 of their values.
-//! No normal exceeds 6.547, which true normals exceed once in 1.7·10¹⁰ samples.
-//!
-//! The logarithm and the circular functions are minimax polynomials (Remez exchange, coefficients rounded to f32),
-//! evaluated with +, −, × and √ only, each rounded once and never fused, so the bits are the same on every machine. The
-//! relative error of a normal is below 3e-6.
+//! SDF's Gaussian noise, as Gazebo's `GaussianNoiseModel` applies it.
 
-use super::Stream;
-use crate::simd::dispatch;
-use fearless_simd::{
-    Bytes, Level, Select, Simd, SimdBase, SimdCombine, SimdFloat, f32x4, f32x16, i32x16, u32x16,
-};
+use super::{Stream, standard_normal};
+use crate::ParameterError;
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 
-/// Samples per block.
-const BLOCK: usize = 16;
-/// Samples computed at a time by the main loop.
-const BATCH: usize = 4 * BLOCK;
-
-/// Fills `out` with the standard normals of the stream's samples `first_index`, `first_index + 1`, ….
-///
-/// The bits are the same at every SIMD level, and a sample depends only on its index: the values do not depend on how a
-/// run is split into calls. A run that continues past index 2³² − 1 uses the blocks that follow, which no index refers
-/// to.
-///
-/// ```
-/// use belvedere_sensors::noise::{Stream, fill_standard_normal};
-/// use belvedere_sensors::simd::best_level;
-/// let stream = Stream { seed: 7, sensor: 0, frame: 0, channel: 0 };
-/// let (mut all, mut tail) = ([0.0; 100], [0.0; 33]);
-/// fill_standard_normal(best_level(), &stream, 0, &mut all);
-/// fill_standard_normal(best_level(), &stream, 67, &mut tail);
-/// assert_eq!(all[67..], tail);
-/// ```
-pub fn fill_standard_normal(level: Level, stream: &Stream, first_index: u32, out: &mut [f32]) {
-    dispatch!(level, simd => fill(simd, stream, first_index, out));
+/// The parameters of [`GaussianNoise`], in the unit of the measured value, named after the elements of SDF's `<noise>`.
+/// All default to 0.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[non_exhaustive]
+pub struct GaussianNoiseConfig {
+    /// Mean of the noise of each sample, finite.
+    pub mean: f32,
+    /// Standard deviation of the noise of each sample, 0 or more.
+    pub stddev: f32,
+    /// Mean of the bias of a run, finite.
+    pub bias_mean: f32,
+    /// Standard deviation of the bias of a run, 0 or more.
+    pub bias_stddev: f32,
+    /// The step to which outputs are rounded; 0 disables rounding.
+    pub precision: f32,
 }
 
-/// Returns one sample of the stream as a standard normal. [`fill_standard_normal`] takes a sixtieth of the time per
-/// sample.
-///
-/// ```
-/// use belvedere_sensors::noise::{Stream, fill_standard_normal, standard_normal};
-/// use belvedere_sensors::simd::best_level;
-/// let stream = Stream { seed: 7, sensor: 0, frame: 0, channel: 0 };
-/// let mut samples = [0.0; 3];
-/// fill_standard_normal(best_level(), &stream, 40, &mut samples);
-/// assert_eq!(standard_normal(&stream, 42), samples[2]);
-/// ```
-#[must_use]
-pub fn standard_normal(stream: &Stream, index: u32) -> f32 {
-    let mut sample = [0.0];
-    fill_standard_normal(crate::simd::best_level(), stream, index, &mut sample);
-    sample[0]
+impl GaussianNoiseConfig {
+    const NONE: Self = Self { mean: 0.0, stddev: 0.0, bias_mean: 0.0, bias_stddev: 0.0, precision: 0.0 };
+
+    setters! {
+        /// Sets the mean of the noise of each sample.
+        mean: f32,
+        /// Sets the standard deviation of the noise of each sample.
+        stddev: f32,
+        /// Sets the mean of the bias of a run.
+        bias_mean: f32,
+        /// Sets the standard deviation of the bias of a run.
+        bias_stddev: f32,
+        /// Sets the step to which outputs are rounded.
+        precision: f32,
+    }
 }
 
-#[inline(always)]
-fn fill<S: Simd>(simd: S, stream: &Stream, first_index: u32, out: &mut [f32]) {
-    simd.vectorize(
-        #[inline(always)]
-        || {
-            let mut block = first_index / BLOCK as u32;
-            let (head, rest) = out.split_at_mut((BATCH - first_index as usize % BLOCK).min(out.len()));
-            let batches = core::iter::once((first_index as usize % BLOCK, head))
-                .chain(rest.chunks_mut(BATCH).map(|batch| (0, batch)));
-            for (skipped, batch) in batches {
-                let [b, c, d] = [1, 2, 3].map(|after| block.wrapping_add(after));
-                let samples = normals64(simd, stream, [block, b, c, d]);
-                batch.copy_from_slice(&samples[skipped..skipped + batch.len()]);
-                block = block.wrapping_add(4);
+/// Additive Gaussian noise with a constant bias and an optional rounding, in the unit of the measured value.
+///
+/// out = in + bias + N(mean, stddev). With a precision other than 0, out = round(out / precision) · precision. If that
+/// is not finite, because the precision is too small or too large for the value, out is not rounded. The bias is drawn
+/// once per run from N(bias mean, bias stddev), and its sign is flipped with probability ½.
+///
+/// ```
+/// use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
+/// let lidar = GaussianNoise::new(GaussianNoiseConfig::default().stddev(0.01).precision(0.001))?;
+/// assert_eq!(lidar.apply(2.0, 0.0, 1.234), 2.012); // 2 m + 1.234 σ, to the millimetre
+/// assert_eq!(lidar.apply(f32::INFINITY, 0.0, 1.234), f32::INFINITY);
+/// # Ok::<(), belvedere_sensors::ParameterError>(())
+/// ```
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GaussianNoise {
+    config: GaussianNoiseConfig,
+}
+
+impl GaussianNoise {
+    /// No noise: SDF's default.
+    pub const NONE: Self = Self { config: GaussianNoiseConfig::NONE };
+
+    /// Creates the noise model after checking its parameters.
+    ///
+    /// # Errors
+    /// Names the first value that is not finite, or that is negative where it must not be.
+    pub fn new(config: GaussianNoiseConfig) -> Result<Self, ParameterError> {
+        let GaussianNoiseConfig { mean, stddev, bias_mean, bias_stddev, precision } = config;
+        let require = |parameter, value: f32, holds, rule| {
+            ParameterError::require("noise", parameter, value.into(), holds, rule)
+        };
+        let is_spread = |value: f32| value.is_finite() && value >= 0.0;
+        require("mean", mean, mean.is_finite(), "a finite number")?;
+        require("stddev", stddev, is_spread(stddev), "a finite number, 0 or more")?;
+        require("bias_mean", bias_mean, bias_mean.is_finite(), "a finite number")?;
+        require("bias_stddev", bias_stddev, is_spread(bias_stddev), "a finite number, 0 or more")?;
+        let is_step = precision == 0.0 || is_spread(precision) && precision.is_normal();
+        require("precision", precision, is_step, "0 (none) or a finite number above 1.2e-38")?;
+        Ok(Self { config })
+    }
+
+    /// Creates noise with mean 0 and the given standard deviation, without bias and without rounding.
+    ///
+    /// ```
+    /// use belvedere_sensors::noise::GaussianNoise;
+    /// assert_eq!(GaussianNoise::of_stddev(0.01)?.apply(2.0, 0.0, -1.0), 1.99);
+    /// # Ok::<(), belvedere_sensors::ParameterError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// If `stddev` is negative, NaN or infinite.
+    pub fn of_stddev(stddev: f32) -> Result<Self, ParameterError> {
+        Self::new(GaussianNoiseConfig::default().stddev(stddev))
+    }
+
+    /// The parameters of the noise.
+    pub fn config(&self) -> &GaussianNoiseConfig {
+        &self.config
+    }
+
+    /// The mean of the noise, without the bias.
+    pub fn mean(&self) -> f32 {
+        self.config.mean
+    }
+
+    /// The standard deviation of the noise.
+    pub fn stddev(&self) -> f32 {
+        self.config.stddev
+    }
+
+    /// The step to which outputs are rounded; 0 if they are not.
+    pub fn precision(&self) -> f32 {
+        self.config.precision
+    }
+
+    /// Returns true if [`GaussianNoise::apply`] with a bias of 0 changes nothing and no bias will be drawn.
+    pub fn is_none(&self) -> bool {
+        *self == Self::NONE
+    }
+
+    /// Draws the bias of a sensor for the whole run. `component` distinguishes the quantities that one sensor measures,
+    /// such as the axes of an IMU; it is 0 if there is only one.
+    pub fn bias(&self, seed: u64, sensor: u32, component: u32) -> f32 {
+        let stream = Stream { seed, sensor, frame: 0, channel: Stream::BIAS };
+        let z = standard_normal(&stream, component);
+        let flipped = Stream { channel: Stream::BIAS_SIGN, ..stream }.word(component) >> 31 == 1;
+        let bias = self.config.bias_mean + self.config.bias_stddev * z;
+        if flipped { -bias } else { bias }
+    }
+
+    /// Returns the noisy value for a true one, given the sensor's [`bias`](GaussianNoise::bias) and a standard normal
+    /// `z` (from [`standard_normal`]). Infinities and NaN are returned unchanged, and rounding never makes another
+    /// value infinite.
+    #[must_use]
+    #[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
+    #[inline(always)]
+    pub fn apply(&self, value: f32, bias: f32, z: f32) -> f32 {
+        let noisy = value + ((bias + self.config.mean) + self.config.stddev * z);
+        if self.config.precision == 0.0 {
+            return noisy;
+        }
+        // If the value is more steps than f32 can count, the steps are finer than its last bit and it stays as it is,
+        // so no precision has to be rejected. A value also stays as it is if its nearest step is outside the range of
+        // f32.
+        let stepped = round(noisy / self.config.precision) * self.config.precision;
+        if stepped.abs() < f32::INFINITY { stepped } else { noisy }
+    }
+
+    /// The measurement of a true range between `min` and `max`: −∞ if it is too near, +∞ if it is too far (REP 117).
+    #[inline(always)]
+    pub(crate) fn apply_to_range(&self, truth: f32, bias: f32, z: f32, [min, max]: [f32; 2]) -> f32 {
+        if truth >= max || truth == f32::INFINITY {
+            f32::INFINITY
+        } else if truth <= min {
+            f32::NEG_INFINITY
+        } else {
+            let noisy = self.apply(truth, bias, z);
+            if noisy < min {
+                min
+            } else if noisy > max {
+                max
+            } else {
+                noisy
             }
-        },
-    );
-}
-
-/// The standard normals of the samples of four blocks, by columns, which is the order in which they are computed: the
-/// first four samples of each block, then the second four of each, and so on.
-#[inline(always)]
-pub(crate) fn normal_columns<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]) -> [f32x16<S>; 4] {
-    let [first, second] = stream.words_of_blocks(simd, blocks);
-    let (first, second) = (box_muller(simd, first), box_muller(simd, second));
-    [first[0], first[1], second[0], second[1]]
-}
-
-/// The standard normals of the samples of four blocks, one vector per block.
-#[inline(always)]
-pub(crate) fn normal_lines<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]) -> [f32x16<S>; 4] {
-    let [a, b, c, d] = normal_columns(simd, stream, blocks);
-    let (a, b, c, d) = (quarters(simd, a), quarters(simd, b), quarters(simd, c), quarters(simd, d));
-    let line = |block: usize| a[block].combine(b[block]).combine(c[block].combine(d[block]));
-    [line(0), line(1), line(2), line(3)]
-}
-
-/// The standard normals of the samples of four blocks, in the order of the samples.
-#[inline(always)]
-pub(crate) fn normals64<S: Simd>(simd: S, stream: &Stream, blocks: [u32; 4]) -> [f32; 64] {
-    let mut normals = [0.0; 64];
-    for (line, normals) in normal_lines(simd, stream, blocks).into_iter().zip(normals.as_chunks_mut().0) {
-        line.store_array(normals);
+        }
     }
-    normals
-}
 
-/// Splits a vector into four quarters of four lanes.
-#[inline(always)]
-fn quarters<S: Simd>(simd: S, values: f32x16<S>) -> [f32x4<S>; 4] {
-    let (upper, lower) = simd.split_f32x16(values);
-    let ((a, b), (c, d)) = (simd.split_f32x8(upper), simd.split_f32x8(lower));
-    [a, b, c, d]
-}
-
-/// Makes two independent normals per lane from one random word per lane.
-#[inline(always)]
-fn box_muller<S: Simd>(simd: S, words: u32x16<S>) -> [f32x16<S>; 2] {
-    /// 2³²·(φ − 1), odd.
-    const GOLDEN: u32 = 0x9E37_79B9;
-    const SIGN: u32 = 0x8000_0000;
-    let word = |word| u32x16::splat(simd, word);
-
-    let radius = minus_two_ln(simd, words >> 1).sqrt();
-    // A multiple of the golden ratio becomes the mantissa of a number in [1, 2).
-    let mantissa = (words * word(GOLDEN)) >> 9 | word(1.0_f32.to_bits());
-    let [sin, cos] = sin_cos_quarter(simd, mantissa.bitcast::<f32x16<S>>() - 1.5);
-    // Bit 0 mirrors the quarter at the diagonal and bit 1 negates the radius; together they cover the circle once.
-    let mirrored = (words << 31).bitcast::<i32x16<S>>().simd_lt(i32x16::splat(simd, 0));
-    let radius: f32x16<S> = (radius.bitcast::<u32x16<S>>() ^ (words << 30 & word(SIGN))).bitcast();
-    [radius * mirrored.select(sin, cos), radius * mirrored.select(cos, sin)]
-}
-
-/// −2 ln((n + ½)/2³¹) for integers 0 ≤ n < 2³¹, with a relative error below 1.3e-6 with respect to the fraction as
-/// rounded to f32.
-#[inline(always)]
-fn minus_two_ln<S: Simd>(simd: S, n: u32x16<S>) -> f32x16<S> {
-    /// √½ as f32 bits: the smallest mantissa.
-    const SQRT_HALF: u32 = 0x3F35_04F3;
-    /// −2 ln(1 + f)/f on √½ ≤ 1 + f < √2, minimax in the relative error: 1.1e-6.
-    const P: [f32; 7] =
-        [-2.000_002, 1.000_022_3, -0.666_290_16, 0.498_194_87, -0.409_926_53, 0.373_357_12, -0.237_922_34];
-    /// −2 ln 2.
-    const STEP: f32 = -2.0 * core::f32::consts::LN_2;
-    let number = |number| f32x16::splat(simd, number);
-
-    let scaled: f32x16<S> = simd.cvt_f32_i32x16(n.bitcast()) + 0.5;
-    // scaled = 2^exponent · mantissa with √½ ≤ mantissa < √2; the exponent stays in its f32 bit position.
-    let bits: u32x16<S> = scaled.bitcast();
-    let exponent = (bits - u32x16::splat(simd, SQRT_HALF)) & u32x16::splat(simd, 0xFF80_0000);
-    let f = (bits - exponent).bitcast::<f32x16<S>>() - 1.0;
-
-    let mut p = number(P[6]);
-    for term in (0..6).rev() {
-        p = p * f + number(P[term]);
+    /// Vector form of [`GaussianNoise::apply`] for sixteen values.
+    #[inline(always)]
+    pub(crate) fn apply_vector<S: Simd>(
+        &self,
+        simd: S,
+        values: f32x16<S>,
+        bias: f32,
+        normals: f32x16<S>,
+    ) -> f32x16<S> {
+        let noisy = values + (normals * self.config.stddev + (bias + self.config.mean));
+        if self.config.precision == 0.0 {
+            return noisy;
+        }
+        let stepped = round_vector(simd, noisy / self.config.precision) * self.config.precision;
+        stepped.abs().simd_lt(f32x16::splat(simd, f32::INFINITY)).select(stepped, noisy)
     }
-    let exponent: f32x16<S> = simd.cvt_f32_i32x16(exponent.bitcast());
-    (exponent * (STEP / 8_388_608.0) + -31.0 * STEP) + f * p
+
+    /// Applies [`GaussianNoise::apply`] to an array, each value with the normal of the same index.
+    #[inline(always)]
+    pub(crate) fn apply_all<const N: usize>(&self, values: &mut [f32; N], bias: f32, normals: &[f32; N]) {
+        // Testing the precision inside the loop would divide and round every value and then select.
+        if self.config.precision == 0.0 {
+            for lane in 0..N {
+                values[lane] += (bias + self.config.mean) + self.config.stddev * normals[lane];
+            }
+        } else {
+            for lane in 0..N {
+                values[lane] = self.apply(values[lane], bias, normals[lane]);
+            }
+        }
+    }
 }
 
-/// Sine and cosine of π/2 · x for |x| ≤ ½, with relative errors below 1.7e-6 and 1.3e-7.
-#[inline(always)]
-fn sin_cos_quarter<S: Simd>(simd: S, x: f32x16<S>) -> [f32x16<S>; 2] {
-    /// sin(π/2·x)/x in x², minimax in the relative error: 1.5e-6.
-    const SIN: [f32; 3] = [1.570_794, -0.645_798, 0.077_939_93];
-    /// (cos(π/2·x) − 1)/x² in x², minimax in the relative error of cos: 3.9e-8.
-    const COS: [f32; 3] = [-1.233_697_7, 0.253_603_22, -0.020_417_282];
-    let number = |number| f32x16::splat(simd, number);
+impl Default for GaussianNoise {
+    fn default() -> Self {
+        Self::NONE
+    }
+}
 
-    let x2 = x * x;
-    let sin = x * (number(SIN[0]) + x2 * (number(SIN[1]) + x2 * number(SIN[2])));
-    let cos = number(1.0) + x2 * (number(COS[0]) + x2 * (number(COS[1]) + x2 * number(COS[2])));
-    [sin, cos]
+/// From this magnitude on, every f32 is an integer.
+const ALL_INTEGERS: f32 = 8_388_608.0;
+
+/// Rounds to the nearest integer, halves away from zero, like C's `round`. Written out because `core` has no rounding,
+/// and in a form that vectorises.
+#[allow(clippy::inline_always, reason = "called per sample inside vectorised kernels")]
+#[inline(always)]
+fn round(x: f32) -> f32 {
+    let magnitude = x.abs();
+    let whole = magnitude as i32 as f32;
+    let rounded = if magnitude - whole >= 0.5 { whole + 1.0 } else { whole };
+    // NaN and infinities fail the comparison too.
+    if magnitude < ALL_INTEGERS { rounded.copysign(x) } else { x }
+}
+
+/// Vector form of [`round`] for sixteen values.
+#[inline(always)]
+fn round_vector<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    let magnitude = x.abs();
+    let has_fraction = magnitude.simd_lt(f32x16::splat(simd, ALL_INTEGERS));
+    // Larger values are integers already, or NaN, and may not fit into 32 bits.
+    let magnitude = has_fraction.select(magnitude, f32x16::splat(simd, 0.0));
+    let whole = simd.cvt_f32_i32x16(simd.cvt_i32_f32x16(magnitude));
+    let is_half = (magnitude - whole).simd_ge(f32x16::splat(simd, 0.5));
+    let rounded = is_half.select(whole + 1.0, whole);
+    has_fraction.select(rounded.copysign(x), x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sixteen_values_are_rounded_as_each_alone() {
+        let places = [0.0, 0.5, 1.0, 1.5, 2.5, 12.5, 4_194_303.5, 4_194_304.0, 8_388_607.0, 8_388_607.5];
+        let far =
+            [8_388_608.0, 16_777_217.0, 2_147_483_520.0, 2_147_483_648.0, 1e20, f32::INFINITY, f32::NAN];
+        let mut values: Vec<f32> = places.into_iter().chain(far).flat_map(|x| [x, -x]).collect();
+        // Their neighbours in f32, and numbers of all sizes.
+        values.extend(values.clone().iter().flat_map(|x| [x.next_up(), x.next_down()]));
+        values.extend((0..40_000_u32).map(|index| f32::from_bits(index.wrapping_mul(107_374))));
+        values.resize(values.len().next_multiple_of(16), 0.0);
+        for precision in [0.0, 1.0, 0.001, 0.3, 1e30] {
+            let noise = GaussianNoise::new(
+                GaussianNoiseConfig::default().mean(0.01).stddev(0.02).precision(precision),
+            )
+            .unwrap();
+            for sixteen in values.as_chunks::<16>().0 {
+                let together: [f32; 16] = crate::simd::dispatch!(crate::simd::best_level(), simd => {
+                    let z = f32x16::splat(simd, -0.75);
+                    noise.apply_vector(simd, f32x16::load_array(simd, *sixteen), 0.25, z).into()
+                });
+                for (&value, together) in sixteen.iter().zip(together) {
+                    let alone = noise.apply(value, 0.25, -0.75);
+                    assert!(
+                        together.to_bits() == alone.to_bits() || together.is_nan() && alone.is_nan(),
+                        "{value} to {precision}: {together} instead of {alone}"
+                    );
+                }
+            }
+        }
+    }
 }

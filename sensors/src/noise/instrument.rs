@@ -1,20 +1,4 @@
 //! Error models of instruments: gyroscopes, accelerometers, magnetometers, barometers, satellite receivers.
-//!
-//! out = quantise(M·in + mean + b₀ + b(t) + w), in the unit of the measured quantity, where
-//!
-//! - M is the sensitivity matrix: 1 + the scale errors on its diagonal, misalignments in radians off the diagonal;
-//! - b₀ is a bias that is constant for the whole run, N(bias mean, bias stddev), with its sign flipped with probability
-//!   ½, as in SDF;
-//! - b(t) is a drifting bias: a Gauss–Markov process driven by white noise of density q with correlation time τ,
-//!   b ← e^(−Δt/τ)·b + N(0, q²·τ/2·(1 − e^(−2Δt/τ))), which is exact for any Δt. With infinite τ it is a random walk
-//!   with standard deviation q·√t. It starts at 0. SDF calls q `dynamic_bias_stddev`, Kalibr calls it "bias random
-//!   walk";
-//! - w is white noise: one part with a noise density that does not depend on the rate, σ/√Δt per sample, and one part
-//!   with a fixed standard deviation per sample. Both are drawn as one number.
-//!
-//! In an Allan deviation plot, the noise density is the value at 1 s on the slope of −½. The drifting bias appears, for
-//! averaging times T, as q·τ/√T·√(1 − τ/(2T)·(3 − 4e^(−T/τ) + e^(−2T/τ))): a slope of +½ below τ, a maximum of
-//! 0.4365·q·√τ at 1.89 τ, and a slope of −½ beyond.
 
 use super::{Stream, fill_standard_normal};
 use crate::ParameterError;
@@ -140,6 +124,22 @@ pub struct InstrumentState<const N: usize> {
 }
 
 /// An instrument with `N` axes.
+///
+/// out = quantise(M·in + mean + b₀ + b(t) + w), in the unit of the measured quantity, where
+///
+/// - M is the sensitivity matrix: 1 + the scale errors on its diagonal, misalignments in radians off the diagonal;
+/// - b₀ is a bias that is constant for the whole run, N(bias mean, bias stddev), with its sign flipped with probability
+///   ½, as in SDF;
+/// - b(t) is a drifting bias: a Gauss–Markov process driven by white noise of density q with correlation time τ,
+///   b ← e^(−Δt/τ)·b + N(0, q²·τ/2·(1 − e^(−2Δt/τ))), which is exact for any Δt. With infinite τ it is a random walk
+///   with standard deviation q·√t. It starts at 0. SDF calls q `dynamic_bias_stddev`, Kalibr calls it "bias random
+///   walk";
+/// - w is white noise: one part with a noise density that does not depend on the rate, σ/√Δt per sample, and one part
+///   with a fixed standard deviation per sample. Both are drawn as one number.
+///
+/// In an Allan deviation plot, the noise density is the value at 1 s on the slope of −½. The drifting bias appears, for
+/// averaging times T, as q·τ/√T·√(1 − τ/(2T)·(3 − 4e^(−T/τ) + e^(−2T/τ))): a slope of +½ below τ, a maximum of
+/// 0.4365·q·√τ at 1.89 τ, and a slope of −½ beyond.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instrument<const N: usize> {
     config: InstrumentConfig<N>,

@@ -1,8 +1,4 @@
 //! Philox4x32: a keyed bijection on 128 bits whose outputs for the counters 0, 1, 2, … are random numbers.
-//!
-//! J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011,
-//! doi:10.1145/2063384.2063405. Seven rounds are the fewest that passed `BigCrush`, and this crate's noise uses seven;
-//! the authors recommend ten for a safety margin. The number of rounds is a parameter of the functions here.
 
 use fearless_simd::{Bytes, Simd, SimdBase, u32x16, u64x8};
 
@@ -12,6 +8,10 @@ const MULTIPLIERS: [u32; 2] = [0xD251_1F53, 0xCD9E_8D57];
 const KEY_STEPS: [u32; 2] = [0x9E37_79B9, 0xBB67_AE85];
 
 /// Returns one block: the four random words for `counter` under `key`.
+///
+/// J. K. Salmon, M. A. Moraes, R. O. Dror, D. E. Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011,
+/// doi:10.1145/2063384.2063405. Seven rounds are the fewest that passed `BigCrush`, and this crate's noise uses seven;
+/// the authors recommend ten for a safety margin. The number of rounds is a parameter of the functions here.
 ///
 /// ```
 /// use belvedere_sensors::noise::philox4x32;

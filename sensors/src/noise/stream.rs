@@ -1,26 +1,4 @@
 //! The mapping from samples to random words.
-//!
-//! A sample is named by (seed, sensor, frame, channel, index). These numbers are laid out unhashed in Philox's inputs,
-//! so two different names never share an input:
-//!
-//! | input | bits 0–15 | bits 16–31 |
-//! |---|---|---|
-//! | counter 0 | bits 0–30: number of a block of four words, see below; bit 31: 1 for uniform, 0 for normal | |
-//! | counter 1 | frame 0–31 | |
-//! | counter 2 | channel | seed 32–47 |
-//! | counter 3 | frame 32–47 | seed 48–63 |
-//! | key 0 | seed 0–31 | |
-//! | key 1 | sensor | |
-//!
-//! Uniform words: sample 16·b + 4·w + c is word w of counter 2³¹ + 4·b + c, so a block of 16 samples takes four
-//! counters. Bit 31 separates uniform words from normals, so the uniform numbers and the normals of one stream have no
-//! word in common.
-//!
-//! Normals: each word makes two, z⁰ and z¹. A block of 16 samples takes the two counters 2·b and 2·b + 1. Their words 1
-//! and 0 are lanes 0 and 1 (counter 2·b) and 2 and 3 (counter 2·b + 1) of a first vector; their words 3 and 2 are those
-//! of a second. Sample 16·b + c is z⁰ of lane c of the first vector, sample 16·b + 4 + c its z¹; the last eight samples
-//! come from the second vector in the same way. Normals of one kind are therefore contiguous, which suits vector
-//! stores.
 
 use super::philox::{philox4x32, philox4x32_of_eight};
 use fearless_simd::{Simd, SimdBase, u32x16, u64x8};
@@ -33,6 +11,28 @@ const ROUNDS: usize = 7;
 
 /// The random numbers of one channel of one frame of one sensor: uniform numbers, and normals
 /// ([`standard_normal`](super::standard_normal)) that are independent of them and of each other.
+///
+/// A sample is named by (seed, sensor, frame, channel, index). These numbers are laid out unhashed in Philox's inputs,
+/// so two different names never share an input:
+///
+/// | input | bits 0–15 | bits 16–31 |
+/// |---|---|---|
+/// | counter 0 | bits 0–30: number of a block of four words, see below; bit 31: 1 for uniform, 0 for normal | |
+/// | counter 1 | frame 0–31 | |
+/// | counter 2 | channel | seed 32–47 |
+/// | counter 3 | frame 32–47 | seed 48–63 |
+/// | key 0 | seed 0–31 | |
+/// | key 1 | sensor | |
+///
+/// Uniform words: sample 16·b + 4·w + c is word w of counter 2³¹ + 4·b + c, so a block of 16 samples takes four
+/// counters. Bit 31 separates uniform words from normals, so the uniform numbers and the normals of one stream have no
+/// word in common.
+///
+/// Normals: each word makes two, z⁰ and z¹. A block of 16 samples takes the two counters 2·b and 2·b + 1. Their words 1
+/// and 0 are lanes 0 and 1 (counter 2·b) and 2 and 3 (counter 2·b + 1) of a first vector; their words 3 and 2 are those
+/// of a second. Sample 16·b + c is z⁰ of lane c of the first vector, sample 16·b + 4 + c its z¹; the last eight samples
+/// come from the second vector in the same way. Normals of one kind are therefore contiguous, which suits vector
+/// stores.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Stream {
     /// The seed of the simulation.

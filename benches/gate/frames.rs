@@ -106,17 +106,13 @@ fn depth_frame(gate: &mut Gate<'_>, level: Level, scene: &str, name: &str) {
     );
 }
 
-/// A machine with less to spare says nothing about two threads.
-const IDLE_CORES: f64 = 1.9;
-
 /// The same frame on two threads and on one.
 fn two_threads(gate: &mut Gate<'_>, level: Level) {
     if !gate.options.wants(GROUP, "two_threads") {
         return;
     }
-    let cores = idle::cores();
-    if cores < IDLE_CORES {
-        gate.leave_out(GROUP, "two_threads", &format!("only {cores:.1} cores are idle"));
+    if let Some(why) = idle::lacking() {
+        gate.leave_out(GROUP, "two_threads", &why);
         return;
     }
     let scene = Scene::new("S3");

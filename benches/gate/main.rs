@@ -6,7 +6,9 @@
 mod budgets;
 mod casts;
 mod clock;
+mod copies;
 mod devices;
+mod figures;
 mod frames;
 mod gate;
 mod idle;
@@ -17,21 +19,22 @@ mod moments;
 mod options;
 #[path = "../scenes/mod.rs"]
 mod scenes;
+mod session;
+mod table;
 #[path = "../tag_room/mod.rs"]
 mod tag_room;
 mod verdict;
 
-use budgets::Budgets;
 use clap::Parser as _;
 use gate::Gate;
 use options::Options;
 use scenes::{SCENES, level};
 use std::process::ExitCode;
-use verdict::{TOLERANCE, TOLERANCE_ELSEWHERE};
 
 fn main() -> ExitCode {
     let options = Options::parse();
-    match run(&options) {
+    let result = if options.alone { measure_here(&options) } else { session::run(&options) };
+    match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(message) => {
             eprintln!("{message}");
@@ -40,53 +43,16 @@ fn main() -> ExitCode {
     }
 }
 
-fn run(options: &Options) -> Result<(), String> {
-    let simd = options.level.unwrap_or_else(belvedere_sensors::simd::best_level);
-    let budgets = Budgets::read()?;
-    let processor = machine::processor();
-    let name = level::name(simd);
-    let tolerance = match budgets.processors.get(name) {
-        _ if options.record => TOLERANCE,
-        None => {
-            println!("Nothing is recorded for the SIMD level {name}: these are figures, not a verdict.");
-            TOLERANCE
-        }
-        Some(recorded) if *recorded == processor => TOLERANCE,
-        Some(recorded) => {
-            println!("Recorded on {recorded:?}, this is {processor:?}: the tolerance is wider.");
-            TOLERANCE_ELSEWHERE
-        }
-    };
-    if options.record && !options.filter.is_empty() && budgets.processors.get(name) != Some(&processor) {
-        return Err(format!("the records of {name} are not of this processor: record all, without --filter"));
-    }
-    let mut gate = Gate::new(options, (name, processor.clone()), budgets, tolerance);
-    gate.print_head();
+/// What a copy does.
+fn measure_here(options: &Options) -> Result<(), String> {
+    let level = options.level.unwrap_or_else(belvedere_sensors::simd::best_level);
+    let mut gate = Gate::new(options);
     for name in SCENES {
-        casts::run(&mut gate, name, simd)?;
+        casts::run(&mut gate, name, level)?;
     }
-    frames::run(&mut gate, simd);
-    lenses::run(&mut gate, simd);
-    moments::run(&mut gate, simd);
-    devices::run(&mut gate, simd);
-
-    if gate.measured + gate.left_out == 0 {
-        return Err(format!("no entry's name contains {:?}", options.filter));
-    }
-    if options.record {
-        gate.budgets.processors.insert(name.into(), processor);
-        gate.budgets.write()?;
-        println!("recorded in {}", Budgets::path().display());
-    }
-    if gate.fallen.is_empty() || options.test {
-        return Ok(());
-    }
-    Err(format!(
-        "{} of {} ratios fell more than {:.0} % below their records: {}. Find out why (benches/README.md), or \
-         record the new ones with `cargo bench -p belvedere --bench gate -- --record --filter NAME` and say why.",
-        gate.fallen.len(),
-        gate.measured,
-        100.0 * tolerance,
-        gate.fallen.join(", ")
-    ))
+    frames::run(&mut gate, level);
+    lenses::run(&mut gate, level);
+    moments::run(&mut gate, level);
+    devices::run(&mut gate, level);
+    Ok(())
 }

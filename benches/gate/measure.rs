@@ -5,6 +5,7 @@
 //! the rounds' ratios; of wall time, which whatever else runs on the machine prolongs, the ratio of the best.
 
 use super::clock::Clock;
+use super::figures::median;
 
 /// One of the two.
 pub struct Side<'a> {
@@ -30,8 +31,15 @@ const SAMPLE_S: f64 = 0.012;
 /// But not more often than this.
 const MOST_CALLS: f64 = 1000.0;
 
+/// Of wall time so many times as many rounds are taken, as one that nothing prolonged must be among them.
+const WALL_ROUNDS: usize = 5;
+
 /// Times both for `rounds` rounds.
 pub fn measure(clock: Clock, rounds: usize, mut ours: Side<'_>, mut theirs: Side<'_>) -> Measured {
+    let rounds = match clock {
+        Clock::Thread => rounds,
+        Clock::Wall => WALL_ROUNDS * rounds,
+    };
     let ours_calls = calls(clock, &mut ours);
     let theirs_calls = calls(clock, &mut theirs);
     let mut samples: [Vec<f64>; 3] = Default::default();
@@ -62,9 +70,15 @@ pub fn measure(clock: Clock, rounds: usize, mut ours: Side<'_>, mut theirs: Side
     }
 }
 
+/// A call that takes so long needs no warming up before it is timed to see how long it takes.
+const LONG_S: f64 = 0.1;
+
 /// How many calls make a sample; also warms up.
 fn calls(clock: Clock, side: &mut Side<'_>) -> usize {
-    (side.call)();
+    let cold_s = sample(clock, side, 1) * side.work;
+    if cold_s > LONG_S {
+        return 1;
+    }
     let once_s = sample(clock, side, 1) * side.work;
     (SAMPLE_S / once_s.max(1e-9)).ceil().clamp(1.0, MOST_CALLS) as usize
 }
@@ -76,13 +90,4 @@ fn sample(clock: Clock, side: &mut Side<'_>, calls: usize) -> f64 {
         (side.call)();
     }
     (clock.now_s() - start_s) / (calls as f64 * side.work)
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    match values.len() {
-        0 => f64::NAN,
-        count if count % 2 == 1 => values[count / 2],
-        count => 0.5 * (values[count / 2 - 1] + values[count / 2]),
-    }
 }

@@ -1,31 +1,81 @@
-//! What a measured ratio means beside the recorded one.
+//! What a measured ratio means beside the one that it is held to.
 
-/// How far a ratio may fall below its record, or rise above it before the record is called out of date.
+use super::budgets::Budgets;
+
+/// How far a ratio may fall below the best of its processor, or rise above it before it is to be recorded.
 pub const TOLERANCE: f64 = 0.10;
 /// The same for a record from another processor of the same SIMD level: other caches, other clock rates for wide
 /// instructions.
 pub const TOLERANCE_ELSEWHERE: f64 = 0.35;
+
+/// What a ratio is held to.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Mark {
+    /// A ratio.
+    pub ratio: f64,
+    /// How far another one may be from it, as a part of it.
+    pub tolerance: f64,
+    /// Where it comes from.
+    pub source: Source,
+}
+
+/// Where a mark comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Source {
+    /// The best that was ever measured on this processor.
+    Best,
+    /// The record of the SIMD level, from this processor.
+    Record,
+    /// The same from another processor.
+    RecordElsewhere,
+}
+
+/// The mark of an entry: the best of this processor if it has one, whatever the record is, and the record otherwise.
+pub fn mark(budgets: &Budgets, processor: &str, level: &str, group: &str, entry: &str) -> Option<Mark> {
+    let (ratio, source) = match budgets.best(processor, level, group, entry) {
+        Some(best) => (best, Source::Best),
+        None if budgets.processors.get(level).is_some_and(|recorded| recorded == processor) => {
+            (budgets.ratio(level, group, entry)?, Source::Record)
+        }
+        None => (budgets.ratio(level, group, entry)?, Source::RecordElsewhere),
+    };
+    let least = if source == Source::RecordElsewhere { TOLERANCE_ELSEWHERE } else { TOLERANCE };
+    let noise = budgets.noise(group, entry).map_or(least, |noise| noise.tolerance);
+    Some(Mark { ratio, tolerance: least.max(noise), source })
+}
 
 /// What is said about a ratio.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// Within the tolerance.
     Holds,
-    /// More than the tolerance above its record: time to record anew, so that it is held.
+    /// More than the tolerance above its mark: time to record anew, so that it is held.
     Better,
-    /// More than the tolerance below its record, or not a number.
+    /// More than the tolerance below its mark, or not a number.
     Falls,
     /// Nobody has recorded it at this SIMD level.
     NotRecorded,
 }
 
 /// Judges a ratio, more of which is better.
-pub fn judge(ratio: f64, recorded: Option<f64>, tolerance: f64) -> Verdict {
-    match recorded {
-        None => Verdict::NotRecorded,
-        Some(recorded) if ratio > recorded * (1.0 + tolerance) => Verdict::Better,
-        Some(recorded) if ratio >= recorded * (1.0 - tolerance) => Verdict::Holds,
-        Some(_) => Verdict::Falls,
+pub fn judge(ratio: f64, mark: Option<Mark>) -> Verdict {
+    let Some(mark) = mark else { return Verdict::NotRecorded };
+    if ratio > mark.ratio * (1.0 + mark.tolerance) {
+        Verdict::Better
+    } else if ratio >= mark.ratio * (1.0 - mark.tolerance) {
+        Verdict::Holds
+    } else {
+        Verdict::Falls
+    }
+}
+
+impl core::fmt::Display for Mark {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        let source = match self.source {
+            Source::Best => "best",
+            Source::Record | Source::RecordElsewhere => "record",
+        };
+        f.pad(&format!("{source} {:.2}×", self.ratio))
     }
 }
 

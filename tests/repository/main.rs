@@ -1,5 +1,7 @@
 //! What holds of the repository itself: its layers, its pages, what its benchmarks say.
 
+mod benchmark_copies;
+mod benchmark_history;
 mod benchmark_scenes;
 mod benchmark_verdict;
 mod docs;

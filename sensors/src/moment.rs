@@ -16,7 +16,7 @@ use core::ops::Range;
 /// // The poses that the builder keeps …
 /// let now = builder.moment(Pose::IDENTITY);
 /// // … or others.
-/// let moved = [Pose::from_translation(glam::DVec3::X * 2.0)];
+/// let moved = [Pose::from_translation(belvedere_sensors::glam::DVec3::X * 2.0)];
 /// let later = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &moved };
 /// assert_eq!(now.world_from_instance[0].translation().x, 0.0);
 /// assert_eq!(later.world_from_instance[0].translation().x, 2.0);
@@ -73,6 +73,32 @@ pub enum Shutter<'a> {
     Moving(&'a [Keyframe<'a>]),
 }
 
+impl<'a, const N: usize> From<&'a [Keyframe<'a>; N]> for Shutter<'a> {
+    fn from(keyframes: &'a [Keyframe<'a>; N]) -> Self {
+        Self::Moving(keyframes)
+    }
+}
+
+impl<'a, const N: usize> From<&'a [Slice<'a>; N]> for Shutter<'a> {
+    fn from(slices: &'a [Slice<'a>; N]) -> Self {
+        Self::Slices(slices)
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<'a> From<&'a alloc::vec::Vec<Keyframe<'a>>> for Shutter<'a> {
+    fn from(keyframes: &'a alloc::vec::Vec<Keyframe<'a>>) -> Self {
+        Self::Moving(keyframes)
+    }
+}
+
+#[cfg(feature = "alloc")]
+impl<'a> From<&'a alloc::vec::Vec<Slice<'a>>> for Shutter<'a> {
+    fn from(slices: &'a alloc::vec::Vec<Slice<'a>>) -> Self {
+        Self::Slices(slices)
+    }
+}
+
 impl<'a> From<&'a [Keyframe<'a>]> for Shutter<'a> {
     fn from(keyframes: &'a [Keyframe<'a>]) -> Self {
         Self::Moving(keyframes)
@@ -122,11 +148,11 @@ impl<'a> Shutter<'a> {
 /// assert_eq!(Capture::new(7, still).frame, 7);
 ///
 /// // A rolling shutter: the sensor turns by 1 mrad from each of 480 rows to the next.
-/// let turned = |row: u32| Pose::from_xyz_rpy(glam::DVec3::ZERO, glam::DVec3::Z * (1e-3 * f64::from(row)));
+/// let turned = |row: u32| Pose::from_xyz_rpy(belvedere_sensors::glam::DVec3::ZERO, belvedere_sensors::glam::DVec3::Z * (1e-3 * f64::from(row)));
 /// let rows: Vec<_> = (0..480)
 ///     .map(|row| Slice { lines: row..row + 1, at: Moment { world_from_sensor: turned(row), ..still } })
 ///     .collect();
-/// let rolling = Capture::new(8, rows.as_slice());
+/// let rolling = Capture::new(8, &rows);
 /// assert!(matches!(rolling.shutter, Shutter::Slices(slices) if slices.len() == 480));
 /// ```
 #[derive(Debug, Clone, Copy)]

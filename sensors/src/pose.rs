@@ -37,7 +37,7 @@ impl Pose {
     ///
     /// ```
     /// use belvedere_sensors::Pose;
-    /// use glam::DVec3;
+    /// use belvedere_sensors::glam::DVec3;
     /// // The articles' ceiling camera: pitched by −90°, its x axis points up.
     /// let base_from_camera = Pose::from_xyz_rpy(DVec3::new(0.15, 0.0, 0.35), DVec3::new(0.0, -1.5708, 0.0));
     /// let up = base_from_camera.transform_vector(DVec3::X);

@@ -8,7 +8,7 @@ impl From<(DQuat, DVec3)> for Pose {
     ///
     /// ```
     /// use belvedere_sensors::Pose;
-    /// use glam::{DQuat, DVec3};
+    /// use belvedere_sensors::glam::{DQuat, DVec3};
     /// let quarter = DQuat::from_rotation_z(std::f64::consts::FRAC_PI_2);
     /// let a_from_b = Pose::from((quarter, DVec3::new(1.0, 0.0, 0.0)));
     /// assert!((a_from_b.transform_point(DVec3::X) - DVec3::new(1.0, 1.0, 0.0)).length() < 1e-15);
@@ -77,7 +77,7 @@ impl TryFrom<DMat4> for Pose {
     ///
     /// ```
     /// use belvedere_sensors::pose::{NotRigid, Pose};
-    /// use glam::{DMat4, DQuat, DVec3};
+    /// use belvedere_sensors::glam::{DMat4, DQuat, DVec3};
     /// let turned = DMat4::from_rotation_translation(DQuat::from_rotation_x(0.5), DVec3::new(1.0, 2.0, 3.0));
     /// let pose = Pose::try_from(turned)?;
     /// assert!((pose.rpy() - DVec3::new(0.5, 0.0, 0.0)).length() < 1e-12);
@@ -128,7 +128,7 @@ impl From<Pose> for DAffine3 {
     ///
     /// ```
     /// use belvedere_sensors::Pose;
-    /// use glam::{DAffine3, DVec3};
+    /// use belvedere_sensors::glam::{DAffine3, DVec3};
     /// let a_from_b = Pose::from_xyz_rpy(DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.1, 0.2, 0.3));
     /// let point = DVec3::new(4.0, 5.0, 6.0);
     /// let off = DAffine3::from(a_from_b).transform_point3(point) - a_from_b.transform_point(point);
@@ -151,7 +151,7 @@ impl From<Pose> for nalgebra::Isometry3<f64> {
     ///
     /// ```
     /// use belvedere_sensors::Pose;
-    /// use glam::DVec3;
+    /// use belvedere_sensors::glam::DVec3;
     /// use nalgebra::{Isometry3, Point3};
     /// let a_from_b = Pose::from_xyz_rpy(DVec3::new(1.0, 2.0, 3.0), DVec3::new(0.1, 0.2, 0.3));
     /// let isometry = Isometry3::from(a_from_b);
@@ -184,7 +184,7 @@ impl From<parry3d::math::Pose> for Pose {
     /// ```
     /// use belvedere_sensors::Pose;
     /// let of_parry = parry3d::math::Pose::from_translation(parry3d::math::Vector::new(1.0, 2.0, 3.0));
-    /// assert_eq!(Pose::from(of_parry).translation(), glam::DVec3::new(1.0, 2.0, 3.0));
+    /// assert_eq!(Pose::from(of_parry).translation(), belvedere_sensors::glam::DVec3::new(1.0, 2.0, 3.0));
     /// assert_eq!(parry3d::math::Pose::from(Pose::from(of_parry)), of_parry);
     /// ```
     fn from(pose: parry3d::math::Pose) -> Self {

@@ -322,7 +322,7 @@ fn errors_name_parameter_value_and_range() {
         ),
         (
             WideAngle::from_fov(640, 480, 3.2, Mapping::GNOMONICAL, true, PI).unwrap_err().to_string(),
-            "horizontal_fov of the lens is 3.2; it must be greater than 0, at most 2π, and within what the \
+            "horizontal_fov_rad of the lens is 3.2; it must be greater than 0, at most 2π, and within what the \
              lens' mapping function reaches",
         ),
         (

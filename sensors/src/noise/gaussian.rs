@@ -13,7 +13,8 @@ pub struct GaussianNoiseConfig {
     pub mean: f32,
     /// Standard deviation of the noise of each sample, 0 or more.
     pub stddev: f32,
-    /// Mean of the bias of a run, finite.
+    /// Mean of the bias of a run, finite. The sign of the bias is flipped with probability ½, as in SDF; for a bias of known
+    /// sign, set `mean`.
     pub bias_mean: f32,
     /// Standard deviation of the bias of a run, 0 or more.
     pub bias_stddev: f32,
@@ -29,7 +30,7 @@ impl GaussianNoiseConfig {
         mean: f32,
         /// Sets the standard deviation of the noise of each sample.
         stddev: f32,
-        /// Sets the mean of the bias of a run.
+        /// Sets the mean of the bias of a run, whose sign is flipped with probability ½.
         bias_mean: f32,
         /// Sets the standard deviation of the bias of a run.
         bias_stddev: f32,

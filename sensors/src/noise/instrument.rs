@@ -26,7 +26,8 @@ pub struct InstrumentConfig<const N: usize> {
     pub stddev: [f64; N],
     /// White noise density in units/√Hz.
     pub density: [f64; N],
-    /// Mean of the bias of a run.
+    /// Mean of the bias of a run. The sign of the bias is flipped with probability ½ for each axis, as in SDF; for a bias of
+    /// known sign, set `mean`.
     pub bias_mean: [f64; N],
     /// Standard deviation of the bias of a run.
     pub bias_stddev: [f64; N],

@@ -33,7 +33,7 @@ const NAMES: [&str; 14] =
 ///
 /// ```
 /// use belvedere_sensors::optics::{BrownConrady, Intrinsics, Lens};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 /// let intrinsics = Intrinsics { fx: 500.0, fy: 500.0, cx: 320.0, cy: 240.0, skew: 0.0 };
 /// let lens = BrownConrady::new(intrinsics, &[-0.3, 0.1, 0.001, -0.0005, 0.0]).unwrap();
 /// // x = 0.4, y = 0.3, r² = 0.25: x′ = 0.372455, y′ = 0.279685.

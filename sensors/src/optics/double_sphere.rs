@@ -22,7 +22,7 @@ use glam::{DVec2, DVec3};
 ///
 /// ```
 /// use belvedere_sensors::optics::{DoubleSphere, Intrinsics, Lens};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 /// let intrinsics = Intrinsics { fx: 200.0, fy: 200.0, cx: 319.5, cy: 239.5, skew: 0.0 };
 /// let lens = DoubleSphere::new(intrinsics, -0.2, 0.6).unwrap();
 /// // d₁ = 1, d₂ = √1.04: r = 1/(0.6·√1.04 − 0.4·0.2).

@@ -22,7 +22,7 @@ use glam::{DVec2, DVec3};
 ///
 /// ```
 /// use belvedere_sensors::optics::{Equirectangular, Lens};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 /// let lens = Equirectangular::new(3600, 1800).unwrap();
 /// assert_eq!(lens.project(DVec3::Z), Some(DVec2::new(1799.5, 899.5)));
 /// // Right is 90°, which is 900 columns further.

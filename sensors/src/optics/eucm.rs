@@ -18,7 +18,7 @@ use glam::{DVec2, DVec3};
 ///
 /// ```
 /// use belvedere_sensors::optics::{Eucm, Intrinsics, Lens};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 /// let intrinsics = Intrinsics { fx: 200.0, fy: 200.0, cx: 319.5, cy: 239.5, skew: 0.0 };
 /// let lens = Eucm::new(intrinsics, 0.625, 1.0).unwrap();
 /// // At 90° d = 1, so r = 1/α.

@@ -11,7 +11,7 @@ use glam::DVec2;
 ///
 /// ```
 /// use belvedere_sensors::optics::Intrinsics;
-/// use glam::DVec2;
+/// use belvedere_sensors::glam::DVec2;
 /// let intrinsics = Intrinsics { fx: 300.0, fy: 310.0, cx: 319.5, cy: 239.5, skew: 2.0 };
 /// assert_eq!(intrinsics.to_pixel(DVec2::new(0.5, -0.5)), Some(DVec2::new(468.5, 84.5)));
 /// ```
@@ -44,7 +44,7 @@ impl Intrinsics {
     /// ```
     pub fn from_fov(width: u32, height: u32, horizontal_fov_rad: f64) -> Result<Self, ParameterError> {
         let inside = horizontal_fov_rad > 0.0 && horizontal_fov_rad < core::f64::consts::PI;
-        require("horizontal_fov", horizontal_fov_rad, inside, "between 0 and π")?;
+        require("horizontal_fov_rad", horizontal_fov_rad, inside, "between 0 and π radians")?;
         Self::centred(width, height, f64::from(width) / (2.0 * libm::tan(horizontal_fov_rad * 0.5)))
     }
 

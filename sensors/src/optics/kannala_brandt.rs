@@ -20,7 +20,7 @@ use glam::{DVec2, DVec3};
 ///
 /// ```
 /// use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, Lens};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 /// let intrinsics = Intrinsics { fx: 250.0, fy: 250.0, cx: 319.5, cy: 239.5, skew: 0.0 };
 /// let lens = KannalaBrandt::new(intrinsics, [-0.02, 0.0, 0.0, 0.0]).unwrap();
 /// // θ = 1, on the left: r = 0.98.

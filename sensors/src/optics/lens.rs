@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 ///
 /// ```
 /// use belvedere_sensors::optics::{Intrinsics, Lens, Pinhole};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 ///
 /// /// Distance between the pixels of two points.
 /// fn apart(lens: &impl Lens, a: DVec3, b: DVec3) -> Option<f64> {

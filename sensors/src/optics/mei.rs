@@ -19,7 +19,7 @@ use glam::{DVec2, DVec3};
 ///
 /// ```
 /// use belvedere_sensors::optics::{Intrinsics, Lens, Mei};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 /// let intrinsics = Intrinsics { fx: 400.0, fy: 400.0, cx: 319.5, cy: 239.5, skew: 0.0 };
 /// let lens = Mei::new(intrinsics, 1.25, [-0.1, 0.0, 0.0, 0.0]).unwrap();
 /// // At 90° r = 1/ξ = 0.8, and r′ = 0.8·(1 − 0.064).

@@ -23,7 +23,7 @@
 //!
 //! ```
 //! use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, Lens};
-//! use glam::{DVec2, DVec3};
+//! use belvedere_sensors::glam::{DVec2, DVec3};
 //!
 //! let intrinsics = Intrinsics { fx: 200.0, fy: 200.0, cx: 399.5, cy: 399.5, skew: 0.0 };
 //! let fisheye = KannalaBrandt::new(intrinsics, [0.0; 4]).unwrap();

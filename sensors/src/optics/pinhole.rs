@@ -9,7 +9,7 @@ use glam::{DVec2, DVec3};
 ///
 /// ```
 /// use belvedere_sensors::optics::{Intrinsics, Lens, Pinhole};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 /// let intrinsics = Intrinsics { fx: 300.0, fy: 400.0, cx: 319.5, cy: 239.5, skew: 0.0 };
 /// let lens = Pinhole::new(intrinsics).unwrap();
 /// assert_eq!(lens.project(DVec3::new(1.0, -0.5, 2.0)), Some(DVec2::new(469.5, 139.5)));

@@ -121,7 +121,7 @@ impl Mapping {
 ///
 /// ```
 /// use belvedere_sensors::optics::{Lens, Mapping, WideAngle};
-/// use glam::{DVec2, DVec3};
+/// use belvedere_sensors::glam::{DVec2, DVec3};
 /// use std::f64::consts::{FRAC_PI_2, PI};
 /// // 180° across 800 px: the half, 400 px, is 90°.
 /// let lens = WideAngle::from_fov(800, 600, PI, Mapping::STEREOGRAPHIC, true, FRAC_PI_2).unwrap();
@@ -177,7 +177,7 @@ impl WideAngle {
             let reached =
                 half > 0.0 && half <= PI && half / mapping.c2 + mapping.c3 <= mapping.last_argument();
             require(
-                "horizontal_fov",
+                "horizontal_fov_rad",
                 horizontal_fov_rad,
                 reached && radius > 0.0,
                 "greater than 0, at most 2π, and within what the lens' mapping function reaches",

@@ -14,7 +14,7 @@ use super::{
 /// use belvedere_sensors::optics::{Intrinsics, Pinhole, PinholeGrid};
 /// use belvedere_sensors::{Execution, Moment, Pose, scene::*};
 /// use bytemuck::Zeroable;
-/// use glam::DVec3;
+/// use belvedere_sensors::glam::DVec3;
 ///
 /// // Two meshes, a wall of 2 m and a smaller one, built into arrays.
 /// let wall = |half: f32| [[0.0, -half, -half], [0.0, half, -half], [0.0, half, half], [0.0, -half, half]];

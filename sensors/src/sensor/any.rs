@@ -9,7 +9,7 @@ use crate::moment::Capture;
 use crate::scene::Scene;
 use crate::trace::{SenseError, Workspace};
 
-/// A sensor of any kind that owns all its data.
+/// A camera, depth camera, lidar or scanner that owns all it needs. An [`Imu`](crate::imu::Imu) is none: it sees no scene.
 ///
 /// ```
 /// use belvedere_sensors::{camera::*, lidar::*, optics::PinholeGrid, scene::SceneBuilder, trace::WorkspaceBuf};

@@ -39,7 +39,7 @@ use fearless_simd::Simd;
 /// let red = builder.add_material(&MaterialConfig { emissive: [1.0, 0.0, 0.0], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
 /// builder.add_instance(&InstanceConfig {
 ///     shape: Shape::Sphere { radius: 0.5 },
-///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+///     world_from_instance: Pose::from_translation(belvedere_sensors::glam::DVec3::X * 2.0),
 ///     material: red,
 ///     ..Default::default()
 /// })?;

@@ -41,7 +41,7 @@ pub(super) use marks::{TILE_HEIGHT, TILE_WIDTH};
 /// let white = builder.add_material(&MaterialConfig { emissive: [1.0; 3], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
 /// builder.add_instance(&InstanceConfig {
 ///     shape: Shape::Sphere { radius: 0.5 },
-///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+///     world_from_instance: Pose::from_translation(belvedere_sensors::glam::DVec3::X * 2.0),
 ///     material: white,
 ///     ..Default::default()
 /// })?;

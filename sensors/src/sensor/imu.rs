@@ -1,6 +1,7 @@
 //! Inertial measurement units: three gyros and three accelerometers; each triad is an [`Instrument`].
 
 use crate::ParameterError;
+use crate::Pose;
 use crate::noise::{Instrument, InstrumentConfig, InstrumentState, Stream};
 use glam::DVec3;
 
@@ -28,8 +29,39 @@ impl ImuConfig {
 pub struct InertialReading {
     /// Angular velocity in rad/s.
     pub angular_velocity: DVec3,
-    /// Specific force in m/s²: acceleration minus gravity, which is +g upwards at rest and 0 in free fall.
+    /// Specific force in m/s²: acceleration minus gravity. It is (0, 0, 9.81) in a unit that lies level at rest, and 0 in
+    /// free fall. [`InertialReading::of_motion`] works it out.
     pub specific_force: DVec3,
+}
+
+impl InertialReading {
+    /// Returns the true reading of a unit that moves: the angular velocity ω and the specific force f = R⁻¹·(a − g), where
+    /// R turns the axes of the unit to those of the world. Vectors are given in the axes of the world, in rad/s and m/s².
+    ///
+    /// ```
+    /// use belvedere_sensors::glam::DVec3;
+    /// use belvedere_sensors::{Pose, imu::InertialReading};
+    /// // A level robot speeds up along its x axis.
+    /// let (acceleration, gravity) = (DVec3::X * 2.0, DVec3::Z * -9.81);
+    /// let level = InertialReading::of_motion(&Pose::IDENTITY, DVec3::ZERO, acceleration, gravity);
+    /// assert_eq!(level.specific_force, DVec3::new(2.0, 0.0, 9.81));
+    /// // At rest with its nose up by 90°: pitch is −90°, and x points up.
+    /// let nose_up = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Y * -90_f64.to_radians());
+    /// let still = InertialReading::of_motion(&nose_up, DVec3::ZERO, DVec3::ZERO, gravity);
+    /// assert!((still.specific_force - DVec3::X * 9.81).length() < 1e-12);
+    /// ```
+    pub fn of_motion(
+        world_from_unit: &Pose,
+        angular_velocity: DVec3,
+        acceleration: DVec3,
+        gravity: DVec3,
+    ) -> Self {
+        let unit_from_world = world_from_unit.rotation().inverse();
+        Self {
+            angular_velocity: unit_from_world * angular_velocity,
+            specific_force: unit_from_world * (acceleration - gravity),
+        }
+    }
 }
 
 /// The biases of a running unit, returned by [`Imu::start`].
@@ -45,7 +77,7 @@ pub struct ImuState {
 ///
 /// ```
 /// use belvedere_sensors::imu::{Imu, InertialReading, presets};
-/// use glam::DVec3;
+/// use belvedere_sensors::glam::DVec3;
 /// let unit = Imu::new(presets::adis16448(), 7, 0)?;
 /// let mut state = unit.start();
 /// let bias = state.gyro.bias[2]; // of this run: sigma is 0.5 °/s

@@ -32,7 +32,7 @@ use crate::trace::{SenseError, Workspace};
 /// let mut world = SceneBuilder::new();
 /// world.add_instance(&InstanceConfig {
 ///     shape: Shape::Sphere { radius: 0.5 },
-///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+///     world_from_instance: Pose::from_translation(belvedere_sensors::glam::DVec3::X * 2.0),
 ///     ..Default::default()
 /// })?;
 /// let (scene, capture) = (world.scene(), Capture::new(0, world.moment(Pose::IDENTITY)));

@@ -3,6 +3,31 @@
 //! A [`Lidar`](crate::lidar::Lidar) is Gazebo's: a regular grid of beams from one point. A [`Scanner`] has a
 //! [`Pattern`] of firings, and traces each of them from the poses that the sensor and all instances have at its time
 //! ([`Shutter::Moving`]).
+//!
+//! ```
+//! use belvedere_sensors::{glam::DVec3, scanner::*, scene::*, trace::WorkspaceBuf, Capture, Keyframe, Pose, Sensor};
+//! let mut world = SceneBuilder::new();
+//! world.add_instance(&InstanceConfig {
+//!     shape: Shape::Box { size: [0.1, 40.0, 20.0] }, // a wall, whose front is 10 m ahead
+//!     world_from_instance: Pose::from_translation(DVec3::X * 10.05),
+//!     ..Default::default()
+//! })?;
+//! // A VLP-16 that drives at 5 m/s towards the wall, during a turn of 0.1 s.
+//! let config = presets::VLP_16.config(100_000_000).intensity(Intensity::Reflectivity);
+//! let scanner = Scanner::new(config)?;
+//! let at = |time_s: f64| Keyframe { time_s, at: world.moment(Pose::from_translation(DVec3::X * 5.0 * time_s)) };
+//! let keyframes = [at(0.0), at(0.1)];
+//! let mut ranges = vec![0.0; scanner.echoes_len()];
+//! let mut intensities = vec![0.0; scanner.echoes_len()];
+//! let echoes = Echoes::new().ranges(&mut ranges).intensities(&mut intensities);
+//! scanner.sense_in(&mut WorkspaceBuf::default(), &world.scene(), &Capture::new(0, &keyframes), echoes)?;
+//! // The laser that looks up by 1°, in the first column and in the last one that it fires in this frame.
+//! let ahead = 1_f32.to_radians().cos();
+//! let last = scanner.firings(0) - 16 + 1;
+//! assert!((ranges[1] * ahead - 10.0).abs() < 0.15 && (ranges[last] * ahead - 9.5).abs() < 0.15);
+//! assert!((intensities[1] - 70.0).abs() < 1.0); // per cent: the diffuse grey of the default material
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod beam;
 mod clock;
@@ -115,6 +140,12 @@ impl<'a> Scanner<'a> {
     /// Returns the number of returns per firing, which the buffers of an [`Echoes`] must have room for.
     pub fn returns(&self) -> usize {
         self.config.returns.count()
+    }
+
+    /// Returns the number of elements of ranges, points and intensities in an [`Echoes`]: those of all returns of
+    /// [`Scanner::most_firings`] firings.
+    pub fn echoes_len(&self) -> usize {
+        self.most_firings() * self.returns()
     }
 
     /// Returns the largest number of firings that a frame can have, which the buffers of an [`Echoes`] must have room

@@ -72,7 +72,7 @@ pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize 
 /// ```
 /// use belvedere_sensors::optics::{Intrinsics, Optics, Pinhole, PinholeGrid};
 /// use belvedere_sensors::{Pose, Shutter, scene::*, trace::*};
-/// use glam::DVec3;
+/// use belvedere_sensors::glam::DVec3;
 /// let mut builder = SceneBuilder::new();
 /// let material = builder.add_material(&MaterialConfig::default())?;
 /// let plate = builder.add_instance(&InstanceConfig {
@@ -81,7 +81,7 @@ pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize 
 ///     material,
 ///     ..Default::default()
 /// })?;
-/// A corner of the front face, and the same one of the back face.
+/// // A corner of the front face, and the same one of the back face.
 /// let corner = |x| Landmark { instance: plate.0, point: DVec3::new(x, 0.5, 0.5), normal: DVec3::X * x };
 /// let lens = Pinhole::new(Intrinsics { fx: 399.5, fy: 399.5, cx: 319.5, cy: 239.5, skew: 0.0 })?;
 /// let optics = Optics::from(PinholeGrid::new(640, 480, lens)?);
@@ -91,7 +91,7 @@ pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize 
 /// let shutter = Shutter::Global(builder.moment(Pose::IDENTITY));
 /// let mut seen = [Sighting::NONE; 2];
 /// see_landmarks(&scene, &shutter, &optics, [0.1, 10.0], workspace, &[corner(-0.005), corner(0.005)], &mut seen)?;
-/// 0.5 m to the left and up, at a depth of 3.995 m: 50 pixels.
+/// // 0.5 m to the left and up, at a depth of 3.995 m: 50 pixels.
 /// assert!((seen[0].pixel[0] - 269.5).abs() < 1e-9 && (seen[0].pixel[1] - 189.5).abs() < 1e-9);
 /// assert_eq!((seen[0].depth, seen[0].visible), (3.995, true));
 /// assert!(!seen[1].visible);

@@ -106,7 +106,7 @@ impl SceneBuilder {
     /// builder.set_environment(Environment { ambient: [0.5; 3], ..Default::default() });
     /// let grey = builder.add_material(&MaterialConfig { ambient: [0.8; 3], ..Default::default() })?;
     /// builder.add_instance(&InstanceConfig {
-    ///     world_from_instance: Pose::from_translation(glam::DVec3::X * 2.0),
+    ///     world_from_instance: Pose::from_translation(belvedere_sensors::glam::DVec3::X * 2.0),
     ///     material: grey,
     ///     ..Default::default()
     /// })?;

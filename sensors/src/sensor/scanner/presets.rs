@@ -82,7 +82,8 @@ pub struct Preset {
 
 impl Preset {
     /// Returns the configuration of the scanner with this time from one frame (one turn) to the next in nanoseconds,
-    /// with seed and sensor number 0.
+    /// with seed and sensor number 0. Intensities are the `laser_retro` of instances, which is 0 unless it is set: choose
+    /// [`Intensity::Reflectivity`](super::Intensity::Reflectivity) for intensities that follow from materials.
     ///
     /// ```
     /// use belvedere_sensors::scanner::{Scanner, presets::VLP_16};

@@ -19,6 +19,10 @@
 //! What a sensor sees is decided by [`scene::visibility`]: cameras see visuals, lidars hit collision shapes
 //! unless they are told otherwise.
 //!
+//! Stack: every function that senses, casts rays or builds a scene needs less than 60 KiB of stack, measured on x86-64 at
+//! SSE2 and AVX2 in the dev and release profiles, and so runs on a thread with 64 KiB. With `rayon`, a thread that waits
+//! for others may begin other work on the same stack, and needs more.
+//!
 //! Features: `std` (default) finds the SIMD level at run time; `alloc` gives the owned
 //! [`SceneBuilder`](scene::SceneBuilder) and [`WorkspaceBuf`](trace::WorkspaceBuf), without which scenes are made of the
 //! caller's arrays ([`SceneSlices`](scene::SceneSlices)); `rayon` spreads a frame over

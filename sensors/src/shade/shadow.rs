@@ -45,6 +45,11 @@ impl Shadows {
         }
     }
 
+    /// Rays that nothing is kept in from one call to the next.
+    pub(super) fn rays(&mut self) -> (&mut Packet, &mut LocalRays) {
+        (&mut self.packet, &mut self.local)
+    }
+
     /// Which of the lanes that are `lit` a lamp does not reach, of which some see the `back` of a surface. The outside of
     /// things casts shadows: the bulb around a lamp does not keep its light in.
     #[inline(always)]

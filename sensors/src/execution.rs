@@ -54,31 +54,44 @@ pub(crate) fn split_at<T>(values: Option<&mut [T]>, at: usize) -> (Option<&mut [
     values.map(|values| values.split_at_mut(at.min(values.len()))).unzip()
 }
 
-#[cfg_attr(not(feature = "rayon"), allow(clippy::only_used_in_recursion, reason = "threads come with rayon"))]
-/// Calls `work` for each row of tiles, with the part of `output` that belongs to the row. The rows are halved
-/// repeatedly until one is left, and at each split another thread may take one of the halves. Nothing is allocated.
+/// Calls `work` for each row of tiles, with the part of `output` that is the row's.
+#[cfg_attr(not(feature = "rayon"), allow(unused_variables, reason = "threads come with rayon"))]
 pub(crate) fn for_each_row<O: SplitRows>(
     execution: Execution,
     rows: core::ops::Range<usize>,
     output: O,
     work: &(impl Fn(usize, O) + Sync),
 ) {
+    #[cfg(feature = "rayon")]
+    if execution.parallel {
+        on_threads(rows, output, work);
+        return;
+    }
+    let (mut row, mut rest) = (rows.start, output);
+    while row + 1 < rows.end {
+        let (own, below) = rest.split_rows(1);
+        work(row, own);
+        (row, rest) = (row + 1, below);
+    }
+    if row < rows.end {
+        work(row, rest);
+    }
+}
+
+/// The same on many threads: the rows are halved again and again until one is left, and at each cut another thread may take
+/// one of the halves. Nothing is allocated for that.
+#[cfg(feature = "rayon")]
+fn on_threads<O: SplitRows>(rows: core::ops::Range<usize>, output: O, work: &(impl Fn(usize, O) + Sync)) {
     match rows.len() {
         0 => {}
         1 => work(rows.start, output),
         count => {
             let middle = rows.start + count / 2;
             let (upper, lower) = output.split_rows(count / 2);
-            #[cfg(feature = "rayon")]
-            if execution.parallel {
-                rayon::join(
-                    || for_each_row(execution, rows.start..middle, upper, work),
-                    || for_each_row(execution, middle..rows.end, lower, work),
-                );
-                return;
-            }
-            for_each_row(execution, rows.start..middle, upper, work);
-            for_each_row(execution, middle..rows.end, lower, work);
+            rayon::join(
+                || on_threads(rows.start..middle, upper, work),
+                || on_threads(middle..rows.end, lower, work),
+            );
         }
     }
 }

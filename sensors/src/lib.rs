@@ -7,6 +7,14 @@
 //! what is [`VISUAL`](scene::visibility::VISUAL), lidars hit what is [`COLLISION`](scene::visibility::COLLISION), unless
 //! they are configured otherwise.
 //!
+//! # Stack
+//!
+//! Every function that senses, casts rays or builds a scene needs less than 60 KiB of stack, and so runs on a thread with
+//! 64 KiB. (Measured on x86-64 at SSE2 and AVX2, in the dev and release profiles.) With `rayon`, a thread that waits for
+//! others may begin other work on the same stack, and needs more.
+//!
+//! # Layers
+//!
 //! Modules use only those above them in this list:
 //!
 //! 1. [`simd`]: SIMD levels; [`pose`]: rigid poses in f64; [`srgb`]: the transfer curve of pictures.

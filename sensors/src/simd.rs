@@ -18,7 +18,10 @@ macro_rules! dispatch {
     (@with $token:expr, $simd:pat => $op:expr) => {{
         let token = $token;
         let $simd = token;
-        fearless_simd::Simd::vectorize(token, #[inline(always)] || $op)
+        $crate::simd::apart(
+            #[inline(always)]
+            || fearless_simd::Simd::vectorize(token, #[inline(always)] || $op),
+        )
     }};
     ($level:expr, $simd:pat => $op:expr) => {{
         let level: $crate::simd::Level = $level;
@@ -47,7 +50,13 @@ macro_rules! dispatch {
 }
 pub(crate) use dispatch;
 
-/// The branch of [`dispatch!`] for AVX-512, and its replacement in builds without it.
+/// Calls a level's version of [`dispatch!`]. Inlined, that of SSE2 would have its stack taken whichever level runs.
+#[inline(never)]
+pub(crate) fn apart<R>(version: impl FnOnce() -> R) -> R {
+    version()
+}
+
+/// [`dispatch!`]'s branch for AVX-512, and what it does instead.
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test), not(debug_assertions)))]
 macro_rules! avx512_or {
     ($level:ident, $simd:pat => $op:expr, $otherwise:expr) => {

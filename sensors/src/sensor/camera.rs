@@ -5,7 +5,7 @@ mod config;
 
 use super::Sensor;
 pub use super::edges::Edges;
-use super::edges::{Canvas, Smoothing, TILE_HEIGHT};
+use super::edges::{Canvas, TILE_HEIGHT, smooth};
 #[cfg(feature = "alloc")]
 pub use super::owned::CameraBuf;
 use super::pixel;
@@ -257,10 +257,10 @@ impl Sensor for Camera<'_> {
             rays_in_row: frame.rays_in_row(),
         };
         frame.trace(&self.sight(), &mut memory, rows, &Painter { camera: self, capture });
-        if let (Some(pixels), Some(smoothing)) = (colour, Smoothing::new(&frame, optics, self.sight(), marks))
-        {
-            let space = scene.colour_space();
-            smoothing.paint(execution, Retouched { camera: self, frame: capture.frame, space, pixels });
+        if let Some(pixels) = colour {
+            let canvas =
+                Retouched { camera: self, frame: capture.frame, space: scene.colour_space(), pixels };
+            smooth((&frame, optics), self.sight(), marks, execution, canvas);
         }
         Ok(())
     }
@@ -283,6 +283,7 @@ impl BandWork<Rows<'_>> for Painter<'_> {
         }
         let output = &mut output.colour;
         let mut brush = Brush::new(self.camera, self.capture, band);
+        brush.set_shader();
         for row in band.block_rows() {
             for column in 0..brush.tiles {
                 let tile = [column, row];

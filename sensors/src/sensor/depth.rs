@@ -14,7 +14,7 @@ mod too_near;
 use super::Sensor;
 use super::camera::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig};
-use super::edges::Smoothing;
+use super::edges::smooth;
 #[cfg(feature = "alloc")]
 pub use super::owned::DepthCameraBuf;
 pub use config::{DepthCameraConfig, OutOfRange};
@@ -282,11 +282,9 @@ impl Sensor for DepthCamera<'_> {
             let output = Measured { depth_32fc1, depth_16uc1, points, xyz, width };
             Developer { camera: self, device, looker, pattern, contrast }.develop(execution, output);
         }
-        if let Some(smoothing) = Smoothing::new(&frame, optics, sight, marks) {
-            let camera = &self.camera;
-            let space = scene.colour_space();
-            smoothing.paint(execution, Retouched { camera, frame: capture.frame, space, colour, points });
-        }
+        let (camera, space) = (&self.camera, scene.colour_space());
+        let canvas = Retouched { camera, frame: capture.frame, space, colour, points };
+        smooth((&frame, optics), sight, marks, execution, canvas);
         Ok(())
     }
 }
@@ -347,18 +345,40 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
         let Self { camera, capture, .. } = self;
-        let tiling = Tiling::of(band.rays.fan());
-        let mut brush = Brush::new(&camera.camera, capture, band);
-        let glazing = Glazing::of(band.view).filter(|_| output.seen.is_none());
-        let measure = Measure::new(&band.view.world_from_sensor);
-        let mut resolver = Resolver::new(band.view);
         if let Some(truth) = &mut output.truth {
             truth.write(simd, band, &camera.camera.sight(), capture);
         }
-        let is_measured = output.wants_measured();
         if let (Some(seen), Some(device)) = (&mut output.seen, &camera.device) {
             seen.write(simd, band, device, &camera.camera.sight(), self.obstacles);
         }
+        self.write_tiles(simd, band, output);
+    }
+
+    fn is_mean(&self) -> bool {
+        true
+    }
+}
+
+impl Measurer<'_> {
+    /// Writes depths and colours of a band. By itself, for the sake of the stack.
+    #[inline(never)]
+    fn write_tiles<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.write_each_tile(simd, band, output),
+        );
+    }
+
+    #[inline(always)]
+    fn write_each_tile<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+        let Self { camera, capture, .. } = self;
+        let tiling = Tiling::of(band.rays.fan());
+        let mut brush = Brush::new(&camera.camera, capture, band);
+        brush.set_shader();
+        let glazing = Glazing::of(band.view).filter(|_| output.seen.is_none());
+        let measure = Measure::new(&band.view.world_from_sensor);
+        let mut resolver = Resolver::new(band.view);
+        let is_measured = output.wants_measured();
         for row in band.block_rows() {
             // The depths of a line are those of its first slice.
             let is_first = (row * tiling.size()[1]) as i32 >= band.fresh_from;
@@ -406,9 +426,5 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
                 }
             }
         }
-    }
-
-    fn is_mean(&self) -> bool {
-        true
     }
 }

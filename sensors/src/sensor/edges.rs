@@ -15,15 +15,14 @@ use crate::device::TileView;
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::optics::Optics;
 use crate::optics::rays::{PinholeFan, Rays, TableFan};
-use crate::shade::through::Through;
+use crate::shade::through;
 use crate::shade::tile::{CameraRays, Tile};
 use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, WIDTH, dispatch};
 use crate::trace::grid::{Frame, Sight};
-use crate::trace::packet::{Faces, MISS, Packet};
+use crate::trace::packet::{MISS, Packet};
 use crate::trace::packet_hits::first_hits;
 use crate::trace::resolve::Resolver;
-use crate::trace::shapes::LocalRays;
 use crate::trace::tiling::Tiling;
 use crate::trace::view::View;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
@@ -99,8 +98,22 @@ pub(crate) trait Canvas: SplitRows {
     );
 }
 
+/// Smooths the edges of a picture that is otherwise complete, if there are marks. By itself, for the sake of the stack.
+#[inline(never)]
+pub(crate) fn smooth(
+    (frame, optics): (&Frame<'_>, &Optics<'_>),
+    sight: Sight,
+    marks: &[u32],
+    execution: Execution,
+    canvas: impl Canvas,
+) {
+    if let Some(smoothing) = Smoothing::new(frame, optics, sight, marks) {
+        smoothing.paint(execution, canvas);
+    }
+}
+
 /// Smooths the edges of a picture that is otherwise complete.
-pub(crate) struct Smoothing<'a> {
+struct Smoothing<'a> {
     view: &'a View<'a>,
     rays: Rays<'a>,
     camera_rays: CameraRays<'a>,
@@ -111,13 +124,8 @@ pub(crate) struct Smoothing<'a> {
 }
 
 impl<'a> Smoothing<'a> {
-    /// Returns `None` if there are no marks, or if the optics are a grid of angles.
-    pub(crate) fn new(
-        frame: &'a Frame<'a>,
-        optics: &Optics<'a>,
-        sight: Sight,
-        marks: &'a [u32],
-    ) -> Option<Self> {
+    /// None, if there are no marks.
+    fn new(frame: &'a Frame<'a>, optics: &Optics<'a>, sight: Sight, marks: &'a [u32]) -> Option<Self> {
         let view = frame.view()?;
         let rays = match optics {
             _ if marks.is_empty() => return None,
@@ -130,7 +138,7 @@ impl<'a> Smoothing<'a> {
     }
 
     /// Paints all edges.
-    pub(crate) fn paint(&self, execution: Execution, canvas: impl Canvas) {
+    fn paint(&self, execution: Execution, canvas: impl Canvas) {
         let [width, height] = self.size;
         let (across, down) = (width.div_ceil(TILE_WIDTH), height.div_ceil(TILE_HEIGHT));
         let work = |chunk: usize, mut canvas: Chunks<_>| {
@@ -152,7 +160,8 @@ impl<'a> Smoothing<'a> {
         across: usize,
         canvas: &mut impl Canvas,
     ) {
-        let mut bench = Bench::new(self.view, self.sight.faces);
+        let mut bench = Bench::new(self.view);
+        bench.shader.set(self.sight.faces, false);
         let mut pixels = [Pixel { tile: [0; 2], lane: 0, colour: [0.0; 3] }; QUEUE];
         let (mut waiting, mut sampled) = (0, 0);
         for row in rows.clone() {
@@ -183,9 +192,17 @@ impl<'a> Smoothing<'a> {
         self.put_down(simd, &mut bench.tile, &pixels[..waiting], rows.start, canvas);
     }
 
-    /// Finds the pixels at edges in some tiles of a row: a bit mask per tile.
-    #[inline(always)]
+    /// The pixels of some tiles of a row at which there is an edge, a bit each. By itself, for the sake of the stack.
+    #[inline(never)]
     fn find<S: Simd>(&self, simd: S, group: core::ops::Range<usize>, row: usize) -> [u64; GROUP] {
+        simd.vectorize(
+            #[inline(always)]
+            || self.find_among_marks(simd, group, row),
+        )
+    }
+
+    #[inline(always)]
+    fn find_among_marks<S: Simd>(&self, simd: S, group: core::ops::Range<usize>, row: usize) -> [u64; GROUP] {
         const MARGIN: usize = WIDTH;
         let [width, height] = self.size;
         // The marks of these rows, with a border around them.
@@ -226,10 +243,11 @@ impl<'a> Smoothing<'a> {
     /// level, for all canvases.
     #[inline(never)]
     fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
-        let Bench { packet, local, tile, shader, through, resolver, colours } = bench;
+        let Bench { tile, shader, resolver, colours } = bench;
         simd.vectorize(
             #[inline(always)]
             || {
+                let (packet, local) = shader.rays();
                 self.aim(pixels, packet, tile);
                 first_hits(simd, self.view, packet, local, self.sight.faces);
                 tile.take_first_hits(simd, packet, resolver);
@@ -238,7 +256,7 @@ impl<'a> Smoothing<'a> {
         let steps = &self.camera_rays.steps;
         shader.shade(simd, self.view, tile, steps, colours);
         if shader.is_clear() {
-            through.look(simd, self.view, &self.sight, (shader, resolver, steps), tile, colours);
+            through::look(simd, self.view, &self.sight, (shader, resolver, steps), tile, colours);
         }
         for channel in 0..3 {
             let samples = colours[channel].as_chunks::<SAMPLES>().0;
@@ -253,6 +271,7 @@ impl<'a> Smoothing<'a> {
     fn aim(&self, pixels: &[Pixel], packet: &mut Packet, tile: &mut Tile) {
         let axes = self.view.world_from_sensor.rotation_matrix();
         let [near, far] = self.sight.range;
+        (packet.origin, packet.shared_origin) = ([[0.0; LANES]; 3], true);
         packet.t_min = near;
         packet.hit = [MISS; LANES];
         packet.t = [f64::NEG_INFINITY; LANES];
@@ -337,23 +356,18 @@ struct Pixel {
 
 /// Working memory that is reused from chunk to chunk.
 struct Bench<'a> {
-    packet: Packet,
-    local: LocalRays,
     tile: Tile,
     shader: Shader,
-    through: Through,
     resolver: Resolver<'a>,
     colours: Colours,
 }
 
 impl<'a> Bench<'a> {
-    fn new(view: &'a View<'a>, faces: Faces) -> Self {
+    #[inline(always)]
+    fn new(view: &'a View<'a>) -> Self {
         Self {
-            packet: Packet::new(),
-            local: LocalRays::new(),
-            tile: Tile::new(),
-            shader: Shader::new(faces),
-            through: Through::new(),
+            tile: const { Tile::new() },
+            shader: Shader::NEW,
             resolver: Resolver::new(view),
             colours: [[0.0; LANES]; 3],
         }

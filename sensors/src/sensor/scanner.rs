@@ -207,11 +207,12 @@ impl Sensor for Scanner<'_> {
     type Output<'a> = Echoes<'a>;
 
     fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
-        let views = match capture.shutter {
-            Shutter::Moving(keyframes) if keyframes.len() > 2 => MOST_PIECES,
-            _ => 1,
-        };
-        views * view_lines(scene.instances().len(), 1)
+        let (view, piece) =
+            (view_lines(scene.instances().len(), 1), Frame::piece_len(scene.has_mirrors_or_panes()));
+        match capture.shutter {
+            Shutter::Moving(keyframes) if keyframes.len() > 2 => MOST_PIECES * (piece + view),
+            _ => MOST_PIECES * piece + view,
+        }
     }
 
     fn sense(
@@ -244,12 +245,16 @@ impl Sensor for Scanner<'_> {
         };
         let (echoes, mut none) = output.split_at(firings.count, self.returns());
         none.fill_with_nothing(self.most_firings() - firings.count);
-        let (shared, memory) =
-            if motions.count() == 1 { (memory, &mut [][..]) } else { (&mut [][..], memory) };
+        let view = view_lines(scene.instances().len(), 1);
+        let mut stride = Frame::piece_len(frame.has_mirrors);
+        let mut memory = memory;
         if motions.count() == 1 {
+            let (shared, rest) = memory.split_at_mut(view);
             frame.view = Some(frame.view(0, shared));
+            memory = rest;
+        } else {
+            stride += view;
         }
-        let stride = view_lines(scene.instances().len(), 1);
         let pieces = Pieces { firings: in_piece, returns: self.returns(), stride, memory, echoes };
         for_each_row(execution, 0..firings.count.div_ceil(in_piece), pieces, &|piece, part: Pieces<'_>| {
             dispatch!(execution.level, simd => simd.vectorize(

@@ -23,7 +23,8 @@ pub(crate) mod uniform;
 use crate::scene::{ALPHA_CUT_OUT, ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
-use crate::trace::packet::Faces;
+use crate::trace::packet::{Faces, Packet};
+use crate::trace::shapes::LocalRays;
 use crate::trace::view::View;
 use bumps::Bumps;
 use face::{Face, KnownFaces, VisibleFaces};
@@ -70,26 +71,32 @@ struct Gloss {
 }
 
 impl Shader {
-    pub(crate) const fn new(faces: Faces) -> Self {
-        Self {
-            surfaces: Surfaces::new(),
-            known_faces: KnownFaces::new(),
-            sampler: Sampler::new(),
-            albedo: [[0.0; LANES]; 3],
-            gloss: Gloss { lanes: 0, specular: [[0.0; LANES]; 3], shininess: [0.0; LANES] },
-            bumps: Bumps::new(),
-            coverage: [1.0; LANES],
-            clear: 0,
-            shadows: Shadows::new(),
-            faces,
-            back: 0,
-            seen: None,
-        }
+    /// A shader that does not tell what is [seen](Shader::seen). A constant, since what a function returns and is then put
+    /// into a struct takes twice its room on the stack.
+    pub(crate) const NEW: Self = Self {
+        surfaces: Surfaces::new(),
+        known_faces: KnownFaces::new(),
+        sampler: Sampler::new(),
+        albedo: [[0.0; LANES]; 3],
+        gloss: Gloss { lanes: 0, specular: [[0.0; LANES]; 3], shininess: [0.0; LANES] },
+        bumps: Bumps::new(),
+        coverage: [1.0; LANES],
+        clear: 0,
+        shadows: Shadows::new(),
+        faces: Faces::Both,
+        back: 0,
+        seen: None,
+    };
+
+    /// Sets which sides of surfaces are seen, and whether it tells what is.
+    pub(crate) fn set(&mut self, faces: Faces, tells: bool) {
+        self.faces = faces;
+        self.seen = tells.then_some([0; LANES]);
     }
 
-    /// Creates a shader that also records [`Shader::seen`].
-    pub(crate) fn telling(faces: Faces) -> Self {
-        Self { seen: Some([0; LANES]), ..Self::new(faces) }
+    /// Rays that nothing is kept in from one call to the next, for others to work with.
+    pub(crate) fn rays(&mut self) -> (&mut Packet, &mut LocalRays) {
+        self.shadows.rays()
     }
 
     /// For the tile shaded last, a seven-bit fingerprint of what each lane shows. It differs for each instance, face

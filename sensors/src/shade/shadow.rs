@@ -47,8 +47,13 @@ impl Shadows {
         }
     }
 
-    /// The lanes in `lit` that a lamp does not reach; lanes in `back` see the back of a surface. Only the outside of
-    /// things casts shadows, so the bulb around a lamp does not block its light.
+    /// Rays that nothing is kept in from one call to the next.
+    pub(super) fn rays(&mut self) -> (&mut Packet, &mut LocalRays) {
+        (&mut self.packet, &mut self.local)
+    }
+
+    /// Which of the lanes that are `lit` a lamp does not reach, of which some see the `back` of a surface. The outside of
+    /// things casts shadows: the bulb around a lamp does not keep its light in.
     #[inline(always)]
     pub(crate) fn of_lamp<S: Simd>(
         &mut self,

@@ -10,7 +10,6 @@ use crate::trace::grid::Sight;
 use crate::trace::packet::{MISS, Packet};
 use crate::trace::packet_hits::first_hits;
 use crate::trace::resolve::Resolver;
-use crate::trace::shapes::LocalRays;
 use crate::trace::view::View;
 use fearless_simd::Simd;
 
@@ -22,99 +21,83 @@ const GAP: f64 = 1e-5;
 /// If less than this fraction of the light is left, the ray is not continued: a quarter of a step of 8 bits.
 const LEAST: f32 = 1.0 / 1024.0;
 
-/// The state of tracing rays behind surfaces.
-pub(crate) struct Through {
-    packet: Packet,
-    local: LocalRays,
-    tile: Tile,
-    colours: Colours,
+/// Adds to the colours of a tile, which `shader` has just worked out, what is seen behind its clear surfaces. Of the tile,
+/// directions and the lanes without a ray stay what they are.
+#[inline(never)]
+pub(crate) fn look<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    sight: &Sight,
+    (shader, resolver, steps): (&mut Shader, &mut Resolver<'_>, &Steps),
+    tile: &mut Tile,
+    colours: &mut Colours,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || look_behind(simd, view, sight, (shader, resolver, steps), tile, colours),
+    );
 }
 
-impl Through {
-    pub(crate) const fn new() -> Self {
-        Self { packet: Packet::new(), local: LocalRays::new(), tile: Tile::new(), colours: [[0.0; LANES]; 3] }
+#[inline(always)]
+fn look_behind<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    sight: &Sight,
+    (shader, resolver, steps): (&mut Shader, &mut Resolver<'_>, &Steps),
+    tile: &mut Tile,
+    colours: &mut Colours,
+) {
+    let mut behind = [[0.0; LANES]; 3];
+    let missing = tile.missing;
+    let mut seen = shader.seen;
+    // The share of the light that comes from farther behind.
+    let mut share = [0.0; LANES];
+    for lane in 0..LANES {
+        let coverage = if shader.clear >> lane & 1 != 0 { shader.coverage[lane] } else { 1.0 };
+        share[lane] = 1.0 - coverage;
+        for channel in colours.iter_mut() {
+            channel[lane] *= coverage;
+        }
     }
-
-    /// Adds what is seen behind clear surfaces to the colours of a tile, which `shader` has just computed.
-    pub(crate) fn look<S: Simd>(
-        &mut self,
-        simd: S,
-        view: &View<'_>,
-        sight: &Sight,
-        (shader, resolver, steps): (&mut Shader, &mut Resolver<'_>, &Steps),
-        first: &Tile,
-        colours: &mut Colours,
-    ) {
-        simd.vectorize(
-            #[inline(always)]
-            || self.look_behind(simd, view, sight, (shader, resolver, steps), first, colours),
-        );
-    }
-
-    #[inline(always)]
-    fn look_behind<S: Simd>(
-        &mut self,
-        simd: S,
-        view: &View<'_>,
-        sight: &Sight,
-        (shader, resolver, steps): (&mut Shader, &mut Resolver<'_>, &Steps),
-        first: &Tile,
-        colours: &mut Colours,
-    ) {
-        let Self { packet, local, tile, colours: behind } = self;
-        let mut seen = shader.seen;
-        // The fraction of the light that comes from farther behind.
-        let mut share = [0.0; LANES];
+    let (mut t, mut placed, mut triangle) = (tile.t, tile.placed, tile.local);
+    for surface in 1..=SURFACES {
+        let (packet, local) = shader.rays();
+        let start = aim(packet, &tile.direction, &t, &share, sight.range[1]);
+        if !packet.is_active() {
+            break;
+        }
+        first_hits(simd, view, packet, local, sight.faces);
         for lane in 0..LANES {
-            let coverage = if shader.clear >> lane & 1 != 0 { shader.coverage[lane] } else { 1.0 };
-            share[lane] = 1.0 - coverage;
-            for channel in colours.iter_mut() {
-                channel[lane] *= coverage;
+            packet.t[lane] += start[lane];
+        }
+        tile.take_first_hits(simd, packet, resolver);
+        shader.shade(simd, view, tile, steps, &mut behind);
+        for lane in 0..LANES {
+            if share[lane] <= LEAST {
+                continue;
+            }
+            let is_hit = tile.hits >> lane & 1 != 0;
+            // A ray that meets the surface which it has just left has not got behind it.
+            let again = is_hit && (placed[lane], triangle[lane]) == (tile.placed[lane], tile.local[lane]);
+            let clear = shader.clear >> lane & 1 != 0;
+            let coverage = match clear {
+                _ if surface == SURFACES => 1.0,
+                _ if again => 0.0,
+                true => shader.coverage[lane],
+                false => 1.0,
+            };
+            for channel in 0..3 {
+                colours[channel][lane] += share[lane] * coverage * behind[channel][lane];
+            }
+            share[lane] *= 1.0 - coverage;
+            (t[lane], placed[lane], triangle[lane]) = (tile.t[lane], tile.placed[lane], tile.local[lane]);
+            if let (Some(seen), Some(own)) = (&mut seen, &shader.seen) {
+                seen[lane] = ((seen[lane] * 5) ^ own[lane]) & 0x7f;
             }
         }
-        if steps.is_none() {
-            tile.steps = first.steps;
-        }
-        let (mut t, mut placed, mut triangle) = (first.t, first.placed, first.local);
-        packet.shared_origin = false;
-        packet.t_min = 0.0;
-        for surface in 1..=SURFACES {
-            let start = aim(packet, &first.direction, &t, &share, sight.range[1]);
-            if !packet.is_active() {
-                break;
-            }
-            first_hits(simd, view, packet, local, sight.faces);
-            for lane in 0..LANES {
-                packet.t[lane] += start[lane];
-            }
-            tile.take_first_hits(simd, packet, resolver);
-            shader.shade(simd, view, tile, steps, behind);
-            for lane in 0..LANES {
-                if share[lane] <= LEAST {
-                    continue;
-                }
-                let is_hit = packet.hit[lane] != MISS;
-                // A ray that hits the same surface again has not got behind it.
-                let again = is_hit && (placed[lane], triangle[lane]) == (tile.placed[lane], tile.local[lane]);
-                let clear = shader.clear >> lane & 1 != 0;
-                let coverage = match clear {
-                    _ if surface == SURFACES => 1.0,
-                    _ if again => 0.0,
-                    true => shader.coverage[lane],
-                    false => 1.0,
-                };
-                for channel in 0..3 {
-                    colours[channel][lane] += share[lane] * coverage * behind[channel][lane];
-                }
-                share[lane] *= 1.0 - coverage;
-                (t[lane], placed[lane], triangle[lane]) = (tile.t[lane], tile.placed[lane], tile.local[lane]);
-                if let (Some(seen), Some(own)) = (&mut seen, &shader.seen) {
-                    seen[lane] = ((seen[lane] * 5) ^ own[lane]) & 0x7f;
-                }
-            }
-        }
-        shader.seen = seen;
     }
+    shader.seen = seen;
+    tile.missing = missing;
 }
 
 /// Continues the rays of lanes that have light left behind t, and returns their starting positions.
@@ -137,6 +120,8 @@ fn aim(
             packet.origin[axis][lane] = along * start[lane];
         }
     }
+    packet.shared_origin = false;
+    packet.t_min = 0.0;
     packet.hit = [MISS; LANES];
     for lane in 0..LANES {
         packet.t[lane] = if share[lane] > LEAST { farthest - start[lane] } else { f64::NEG_INFINITY };

@@ -1,20 +1,17 @@
 //! What rays meet by way of mirrors and panes.
 
+use super::behind::{Behind, Found, Path, Paths, SURFACES};
 use super::grid::{Band, Sight};
 use super::hit_point::block_index;
 use super::image::NO_HIT;
 use super::resolve::Resolver;
+use super::room::GridRoom;
 use super::view::View;
-use super::volley::{Struck, Volley};
+use super::volley::{Struck, Volley, Ways};
 use crate::simd::{LANES, WIDTH};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 
-/// Surfaces that a ray meets one behind the other after the first, at the most.
-const SURFACES: usize = 4;
-/// Most that a ray meets: of a way through a surface and of one back from it.
-pub(crate) const SURFACES_BEYOND: usize = 2 * SURFACES;
-const MOST: usize = SURFACES_BEYOND * LANES;
 /// Rays begin this share of their way behind a surface, or before it: more than single precision loses of it.
 const GAP: f64 = 1e-5;
 /// Ways of which less light comes back are not followed.
@@ -54,25 +51,7 @@ enum Way {
     Back,
 }
 
-/// A ray that goes on behind a surface.
-#[derive(Clone, Copy)]
-struct Path {
-    /// Of the ray that it was at first.
-    lane: usize,
-    origin: DVec3,
-    direction: DVec3,
-    /// Its time, as a share of the way from the view's moment to the next one.
-    share: f64,
-    /// From where it was sent to its origin.
-    range: f64,
-    /// What of the light comes this way, there and back.
-    light: f64,
-}
-
 impl Path {
-    const NONE: Self =
-        Self { lane: 0, origin: DVec3::ZERO, direction: DVec3::X, share: 0.0, range: 0.0, light: 0.0 };
-
     /// How it goes on where it has met a surface; none if too little of the light does.
     fn after(&self, struck: &Struck, shares: Shares, way: Way) -> Option<Self> {
         let part = if way == Way::Through { shares.passed } else { shares.reflected };
@@ -91,93 +70,36 @@ impl Path {
     }
 }
 
-/// A surface that scatters light back by way of others.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Behind {
-    /// Of the ray.
-    lane: u32,
-    pub(crate) slot: u32,
-    pub(crate) instance: u32,
-    cos_incidence: f32,
-    /// All the way.
-    pub(crate) range: f64,
-    /// What of the light it scatters and comes back.
-    pub(crate) light: f64,
-}
-
-impl Behind {
-    const NONE: Self =
-        Self { lane: 0, slot: NO_HIT, instance: 0, cos_incidence: 1.0, range: f64::INFINITY, light: 0.0 };
-
-    /// Of a ray that has met it after a way, of which so much of the light comes back.
-    fn new(lane: usize, slot: u32, struck: &Struck, (way, light): (f64, f64)) -> Self {
-        Self {
-            lane: lane as u32,
-            slot,
-            instance: struck.instance,
-            cos_incidence: struck.cos_incidence as f32,
-            range: way + struck.range,
-            light,
-        }
-    }
-
-    /// Which ray it is of.
-    pub(crate) fn lane(&self) -> usize {
-        self.lane as usize
-    }
-
-    pub(crate) fn cos_incidence(&self) -> f64 {
-        self.cos_incidence.into()
+/// What a ray has met after a way, of which so much of the light comes back.
+fn behind(lane: usize, slot: u32, struck: &Struck, (way, light): (f64, f64)) -> Behind {
+    Behind {
+        lane: lane as u32,
+        slot,
+        instance: struck.instance,
+        cos_incidence: struck.cos_incidence as f32,
+        range: way + struck.range,
+        light,
     }
 }
 
-/// Follows rays beyond what they have met.
-pub(crate) struct Beyond {
-    volley: Volley,
-    paths: [Path; LANES],
-    count: usize,
-    found: [Behind; MOST],
+/// Follows up to so many rays beyond what they have met.
+pub(crate) struct Beyond<'m, const RAYS: usize> {
+    paths: &'m mut Paths<RAYS>,
+    counts: [usize; 2],
+    found: &'m mut Found<RAYS>,
     found_count: usize,
 }
 
-impl Beyond {
-    pub(crate) const fn new() -> Self {
-        Self {
-            volley: Volley::new(),
-            paths: [Path::NONE; LANES],
-            count: 0,
-            found: [Behind::NONE; MOST],
-            found_count: 0,
-        }
+impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
+    /// Room for the rays' ways and for what they meet, whatever is in it.
+    pub(crate) fn new(paths: &'m mut Paths<RAYS>, found: &'m mut Found<RAYS>) -> Self {
+        Self { paths, counts: [0; 2], found, found_count: 0 }
     }
 
-    /// Follows the rays of a volley that was cast, beyond mirrors and panes. A ray goes on in both ways behind the first surface,
-    /// and from then on in that which more of the light takes. What scatters light back is returned, that of a lane not in
-    /// one piece. Compiled once a level.
-    #[inline(never)]
-    pub(crate) fn look<S: Simd>(
-        &mut self,
-        simd: S,
-        (view, resolver): (&View<'_>, &mut Resolver<'_>),
-        sight: &Sight,
-        first: &Volley,
-    ) -> &[Behind] {
-        self.found_count = 0;
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                for way in [Way::Through, Way::Back] {
-                    self.set_out((view, resolver), first, way);
-                    self.follow(simd, (view, resolver), sight);
-                }
-            },
-        );
-        &self.found[..self.found_count]
-    }
-
-    /// The paths of one way behind the first surfaces.
-    fn set_out(&mut self, (view, resolver): (&View<'_>, &mut Resolver<'_>), first: &Volley, way: Way) {
-        self.count = 0;
+    /// Takes the rays of a volley that was cast, of which no more than there is room for meet anything: their paths behind
+    /// mirrors and panes. A ray goes on in both ways behind the first surface.
+    pub(crate) fn set_out(&mut self, (view, resolver): (&View<'_>, &mut Resolver<'_>), first: &Volley) {
+        (self.counts, self.found_count) = ([0; 2], 0);
         for lane in 0..LANES {
             let Some(slot) = first.slot(lane) else { continue };
             let shares = Shares::of(view, resolver.hit(slot).instance.instance);
@@ -186,51 +108,85 @@ impl Beyond {
             }
             let Some(struck) = first.struck(view, resolver, lane) else { continue };
             let [origin, direction] = first.ray(lane);
-            let ray = Path { lane, origin, direction, share: first.share(lane), range: 0.0, light: 1.0 };
-            if let Some(path) = ray.after(&struck, shares, way) {
-                self.paths[self.count] = path;
-                self.count += 1;
+            let (lane, share) = (lane as u64, first.share(lane));
+            let ray = Path { lane, origin, direction, share, range: 0.0, light: 1.0 };
+            for (number, way) in [Way::Through, Way::Back].into_iter().enumerate() {
+                let count = &mut self.counts[number];
+                if let Some(path) = ray.after(&struck, shares, way)
+                    && let Some(place) = self.paths[number].get_mut(*count)
+                {
+                    *place = path;
+                    *count += 1;
+                }
             }
         }
     }
 
-    /// Follows the paths to their ends.
+    /// Follows the rays that have set out, from the second surface on in that way which more of the light takes. What
+    /// scatters light back is returned, that of a lane not in one piece. Compiled once a level.
+    #[inline(never)]
+    pub(crate) fn look<S: Simd>(
+        &mut self,
+        simd: S,
+        (view, resolver): (&View<'_>, &mut Resolver<'_>),
+        sight: &Sight,
+        (volley, ways): (&mut Volley, &mut Ways<'_>),
+    ) -> &[Behind] {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for way in 0..2 {
+                    self.follow(simd, (view, resolver), sight, (volley, ways), way);
+                }
+            },
+        );
+        &self.found.as_flattened()[..self.found_count]
+    }
+
+    /// Follows the paths of one way to their ends.
     #[inline(always)]
-    fn follow<S: Simd>(&mut self, simd: S, (view, resolver): (&View<'_>, &mut Resolver<'_>), sight: &Sight) {
+    fn follow<S: Simd>(
+        &mut self,
+        simd: S,
+        (view, resolver): (&View<'_>, &mut Resolver<'_>),
+        sight: &Sight,
+        (volley, ways): (&mut Volley, &mut Ways<'_>),
+        way: usize,
+    ) {
+        let (paths, count) = (&mut self.paths[way], &mut self.counts[way]);
         let sight = Sight { range: [0.0, sight.range[1]], ..*sight };
         for surface in 1..=SURFACES {
-            if self.count == 0 {
+            if *count == 0 {
                 break;
             }
-            self.volley.clear();
-            for (lane, path) in self.paths[..self.count].iter().enumerate() {
+            volley.clear();
+            for (lane, path) in paths[..*count].iter().enumerate() {
                 let farthest = sight.range[1] - path.range;
-                self.volley.set(lane, path.origin, path.direction, path.share, farthest);
+                volley.set(lane, path.origin, path.direction, path.share, farthest);
             }
-            self.volley.cast(simd, view, &sight);
+            volley.cast(simd, view, &sight, ways);
             let mut kept = 0;
-            for lane in 0..self.count {
-                let path = self.paths[lane];
-                let (Some(slot), Some(struck)) =
-                    (self.volley.slot(lane), self.volley.struck(view, resolver, lane))
+            for lane in 0..*count {
+                let path = paths[lane];
+                let (Some(slot), Some(struck)) = (volley.slot(lane), volley.struck(view, resolver, lane))
                 else {
                     continue;
                 };
                 let shares = Shares::of(view, struck.instance);
-                if let Some(found) = self.found.get_mut(self.found_count) {
+                if let Some(found) = self.found.as_flattened_mut().get_mut(self.found_count) {
                     let light = path.light * shares.scattered();
-                    *found = Behind::new(path.lane, slot, &struck, (path.range, light));
+                    *found = behind(path.lane as usize, slot, &struck, (path.range, light));
                     self.found_count += 1;
                 }
                 let way = if shares.passed >= shares.reflected { Way::Through } else { Way::Back };
                 if surface < SURFACES
                     && let Some(next) = path.after(&struck, shares, way)
                 {
-                    self.paths[kept] = next;
+                    paths[kept] = next;
                     kept += 1;
                 }
             }
-            self.count = kept;
+            *count = kept;
         }
     }
 }
@@ -330,19 +286,19 @@ impl Glazing {
         // From t of the grid to metres.
         let range = [0, 1].map(|end| sight.range[end] * lengths[end]);
         let sight = Sight { range, ..*sight };
-        Some(see(simd, (band.view, resolver), &sight, &glazed, &forward))
+        let mut room = band.room.borrow_mut();
+        Some(see(simd, (band.view, resolver), &sight, (&glazed, &forward), room.first_mut()?))
     }
 }
 
-/// What rays see that meet mirrors or panes. By itself, since what rays are followed with takes some 400 KB of the stack:
-/// more than is left to a thread that waits for others in the middle of a band.
+/// What rays see that meet mirrors or panes. By itself, since what rays are followed with takes 10 kB of the stack.
 #[inline(never)]
 fn see<S: Simd>(
     simd: S,
     (view, resolver): (&View<'_>, &mut Resolver<'_>),
     sight: &Sight,
-    glazed: &Glazed,
-    forward: &[f64; WIDTH],
+    (glazed, forward): (&Glazed, &[f64; WIDTH]),
+    room: &mut GridRoom,
 ) -> Seen {
     let mut seen = Seen {
         lanes: glazed.lanes,
@@ -350,13 +306,14 @@ fn see<S: Simd>(
         slots: [NO_HIT; WIDTH],
         cosines: [1.0; WIDTH],
     };
-    let mut first = Volley::new();
-    let mut beyond = Beyond::new();
+    let mut first = const { Volley::new() };
+    let mut beyond = Beyond::new(&mut room.paths, &mut room.found);
+    let mut ways = Ways::new(&mut room.volley);
     first.clear();
     for lane in (0..WIDTH).filter(|lane| glazed.lanes >> lane & 1 == 1) {
         first.set(lane, DVec3::ZERO, glazed.directions[lane], 0.0, glazed.farthest[lane]);
     }
-    cast(simd, &mut first, view, sight);
+    cast(simd, (&mut first, &mut ways), view, sight);
     let mut most = [0.0; WIDTH];
     let mut take = |behind: &Behind| {
         let lane = behind.lane();
@@ -371,9 +328,10 @@ fn see<S: Simd>(
         let Some(struck) = first.struck(view, resolver, lane) else { continue };
         let slot = first.slot(lane).unwrap_or(NO_HIT);
         let light = Shares::of(view, struck.instance).scattered();
-        take(&Behind::new(lane, slot, &struck, (0.0, light)));
+        take(&behind(lane, slot, &struck, (0.0, light)));
     }
-    for behind in beyond.look(simd, (view, resolver), sight, &first) {
+    beyond.set_out((view, resolver), &first);
+    for behind in beyond.look(simd, (view, resolver), sight, (&mut first, &mut ways)) {
         take(behind);
     }
     seen
@@ -381,9 +339,9 @@ fn see<S: Simd>(
 
 /// Casts a volley. Compiled once a level.
 #[inline(never)]
-fn cast<S: Simd>(simd: S, volley: &mut Volley, view: &View<'_>, sight: &Sight) {
+fn cast<S: Simd>(simd: S, (volley, ways): (&mut Volley, &mut Ways<'_>), view: &View<'_>, sight: &Sight) {
     simd.vectorize(
         #[inline(always)]
-        || volley.cast(simd, view, sight),
+        || volley.cast(simd, view, sight, ways),
     );
 }

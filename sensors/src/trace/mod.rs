@@ -6,6 +6,7 @@
 //! of the packet can hit is skipped for all of them.
 
 mod bands;
+pub(crate) mod behind;
 pub(crate) mod beyond;
 mod boxes;
 mod cast;
@@ -27,6 +28,7 @@ pub(crate) mod prefetch;
 pub mod rays;
 pub(crate) mod recent;
 pub(crate) mod resolve;
+pub(crate) mod room;
 pub(crate) mod second_look;
 pub(crate) mod shapes;
 pub(crate) mod tiling;

@@ -62,7 +62,17 @@ pub(crate) fn intersect_instance<S: Simd>(
             view.instance(index).size,
             inside => commit(rays, packet, faces, placed.first_slot, inside)
         ),
-        Kind::Triangles(kind) => walk_triangles(simd, view, (placed, kind), rays, packet, (faces, search)),
+        Kind::Triangles(kind) => {
+            let at = (placed, kind);
+            match search {
+                Search::Any(t_max) => {
+                    walk_triangles::<S, true>(simd, view, at, rays, packet, (faces, t_max));
+                }
+                Search::First => {
+                    walk_triangles::<S, false>(simd, view, at, rays, packet, (faces, f32::INFINITY));
+                }
+            }
+        }
     }
 }
 
@@ -91,13 +101,15 @@ fn take_in(placed: &Placed, packet: &Packet, rays: &mut LocalRays) {
     }
 }
 
-fn walk_triangles<S: Simd>(
+/// For any hit before `t_max`, or for the first. Compiled for each, as their stacks differ.
+#[inline(never)]
+fn walk_triangles<S: Simd, const ANY: bool>(
     simd: S,
     view: &View<'_>,
     (placed, kind): (&Placed, Triangles),
     rays: &LocalRays,
     packet: &mut Packet,
-    (faces, search): (Faces, Search),
+    (faces, t_max): (Faces, f32),
 ) {
     let faces = match faces {
         Faces::Both => triangle::Side::Both,
@@ -109,12 +121,12 @@ fn walk_triangles<S: Simd>(
         || {
             let bounds = PacketBounds::new(&rays.origin, &rays.direction, packet);
             match kind {
-                Triangles::Mesh => walk_leaves(
+                Triangles::Mesh => walk_leaves::<S, _, ANY>(
                     simd,
                     #[inline(always)]
                     |node| &view.scene.nodes[(placed.first_node + node) as usize],
                     &bounds,
-                    (packet, search),
+                    (packet, t_max),
                     #[inline(always)]
                     |leaf, packet| {
                         let block = &view.scene.blocks[(placed.first_block + leaf) as usize];
@@ -123,12 +135,12 @@ fn walk_triangles<S: Simd>(
                 ),
                 Triangles::HeightField => {
                     let grid = view.height_grid(placed);
-                    walk_leaves(
+                    walk_leaves::<S, _, ANY>(
                         simd,
                         #[inline(always)]
                         |node| grid.node(node),
                         &bounds,
-                        (packet, search),
+                        (packet, t_max),
                         #[inline(always)]
                         |leaf, packet| {
                             let slot = placed.first_slot + leaf * WIDTH as u32;
@@ -142,15 +154,15 @@ fn walk_triangles<S: Simd>(
 }
 
 #[inline(always)]
-fn walk_leaves<S: Simd, N: Borrow<WideNode>>(
+fn walk_leaves<S: Simd, N: Borrow<WideNode>, const ANY: bool>(
     simd: S,
     node: impl Fn(u32) -> N,
     bounds: &PacketBounds,
-    (packet, search): (&mut Packet, Search),
+    (packet, t_max): (&mut Packet, f32),
     draw: impl Fn(u32, &mut Packet),
 ) {
-    match search {
-        Search::Any(t_max) => walk::<S, N, { stack_len(MAX_DEPTH) }>(
+    if ANY {
+        walk::<S, N, { stack_len(MAX_DEPTH) }>(
             simd,
             node,
             bounds,
@@ -161,10 +173,9 @@ fn walk_leaves<S: Simd, N: Borrow<WideNode>>(
                 retire_hits(packet);
                 packet.is_active()
             },
-        ),
-        Search::First => {
-            walk_to_nearest::<S, N, { stack_len(MAX_DEPTH) }>(simd, node, bounds, packet, draw);
-        }
+        );
+    } else {
+        walk_to_nearest::<S, N, { stack_len(MAX_DEPTH) }>(simd, node, bounds, packet, draw);
     }
 }
 

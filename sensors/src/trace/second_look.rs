@@ -21,11 +21,15 @@ pub(crate) struct SecondLook {
 }
 
 impl SecondLook {
+    /// From the sensor itself.
+    pub(crate) const NEW: Self = Self { from: DVec3::ZERO, packet: Packet::new(), local: LocalRays::new() };
+
     /// Looks from a point in the axes of the world, relative to the sensor.
-    pub(crate) fn new(from: DVec3) -> Self {
-        let mut packet = Packet::new();
-        packet.origin = from.to_array().map(|axis| [axis; LANES]);
-        Self { from, packet, local: LocalRays::new() }
+    pub(crate) fn set(&mut self, from: DVec3) {
+        self.from = from;
+        for axis in 0..3 {
+            self.packet.origin[axis] = [from[axis]; LANES];
+        }
     }
 
     /// Aims the sixteen lanes from 16·`part` on at points in the same axes.

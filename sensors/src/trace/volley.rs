@@ -6,10 +6,12 @@
 use super::grid::Sight;
 use super::packet::walk::{stack_len, walk_to_nearest};
 use super::packet::{Faces, MISS, Packet, PacketBounds};
+use super::rays::bundle::RAYS;
 use super::rays::ray::{Nearest, Ray};
 use super::rays::wave::Wave;
-use super::rays::{Stack, doubt_of, mesh_tree, nearest_in_tree};
+use super::rays::{doubt_of, mesh_tree, nearest_in_tree};
 use super::resolve::Resolver;
+use super::room::VolleyRoom;
 use super::shapes::{self, LocalRays, commit, match_solid, solid_normal};
 use super::view::{self, Placed, View};
 use crate::pose::Pose;
@@ -26,12 +28,21 @@ pub(crate) struct Volley {
     packet: Packet,
     /// Times, as shares of the way from the view's moment to the next one.
     share: Lanes<f64>,
+}
+
+/// What a volley is cast with. Nothing is kept in it from one cast to the next.
+pub(crate) struct Ways<'m> {
     /// The rays in the frame of the instance that is looked at.
-    local: LocalRays,
-    /// Those of them that go through a mesh.
-    wave: Wave,
-    /// Children of a height field's tree that wait.
-    stack: Stack,
+    local: &'m mut LocalRays,
+    /// Those of them that go through a mesh or a height field.
+    wave: Wave<'m>,
+}
+
+impl<'m> Ways<'m> {
+    #[inline(always)]
+    pub(crate) fn new(room: &'m mut VolleyRoom) -> Self {
+        Self { local: &mut room.local, wave: Wave::new(&mut room.wave) }
+    }
 }
 
 /// What a ray has met.
@@ -51,7 +62,7 @@ impl Volley {
     pub(crate) const fn new() -> Self {
         let mut packet = Packet::new();
         packet.shared_origin = false;
-        Self { packet, share: [0.0; LANES], local: LocalRays::new(), wave: Wave::new(), stack: Stack::new() }
+        Self { packet, share: [0.0; LANES] }
     }
 
     /// No rays, to begin anew.
@@ -96,8 +107,9 @@ impl Volley {
 
     /// Finds what each ray meets first.
     #[inline(always)]
-    pub(crate) fn cast<S: Simd>(&mut self, simd: S, view: &View<'_>, sight: &Sight) {
-        let Self { packet, share, local, wave, stack } = self;
+    pub(crate) fn cast<S: Simd>(&mut self, simd: S, view: &View<'_>, sight: &Sight, ways: &mut Ways<'_>) {
+        let Self { packet, share } = self;
+        let Ways { local, wave } = ways;
         packet.t_min = sight.range[0];
         let bounds = PacketBounds::new(&packet.origin, &packet.direction, packet);
         walk_to_nearest::<S, _, { stack_len(view::MAX_DEPTH) }>(
@@ -120,13 +132,13 @@ impl Volley {
                         let only_front = sight.faces == Faces::Front;
                         let near = near(view, placed, local, packet);
                         if near != 0 {
-                            let rays = (&*local, packet, near);
+                            let rays = (&**local, packet, near);
                             match kind {
                                 Triangles::Mesh => {
                                     through_mesh(simd, (view, placed), only_front, rays, wave);
                                 }
                                 Triangles::HeightField => {
-                                    through_height_field(simd, (view, placed), only_front, rays, stack);
+                                    through_height_field(simd, (view, placed), only_front, rays, wave);
                                 }
                             }
                         }
@@ -301,14 +313,14 @@ fn offer(packet: &mut Packet, lane: usize, t: f64, slot: u32) {
     }
 }
 
-/// Takes some rays through the tree of a mesh, all together.
+/// Takes some rays through the tree of a mesh, sixteen at a time.
 #[inline(always)]
 fn through_mesh<S: Simd>(
     simd: S,
     (view, placed): (&View<'_>, &Placed),
     only_front: bool,
     (local, packet, lanes): (&LocalRays, &mut Packet, u64),
-    wave: &mut Wave,
+    wave: &mut Wave<'_>,
 ) {
     let tree = mesh_tree(view, placed);
     let (mut order, mut count, mut rest) = ([0_u8; LANES], 0, lanes);
@@ -317,16 +329,20 @@ fn through_mesh<S: Simd>(
         rest &= rest - 1;
         count += 1;
     }
-    for id in 0..count.next_multiple_of(WIDTH) {
-        // Lanes that are left over repeat the last ray.
-        let lane = usize::from(order[id.min(count - 1)]);
-        let (origin, direction) = (of_lane(&local.origin, lane), of_lane(&local.direction, lane));
-        wave.set(id, origin, direction, range_of(packet, lane));
-    }
-    wave.cast(simd, tree, (count, doubt_of(tree.nodes.first())), only_front);
-    for (id, &lane) in order[..count].iter().enumerate() {
-        if let Some((t, slot)) = wave.hit(id) {
-            offer(packet, usize::from(lane), t, placed.first_slot + slot);
+    let doubt = doubt_of(tree.nodes.first());
+    for order in order[..count].chunks(RAYS) {
+        let count = order.len();
+        for id in 0..count.next_multiple_of(WIDTH) {
+            // Lanes that are left over repeat the last ray.
+            let lane = usize::from(order[id.min(count - 1)]);
+            let (origin, direction) = (of_lane(&local.origin, lane), of_lane(&local.direction, lane));
+            wave.set(id, origin, direction, range_of(packet, lane));
+        }
+        wave.cast(simd, tree, (count, doubt), only_front);
+        for (id, &lane) in order.iter().enumerate() {
+            if let Some((t, slot)) = wave.hit(id) {
+                offer(packet, usize::from(lane), t, placed.first_slot + slot);
+            }
         }
     }
 }
@@ -338,7 +354,7 @@ fn through_height_field<S: Simd>(
     (view, placed): (&View<'_>, &Placed),
     only_front: bool,
     (local, packet, mut lanes): (&LocalRays, &mut Packet, u64),
-    stack: &mut Stack,
+    wave: &mut Wave<'_>,
 ) {
     let grid = view.height_grid(placed);
     let doubt = doubt_of(Some(&grid.node(0)));
@@ -348,7 +364,7 @@ fn through_height_field<S: Simd>(
         let (origin, direction) = (of_lane(&local.origin, lane), of_lane(&local.direction, lane));
         let ray = Ray::new(origin.to_array(), direction.to_array(), range_of(packet, lane), doubt);
         let mut nearest = Nearest::none(&ray);
-        nearest_in_tree(simd, &grid, &ray, only_front, stack, &mut nearest);
+        nearest_in_tree(simd, &grid, &ray, only_front, wave.stack(), &mut nearest);
         offer(packet, lane, nearest.t * f64::from(ray.unit), placed.first_slot.wrapping_add(nearest.slot));
     }
 }

@@ -9,7 +9,7 @@ use crate::optics::rays::Fan;
 use crate::scene::ColourSpace;
 use crate::sensor::edges::{Edges, Marks};
 use crate::sensor::pixel;
-use crate::shade::through::Through;
+use crate::shade::through;
 use crate::shade::tile::{CameraRays, Tile, missing_lanes};
 use crate::shade::uniform::UniformTiles;
 use crate::shade::{Colours, Shader};
@@ -93,8 +93,7 @@ pub(in crate::sensor) struct Brush<'a> {
     resolver: Resolver<'a>,
     seen: Tile,
     shader: Shader,
-    through: Through,
-    /// A shortcut for tiles of a single colour; `None` where each lane must be shaded by itself.
+    /// If it is colours alone that are wanted, as a tile has them when it is not looked at ray by ray.
     uniform: Option<UniformTiles>,
     sight: Sight,
     space: ColourSpace,
@@ -107,7 +106,11 @@ pub(in crate::sensor) struct Brush<'a> {
 
 impl<'a> Brush<'a> {
     #[inline(always)]
-    pub(in crate::sensor) fn new(camera: &'a Camera<'a>, capture: &'a Capture<'a>, band: &Band<'a>) -> Self {
+    pub(in crate::sensor) fn new<'b: 'a>(
+        camera: &'a Camera<'a>,
+        capture: &'a Capture<'a>,
+        band: &Band<'b>,
+    ) -> Self {
         let fan = band.rays.fan();
         let tiling = Tiling::of(fan);
         Self {
@@ -115,12 +118,8 @@ impl<'a> Brush<'a> {
             capture,
             rays: CameraRays::new(&band.rays, &band.view.world_from_sensor),
             resolver: Resolver::new(band.view),
-            seen: Tile::new(),
-            shader: match camera.config().edges {
-                Edges::Sharp => Shader::new(camera.sight().faces),
-                Edges::Smooth => Shader::telling(camera.sight().faces),
-            },
-            through: Through::new(),
+            seen: const { Tile::new() },
+            shader: Shader::NEW,
             uniform: match camera.config() {
                 CameraConfig { edges: Edges::Sharp, device: None, faces, .. } => {
                     UniformTiles::new(&band.view.scene, *faces)
@@ -135,7 +134,13 @@ impl<'a> Brush<'a> {
         }
     }
 
-    /// Computes the light of a tile.
+    /// Sets its shader, before anything else. Apart from [`Brush::new`], which so returns what lies on the stack but once.
+    pub(in crate::sensor) fn set_shader(&mut self) {
+        let CameraConfig { faces, edges, .. } = *self.camera.config();
+        self.shader.set(faces, edges == Edges::Smooth);
+    }
+
+    /// Works out the light of a tile.
     #[inline(always)]
     pub(in crate::sensor) fn see<S: Simd>(&mut self, simd: S, band: &Band<'_>, tile: [usize; 2]) {
         if let Some(uniform) = &mut self.uniform
@@ -152,7 +157,7 @@ impl<'a> Brush<'a> {
         let steps = &self.rays.steps;
         shader.shade(simd, band.view, seen, steps, colours);
         if shader.is_clear() {
-            self.through.look(simd, band.view, &self.sight, (shader, resolver, steps), seen, colours);
+            through::look(simd, band.view, &self.sight, (shader, resolver, steps), seen, colours);
         }
     }
 

@@ -79,7 +79,10 @@ impl<'a> Seen<'a> {
         let columns = axes.as_mat3().to_cols_array_2d();
         let mut resolver = Resolver::new(band.view);
         let mut finder = NormalFinder::new(faces);
-        let mut second = device.eye.map(|eye| (eye, SecondLook::new(eye.place(&axes))));
+        let mut second_look = SecondLook::NEW;
+        if let Some(eye) = device.eye {
+            second_look.set(eye.place(&axes));
+        }
         for row in band.block_rows() {
             if ((row << fan.shift_y) as i32) < band.fresh_from {
                 continue;
@@ -113,8 +116,8 @@ impl<'a> Seen<'a> {
                     }
                     depths[part] = obstacles.hide(simd, row * across + first + part, depths[part]);
                 }
-                if let Some((eye, look)) = &mut second {
-                    let hidden = hidden(simd, band, faces, (*eye, look), (&columns, [first, row]));
+                if let Some(eye) = device.eye {
+                    let hidden = hidden(simd, band, faces, (eye, &mut second_look), (&columns, [first, row]));
                     for part in 0..parts {
                         let hidden = simd.from_bitmask_mask32x16(hidden >> (part * WIDTH) & 0xffff);
                         depths[part] = hidden.select(f32x16::splat(simd, f32::NAN), depths[part]);

@@ -11,15 +11,17 @@ use super::pattern::FrameFirings;
 use super::returns::{Echo, Echoing, MAX_RETURNS};
 use super::weather::{MOST_IN_AIR, Weather};
 use crate::execution::Execution;
-use crate::memory::{CacheLine, Cutter};
+use crate::memory::{CacheLine, Cutter, lines};
 use crate::noise::{Stream, fill_standard_normal};
 use crate::scene::Scene;
 use crate::simd::LANES;
-use crate::trace::beyond::{Behind, Beyond, SURFACES_BEYOND, Shares};
+use crate::trace::behind::{Behind, Found, Paths, SURFACES_BEYOND};
+use crate::trace::beyond::{Beyond, Shares};
 use crate::trace::resolve::Resolver;
+use crate::trace::room::VolleyRoom;
 use crate::trace::truth::OfRay;
 use crate::trace::view::View;
-use crate::trace::volley::{Struck, Volley};
+use crate::trace::volley::{Struck, Volley, Ways};
 use core::ops::Range;
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -41,27 +43,36 @@ pub(super) struct Frame<'a> {
     pub(super) has_mirrors: bool,
 }
 
-/// Working memory for up to 64 firings.
-struct Bench {
+/// What up to 64 firings are worked out in.
+struct Bench<'m> {
     lanes: FiringLanes,
     volley: Volley,
-    /// A standard normal number for each return.
+    ways: Ways<'m>,
+    /// A standard normal for each return.
     normals: [f32; LANES * MAX_RETURNS],
     /// The echoes of one firing.
     echoing: Echoing<MOST_ECHOES>,
+    /// What rays meet by way of mirrors and panes: room for it, if there are any.
+    found: &'m mut [Found<LANES>],
+    /// And for their ways.
+    paths: &'m mut [Paths<LANES>],
 }
 
 /// The largest number of echoes of a firing: for each ray its hit and the hits beyond mirrors and panes, then those of
 /// the air and one pulse of another lidar.
 const MOST_ECHOES: usize = MOST_RAYS * (1 + SURFACES_BEYOND) + MOST_IN_AIR + 1;
 
-impl Bench {
-    fn new() -> Self {
+impl<'m> Bench<'m> {
+    #[inline(always)]
+    fn new(room: &'m mut VolleyRoom, found: &'m mut [Found<LANES>], paths: &'m mut [Paths<LANES>]) -> Self {
         Self {
-            lanes: FiringLanes::new(),
-            volley: Volley::new(),
+            lanes: const { FiringLanes::new() },
+            volley: const { Volley::new() },
+            ways: Ways::new(room),
             normals: [0.0; LANES * MAX_RETURNS],
-            echoing: Echoing::new(),
+            echoing: const { Echoing::new() },
+            found,
+            paths,
         }
     }
 }
@@ -83,7 +94,13 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Creates the view of a motion.
+    /// Cache lines that a piece is worked out in, besides those of its views.
+    pub(super) fn piece_len(has_mirrors: bool) -> usize {
+        let beyond = lines(size_of::<Found<LANES>>()) + lines(size_of::<Paths<LANES>>());
+        lines(size_of::<VolleyRoom>()) + if has_mirrors { beyond } else { 0 }
+    }
+
+    /// What is seen during a motion.
     pub(super) fn view<'m>(&self, motion: usize, memory: &'m mut [CacheLine]) -> View<'m>
     where
         'a: 'm,
@@ -104,7 +121,11 @@ impl<'a> Frame<'a> {
     ) {
         let end = ((piece + 1) * self.in_piece).min(self.firings.count);
         let mut next = (piece * self.in_piece).min(end);
-        let mut bench = Bench::new();
+        let mut memory = Cutter(memory);
+        let Some(room) = memory.take(1).first_mut() else { return };
+        let glazed = usize::from(self.has_mirrors);
+        let mut bench = Bench::new(room, memory.take(glazed), memory.take(glazed));
+        let Cutter(memory) = memory;
         let returns = self.scanner.returns();
         while next < end {
             let motion = self.motions.at(self.firings.time_s(next));
@@ -135,7 +156,7 @@ impl<'a> Frame<'a> {
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         motion: usize,
         firings: Range<usize>,
-        bench: &mut Bench,
+        bench: &mut Bench<'_>,
         mut echoes: Echoes<'_>,
     ) {
         let sight = self.scanner.sight();
@@ -150,9 +171,10 @@ impl<'a> Frame<'a> {
         while lane < count {
             let lanes = lane..count.min(lane + most);
             self.aim(view, motion, lanes.clone(), bench);
-            bench.volley.cast(simd, view, &sight);
+            bench.volley.cast(simd, view, &sight, &mut bench.ways);
             let tools = (&bench.lanes, &bench.volley, &bench.normals, &mut bench.echoing);
-            if self.has_mirrors {
+            if let (Some(paths), Some(found)) = (bench.paths.first_mut(), bench.found.first_mut()) {
+                let tools = (tools, &mut bench.ways, Beyond::new(paths, found));
                 self.measure_mirrored(simd, (view, resolver), first, lanes.clone(), tools, &mut echoes);
             } else if self.scanner.is_line {
                 self.measure_lines(resolver, lanes.clone(), bench, &mut echoes);
@@ -175,7 +197,7 @@ impl<'a> Frame<'a> {
 
     /// Sets up the rays of some firings; those of a firing are adjacent.
     #[inline(always)]
-    fn aim(&self, view: &View<'_>, motion: usize, firings: Range<usize>, bench: &mut Bench) {
+    fn aim(&self, view: &View<'_>, motion: usize, firings: Range<usize>, bench: &mut Bench<'_>) {
         let Bench { lanes, volley, .. } = bench;
         let (bundle, farthest) = (&self.scanner.bundle, self.scanner.config.range_max_m);
         volley.clear();
@@ -203,7 +225,7 @@ impl<'a> Frame<'a> {
         &self,
         resolver: &mut Resolver<'_>,
         firings: Range<usize>,
-        bench: &Bench,
+        bench: &Bench<'_>,
         echoes: &mut Echoes<'_>,
     ) {
         let (volley, wants_intensities) = (&bench.volley, echoes.intensities.is_some());
@@ -225,11 +247,12 @@ impl<'a> Frame<'a> {
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         first: usize,
         firings: Range<usize>,
-        bench: BeamBench<'_>,
+        (bench, ways, mut beyond): (BeamBench<'_>, &mut Ways<'_>, Beyond<'_, LANES>),
         echoes: &mut Echoes<'_>,
     ) {
-        let mut beyond = Beyond::new();
-        let behind = beyond.look(simd, (view, resolver), &self.scanner.sight(), bench.1);
+        let mut volley = const { Volley::new() };
+        beyond.set_out((view, resolver), bench.1);
+        let behind = beyond.look(simd, (view, resolver), &self.scanner.sight(), (&mut volley, ways));
         self.measure_beams((view, resolver), first, firings, bench, behind, echoes);
     }
 

@@ -4,7 +4,9 @@ use crate::execution::SplitRows;
 use crate::optics::rays::Rays;
 use crate::simd::WIDTH;
 use crate::trace::image::Target;
+use crate::trace::room::GridRoom;
 use crate::trace::view::{View, ViewMemory};
+use core::cell::RefCell;
 use fearless_simd::Simd;
 
 /// What is done with each band once it has been traced.
@@ -32,6 +34,8 @@ pub(crate) struct Band<'a> {
     /// Rows from here on are in a later slice, too.
     pub(crate) open_from: i32,
     pub(crate) target: Target<'a>,
+    /// Room for rays that are followed beyond mirrors and panes, if there are any.
+    pub(crate) room: RefCell<&'a mut [GridRoom]>,
 }
 
 impl Band<'_> {
@@ -64,6 +68,8 @@ pub(super) struct BandOutput<'a, O> {
     pub(super) inverse: &'a mut [[f32; WIDTH]],
     pub(super) slot: &'a mut [[u32; WIDTH]],
     pub(super) farthest: &'a mut [f32],
+    /// One for each band, or none.
+    pub(super) rooms: &'a mut [GridRoom],
     pub(super) output: O,
     pub(super) farthest_stride: usize,
     pub(super) block_rows: usize,
@@ -78,6 +84,7 @@ impl<O: SplitRows> SplitRows for BandOutput<'_, O> {
         let (inverse, inverse_rest) = self.inverse.split_at_mut(blocks);
         let (slot, slot_rest) = self.slot.split_at_mut(blocks);
         let (farthest, farthest_rest) = self.farthest.split_at_mut(bands * farthest_stride);
+        let (rooms, rooms_rest) = self.rooms.split_at_mut(bands.min(self.rooms.len()));
         let (output, output_rest) = self.output.split_rows(bands * block_rows);
         (
             Self {
@@ -86,6 +93,7 @@ impl<O: SplitRows> SplitRows for BandOutput<'_, O> {
                 inverse,
                 slot,
                 farthest,
+                rooms,
                 output,
                 farthest_stride,
                 block_rows,
@@ -97,6 +105,7 @@ impl<O: SplitRows> SplitRows for BandOutput<'_, O> {
                 inverse: inverse_rest,
                 slot: slot_rest,
                 farthest: farthest_rest,
+                rooms: rooms_rest,
                 output: output_rest,
                 farthest_stride,
                 block_rows,

@@ -19,7 +19,9 @@ use crate::optics::rays::{Fan, PinholeFan, Projection, Rays, SphericalFan, Steps
 use crate::optics::{Optics, SphericalGrid};
 use crate::scene::Scene;
 use crate::simd::{WIDTH, dispatch, least};
+use crate::trace::room::GridRoom;
 use band::{BandOutput, Part};
+use core::cell::RefCell;
 use fearless_simd::Simd;
 use shutter::fan_of;
 
@@ -59,7 +61,7 @@ impl<'a> Frame<'a> {
         }
         let fan = Self::fan_of(optics, shutter);
         let views = if shutter.slices().is_empty() { 1 } else { Bands::new(&fan).count };
-        view_lines(scene.instances().len(), views) + traced_len(optics, &fan, 0)
+        view_lines(scene.instances().len(), views) + traced_len(scene, optics, &fan, 0)
     }
 
     /// The same of a frame of some [columns](Frame::of_columns).
@@ -69,7 +71,7 @@ impl<'a> Frame<'a> {
         columns: &core::ops::Range<u32>,
     ) -> usize {
         let fan = fan_of_columns(optics, columns);
-        view_lines(scene.instances().len(), 1) + traced_len(optics, &fan, columns.start)
+        view_lines(scene.instances().len(), 1) + traced_len(scene, optics, &fan, columns.start)
     }
 
     /// The blocks that the rays are traced in.
@@ -124,6 +126,13 @@ impl<'a> Frame<'a> {
         &self.fan
     }
 
+    fn scene(&self) -> &Scene<'a> {
+        match &self.when {
+            When::Once(view) => &view.scene,
+            When::Slices { scene, .. } => scene,
+        }
+    }
+
     /// What all rays see, if it is seen at one moment.
     pub(crate) fn view(&self) -> Option<&View<'a>> {
         match &self.when {
@@ -169,6 +178,7 @@ impl<'a> Frame<'a> {
             inverse: memory.take(bands.blocks),
             slot: memory.take(bands.blocks),
             farthest: memory.take(bands.farthest_len(&fan)),
+            rooms: memory.take(rooms(self.scene(), &bands)),
             output,
             farthest_stride: bands.farthest_stride,
             block_rows: bands.block_rows,
@@ -226,6 +236,7 @@ impl<'a> Frame<'a> {
             slot: &mut output.slot[before..][..blocks],
             farthest: &mut output.farthest[..blocks + WIDTH],
         };
+        let room = RefCell::new(output.rooms.get_mut(..1).unwrap_or_default());
         let output = &mut output.output;
         let is_near = sight.within == f64::INFINITY || view.may_be_within(sight.within);
         dispatch!(self.execution.level, simd => {
@@ -236,11 +247,8 @@ impl<'a> Frame<'a> {
                 }
                 each!(*rays, rule => draw(simd, view, rule.with_rows(rows), rows, sight, &mut target));
             }
-            let band = Band { view, rays: *rays, rows, first_row, fresh_from, open_from, target };
-            simd.vectorize(
-                #[inline(always)]
-                || work.finish(simd, &band, output),
-            );
+            let band = Band { view, rays: *rays, rows, first_row, fresh_from, open_from, target, room };
+            finish(simd, &band, output, work);
         });
     }
 }
@@ -251,10 +259,16 @@ fn fan_of_columns(optics: &Optics<'_>, columns: &core::ops::Range<u32>) -> Fan {
 }
 
 /// Cache lines that tracing a grid takes, which begins with a column of the optics'.
-fn traced_len(optics: &Optics<'_>, fan: &Fan, first_column: u32) -> usize {
+fn traced_len(scene: &Scene<'_>, optics: &Optics<'_>, fan: &Fan, first_column: u32) -> usize {
     let bands = Bands::new(fan);
     // 1/t and slots take a line a block each.
-    rays_len(optics, fan, first_column) + 2 * bands.blocks + lines(bands.farthest_len(fan) * size_of::<f32>())
+    let blocks = 2 * bands.blocks + lines(bands.farthest_len(fan) * size_of::<f32>());
+    rays_len(optics, fan, first_column) + blocks + lines(rooms(scene, &bands) * size_of::<GridRoom>())
+}
+
+/// Rooms for rays beyond mirrors and panes: one for each band, if there are any.
+fn rooms(scene: &Scene<'_>, bands: &Bands) -> usize {
+    if scene.has_mirrors_or_panes() { bands.count } else { 0 }
 }
 
 /// The rays of a grid, which begins with a column of the optics'.
@@ -313,7 +327,17 @@ fn leave_out(rays: &Rays<'_>, rows: [i32; 2], target: &mut Target<'_>) {
     }
 }
 
+/// [`BandWork::finish`], apart from [`draw`], so that the stack holds what only one of them takes.
+#[inline(never)]
+fn finish<S: Simd, O, W: BandWork<O>>(simd: S, band: &Band<'_>, output: &mut O, work: &W) {
+    simd.vectorize(
+        #[inline(always)]
+        || work.finish(simd, band, output),
+    );
+}
+
 /// [`walk`], compiled once for each kind of grid and SIMD level, whatever is done with the band afterwards.
+#[inline(never)]
 fn draw<S: Simd, P: Projection>(
     simd: S,
     view: &View<'_>,

@@ -1,4 +1,4 @@
-//! Up to 64 rays made ready together, as structures of arrays.
+//! Up to sixteen rays made ready together, as structures of arrays.
 
 use super::ray::FrameRay;
 use super::ray::{ORIGIN_PAD, ORIGIN_PAD_AT_ZERO, Ray, TINY, low_part};
@@ -7,13 +7,13 @@ use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 use glam::DVec3;
 
-/// Rays under way together.
-pub(super) const RAYS: usize = 64;
+/// Rays under way together. More are hardly faster, and take four times the stack.
+pub(in crate::trace) const RAYS: usize = 16;
 
 /// One value per ray.
 pub(super) type PerRay<T> = [T; RAYS];
 
-/// The same as [`Ray`], for 64 of them, and the nearest hit of each so far. All coordinates are those of one mesh.
+/// The same as [`Ray`], for all of them, and the nearest hit of each so far. All coordinates are those of one mesh.
 pub(super) struct Bundle {
     /// As given.
     pub(super) origin: [PerRay<f32>; 3],
@@ -64,9 +64,9 @@ impl Bundle {
             shear: NO,
             least: [0.0; RAYS],
             range: [[0.0; RAYS]; 2],
-            unit: [1.0; RAYS],
+            unit: [0.0; RAYS],
             t: [0.0; RAYS],
-            hit: [[NONE; 2]; RAYS],
+            hit: [[0; 2]; RAYS],
         }
     }
 

@@ -6,16 +6,17 @@ use super::doubt_of;
 use super::ray::FrameRay;
 use super::scene::{SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
 use super::walk::Tree;
-use super::wave::Wave;
+use super::wave::{Room, Wave};
 use crate::execution::{SplitRows, for_each_row};
 use crate::scene::Scene;
 use crate::scene::tree::NONE;
 use crate::simd::{Level, WIDTH, dispatch};
 use crate::trace::error::check_output;
 use crate::trace::memory::view_lines;
-use crate::trace::view::{View, check_moment};
+use crate::trace::view::{Placed, View, check_moment};
 use crate::trace::{Faces, Hits, SenseError, Workspace};
 use crate::{Moment, Pose};
+use bytemuck::Zeroable;
 use fearless_simd::Simd;
 use glam::DVec3;
 
@@ -155,70 +156,97 @@ fn cast_chunk<S: Simd>(
     rays: &Rays<'_>,
     range: core::ops::Range<usize>,
     faces: Faces,
+    output: Output<'_>,
+) {
+    // One mesh is all there is: its tree is all that rays go through.
+    match view.placed {
+        [only] if only.kind().is_mesh() => cast_at_mesh(simd, (view, only), rays, range, faces, output),
+        _ => cast_one_by_one(simd, view, rays, range, faces, output),
+    }
+}
+
+/// Rays at the only mesh, many at a time.
+#[inline(never)]
+fn cast_at_mesh<S: Simd>(
+    simd: S,
+    (view, only): (&View<'_>, &Placed),
+    rays: &Rays<'_>,
+    range: core::ops::Range<usize>,
+    faces: Faces,
     mut output: Output<'_>,
 ) {
-    // One mesh is all there is: 64 rays go through its tree together.
-    if let [only] = view.placed
-        && only.kind().is_mesh()
-    {
-        let tree = mesh_tree(view, only);
-        let doubt = doubt_of(tree.nodes.first());
-        let mut wave = Wave::new();
-        let mut first = range.start;
-        while first < range.end {
-            let count = RAYS.min(range.end - first);
-            for id in 0..count.next_multiple_of(WIDTH) {
-                // Lanes that are left over repeat the last ray.
-                let ray = rays.get(first + id.min(count - 1));
-                if only.is_turned() || only.translation != [0.0; 3] {
-                    let [origin, direction] = in_instance(only, &ray);
-                    wave.set(id, origin, direction, ray.range);
-                } else {
-                    wave.bundle.set(id, &ray);
-                }
-            }
-            wave.bundle.prepare(simd, count, doubt);
-            match &mut output {
-                Output::Hits(hits) => {
-                    wave.nearest_hits(simd, tree, count, faces == Faces::Front);
-                    for id in 0..count {
-                        store_mesh_hit(
-                            view,
-                            tree,
-                            &wave,
-                            id,
-                            rays,
-                            first + id,
-                            first + id - range.start,
-                            hits,
-                        );
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let tree = mesh_tree(view, only);
+            let doubt = doubt_of(tree.nodes.first());
+            let mut room = Room::zeroed();
+            let mut wave = Wave::new(&mut room);
+            let mut first = range.start;
+            while first < range.end {
+                let count = RAYS.min(range.end - first);
+                for id in 0..count.next_multiple_of(WIDTH) {
+                    // Lanes that are left over repeat the last ray.
+                    let ray = rays.get(first + id.min(count - 1));
+                    if only.is_turned() || only.translation != [0.0; 3] {
+                        let [origin, direction] = in_instance(only, &ray);
+                        wave.set(id, origin, direction, ray.range);
+                    } else {
+                        wave.bundle.set(id, &ray);
                     }
                 }
-                Output::Occluded(occluded) => {
-                    wave.any_hits(simd, tree, count, faces == Faces::Front);
-                    for id in 0..count {
-                        occluded[first + id - range.start] = wave.bundle.hit[id][0] != NONE;
+                wave.bundle.prepare(simd, count, doubt);
+                match &mut output {
+                    Output::Hits(hits) => {
+                        wave.nearest_hits(simd, tree, count, faces == Faces::Front);
+                        for id in 0..count {
+                            let at = first + id - range.start;
+                            store_mesh_hit(view, tree, &wave, id, rays, first + id, at, hits);
+                        }
+                    }
+                    Output::Occluded(occluded) => {
+                        wave.any_hits(simd, tree, count, faces == Faces::Front);
+                        for id in 0..count {
+                            occluded[first + id - range.start] = wave.bundle.hit[id][0] != NONE;
+                        }
+                    }
+                }
+                first += count;
+            }
+        },
+    );
+}
+
+/// Rays in a scene.
+#[inline(never)]
+fn cast_one_by_one<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    rays: &Rays<'_>,
+    range: core::ops::Range<usize>,
+    faces: Faces,
+    mut output: Output<'_>,
+) {
+    simd.vectorize(
+        #[inline(always)]
+        || {
+            let mut stacks = const { Stacks::new() };
+            for index in range.clone() {
+                let ray = rays.get(index);
+                let at = index - range.start;
+                match &mut output {
+                    Output::Hits(hits) => {
+                        let hit = hit_in_view::<false, S>(simd, view, &ray, faces, &mut stacks);
+                        store(view, &ray, &hit, at, hits);
+                    }
+                    Output::Occluded(occluded) => {
+                        let hit = hit_in_view::<true, S>(simd, view, &ray, faces, &mut stacks);
+                        occluded[at] = hit.placed != NONE;
                     }
                 }
             }
-            first += count;
-        }
-        return;
-    }
-    let mut stacks = Stacks::new();
-    for index in range.clone() {
-        let ray = rays.get(index);
-        let at = index - range.start;
-        match &mut output {
-            Output::Hits(hits) => {
-                let hit = hit_in_view::<false, S>(simd, view, &ray, faces, &mut stacks);
-                store(view, &ray, &hit, at, hits);
-            }
-            Output::Occluded(occluded) => {
-                occluded[at] = hit_in_view::<true, S>(simd, view, &ray, faces, &mut stacks).placed != NONE;
-            }
-        }
-    }
+        },
+    );
 }
 
 /// A hit on the only mesh: distance and triangle are known, and the normal too unless the mesh is turned.
@@ -227,7 +255,7 @@ fn cast_chunk<S: Simd>(
 fn store_mesh_hit(
     view: &View<'_>,
     tree: Tree<'_>,
-    wave: &Wave,
+    wave: &Wave<'_>,
     id: usize,
     rays: &Rays<'_>,
     index: usize,
@@ -341,10 +369,11 @@ fn each_bundle<S: Simd>(
     simd: S,
     tree: Tree<'_>,
     rays: &Rays<'_>,
-    mut work: impl FnMut(&mut Wave, usize, usize),
+    mut work: impl FnMut(&mut Wave<'_>, usize, usize),
 ) {
     let doubt = doubt_of(tree.nodes.first());
-    let mut wave = Wave::new();
+    let mut room = Room::zeroed();
+    let mut wave = Wave::new(&mut room);
     let mut first = 0;
     while first < rays.directions.len() {
         let count = RAYS.min(rays.directions.len() - first);
@@ -360,7 +389,7 @@ fn each_bundle<S: Simd>(
 #[inline(always)]
 fn store_in_mesh(
     tree: Tree<'_>,
-    wave: &Wave,
+    wave: &Wave<'_>,
     id: usize,
     (rays, index): (&Rays<'_>, usize),
     hits: &mut Hits<'_>,

@@ -2,7 +2,7 @@
 //! boxes or sixteen triangles at a time.
 
 mod block;
-mod bundle;
+pub(crate) mod bundle;
 mod cast;
 mod describe;
 mod node;
@@ -15,7 +15,7 @@ pub(crate) mod wave;
 pub use cast::{Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len};
 pub(crate) use scene::mesh_tree;
 pub use walk::Tree;
-pub(crate) use walk::{Stack, nearest_in_tree};
+pub(crate) use walk::nearest_in_tree;
 
 use crate::scene::tree::WideNode;
 use crate::simd::WIDTH;

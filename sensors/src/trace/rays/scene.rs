@@ -2,11 +2,11 @@
 //!
 //! The tree over the instances is walked ray by ray, front to back; at an instance the ray goes on in the
 //! instance's own frame: through a mesh's tree or a height field's, or to the kernel of a solid. If all there is
-//! is one mesh, 64 rays at a time go straight through its tree.
+//! is one mesh, sixteen rays at a time go straight through its tree.
 
 use super::doubt_of;
 use super::ray::{FrameRay, Nearest, Ray};
-use super::walk::{Stack, Tree, children_of, nearest_in_tree};
+use super::walk::{STACK, Stack, Tree, Waiting, children_of, nearest_in_tree};
 use crate::scene::tree::NONE;
 use crate::scene::{Kind, Triangles};
 use crate::trace::Faces;
@@ -28,14 +28,14 @@ pub(crate) struct SceneHit {
 
 /// Memory for the children that wait, above and below the instances.
 pub(crate) struct Stacks {
-    instances: Stack,
-    triangles: Stack,
+    instances: [Waiting; STACK],
+    triangles: [Waiting; STACK],
 }
 
 impl Stacks {
     /// Nothing waits.
     pub(crate) const fn new() -> Self {
-        Self { instances: Stack::new(), triangles: Stack::new() }
+        Self { instances: [Waiting::NONE; STACK], triangles: [Waiting::NONE; STACK] }
     }
 }
 
@@ -71,7 +71,7 @@ pub(crate) fn hit_in_view<const ANY: bool, S: Simd>(
     let mut hit = SceneHit { t: f64::INFINITY, placed: NONE, slot: NONE };
     let frame_ray = Ray::new(ray.origin.map(f64::from), ray.direction.map(f64::from), ray.range, 0.0);
     let top = Tree { nodes: view.nodes, blocks: &[] };
-    let below = &mut stacks.triangles;
+    let below = &mut stacks.triangles[..];
     children_of(
         simd,
         top,

@@ -6,11 +6,12 @@ use super::ray::{Nearest, Ray};
 use crate::scene::HeightGrid;
 use crate::scene::tree::{LEAF, MAX_DEPTH, TriangleBlock, WideNode};
 use crate::simd::WIDTH;
+use bytemuck::{Pod, Zeroable};
 use core::borrow::Borrow;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 
 /// Room for the children that wait: fifteen a level, and sixteen that are being sorted in.
-const STACK: usize = (WIDTH - 1) * MAX_DEPTH + WIDTH;
+pub(super) const STACK: usize = (WIDTH - 1) * MAX_DEPTH + WIDTH;
 
 /// The tree of one mesh.
 #[derive(Debug, Clone, Copy)]
@@ -22,23 +23,19 @@ pub struct Tree<'a> {
 }
 
 /// A child that waits: its entry distance's bits, and itself.
-#[derive(Debug, Clone, Copy)]
-struct Waiting {
+#[derive(Debug, Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Waiting {
     key: u32,
     child: u32,
 }
 
-/// Children that wait, the nearest of each node on top.
-pub(crate) struct Stack {
-    waiting: [Waiting; STACK],
+impl Waiting {
+    pub(super) const NONE: Self = Self { key: 0, child: 0 };
 }
 
-impl Stack {
-    /// Nothing waits.
-    pub(crate) const fn new() -> Self {
-        Self { waiting: [Waiting { key: 0, child: 0 }; STACK] }
-    }
-}
+/// Children that wait, the nearest of each node on top: memory of [`STACK`] or more, whatever is in it.
+pub(crate) type Stack = [Waiting];
 
 /// What can be walked: nodes of children, leaves of triangles.
 pub(crate) trait Branches: Copy {
@@ -142,7 +139,7 @@ pub(crate) fn children_of<S: Simd>(
                 return;
             }
             top -= 1;
-            let waiting = stack.waiting[top];
+            let waiting = stack[top];
             if f32::from_bits(waiting.key) <= limit {
                 child = waiting.child;
                 break;
@@ -163,7 +160,7 @@ fn push<S: Simd>(
     top: usize,
 ) -> usize {
     let count = mask.count_ones() as usize;
-    let Some(room) = stack.waiting.get_mut(top..top + WIDTH) else { return top };
+    let Some(room) = stack.get_mut(top..top + WIDTH) else { return top };
     // t ≥ 0 orders like its bits (a negative t_min makes them large, which costs order, not hits); the lane in the
     // last four makes them differ.
     let lanes = u32x16::load_array_ref(simd, &LANE_NUMBERS);

@@ -1,4 +1,4 @@
-//! 64 rays at once on their way through one mesh's tree.
+//! Sixteen rays at once on their way through one mesh's tree.
 //!
 //! A ray by itself is a chain: box test, order, triangle test, distance, next box; each waits for the one before,
 //! for memory, and for branches that nobody can predict. So many rays are under way together. Each round takes
@@ -11,16 +11,16 @@
 //! alone and in double precision ([`nearest_in_tree`]).
 
 #![allow(clippy::needless_bitwise_bool, reason = "lazy operators become branches that nobody can predict")]
-#![allow(clippy::large_stack_arrays, reason = "the rays under way, 150 kB, made once a few thousand rays")]
 
 use super::block::{self, SLACK};
 use super::bundle::{Bundle, PerRay, RAYS};
 use super::node;
 use super::ray::{FrameRay, Nearest};
 use super::settle::Settled;
-use super::walk::{Stack, Tree, nearest_in_tree};
+use super::walk::{STACK, Stack, Tree, Waiting, nearest_in_tree};
 use crate::scene::tree::{LEAF, NONE};
 use crate::simd::WIDTH;
+use bytemuck::{Pod, Zeroable};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 use glam::DVec3;
 
@@ -35,27 +35,13 @@ pub(super) const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2�
 /// Sine of the angle between a ray and a plane below which any hit is looked for in double precision.
 const LEAST_SINE: f64 = 1e-4;
 
-/// One value for each child of a node or triangle of a leaf.
-#[derive(Clone, Copy)]
-#[repr(align(64))]
-struct Sixteen<T>([T; WIDTH]);
+/// A t for each child of a node or triangle of a leaf: where a ray enters or meets it, +∞ for what it does not meet.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C, align(64))]
+struct Sixteen([f32; WIDTH]);
 
-/// The children of a node that wait.
-#[derive(Clone, Copy)]
-struct Frame {
-    /// Where the ray enters each; +∞ for children that it does not meet or has been to.
-    near: Sixteen<f32>,
-    child: Sixteen<u32>,
-}
-
-impl Frame {
-    /// Below the root: what is left when nothing waits any more. It is never too far.
-    const END: Self = {
-        let mut near = [f32::INFINITY; WIDTH];
-        near[0] = f32::NEG_INFINITY;
-        Self { near: Sixteen(near), child: Sixteen([NONE; WIDTH]) }
-    };
-}
+// The room of the nodes on the way is that of the children that wait when a ray is walked alone.
+const _: () = assert!(LEVELS * RAYS * size_of::<Sixteen>() >= STACK * size_of::<Waiting>());
 
 /// Rays that wait for the same thing.
 #[derive(Clone, Copy)]
@@ -80,36 +66,43 @@ impl Queue {
     }
 }
 
-/// Memory of 64 rays under way.
-pub(crate) struct Wave {
+/// Where the nodes and leaves of the rays under way lie. Whatever is in it is written before it is read.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
+pub(crate) struct Room {
+    /// The end, and the nodes on the way of which some child waits …
+    near: [PerRay<Sixteen>; LEVELS],
+    /// … and which these are.
+    node: [PerRay<u32>; LEVELS],
+    /// t of the triangles of a leaf.
+    leaf: PerRay<Sixteen>,
+}
+
+/// Rays under way.
+pub(crate) struct Wave<'m> {
     pub(super) bundle: Bundle,
-    /// The end, and the nodes on the way of which some child waits.
-    frames: [[Frame; RAYS]; LEVELS],
-    /// How many.
+    room: &'m mut Room,
+    /// How many nodes are in the room.
     depth: PerRay<u32>,
     /// The next node or leaf.
     child: PerRay<u32>,
-    /// t of the triangles of a leaf.
-    leaf: [Sixteen<f32>; RAYS],
     /// What has to be walked alone.
     alone: Queue,
     /// The nearest hits in double precision.
     pub(super) settled: Settled,
-    stack: Stack,
 }
 
-impl Wave {
+impl<'m> Wave<'m> {
     /// Nothing under way.
-    pub(crate) const fn new() -> Self {
+    #[inline(always)]
+    pub(crate) fn new(room: &'m mut Room) -> Self {
         Self {
-            bundle: Bundle::new(),
-            frames: [[Frame::END; RAYS]; LEVELS],
+            bundle: const { Bundle::new() },
+            room,
             depth: [0; RAYS],
             child: [0; RAYS],
-            leaf: [Sixteen([f32::INFINITY; WIDTH]); RAYS],
             alone: Queue::EMPTY,
-            settled: Settled::new(),
-            stack: Stack::new(),
+            settled: const { Settled::new() },
         }
     }
 
@@ -208,7 +201,8 @@ impl Wave {
         self.alone.length = 0;
         for id in 0..count.min(RAYS) {
             (self.depth[id], self.child[id]) = (1, 0);
-            self.frames[0][id].near.0[0] = f32::NEG_INFINITY;
+            // What is left when nothing waits any more. It is never too far.
+            (self.room.near[0][id].0[0], self.room.node[0][id]) = (f32::NEG_INFINITY, NONE);
             nodes.push_if(id, true);
         }
         while nodes.length + leaves.length > 0 {
@@ -227,20 +221,26 @@ impl Wave {
             }
             let (mut more_nodes, mut more_leaves) = (Queue::EMPTY, Queue::EMPTY);
             for &id in nodes.ids() {
-                self.next_child(simd, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
+                self.next_child(simd, tree, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
             }
             for &id in leaves.ids() {
-                self.next_child(simd, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
+                self.next_child(simd, tree, usize::from(id) % RAYS, &mut more_nodes, &mut more_leaves);
             }
             (nodes, leaves) = (more_nodes, more_leaves);
         }
+    }
+
+    /// Room for a ray's way through a tree, while no rays are under way.
+    #[inline(always)]
+    pub(crate) fn stack(&mut self) -> &mut Stack {
+        bytemuck::cast_slice_mut(&mut self.room.near)
     }
 
     #[inline(always)]
     fn walk_alone<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool) {
         let ray = self.bundle.ray(id);
         let mut nearest = Nearest::none(&ray);
-        nearest_in_tree(simd, tree, &ray, cull_back, &mut self.stack, &mut nearest);
+        nearest_in_tree(simd, tree, &ray, cull_back, self.stack(), &mut nearest);
         self.bundle.hit[id][0] = nearest.slot;
         self.settled.t[id] = nearest.t;
         self.settled.take_normal(tree, id, nearest.slot);
@@ -251,11 +251,10 @@ impl Wave {
     fn enter_node<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
         let Some(node) = tree.nodes.get(self.child[id] as usize) else { return };
         let depth = self.depth[id] as usize;
-        let frame = &mut self.frames[depth % LEVELS][id];
         let (near, any) =
             node::enter(simd, node, &self.bundle, id, self.bundle.t[id] * AGREES + self.bundle.doubt);
-        near.store_array(&mut frame.near.0);
-        frame.child.0 = node.child;
+        near.store_array(&mut self.room.near[depth % LEVELS][id].0);
+        self.room.node[depth % LEVELS][id] = self.child[id];
         self.depth[id] = depth as u32 + u32::from(any);
     }
 
@@ -264,13 +263,13 @@ impl Wave {
     fn test_leaf<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool) {
         let Some(block) = tree.blocks.get((self.child[id] & !LEAF) as usize) else { return };
         let t = block::meet_lane(simd, block, &self.bundle, id, cull_back);
-        t.store_array(&mut self.leaf[id].0);
+        t.store_array(&mut self.room.leaf[id].0);
     }
 
     /// Takes the nearest triangle of the leaf.
     #[inline(always)]
     fn take_nearest<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
-        let t = f32x16::load_array_ref(simd, &self.leaf[id].0);
+        let t = f32x16::load_array_ref(simd, &self.room.leaf[id].0);
         let least = t.reduce_min();
         // Of those within the slack, the first; should it not be the only one, they are compared.
         let limit = least * SLACK + self.bundle.doubt;
@@ -289,7 +288,7 @@ impl Wave {
     /// Ends the way of a ray that hits a triangle of the leaf.
     #[inline(always)]
     fn take_any<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
-        let t = f32x16::load_array_ref(simd, &self.leaf[id].0);
+        let t = f32x16::load_array_ref(simd, &self.room.leaf[id].0);
         let (from, to) = (self.bundle.range[0][id], self.bundle.range[1][id]);
         // Beyond doubt: further inside the range than single precision may be wrong.
         let to = if to < f32::MAX { to / SLACK - self.bundle.doubt } else { f32::MAX };
@@ -310,7 +309,14 @@ impl Wave {
 
     /// Takes the nearest child that waits, of the deepest node, and queues the ray for it.
     #[inline(always)]
-    fn next_child<S: Simd>(&mut self, simd: S, id: usize, nodes: &mut Queue, leaves: &mut Queue) {
+    fn next_child<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: Tree<'_>,
+        id: usize,
+        nodes: &mut Queue,
+        leaves: &mut Queue,
+    ) {
         let limit = self.bundle.t[id] * AGREES + self.bundle.doubt;
         let limit = if limit < f32::MAX { limit } else { f32::MAX };
         let mut depth = self.depth[id] as usize;
@@ -320,16 +326,17 @@ impl Wave {
         }
         loop {
             depth = depth.wrapping_sub(1) % LEVELS;
-            let frame = &mut self.frames[depth][id];
-            let near = f32x16::load_array_ref(simd, &frame.near.0);
+            let waiting = &mut self.room.near[depth][id].0;
+            let near = f32x16::load_array_ref(simd, waiting);
             let least = near.reduce_min();
             // The end is always near enough.
             if least <= limit || depth == 0 {
                 let wait = near.simd_le(f32x16::splat(simd, limit)).to_bitmask() as u32 & 0xffff;
                 let nearest = near.simd_eq(f32x16::splat(simd, least)).to_bitmask() as u32;
                 let lane = nearest.trailing_zeros() as usize % WIDTH;
-                frame.near.0[lane] = f32::INFINITY;
-                let child = frame.child.0[lane];
+                waiting[lane] = f32::INFINITY;
+                let child =
+                    tree.nodes.get(self.room.node[depth][id] as usize).map_or(NONE, |node| node.child[lane]);
                 self.child[id] = child;
                 leaves.push_if(id, (child & LEAF != 0) & (child != NONE));
                 nodes.push_if(id, child & LEAF == 0);

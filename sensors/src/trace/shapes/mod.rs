@@ -28,6 +28,7 @@ mod tests;
 use super::packet::{Faces, Packet};
 use crate::scene::Solid;
 use crate::simd::{LANES, Lanes, sqrt};
+use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 use real::Real;
 use surface::Surface;
@@ -105,6 +106,8 @@ pub(crate) fn kernel<F: Fn([f64; 3], [f64; 3]) -> Inside>(inside: F) -> F {
 }
 
 /// Rays in the frame of one instance.
+#[derive(Clone, Copy, Pod, Zeroable)]
+#[repr(C)]
 pub(crate) struct LocalRays {
     pub(crate) origin: [Lanes<f64>; 3],
     pub(crate) direction: [Lanes<f64>; 3],

@@ -319,7 +319,9 @@ fn casts() {
 fn scenes() {
     let mut bytes = Vec::new();
     run("a scene", || bytes = stage(true).bake());
-    run("a baked scene", || drop(Scene::from_baked(bytemuck::cast_slice(&bytes)).unwrap()));
+    run("a baked scene", || {
+        Scene::from_baked(bytemuck::cast_slice(&bytes)).unwrap();
+    });
     let (corners, triangles) = ball();
     // Triangles that shrink, for the deepest tree.
     let deep: Vec<[f32; 3]> = (0..3000)

@@ -32,7 +32,7 @@ use crate::noise::Stream;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes};
 use crate::srgb;
-use crate::trace::tiling::BLOCKS;
+use crate::trace::grid::tiling::BLOCKS;
 pub(crate) use auto_exposure::meter;
 pub use auto_exposure::{AutoExposure, AutoExposureConfig, FrameStatistics, Metering};
 pub use config::{DeviceConfig, Exposure, Tone};

@@ -2,7 +2,7 @@
 
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes, WIDTH};
-use crate::trace::tiling::BLOCKS;
+use crate::trace::grid::tiling::BLOCKS;
 
 /// The colours of the first two pixels of the first row, then of the second row; this square of 2 × 2 repeats.
 ///

@@ -11,7 +11,7 @@
 use super::poisson::{MANY, few, many, many_with_reading, round};
 use crate::noise::{Stream, normals64};
 use crate::simd::{LANES, Lanes, sqrt_f32};
-use crate::trace::tiling::BLOCKS;
+use crate::trace::grid::tiling::BLOCKS;
 use fearless_simd::Simd;
 
 /// Below this variance of the read noise, half an electron squared, single electrons are visible.

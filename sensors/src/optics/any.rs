@@ -2,7 +2,7 @@
 
 #[cfg(feature = "alloc")]
 use super::RayTableBuf;
-use super::rays::Fan;
+use super::rays::RayGrid;
 use super::{MAX_GRID_SIZE, PinholeGrid, RayTable, SphericalGrid};
 use crate::ParameterError;
 
@@ -57,8 +57,8 @@ impl<'a> From<&'a RayTableBuf> for Optics<'a> {
 impl Optics<'_> {
     /// Number of columns and rows of rays.
     pub fn size(&self) -> [usize; 2] {
-        let fan = self.fan();
-        [fan.width as usize, fan.height as usize]
+        let ray_grid = self.ray_grid();
+        [ray_grid.width as usize, ray_grid.height as usize]
     }
 
     /// Number of columns and rows of rays as configured, even if there are more than [`MAX_GRID_SIZE`], which are never
@@ -112,15 +112,17 @@ impl Optics<'_> {
         }
     }
 
-    pub(crate) fn fan(&self) -> Fan {
+    pub(crate) fn ray_grid(&self) -> RayGrid {
         match self {
             // Larger grids are never traced.
             Self::Pinhole(grid) => {
                 let [width, height] = grid.size();
-                Fan::square(width.min(MAX_GRID_SIZE), height.min(MAX_GRID_SIZE))
+                RayGrid::square(width.min(MAX_GRID_SIZE), height.min(MAX_GRID_SIZE))
             }
-            Self::Spherical(grid) => Fan::new(grid.columns.min(MAX_GRID_SIZE), grid.rows.min(MAX_GRID_SIZE)),
-            Self::Table(table) => table.fan(),
+            Self::Spherical(grid) => {
+                RayGrid::new(grid.columns.min(MAX_GRID_SIZE), grid.rows.min(MAX_GRID_SIZE))
+            }
+            Self::Table(table) => table.ray_grid(),
         }
     }
 }

@@ -230,7 +230,7 @@ impl Sensor for Camera<'_> {
         let (optics, shutter) = (&self.config.optics, &capture.shutter);
         let marks = lines(self.marks(shutter) * size_of::<u32>());
         Frame::workspace_len(scene, optics, shutter)
-            + sums_len(&Frame::fan_of(optics, shutter), shutter)
+            + sums_len(&Frame::ray_grid_of(optics, shutter), shutter)
             + marks
     }
 
@@ -252,7 +252,7 @@ impl Sensor for Camera<'_> {
         let drawn = (colour.as_deref_mut(), &mut *marks);
         let rows = Rows {
             wants_colour: drawn.0.is_some(),
-            colour: ColourRows::new(self, frame.fan(), &capture.shutter, drawn, &mut memory),
+            colour: ColourRows::new(self, frame.ray_grid(), &capture.shutter, drawn, &mut memory),
             truth,
             rays_in_row: frame.rays_in_row(),
         };

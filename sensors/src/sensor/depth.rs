@@ -1,13 +1,13 @@
 //! Depth cameras: depth along the optical axis, the registered colour picture, and the point cloud.
 
+mod borders;
 mod config;
 mod contrast;
 mod develop;
-mod ends;
+mod device_input;
 mod look;
 mod pattern;
 mod rows;
-mod seen;
 mod surface;
 mod too_near;
 
@@ -20,10 +20,10 @@ pub use super::owned::DepthCameraBuf;
 pub use config::{DepthCameraConfig, OutOfRange};
 use contrast::{Brightness, Contrast};
 use develop::{Developer, Measured};
+use device_input::DeviceInput;
 use look::Looker;
 use pattern::Pattern;
 use rows::{Retouched, Rows};
-use seen::Seen;
 use too_near::{Blocked, Blocking, Obstacles};
 
 use crate::ParameterError;
@@ -35,13 +35,13 @@ use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
 use crate::optics::Optics;
 use crate::scene::{Scene, visibility};
 pub use crate::trace::TooNear;
-use crate::trace::beyond::Glazing;
 use crate::trace::error::check_output;
+use crate::trace::grid::place::Place;
+use crate::trace::grid::tiling::{BLOCKS, Tiling, lines_of};
 use crate::trace::grid::{Band, BandWork, Frame, Sight, rays_of};
-use crate::trace::measure::Measure;
-use crate::trace::place::Place;
-use crate::trace::resolve::Resolver;
-use crate::trace::tiling::{BLOCKS, Tiling, lines_of};
+use crate::trace::hit::measure::Measure;
+use crate::trace::hit::resolve::Resolver;
+use crate::trace::packet::specular::Glazing;
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
@@ -199,16 +199,16 @@ impl Sensor for DepthCamera<'_> {
 
     fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
         let (optics, shutter) = (&self.config.camera.optics, &capture.shutter);
-        let fan = Frame::fan_of(optics, shutter);
+        let ray_grid = Frame::ray_grid_of(optics, shutter);
         let marks = lines(self.camera.marks(shutter) * size_of::<u32>());
-        let blocked = lines(fan.blocks_across() * fan.blocks_down() * size_of::<u16>());
+        let blocked = lines(ray_grid.blocks_across() * ray_grid.blocks_down() * size_of::<u16>());
         let seen = self.device.map_or(0, |device| {
             let pattern =
                 matches!(device.look, Look::Dots(_)).then(|| Pattern::workspace_len(self.camera.size()));
             let brightness = device.matcher.map(|_| Brightness::workspace_len(self.pixels()));
-            Seen::workspace_len(self.pixels()) + pattern.unwrap_or(0) + brightness.unwrap_or(0)
+            DeviceInput::workspace_len(self.pixels()) + pattern.unwrap_or(0) + brightness.unwrap_or(0)
         });
-        Frame::workspace_len(scene, optics, shutter) + sums_len(&fan, shutter) + blocked + marks + seen
+        Frame::workspace_len(scene, optics, shutter) + sums_len(&ray_grid, shutter) + blocked + marks + seen
     }
 
     fn sense(
@@ -236,8 +236,8 @@ impl Sensor for DepthCamera<'_> {
         let blocks = self.config.too_near == TooNear::Blocks;
         let within = sight.range[0] * optics.longest_direction();
         let blocked: &mut [u16] = if wants_depth && blocks && frame.may_be_within(within) {
-            let across = frame.fan().blocks_across();
-            let blocked = memory.take(across * frame.fan().blocks_down());
+            let across = frame.ray_grid().blocks_across();
+            let blocked = memory.take(across * frame.ray_grid().blocks_down());
             let near = Sight { range: [0.0, sight.range[0]], within, ..sight };
             let lanes = Blocked { lanes: &mut *blocked, across };
             frame.trace(&near, &mut Cutter(&mut *memory.0), lanes, &Blocking);
@@ -246,7 +246,7 @@ impl Sensor for DepthCamera<'_> {
             &mut []
         };
         let device = self.device.as_ref().filter(|_| wants_depth);
-        let mut seen = device.map(|_| Seen::new(pixels, &mut memory));
+        let mut seen = device.map(|_| DeviceInput::new(pixels, &mut memory));
         let mut brightness =
             device.filter(|device| device.matcher.is_some()).map(|_| Brightness::new(pixels, &mut memory));
         let wants_colour = colour.is_some() || points.is_some();
@@ -257,19 +257,19 @@ impl Sensor for DepthCamera<'_> {
             depth_16uc1: depth_16uc1.as_deref_mut(),
             points: points.as_deref_mut(),
             xyz: xyz.as_deref_mut(),
-            seen: seen.as_mut().map(Seen::reborrow),
+            seen: seen.as_mut().map(DeviceInput::reborrow),
             brightness: brightness.as_mut().map(|Brightness(all)| Brightness(all)),
             truth,
             width: self.camera.size()[0],
-            lines_in_tile: Tiling::of(frame.fan()).size()[1],
+            lines_in_tile: Tiling::of(frame.ray_grid()).size()[1],
             wants_colour: drawn.0.is_some(),
-            colour: ColourRows::new(&self.camera, frame.fan(), shutter, drawn, &mut memory),
+            colour: ColourRows::new(&self.camera, frame.ray_grid(), shutter, drawn, &mut memory),
         };
         let work = Measurer { camera: self, capture, obstacles: Obstacles(blocked) };
         frame.trace(&sight, &mut Cutter(&mut *memory.0), rows, &work);
-        if let (Some(device), Some(Seen(seen))) = (device, seen) {
+        if let (Some(device), Some(DeviceInput(seen))) = (device, seen) {
             let CameraConfig { seed, sensor, .. } = self.config.camera;
-            let rays = rays_of(optics, (*frame.fan(), 0), execution, &mut memory);
+            let rays = rays_of(optics, (*frame.ray_grid(), 0), execution, &mut memory);
             let numbers = Stream { seed, sensor, frame: capture.frame, channel: 0 };
             let looker = Looker::new(&rays, self.camera.size(), numbers, seen);
             let pattern = Pattern::find(&looker, device, execution, &mut memory);
@@ -307,16 +307,16 @@ impl Measurer<'_> {
         [column, row]: [usize; 2],
         output: &mut Rows<'_>,
     ) -> [f32x16<S>; BLOCKS] {
-        let fan = band.rays.fan();
-        let (tiling, across, first) = (Tiling::of(fan), fan.blocks_across(), column * BLOCKS);
-        let samples = tiling.samples(fan.width as usize, [column, row]);
+        let ray_grid = band.rays.ray_grid();
+        let (tiling, across, first) = (Tiling::of(ray_grid), ray_grid.blocks_across(), column * BLOCKS);
+        let samples = tiling.samples(ray_grid.width as usize, [column, row]);
         let noise = &self.camera.noise;
         let has_noise = !noise.is_none();
         let mut normals = [f32x16::splat(simd, 0.0); BLOCKS];
         if has_noise {
             normals = self.camera.normals(simd, tiling, self.capture.frame, samples);
         }
-        let mut place = Place::new(fan, band, first, row);
+        let mut place = Place::new(ray_grid, band, first, row);
         let mut blocks = [f32x16::splat(simd, f32::INFINITY); BLOCKS];
         for part in 0..BLOCKS.min(across - first) {
             let block = [first + part, row];
@@ -372,7 +372,7 @@ impl Measurer<'_> {
     #[inline(always)]
     fn write_each_tile<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
         let Self { camera, capture, .. } = self;
-        let tiling = Tiling::of(band.rays.fan());
+        let tiling = Tiling::of(band.rays.ray_grid());
         let mut brush = Brush::new(&camera.camera, capture, band);
         brush.set_shader();
         let glazing = Glazing::of(band.view).filter(|_| output.seen.is_none());

@@ -14,17 +14,17 @@ mod marks;
 use crate::device::TileView;
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::optics::Optics;
-use crate::optics::rays::{PinholeFan, Rays, TableFan};
-use crate::shade::through;
+use crate::optics::rays::{PinholeRays, Rays, TableRays};
 use crate::shade::tile::{CameraRays, Tile};
+use crate::shade::transparency;
 use crate::shade::{Colours, Shader};
 use crate::simd::{LANES, WIDTH, dispatch};
+use crate::trace::grid::tiling::Tiling;
 use crate::trace::grid::{Frame, Sight};
+use crate::trace::hit::resolve::Resolver;
+use crate::trace::packet::hits::first_hits;
 use crate::trace::packet::{MISS, Packet};
-use crate::trace::packet_hits::first_hits;
-use crate::trace::resolve::Resolver;
-use crate::trace::tiling::Tiling;
-use crate::trace::view::View;
+use crate::trace::placed::view::View;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 pub(crate) use marks::Marks;
@@ -129,8 +129,8 @@ impl<'a> Smoothing<'a> {
         let view = frame.view()?;
         let rays = match optics {
             _ if marks.is_empty() => return None,
-            Optics::Pinhole(grid) => Rays::Pinhole(PinholeFan::new(grid, *frame.fan())),
-            Optics::Table(table) => Rays::Table(TableFan::new(table)),
+            Optics::Pinhole(grid) => Rays::Pinhole(PinholeRays::new(grid, *frame.ray_grid())),
+            Optics::Table(table) => Rays::Table(TableRays::new(table)),
             Optics::Spherical(_) => return None,
         };
         let camera_rays = CameraRays::new(&rays, &view.world_from_sensor);
@@ -160,8 +160,8 @@ impl<'a> Smoothing<'a> {
         across: usize,
         canvas: &mut impl Canvas,
     ) {
-        let mut bench = Bench::new(self.view);
-        bench.shader.set(self.sight.faces, false);
+        let mut scratch = Scratch::new(self.view);
+        scratch.shader.set(self.sight.faces, false);
         let mut pixels = [Pixel { tile: [0; 2], lane: 0, colour: [0.0; 3] }; QUEUE];
         let (mut waiting, mut sampled) = (0, 0);
         for row in rows.clone() {
@@ -175,11 +175,11 @@ impl<'a> Smoothing<'a> {
                         pixels[waiting] = Pixel { tile: [first + tile, row], lane, colour: [0.0; 3] };
                         waiting += 1;
                         if waiting == sampled + PIXELS {
-                            self.sample(simd, &mut bench, &mut pixels[sampled..waiting]);
+                            self.sample(simd, &mut scratch, &mut pixels[sampled..waiting]);
                             sampled = waiting;
                         }
                         if waiting == QUEUE {
-                            self.put_down(simd, &mut bench.tile, &pixels, rows.start, canvas);
+                            self.put_down(simd, &mut scratch.tile, &pixels, rows.start, canvas);
                             (waiting, sampled) = (0, 0);
                         }
                     }
@@ -187,9 +187,9 @@ impl<'a> Smoothing<'a> {
             }
         }
         if sampled < waiting {
-            self.sample(simd, &mut bench, &mut pixels[sampled..waiting]);
+            self.sample(simd, &mut scratch, &mut pixels[sampled..waiting]);
         }
-        self.put_down(simd, &mut bench.tile, &pixels[..waiting], rows.start, canvas);
+        self.put_down(simd, &mut scratch.tile, &pixels[..waiting], rows.start, canvas);
     }
 
     /// The pixels of some tiles of a row at which there is an edge, a bit each. By itself, for the sake of the stack.
@@ -242,8 +242,8 @@ impl<'a> Smoothing<'a> {
     /// Traces the rays of up to sixteen pixels and sets these pixels to their mean colours. Compiled once per SIMD
     /// level, for all canvases.
     #[inline(never)]
-    fn sample<S: Simd>(&self, simd: S, bench: &mut Bench<'_>, pixels: &mut [Pixel]) {
-        let Bench { tile, shader, resolver, colours } = bench;
+    fn sample<S: Simd>(&self, simd: S, scratch: &mut Scratch<'_>, pixels: &mut [Pixel]) {
+        let Scratch { tile, shader, resolver, colours } = scratch;
         simd.vectorize(
             #[inline(always)]
             || {
@@ -256,7 +256,7 @@ impl<'a> Smoothing<'a> {
         let steps = &self.camera_rays.steps;
         shader.shade(simd, self.view, tile, steps, colours);
         if shader.is_clear() {
-            through::look(simd, self.view, &self.sight, (shader, resolver, steps), tile, colours);
+            transparency::look(simd, self.view, &self.sight, (shader, resolver, steps), tile, colours);
         }
         for channel in 0..3 {
             let samples = colours[channel].as_chunks::<SAMPLES>().0;
@@ -355,14 +355,14 @@ struct Pixel {
 }
 
 /// Working memory that is reused from chunk to chunk.
-struct Bench<'a> {
+struct Scratch<'a> {
     tile: Tile,
     shader: Shader,
     resolver: Resolver<'a>,
     colours: Colours,
 }
 
-impl<'a> Bench<'a> {
+impl<'a> Scratch<'a> {
     #[inline(always)]
     fn new(view: &'a View<'a>) -> Self {
         Self {

@@ -13,12 +13,12 @@ use crate::optics::SphericalGrid;
 use crate::scene::Scene;
 use crate::simd::LANES;
 pub use crate::trace::TooNear;
-use crate::trace::beyond::Glazing;
 use crate::trace::error::check_output;
+use crate::trace::grid::place::for_each_block;
 use crate::trace::grid::{Band, BandWork, Frame, Sight, check_shutter};
-use crate::trace::measure::Measure;
-use crate::trace::place::for_each_block;
-use crate::trace::resolve::{Resolver, hit_lanes};
+use crate::trace::hit::measure::Measure;
+use crate::trace::hit::resolve::{Resolver, hit_lanes};
+use crate::trace::packet::specular::Glazing;
 use crate::trace::truth::check_truth;
 use crate::trace::{SenseError, Truth, Workspace};
 pub use config::{Beams, LidarConfig, MAX_BEAMS, MAX_SAMPLES, Sweep};
@@ -208,7 +208,7 @@ impl Sensor for Lidar {
         let frame = Frame::new(scene, &optics, shutter, self.config.visibility, execution, &mut memory)?;
         let sight = self.sight();
         let samples = self.config.horizontal.samples as usize;
-        let lines = Lines { scan: output, samples, rows_in_block: 1 << frame.fan().shift_y };
+        let lines = Lines { scan: output, samples, rows_in_block: 1 << frame.ray_grid().shift_y };
         frame.trace(&sight, &mut memory, lines, &Scanner { lidar: self, capture, sight, is_whole: true });
         Ok(())
     }

@@ -5,7 +5,7 @@ use crate::noise::GaussianNoise;
 use crate::shade::Colours;
 use crate::simd::{LANES, Lanes, WIDTH};
 use crate::srgb;
-use crate::trace::tiling::Tiling;
+use crate::trace::grid::tiling::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, u32x16};
 
 /// Applies the sRGB transfer curve to linear light.

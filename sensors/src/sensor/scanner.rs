@@ -59,7 +59,7 @@ use crate::noise::Stream;
 use crate::scene::Scene;
 use crate::simd::{LANES, dispatch, sqrt};
 use crate::trace::grid::Sight;
-use crate::trace::memory::view_lines;
+use crate::trace::placed::memory::view_lines;
 use crate::trace::{SenseError, Workspace};
 use beam::Bundle;
 pub use beam::{Beam, Halo, MAX_BEAM_RAYS};

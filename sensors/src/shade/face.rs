@@ -9,8 +9,8 @@ use super::tile::{Steps, Tile};
 use crate::scene::{Instance, Solid};
 use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
 use crate::trace::packet::{Faces, MISS};
+use crate::trace::placed::view::Placed;
 use crate::trace::shapes::solid_surface;
-use crate::trace::view::Placed;
 use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
 use glam::DVec3;
 

@@ -5,7 +5,7 @@ use super::tile::Tile;
 use super::{Colours, Gloss, Shader};
 use crate::scene::{Form, Light};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
-use crate::trace::view::View;
+use crate::trace::placed::view::View;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use glam::DVec3;
 

@@ -10,22 +10,22 @@
 mod bumps;
 mod face;
 mod lamp;
-mod lift;
 mod occluders;
 mod power;
+mod ray_offset;
 mod shadow;
 mod surface;
 mod texture;
-pub(crate) mod through;
 pub(crate) mod tile;
+pub(crate) mod transparency;
 pub(crate) mod uniform;
 
 use crate::scene::{ALPHA_CUT_OUT, ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
 use crate::trace::packet::{Faces, Packet};
+use crate::trace::placed::view::View;
 use crate::trace::shapes::LocalRays;
-use crate::trace::view::View;
 use bumps::Bumps;
 use face::{Face, KnownFaces, VisibleFaces};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
@@ -112,7 +112,7 @@ impl Shader {
     }
 
     /// Computes the colours of a traced tile, with the background where nothing was hit. What lies behind clear
-    /// surfaces is added by [`Through`](through::Through).
+    /// surfaces is added by [`Transparency`](transparency::Transparency).
     pub(crate) fn shade<S: Simd>(
         &mut self,
         simd: S,

@@ -6,7 +6,7 @@
 use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::simd::WIDTH;
 use crate::trace::packet::PacketBounds;
-use crate::trace::view::{MAX_DEPTH, View};
+use crate::trace::placed::view::{MAX_DEPTH, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 

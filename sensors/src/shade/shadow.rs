@@ -8,16 +8,16 @@
 //! and height fields may shadow themselves, so points on them are first [lifted](lift) from their triangles, to the
 //! side that is seen.
 
-use super::lift::lift;
 use super::occluders::Occluders;
+use super::ray_offset::lift;
 use super::tile::Tile;
 use crate::scene::{Kind, Solid};
 use crate::simd::{LANES, WIDTH, load_row};
+use crate::trace::packet::hits::{Search, activate, hit_lanes, intersect_instance};
 use crate::trace::packet::walk::{stack_len, walk};
 use crate::trace::packet::{Faces, Packet, PacketBounds};
-use crate::trace::packet_hits::{Search, activate, hit_lanes, intersect_instance};
+use crate::trace::placed::view::{MAX_DEPTH, View};
 use crate::trace::shapes::LocalRays;
-use crate::trace::view::{MAX_DEPTH, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 use glam::DVec3;
 

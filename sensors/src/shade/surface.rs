@@ -9,11 +9,11 @@ use super::{ROWS, lanes_in, store_where};
 use crate::optics::rays::dot;
 use crate::scene::{Kind, Solid, Triangles};
 use crate::simd::{LANES, Lanes, WIDTH, floor, load_row, sqrt_f32};
-use crate::trace::curved::Curved;
-use crate::trace::recent::Recent;
+use crate::trace::hit::cache::HitCache;
+use crate::trace::hit::curved::Curved;
+use crate::trace::placed::view::{Placed, View};
 use crate::trace::shapes::solid_surface;
 use crate::trace::shapes::surface::{Surface, flat};
-use crate::trace::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, mask32x16};
 use glam::DVec3;
 
@@ -54,7 +54,7 @@ pub(crate) struct Surfaces {
     pub(crate) gradient: [[Lanes<f32>; 3]; 2],
     pub(crate) wants_gradient: bool,
     /// Recently hit solids without flat faces.
-    curved: Recent<Curved>,
+    curved: HitCache<Curved>,
 }
 
 impl Surfaces {
@@ -63,7 +63,7 @@ impl Surfaces {
             normal: [[0.0; LANES]; 3],
             gradient: [[[0.0; LANES]; 3]; 2],
             wants_gradient: false,
-            curved: Recent::new(),
+            curved: HitCache::new(),
         }
     }
 

@@ -296,7 +296,7 @@ fn indices_up_to<S: Simd>(simd: S, index: u32x16<S>, last: usize) -> [u32; WIDTH
     let last = u32x16::splat(simd, last as u32);
     let mut indices = [0; WIDTH];
     index.simd_lt(last).select(index, last).store_array(&mut indices);
-    // Through memory: sixteen loads are cheaper than as many extractions from a vector.
+    // Transparency memory: sixteen loads are cheaper than as many extractions from a vector.
     core::hint::black_box(indices)
 }
 

@@ -7,10 +7,10 @@ use crate::optics::rays::Rays;
 use crate::pose::Pose;
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::grid::Band;
+use crate::trace::grid::tiling::{BLOCKS, Tiling, lane_in_tile, line_f32, line_u32};
+use crate::trace::hit::resolve::Resolver;
 use crate::trace::image::{GRAZING, NO_HIT};
 use crate::trace::packet::{MISS, Packet};
-use crate::trace::resolve::Resolver;
-use crate::trace::tiling::{BLOCKS, Tiling, lane_in_tile, line_f32, line_u32};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16};
 use glam::{DMat3, DVec3};
 
@@ -55,7 +55,7 @@ impl<'a> CameraRays<'a> {
     /// Width of the image in pixels.
     #[inline(always)]
     pub(crate) fn width(&self) -> usize {
-        self.rays.fan().width as usize
+        self.rays.ray_grid().width as usize
     }
 
     /// Directions of sixteen rays of a pinhole camera, starting at a pixel and along its row, with length 1 along the
@@ -90,11 +90,11 @@ impl<'a> CameraRays<'a> {
     /// Directions of the rays of a tile, of length 1, row by row.
     #[inline(always)]
     fn unit_rows<S: Simd>(&self, simd: S, [tile_column, row]: [usize; 2], directions: &mut [Lanes<f32>; 3]) {
-        let tiling = Tiling::of(self.rays.fan());
+        let tiling = Tiling::of(self.rays.ray_grid());
         let [forward, left, up] = &self.columns;
         let mut blocks = [[[0.0; WIDTH]; BLOCKS]; 3];
         let first = tile_column * BLOCKS;
-        for part in 0..BLOCKS.min(self.rays.fan().blocks_across() - first) {
+        for part in 0..BLOCKS.min(self.rays.ray_grid().blocks_across() - first) {
             let [x, y, z] = self.rays.unit_directions(simd, first + part, row);
             for axis in 0..3 {
                 (x * forward[axis] + (y * left[axis] + z * up[axis])).store_array(&mut blocks[axis][part]);
@@ -111,10 +111,10 @@ impl<'a> CameraRays<'a> {
     /// The change of direction from a pixel's ray to the next along its row, and down its column; from the previous one
     /// if there is no next.
     fn steps_at(&self, column: usize, row: usize) -> [DVec3; 2] {
-        let fan = self.rays.fan();
+        let ray_grid = self.rays.ray_grid();
         let [column, row] = [column as i32, row as i32];
         let step = |side: usize| {
-            let size = [fan.width, fan.height][side];
+            let size = [ray_grid.width, ray_grid.height][side];
             for offset in [1, -1] {
                 let mut next = [column, row];
                 next[side] += offset;
@@ -132,10 +132,10 @@ impl<'a> CameraRays<'a> {
 /// The lanes of a tile without a ray.
 #[inline(always)]
 pub(crate) fn missing_lanes(rays: &Rays<'_>, [tile_column, block_row]: [usize; 2]) -> u64 {
-    let tiling = Tiling::of(rays.fan());
+    let tiling = Tiling::of(rays.ray_grid());
     let first = tile_column * BLOCKS;
     let mut lanes = 0;
-    for part in 0..BLOCKS.min(rays.fan().blocks_across() - first) {
+    for part in 0..BLOCKS.min(rays.ray_grid().blocks_across() - first) {
         let mut missing = rays.missing(first + part, block_row);
         while missing != 0 {
             lanes |= 1 << lane_in_tile(tiling, part, missing.trailing_zeros() as usize);
@@ -219,8 +219,8 @@ impl Tile {
         rays: &CameraRays<'_>,
         [tile_column, block_row]: [usize; 2],
     ) {
-        let across = band.rays.fan().blocks_across();
-        let tiling = Tiling::of(band.rays.fan());
+        let across = band.rays.ray_grid().blocks_across();
+        let tiling = Tiling::of(band.rays.ray_grid());
         let first = (block_row - *band.block_rows().start()) * across;
         let (mut slots, mut inverses) = ([&[NO_HIT; WIDTH]; BLOCKS], [&[1.0; WIDTH]; BLOCKS]);
         for part in 0..BLOCKS.min(across - tile_column * BLOCKS) {
@@ -378,7 +378,7 @@ impl Tile {
 
     /// Computes [`Tile::steps`] for the lanes that hit something.
     fn find_steps(&mut self, rays: &CameraRays<'_>, [tile_column, block_row]: [usize; 2]) {
-        let tiling = Tiling::of(rays.rays.fan());
+        let tiling = Tiling::of(rays.rays.ray_grid());
         let [columns, rows] = tiling.size();
         let mut rest = self.hits;
         while rest != 0 {

@@ -10,11 +10,11 @@ use super::surface::triangle_normal;
 use super::tile::CameraRays;
 use crate::scene::{Form, Kind, Material, NO_TEXTURE, Scene};
 use crate::trace::grid::Band;
+use crate::trace::grid::tiling::{BLOCKS, Tiling, place_in_blocks};
+use crate::trace::hit::resolve::{Hit, Resolver};
 use crate::trace::image::{GRAZING, NO_HIT};
 use crate::trace::packet::Faces;
-use crate::trace::resolve::{Hit, Resolver};
-use crate::trace::tiling::{BLOCKS, Tiling, place_in_blocks};
-use crate::trace::view::View;
+use crate::trace::placed::view::View;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 
@@ -55,7 +55,7 @@ impl UniformTiles {
         rays: &CameraRays<'_>,
         tile: [usize; 2],
     ) -> Option<[f32; 3]> {
-        let across = band.rays.fan().blocks_across();
+        let across = band.rays.ray_grid().blocks_across();
         let first = (tile[1] - *band.block_rows().start()) * across + tile[0] * BLOCKS;
         let blocks = BLOCKS.min(across - tile[0] * BLOCKS);
         let slot = band.target.slot[first][0] & !GRAZING;
@@ -122,7 +122,7 @@ fn common_face(
     (tile, first): ([usize; 2], usize),
 ) -> Option<u32> {
     rays.steps?;
-    let tiling = Tiling::of(band.rays.fan());
+    let tiling = Tiling::of(band.rays.ray_grid());
     let [columns, rows] = tiling.size();
     let face = |[x, y]: [usize; 2]| {
         let (block, lane) = place_in_blocks(tiling, [x, y]);

@@ -2,20 +2,20 @@
 
 use super::error::{SenseError, check_output};
 use super::grid::{Band, BandWork, Frame, Sight};
-use super::hit_point::{HitPoints, block_index, has_solids};
 use super::image::NO_HIT;
-use super::measure::Measure;
-use super::memory::Workspace;
-use super::normals::{NormalFinder, Normals};
 use super::packet::Faces;
-use super::place::{Place, for_each_block};
-use super::resolve::{Resolver, hit_lanes, local_slot};
 use crate::execution::{SplitRows, split_at};
 use crate::moment::{Moment, Shutter};
 use crate::optics::Optics;
 use crate::pose::Pose;
 use crate::scene::Scene;
 use crate::simd::WIDTH;
+use crate::trace::grid::place::{Place, for_each_block};
+use crate::trace::hit::measure::Measure;
+use crate::trace::hit::normals::{NormalFinder, Normals};
+use crate::trace::hit::point::{HitPoints, block_index, has_solids};
+use crate::trace::hit::resolve::{Resolver, hit_lanes, local_slot};
+use crate::trace::placed::memory::Workspace;
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 
 /// The output buffers of [`cast_grid`], one element per ray in row-major order. Channels that are `None` are not

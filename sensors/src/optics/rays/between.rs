@@ -29,10 +29,10 @@ impl Neighbours {
 impl Rays<'_> {
     /// The neighbourhood of a ray, which must exist.
     pub(crate) fn neighbours(&self, column: i32, row: i32) -> Neighbours {
-        let fan = self.fan();
+        let ray_grid = self.ray_grid();
         let middle = self.direction(column, row);
         let at = |column: i32, row: i32| {
-            let inside = (0..fan.width).contains(&column) && (0..fan.height).contains(&row);
+            let inside = (0..ray_grid.width).contains(&column) && (0..ray_grid.height).contains(&row);
             (inside && self.has(column, row)).then(|| self.direction(column, row))
         };
         let changes = [[1, 0], [0, 1]].map(|[x, y]| {

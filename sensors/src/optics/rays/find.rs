@@ -28,8 +28,8 @@ impl Rays<'_> {
 /// Fractional column and row, by Newton's method on the directions of four neighbouring rays, interpolated linearly.
 /// The error is at most an eighth of the square of the angle between two rays.
 fn pixel(rays: &Rays<'_>, point: DVec3, guess: [f64; 2]) -> Option<[f64; 2]> {
-    let fan = rays.fan();
-    let last = DVec2::new(f64::from(fan.width - 1), f64::from(fan.height - 1));
+    let ray_grid = rays.ray_grid();
+    let last = DVec2::new(f64::from(ray_grid.width - 1), f64::from(ray_grid.height - 1));
     let target = point.try_normalize()?;
     if last.min_element() < 1.0 {
         return None;

@@ -4,22 +4,22 @@
 //! (distances, normals, colours) request the directions of sixteen rays at a time and are compiled once.
 
 mod between;
-mod fan;
 mod find;
 mod pinhole;
 mod projection;
+mod ray_grid;
 mod spherical;
 mod table;
 
-pub(crate) use fan::Fan;
-pub(crate) use pinhole::PinholeFan;
 pub use pinhole::PinholeGrid;
+pub(crate) use pinhole::PinholeRays;
 pub(crate) use projection::{Planes, Points, Projection, Rectangles, dot, max, min};
+pub(crate) use ray_grid::RayGrid;
 pub use spherical::SphericalGrid;
-pub(crate) use spherical::{SphericalFan, Steps};
+pub(crate) use spherical::{SphericalRays, Steps};
 #[cfg(feature = "alloc")]
 pub use table::RayTableBuf;
-pub(crate) use table::TableFan;
+pub(crate) use table::TableRays;
 pub use table::{RayTable, TableError};
 
 use crate::simd::WIDTH;
@@ -31,11 +31,11 @@ use glam::DVec3;
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Rays<'a> {
     /// Length 1 along the optical axis: t is the depth.
-    Pinhole(PinholeFan),
+    Pinhole(PinholeRays),
     /// Length 1: t is the range.
-    Spherical(SphericalFan<'a>),
+    Spherical(SphericalRays<'a>),
     /// Length 1: t is the range.
-    Table(TableFan<'a>),
+    Table(TableRays<'a>),
 }
 
 /// Evaluates an expression for the actual rule.
@@ -52,8 +52,8 @@ pub(crate) use each;
 
 impl Rays<'_> {
     #[inline(always)]
-    pub(crate) fn fan(&self) -> &Fan {
-        each!(self, rule => rule.fan())
+    pub(crate) fn ray_grid(&self) -> &RayGrid {
+        each!(self, rule => rule.ray_grid())
     }
 
     /// The exact direction of a ray, in units of t.
@@ -63,9 +63,9 @@ impl Rays<'_> {
 
     /// Returns true if the ray exists.
     pub(crate) fn has(&self, column: i32, row: i32) -> bool {
-        let fan = self.fan();
-        let lanes = self.missing((column >> fan.shift_x) as usize, (row >> fan.shift_y) as usize);
-        lanes >> fan.lane(column, row) & 1 == 0
+        let ray_grid = self.ray_grid();
+        let lanes = self.missing((column >> ray_grid.shift_x) as usize, (row >> ray_grid.shift_y) as usize);
+        lanes >> ray_grid.lane(column, row) & 1 == 0
     }
 
     /// The exact directions of the rays of a block, in units of t: all x, all y, all z.

@@ -1,8 +1,8 @@
 //! Rays of a pinhole camera: (1, (cx − column)/fx, (cy − row)/fy), so that t is the depth along the optical axis and
 //! 1/t of a plane takes two multiplications.
 
-use super::fan::Fan;
 use super::projection::{Planes, Points, Projection, Rectangles, TINY, bounds_of, max, min, of_rows, whole};
+use super::ray_grid::RayGrid;
 use crate::ParameterError;
 use crate::optics::{Intrinsics, Pinhole};
 use crate::simd::WIDTH;
@@ -87,8 +87,8 @@ const IN_LINE: [[f64; WIDTH / 2]; 2] =
 
 /// A pinhole camera.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct PinholeFan {
-    fan: Fan,
+pub(crate) struct PinholeRays {
+    ray_grid: RayGrid,
     lens: Intrinsics,
     fx: f32,
     fy: f32,
@@ -102,11 +102,11 @@ pub(crate) struct PinholeFan {
     rows: [i32; 2],
 }
 
-impl PinholeFan {
-    pub(crate) fn new(grid: &PinholeGrid, fan: Fan) -> Self {
+impl PinholeRays {
+    pub(crate) fn new(grid: &PinholeGrid, ray_grid: RayGrid) -> Self {
         let lens = grid.intrinsics();
         Self {
-            fan,
+            ray_grid,
             lens,
             fx: lens.fx as f32,
             fy: lens.fy as f32,
@@ -115,7 +115,7 @@ impl PinholeFan {
             per_fx: (1.0 / lens.fx) as f32,
             per_fy: (1.0 / lens.fy) as f32,
             per_focal: [1.0 / lens.fx, 1.0 / lens.fy],
-            rows: [0, fan.height - 1],
+            rows: [0, ray_grid.height - 1],
         }
     }
 
@@ -126,9 +126,9 @@ impl PinholeFan {
     /// Columns and rows of the rays of a block.
     #[inline(always)]
     pub(crate) fn pixels<S: Simd>(&self, simd: S, column: usize, row: usize) -> [f32x16<S>; 2] {
-        let shape = usize::from(self.fan.shift_y == 0);
-        let first_column = (column << self.fan.shift_x) as f32;
-        let first_row = (row << self.fan.shift_y) as f32;
+        let shape = usize::from(self.ray_grid.shift_y == 0);
+        let first_column = (column << self.ray_grid.shift_x) as f32;
+        let first_row = (row << self.ray_grid.shift_y) as f32;
         [
             f32x16::load_array_ref(simd, &ACROSS[shape]) + first_column,
             f32x16::load_array_ref(simd, &DOWN[shape]) + first_row,
@@ -190,7 +190,7 @@ impl PinholeFan {
         rows: [f32x16<S>; 2],
         candidates: mask32x16<S>,
     ) -> Rectangles<S> {
-        let [first_column, last_column] = whole(simd, columns, MARGIN, [0, self.fan.width - 1]);
+        let [first_column, last_column] = whole(simd, columns, MARGIN, [0, self.ray_grid.width - 1]);
         let [first_row, last_row] = whole(simd, rows, MARGIN, self.rows);
         let some = candidates & first_column.simd_le(last_column) & first_row.simd_le(last_row);
         Rectangles { first_column, last_column, first_row, last_row, some }
@@ -207,7 +207,7 @@ pub(crate) struct Turning {
     lanes: [[f64; WIDTH]; 3],
 }
 
-impl Projection for PinholeFan {
+impl Projection for PinholeRays {
     /// y and z; x is 1.
     type Directions<S: Simd> = [f32x16<S>; 2];
     type Turning = Turning;
@@ -223,9 +223,9 @@ impl Projection for PinholeFan {
     #[inline(always)]
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
         let [per_fx, per_fy] = self.per_focal;
-        let shape = usize::from(self.fan.shift_y == 0);
-        let first_column = (column << self.fan.shift_x) as f64;
-        let first_row = (row << self.fan.shift_y) as f64;
+        let shape = usize::from(self.ray_grid.shift_y == 0);
+        let first_column = (column << self.ray_grid.shift_x) as f64;
+        let first_row = (row << self.ray_grid.shift_y) as f64;
         let mut directions = [[1.0; WIDTH], [0.0; WIDTH], [0.0; WIDTH]];
         for lane in 0..WIDTH {
             let column = first_column + f64::from(ACROSS[shape][lane]);
@@ -238,7 +238,7 @@ impl Projection for PinholeFan {
 
     #[inline(always)]
     fn turning(&self, rows: &[[f64; 3]; 3]) -> Turning {
-        let ([per_fx, per_fy], shape) = (self.per_focal, usize::from(self.fan.shift_y == 0));
+        let ([per_fx, per_fy], shape) = (self.per_focal, usize::from(self.ray_grid.shift_y == 0));
         let mut turning =
             Turning { origin: [0.0; 3], across: [0.0; 3], down: [0.0; 3], lanes: [[0.0; WIDTH]; 3] };
         for (axis, [ahead, left, up]) in rows.iter().enumerate() {
@@ -255,7 +255,7 @@ impl Projection for PinholeFan {
 
     #[inline(always)]
     fn turned<S: Simd>(&self, _simd: S, turning: &Turning, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
-        let (column, row) = ((column << self.fan.shift_x) as f64, (row << self.fan.shift_y) as f64);
+        let (column, row) = ((column << self.ray_grid.shift_x) as f64, (row << self.ray_grid.shift_y) as f64);
         let mut turned = [[0.0; WIDTH]; 3];
         for axis in 0..3 {
             let Turning { origin, across, down, lanes } = turning;
@@ -349,11 +349,13 @@ impl Projection for PinholeFan {
     #[inline(always)]
     fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S> {
         // Half of a block's extent in y and z, and the middle of each block.
-        let (half_x, half_y) =
-            (((1 << self.fan.shift_x) - 1) as f32 * 0.5, ((1 << self.fan.shift_y) - 1) as f32 * 0.5);
-        let step = (1 << self.fan.shift_x) as f32;
-        let first = (column << self.fan.shift_x) as f32 + half_x;
-        let middle = (row << self.fan.shift_y) as f32 + half_y;
+        let (half_x, half_y) = (
+            ((1 << self.ray_grid.shift_x) - 1) as f32 * 0.5,
+            ((1 << self.ray_grid.shift_y) - 1) as f32 * 0.5,
+        );
+        let step = (1 << self.ray_grid.shift_x) as f32;
+        let first = (column << self.ray_grid.shift_x) as f32 + half_x;
+        let middle = (row << self.ray_grid.shift_y) as f32 + half_y;
         let left = (f32x16::splat(simd, self.cx - first) - f32x16::load_array_ref(simd, &ACROSS[1]) * step)
             * self.per_fx;
         let up = (self.cy - middle) * self.per_fy;

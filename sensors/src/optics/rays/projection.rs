@@ -1,6 +1,6 @@
 //! Bounds on the part of the grid of rays in which something may be visible.
 
-use super::fan::Fan;
+use super::ray_grid::RayGrid;
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16, i32x16, mask32x16};
 use glam::DVec3;
@@ -39,7 +39,7 @@ pub(crate) trait Projection: Copy {
     /// Whether [`Projection::most_over_strip`] returns useful bounds.
     const HAS_STRIPS: bool = false;
 
-    fn fan(&self) -> &Fan;
+    fn ray_grid(&self) -> &RayGrid;
 
     /// The same projection, restricted to drawing the rows from the first to the last of `rows`.
     fn with_rows(self, rows: [i32; 2]) -> Self;
@@ -112,12 +112,12 @@ pub(crate) trait Projection: Copy {
     }
 }
 
-/// The methods of [`Projection`] for a rule that stores its grid in `fan`, and the rows to draw in `rows`.
+/// The methods of [`Projection`] for a rule that stores its grid in `ray_grid`, and the rows to draw in `rows`.
 macro_rules! of_rows {
     () => {
         #[inline(always)]
-        fn fan(&self) -> &Fan {
-            &self.fan
+        fn ray_grid(&self) -> &RayGrid {
+            &self.ray_grid
         }
 
         #[inline(always)]

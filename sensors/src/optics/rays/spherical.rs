@@ -9,11 +9,11 @@ mod windows;
 pub use grid::SphericalGrid;
 pub(crate) use tables::Steps;
 
-use super::fan::Fan;
 use super::projection::{
     Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance, max, min, of_length_one,
     of_rows, outside,
 };
+use super::ray_grid::RayGrid;
 use crate::simd::{WIDTH, sqrt_f32};
 use angles::{atan2, azimuth_error, magnitude};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, f64x8, i32x16, mask32x16};
@@ -30,8 +30,8 @@ const SLAB_COSINE: f32 = 0.25;
 
 /// Cosines and sines of the grid's angles, in memory that the caller provides.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct SphericalFan<'a> {
-    fan: Fan,
+pub(crate) struct SphericalRays<'a> {
+    ray_grid: RayGrid,
     /// Cosine and sine of each column's azimuth and each row's elevation, in double precision.
     azimuths: &'a [[f64; 2]],
     elevations: &'a [[f64; 2]],
@@ -70,7 +70,7 @@ pub(crate) struct SphericalFan<'a> {
     tumbles: bool,
 }
 
-impl SphericalFan<'_> {
+impl SphericalRays<'_> {
     /// The exact directions of the rays of a block, eight lanes at a time.
     #[inline(always)]
     fn exact<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
@@ -80,7 +80,7 @@ impl SphericalFan<'_> {
     }
 }
 
-impl SphericalFan<'_> {
+impl SphericalRays<'_> {
     /// The exact directions of sixteen adjacent rays in a row, eight lanes at a time; beyond its end, the last ray is
     /// repeated.
     #[inline(always)]
@@ -91,7 +91,7 @@ impl SphericalFan<'_> {
         for half in 0..2 {
             let (mut cos, mut sin) = ([0.0; WIDTH / 2], [0.0; WIDTH / 2]);
             for lane in 0..WIDTH / 2 {
-                let column = (column + half * WIDTH / 2 + lane).min(self.fan.width as usize - 1);
+                let column = (column + half * WIDTH / 2 + lane).min(self.ray_grid.width as usize - 1);
                 [cos[lane], sin[lane]] = self.azimuths[column];
             }
             line[0][half] = f64x8::load_array(simd, cos) * level;
@@ -101,7 +101,7 @@ impl SphericalFan<'_> {
     }
 }
 
-impl Projection for SphericalFan<'_> {
+impl Projection for SphericalRays<'_> {
     of_rows!();
     of_length_one!();
 
@@ -116,9 +116,9 @@ impl Projection for SphericalFan<'_> {
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
         let mut directions = [[0.0; WIDTH]; 3];
         for lane in 0..WIDTH {
-            let (x, y) = self.fan.lane_position(lane);
-            let column = ((column << self.fan.shift_x) + x).min(self.fan.width as usize - 1);
-            let row = ((row << self.fan.shift_y) + y).min(self.fan.height as usize - 1);
+            let (x, y) = self.ray_grid.lane_position(lane);
+            let column = ((column << self.ray_grid.shift_x) + x).min(self.ray_grid.width as usize - 1);
+            let row = ((row << self.ray_grid.shift_y) + y).min(self.ray_grid.height as usize - 1);
             let ([cos, sin], [level, up]) = (self.azimuths[column], self.elevations[row]);
             directions[0][lane] = cos * level;
             directions[1][lane] = sin * level;
@@ -129,7 +129,7 @@ impl Projection for SphericalFan<'_> {
 
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S> {
-        let (cos, sin) = if self.fan.shift_x == 2 {
+        let (cos, sin) = if self.ray_grid.shift_x == 2 {
             let four = |values: &[f32]| {
                 f32x16::block_splat(fearless_simd::f32x4::from_slice(simd, &values[column * 4..][..4]))
             };
@@ -151,8 +151,8 @@ impl Projection for SphericalFan<'_> {
         for lane in 0..WIDTH {
             // Finished lanes are past the end; any value will do for them.
             let column = (at_column[lane] as usize).min(self.cos_azimuth.len() - 1);
-            let row = at_row[lane].min(self.fan.height - 1);
-            let (block, place) = ((row >> self.fan.shift_y) as usize, self.fan.lane(0, row));
+            let row = at_row[lane].min(self.ray_grid.height - 1);
+            let (block, place) = ((row >> self.ray_grid.shift_y) as usize, self.ray_grid.lane(0, row));
             values[0][lane] = self.cos_azimuth[column];
             values[1][lane] = self.sin_azimuth[column];
             values[2][lane] = self.cos_elevation[block][place];
@@ -168,7 +168,7 @@ impl Projection for SphericalFan<'_> {
 
     #[inline(always)]
     fn ray<S: Simd>(&self, simd: S, column: i32, row: i32) -> Self::Directions<S> {
-        let (block, place) = ((row >> self.fan.shift_y) as usize, self.fan.lane(0, row));
+        let (block, place) = ((row >> self.ray_grid.shift_y) as usize, self.ray_grid.lane(0, row));
         let level = self.cos_elevation[block][place];
         [
             f32x16::splat(simd, self.cos_azimuth[column as usize] * level),

@@ -18,10 +18,10 @@ pub use error::TableError;
 #[cfg(feature = "alloc")]
 pub use owned::RayTableBuf;
 
-use super::fan::Fan;
 use super::projection::{
     Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance, of_length_one, of_rows,
 };
+use super::ray_grid::RayGrid;
 use crate::simd::{WIDTH, sqrt_f32};
 use chart::{Kind, Windows};
 use fearless_simd::{
@@ -31,23 +31,23 @@ use glam::DVec3;
 
 /// A table of rays, and the rows of it to draw.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct TableFan<'a> {
-    fan: Fan,
+pub(crate) struct TableRays<'a> {
+    ray_grid: RayGrid,
     table: RayTable<'a>,
     /// First and last row to draw.
     rows: [i32; 2],
 }
 
-impl<'a> TableFan<'a> {
+impl<'a> TableRays<'a> {
     pub(crate) fn new(table: &RayTable<'a>) -> Self {
-        let fan = table.fan();
-        Self { fan, table: *table, rows: [0, fan.height - 1] }
+        let ray_grid = table.ray_grid();
+        Self { ray_grid, table: *table, rows: [0, ray_grid.height - 1] }
     }
 
     /// The lanes of a block without a ray, as one bit each.
     #[inline(always)]
     pub(crate) fn missing(&self, column: usize, row: usize) -> u16 {
-        self.table.missing[row * self.fan.blocks_across() + column]
+        self.table.missing[row * self.ray_grid.blocks_across() + column]
     }
 
     /// Returns true if any ray of the table is missing.
@@ -67,11 +67,11 @@ impl<'a> TableFan<'a> {
     /// sixteen; beyond the last block, that block is repeated.
     #[inline(always)]
     pub(super) fn exact_line<S: Simd>(&self, simd: S, column: usize, row: usize) -> [[f64x8<S>; 2]; 3] {
-        let (shift_x, shift_y) = (self.fan.shift_x, self.fan.shift_y);
+        let (shift_x, shift_y) = (self.ray_grid.shift_x, self.ray_grid.shift_y);
         if shift_y == 0 {
             return self.exact(simd, column >> shift_x, row);
         }
-        let (across, from) = (self.fan.blocks_across(), (row & 3) * 4);
+        let (across, from) = (self.ray_grid.blocks_across(), (row & 3) * 4);
         let blocks = &self.table.directions[(row >> shift_y) * across..][..across];
         let first = column >> shift_x;
         let (a, b) = (&blocks[first], &blocks[(first + 1).min(across - 1)]);
@@ -89,11 +89,11 @@ impl<'a> TableFan<'a> {
     /// Index of a ray's block, and its lane. Finished lanes are past the end; any ray will do for them.
     #[inline(always)]
     fn place(&self, column: i32, row: i32) -> (usize, usize) {
-        let column = column.min(self.fan.width - 1);
-        let row = row.min(self.fan.height - 1);
-        let block = (row >> self.fan.shift_y) as usize * self.fan.blocks_across()
-            + (column >> self.fan.shift_x) as usize;
-        (block, self.fan.lane(column, row))
+        let column = column.min(self.ray_grid.width - 1);
+        let row = row.min(self.ray_grid.height - 1);
+        let block = (row >> self.ray_grid.shift_y) as usize * self.ray_grid.blocks_across()
+            + (column >> self.ray_grid.shift_x) as usize;
+        (block, self.ray_grid.lane(column, row))
     }
 
     /// Converts windows of the chart to rays.
@@ -101,7 +101,7 @@ impl<'a> TableFan<'a> {
     fn rectangles<S: Simd>(&self, simd: S, windows: &Windows<S>) -> Rectangles<S> {
         let table = &self.table;
         let [first_column, last_column] = if table.chart.kind == Kind::Cylindrical {
-            table.columns.look_up_round(simd, windows.u, self.fan.width, table.ring)
+            table.columns.look_up_round(simd, windows.u, self.ray_grid.width, table.ring)
         } else {
             table.columns.look_up(simd, windows.u)
         };
@@ -124,7 +124,7 @@ fn sixteen<S: Simd>(simd: S, values: &[f32], first: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &values[first..][..WIDTH])
 }
 
-impl Projection for TableFan<'_> {
+impl Projection for TableRays<'_> {
     of_rows!();
     of_length_one!();
 
@@ -136,7 +136,7 @@ impl Projection for TableFan<'_> {
 
     #[inline(always)]
     fn exact_block(&self, column: usize, row: usize) -> [[f64; WIDTH]; 3] {
-        let block = &self.table.directions[row * self.fan.blocks_across() + column];
+        let block = &self.table.directions[row * self.ray_grid.blocks_across() + column];
         let mut directions = [[0.0; WIDTH]; 3];
         for axis in 0..3 {
             for lane in 0..WIDTH {
@@ -148,20 +148,22 @@ impl Projection for TableFan<'_> {
 
     #[inline(always)]
     fn block<S: Simd>(&self, simd: S, column: usize, row: usize) -> Self::Directions<S> {
-        let [x, y, z] = &self.table.directions[row * self.fan.blocks_across() + column];
+        let [x, y, z] = &self.table.directions[row * self.ray_grid.blocks_across() + column];
         [f32x16::load_array_ref(simd, x), f32x16::load_array_ref(simd, y), f32x16::load_array_ref(simd, z)]
     }
 
     #[inline(always)]
     fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S> {
-        let fan = &self.fan;
+        let ray_grid = &self.ray_grid;
         // Finished lanes are past the end; any ray will do for them.
         let (last_column, last_row) =
-            (i32x16::splat(simd, fan.width - 1), i32x16::splat(simd, fan.height - 1));
+            (i32x16::splat(simd, ray_grid.width - 1), i32x16::splat(simd, ray_grid.height - 1));
         let columns = columns.simd_lt(last_column).select(columns, last_column);
         let rows = rows.simd_lt(last_row).select(rows, last_row);
-        let block = (rows >> fan.shift_y) * (fan.blocks_across() as i32) + (columns >> fan.shift_x);
-        let lane = ((rows & ((1 << fan.shift_y) - 1)) << fan.shift_x) | (columns & ((1 << fan.shift_x) - 1));
+        let block =
+            (rows >> ray_grid.shift_y) * (ray_grid.blocks_across() as i32) + (columns >> ray_grid.shift_x);
+        let lane = ((rows & ((1 << ray_grid.shift_y) - 1)) << ray_grid.shift_x)
+            | (columns & ((1 << ray_grid.shift_x) - 1));
         let (mut blocks, mut lanes) = ([0_i32; WIDTH], [0_i32; WIDTH]);
         block.store_array(&mut blocks);
         lane.store_array(&mut lanes);
@@ -206,7 +208,7 @@ impl Projection for TableFan<'_> {
 
     #[inline(always)]
     fn most_over_blocks<S: Simd>(&self, simd: S, plane: &[f32; 3], column: usize, row: usize) -> f32x16<S> {
-        let first = row * self.fan.blocks_across() + column;
+        let first = row * self.ray_grid.blocks_across() + column;
         // Written out, since calls in an array's `map` are not always inlined.
         let x = sixteen(simd, self.table.middles[0], first);
         let y = sixteen(simd, self.table.middles[1], first);

@@ -5,18 +5,18 @@ use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
 use crate::memory::{Cutter, lines};
 use crate::moment::{Capture, Shutter};
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::scene::ColourSpace;
 use crate::sensor::edges::{Edges, Marks};
 use crate::sensor::pixel;
-use crate::shade::through;
 use crate::shade::tile::{CameraRays, Tile, missing_lanes};
+use crate::shade::transparency;
 use crate::shade::uniform::UniformTiles;
 use crate::shade::{Colours, Shader};
 use crate::simd::LANES;
+use crate::trace::grid::tiling::Tiling;
 use crate::trace::grid::{Band, Sight};
-use crate::trace::resolve::Resolver;
-use crate::trace::tiling::Tiling;
+use crate::trace::hit::resolve::Resolver;
 use fearless_simd::Simd;
 
 /// Rows of colours, split between rows of tiles.
@@ -33,19 +33,23 @@ pub(in crate::sensor) struct ColourRows<'a> {
 }
 
 /// Returns the number of cache lines of [`ColourRows::sums`].
-pub(in crate::sensor) fn sums_len(fan: &Fan, shutter: &Shutter<'_>) -> usize {
-    lines(sums(fan, shutter) * size_of::<Colours>())
+pub(in crate::sensor) fn sums_len(ray_grid: &RayGrid, shutter: &Shutter<'_>) -> usize {
+    lines(sums(ray_grid, shutter) * size_of::<Colours>())
 }
 
 /// Returns the number of tiles whose light is summed: all or none.
-fn sums(fan: &Fan, shutter: &Shutter<'_>) -> usize {
-    if shutter.blurs() { Tiling::of(fan).across(fan.width as usize) * fan.blocks_down() } else { 0 }
+fn sums(ray_grid: &RayGrid, shutter: &Shutter<'_>) -> usize {
+    if shutter.blurs() {
+        Tiling::of(ray_grid).across(ray_grid.width as usize) * ray_grid.blocks_down()
+    } else {
+        0
+    }
 }
 
 impl<'a> ColourRows<'a> {
     pub(in crate::sensor) fn new<'m>(
         camera: &Camera<'_>,
-        fan: &Fan,
+        ray_grid: &RayGrid,
         shutter: &Shutter<'_>,
         (pixels, marks): (Option<&'a mut [u8]>, &'a mut [u32]),
         memory: &mut Cutter<'m>,
@@ -53,13 +57,13 @@ impl<'a> ColourRows<'a> {
     where
         'm: 'a,
     {
-        let tiling = Tiling::of(fan);
+        let tiling = Tiling::of(ray_grid);
         Self {
             pixels,
-            sums: memory.take(sums(fan, shutter)),
-            marks: Marks::new(marks, fan.width as usize),
+            sums: memory.take(sums(ray_grid, shutter)),
+            marks: Marks::new(marks, ray_grid.width as usize),
             bytes: camera.row_stride() * tiling.size()[1],
-            tiles: tiling.across(fan.width as usize),
+            tiles: tiling.across(ray_grid.width as usize),
         }
     }
 }
@@ -111,8 +115,8 @@ impl<'a> Brush<'a> {
         capture: &'a Capture<'a>,
         band: &Band<'b>,
     ) -> Self {
-        let fan = band.rays.fan();
-        let tiling = Tiling::of(fan);
+        let ray_grid = band.rays.ray_grid();
+        let tiling = Tiling::of(ray_grid);
         Self {
             camera,
             capture,
@@ -130,7 +134,7 @@ impl<'a> Brush<'a> {
             space: band.view.scene.colour_space(),
             colours: [[0.0; LANES]; 3],
             tiling,
-            tiles: tiling.across(fan.width as usize),
+            tiles: tiling.across(ray_grid.width as usize),
         }
     }
 
@@ -157,7 +161,7 @@ impl<'a> Brush<'a> {
         let steps = &self.rays.steps;
         shader.shade(simd, band.view, seen, steps, colours);
         if shader.is_clear() {
-            through::look(simd, band.view, &self.sight, (shader, resolver, steps), seen, colours);
+            transparency::look(simd, band.view, &self.sight, (shader, resolver, steps), seen, colours);
         }
     }
 

@@ -1,7 +1,7 @@
 //! The second pass over a frame: applies the device model to true depths.
 
+use super::borders::{Borders, MOST_ROWS};
 use super::contrast::Contrast;
-use super::ends::{Ends, MOST_ROWS};
 use super::look::{CHUNK, LINES, Looker, load};
 use super::pattern::Pattern;
 use super::rows::{Places, millimetres};
@@ -10,7 +10,7 @@ use crate::device::depth::{DepthDevice, Sampling};
 use crate::execution::{Execution, SplitRows, for_each_row, split_at};
 use crate::noise::{Stream, normal_lines};
 use crate::simd::{WIDTH, dispatch};
-use crate::trace::tiling::{BLOCKS, Tiling};
+use crate::trace::grid::tiling::{BLOCKS, Tiling};
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// The outputs of measured depths, split between rows of pixels.
@@ -78,7 +78,7 @@ impl Developer<'_> {
         let looks_at_edges = self.device.look.shift().is_some_and(|shift| shift.sampling == Sampling::Edges);
         let tile_rows = first_row / LINES..end_row.div_ceil(LINES);
         let ends =
-            (looks_at_edges && self.pattern.is_none()).then(|| Ends::find(simd, &self.looker, tile_rows));
+            (looks_at_edges && self.pattern.is_none()).then(|| Borders::find(simd, &self.looker, tile_rows));
         for tile_row in (first_row..end_row).step_by(LINES) {
             for tile in 0..Tiling::Square.across(width) {
                 let samples = Tiling::Square.samples(width, [tile, tile_row / LINES]);

@@ -5,7 +5,7 @@ use crate::device::depth::{Around, DepthDevice, FREQUENCIES, Light, Look, Sampli
 use crate::noise::{Stream, normal_lines};
 use crate::optics::rays::Rays;
 use crate::simd::WIDTH;
-use crate::trace::tiling::{BLOCKS, Tiling};
+use crate::trace::grid::tiling::{BLOCKS, Tiling};
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16, i32x16};
 
 /// Rows of pixels whose random numbers are drawn together.

@@ -6,7 +6,7 @@ use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{Cutter, lines};
 use crate::noise::Stream;
 use crate::simd::{WIDTH, dispatch};
-use crate::trace::tiling::Tiling;
+use crate::trace::grid::tiling::Tiling;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// The dots of a frame, and the disparities at which they are found.

@@ -1,7 +1,7 @@
 //! The outputs of a depth frame, split between rows of tiles.
 
 use super::contrast::Brightness;
-use super::seen::Seen;
+use super::device_input::DeviceInput;
 use super::{DepthCamera, POINT_STEP};
 use crate::device::TileView;
 use crate::execution::{SplitRows, split_at};
@@ -15,8 +15,8 @@ use crate::shade::Colours;
 use crate::simd::{LANES, WIDTH, load_row, quarters};
 use crate::trace::Truth;
 use crate::trace::grid::Band;
-use crate::trace::place::Place;
-use crate::trace::tiling::{BLOCKS, Tiling};
+use crate::trace::grid::place::Place;
+use crate::trace::grid::tiling::{BLOCKS, Tiling};
 use fearless_simd::{Bytes, Select, Simd, SimdBase, f32x4, f32x16};
 
 /// The offset of the colour in a point, in bytes.
@@ -114,7 +114,7 @@ pub(super) struct Rows<'a> {
     pub(super) points: Option<&'a mut [u8]>,
     pub(super) xyz: Option<&'a mut [[f32; 3]]>,
     /// The true depths that the device model reads. Without one, depths are measured as they are traced.
-    pub(super) seen: Option<Seen<'a>>,
+    pub(super) seen: Option<DeviceInput<'a>>,
     /// The brightnesses that the device model reads.
     pub(super) brightness: Option<Brightness<'a>>,
     pub(super) truth: Option<Truth<'a>>,
@@ -193,7 +193,7 @@ impl Rows<'_> {
         band: &Band<'_>,
         [column, row]: [usize; 2],
     ) -> impl Iterator<Item = (usize, [usize; 2], usize, usize)> + use<> {
-        let tiling = Tiling::of(band.rays.fan());
+        let tiling = Tiling::of(band.rays.ray_grid());
         let ([across, down], width) = (tiling.size(), self.width);
         let [first_row, last_row] = [band.first_row, band.rows[1]].map(|row| row as usize);
         (0..BLOCKS).filter_map(move |line| {

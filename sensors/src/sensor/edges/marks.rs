@@ -4,7 +4,7 @@ use crate::execution::SplitRows;
 use crate::sensor::pixel::to_bytes;
 use crate::shade::{Colours, Shader};
 use crate::simd::load_row;
-use crate::trace::tiling::Tiling;
+use crate::trace::grid::tiling::Tiling;
 use fearless_simd::{Bytes, Select, Simd, SimdBase, u8x64, u32x16};
 
 /// Width and height of a tile in pixels.

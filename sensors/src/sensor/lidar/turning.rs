@@ -92,7 +92,7 @@ impl<'a> Plan<'a> {
             &mut memory,
         );
         let sight = self.lidar.sight();
-        let rows_in_block = 1 << frame.fan().shift_y;
+        let rows_in_block = 1 << frame.ray_grid().shift_y;
         let lines = Lines { scan, samples: columns.len(), rows_in_block };
         frame.trace(
             &sight,

@@ -15,13 +15,13 @@ use crate::memory::{CacheLine, Cutter, lines};
 use crate::noise::{Stream, fill_standard_normal};
 use crate::scene::Scene;
 use crate::simd::LANES;
-use crate::trace::behind::{Behind, Found, Paths, SURFACES_BEYOND};
-use crate::trace::beyond::{Beyond, Shares};
-use crate::trace::resolve::Resolver;
-use crate::trace::room::VolleyRoom;
+use crate::trace::hit::resolve::Resolver;
+use crate::trace::packet::moving::{MovingHit, MovingPacket, Ways};
+use crate::trace::packet::paths::{Behind, Found, Paths, SURFACES_BEYOND};
+use crate::trace::packet::scratch::MovingScratch;
+use crate::trace::packet::specular::{Beyond, Shares};
+use crate::trace::placed::view::View;
 use crate::trace::truth::OfRay;
-use crate::trace::view::View;
-use crate::trace::volley::{Struck, Volley, Ways};
 use core::ops::Range;
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -44,9 +44,9 @@ pub(super) struct Frame<'a> {
 }
 
 /// What up to 64 firings are worked out in.
-struct Bench<'m> {
+struct Scratch<'m> {
     lanes: FiringLanes,
-    volley: Volley,
+    volley: MovingPacket,
     ways: Ways<'m>,
     /// A standard normal for each return.
     normals: [f32; LANES * MAX_RETURNS],
@@ -62,12 +62,16 @@ struct Bench<'m> {
 /// the air and one pulse of another lidar.
 const MOST_ECHOES: usize = MOST_RAYS * (1 + SURFACES_BEYOND) + MOST_IN_AIR + 1;
 
-impl<'m> Bench<'m> {
+impl<'m> Scratch<'m> {
     #[inline(always)]
-    fn new(room: &'m mut VolleyRoom, found: &'m mut [Found<LANES>], paths: &'m mut [Paths<LANES>]) -> Self {
+    fn new(
+        room: &'m mut MovingScratch,
+        found: &'m mut [Found<LANES>],
+        paths: &'m mut [Paths<LANES>],
+    ) -> Self {
         Self {
             lanes: const { FiringLanes::new() },
-            volley: const { Volley::new() },
+            volley: const { MovingPacket::new() },
             ways: Ways::new(room),
             normals: [0.0; LANES * MAX_RETURNS],
             echoing: const { Echoing::new() },
@@ -80,7 +84,7 @@ impl<'m> Bench<'m> {
 /// The data from which the returns of beams are computed: firings, hits of their rays, normal numbers, and memory for
 /// echoes.
 type BeamBench<'b> =
-    (&'b FiringLanes, &'b Volley, &'b [f32; LANES * MAX_RETURNS], &'b mut Echoing<MOST_ECHOES>);
+    (&'b FiringLanes, &'b MovingPacket, &'b [f32; LANES * MAX_RETURNS], &'b mut Echoing<MOST_ECHOES>);
 
 impl<'a> Frame<'a> {
     /// Returns the first of some firings that does not belong to a motion, or the end of the firings.
@@ -97,7 +101,7 @@ impl<'a> Frame<'a> {
     /// Cache lines that a piece is worked out in, besides those of its views.
     pub(super) fn piece_len(has_mirrors: bool) -> usize {
         let beyond = lines(size_of::<Found<LANES>>()) + lines(size_of::<Paths<LANES>>());
-        lines(size_of::<VolleyRoom>()) + if has_mirrors { beyond } else { 0 }
+        lines(size_of::<MovingScratch>()) + if has_mirrors { beyond } else { 0 }
     }
 
     /// What is seen during a motion.
@@ -124,7 +128,7 @@ impl<'a> Frame<'a> {
         let mut memory = Cutter(memory);
         let Some(room) = memory.take(1).first_mut() else { return };
         let glazed = usize::from(self.has_mirrors);
-        let mut bench = Bench::new(room, memory.take(glazed), memory.take(glazed));
+        let mut scratch = Scratch::new(room, memory.take(glazed), memory.take(glazed));
         let Cutter(memory) = memory;
         let returns = self.scanner.returns();
         while next < end {
@@ -142,7 +146,7 @@ impl<'a> Frame<'a> {
                 let count = LANES.min(until - next);
                 let (part, rest) = echoes.split_at(count, returns);
                 echoes = rest;
-                self.take(simd, (view, &mut resolver), motion, next..next + count, &mut bench, part);
+                self.take(simd, (view, &mut resolver), motion, next..next + count, &mut scratch, part);
                 next += count;
             }
         }
@@ -156,49 +160,49 @@ impl<'a> Frame<'a> {
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         motion: usize,
         firings: Range<usize>,
-        bench: &mut Bench<'_>,
+        scratch: &mut Scratch<'_>,
         mut echoes: Echoes<'_>,
     ) {
         let sight = self.scanner.sight();
         let (first, count, returns) = (firings.start, firings.len(), self.scanner.returns());
-        self.firings.fill(first, count, &mut bench.lanes);
+        self.firings.fill(first, count, &mut scratch.lanes);
         if !self.scanner.is_exact() {
-            let normals = &mut bench.normals[..count * returns];
+            let normals = &mut scratch.normals[..count * returns];
             fill_standard_normal(self.execution.level, &self.noise, (first * returns) as u32, normals);
         }
         // As many firings as the 64 rays of a volley suffice for.
         let (mut lane, most) = (0, LANES / self.scanner.bundle.rays);
         while lane < count {
             let lanes = lane..count.min(lane + most);
-            self.aim(view, motion, lanes.clone(), bench);
-            bench.volley.cast(simd, view, &sight, &mut bench.ways);
-            let tools = (&bench.lanes, &bench.volley, &bench.normals, &mut bench.echoing);
-            if let (Some(paths), Some(found)) = (bench.paths.first_mut(), bench.found.first_mut()) {
-                let tools = (tools, &mut bench.ways, Beyond::new(paths, found));
+            self.aim(view, motion, lanes.clone(), scratch);
+            scratch.volley.cast(simd, view, &sight, &mut scratch.ways);
+            let tools = (&scratch.lanes, &scratch.volley, &scratch.normals, &mut scratch.echoing);
+            if let (Some(paths), Some(found)) = (scratch.paths.first_mut(), scratch.found.first_mut()) {
+                let tools = (tools, &mut scratch.ways, Beyond::new(paths, found));
                 self.measure_mirrored(simd, (view, resolver), first, lanes.clone(), tools, &mut echoes);
             } else if self.scanner.is_line {
-                self.measure_lines(resolver, lanes.clone(), bench, &mut echoes);
+                self.measure_lines(resolver, lanes.clone(), scratch, &mut echoes);
             } else {
                 self.measure_beams((view, resolver), first, lanes.clone(), tools, &[], &mut echoes);
             }
             if let Some(truth) = &mut echoes.truth {
                 for (lane, ray) in lanes.clone().zip((0..LANES).step_by(self.scanner.bundle.rays)) {
-                    let met = bench.volley.struck(view, resolver, ray);
-                    let firing = bench.lanes.lane(lane);
+                    let met = scratch.volley.struck(view, resolver, ray);
+                    let firing = scratch.lanes.lane(lane);
                     truth.put(lane, &met.map_or(OfRay::NOTHING, |met| self.truth_of(&firing, &met)));
                 }
             }
             lane = lanes.end;
         }
         for lane in 0..count {
-            echoes.put_firing(lane, &bench.lanes.lane(lane));
+            echoes.put_firing(lane, &scratch.lanes.lane(lane));
         }
     }
 
     /// Sets up the rays of some firings; those of a firing are adjacent.
     #[inline(always)]
-    fn aim(&self, view: &View<'_>, motion: usize, firings: Range<usize>, bench: &mut Bench<'_>) {
-        let Bench { lanes, volley, .. } = bench;
+    fn aim(&self, view: &View<'_>, motion: usize, firings: Range<usize>, scratch: &mut Scratch<'_>) {
+        let Scratch { lanes, volley, .. } = scratch;
         let (bundle, farthest) = (&self.scanner.bundle, self.scanner.config.range_max_m);
         volley.clear();
         for (number, lane) in firings.enumerate() {
@@ -225,16 +229,16 @@ impl<'a> Frame<'a> {
         &self,
         resolver: &mut Resolver<'_>,
         firings: Range<usize>,
-        bench: &Bench<'_>,
+        scratch: &Scratch<'_>,
         echoes: &mut Echoes<'_>,
     ) {
-        let (volley, wants_intensities) = (&bench.volley, echoes.intensities.is_some());
+        let (volley, wants_intensities) = (&scratch.volley, echoes.intensities.is_some());
         for lane in firings {
             let met = volley.range(lane).unwrap_or(f64::INFINITY);
-            let range = self.scanner.measured(met, bench.normals[lane], 0.0);
+            let range = self.scanner.measured(met, scratch.normals[lane], 0.0);
             let slot = volley.slot(lane).filter(|_| wants_intensities && range.is_finite());
             let intensity = slot.map_or(0.0, |slot| resolver.laser_retro(slot));
-            echoes.put(lane, range, self.point(&bench.lanes.lane(lane), met, range), intensity);
+            echoes.put(lane, range, self.point(&scratch.lanes.lane(lane), met, range), intensity);
         }
     }
 
@@ -247,13 +251,13 @@ impl<'a> Frame<'a> {
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         first: usize,
         firings: Range<usize>,
-        (bench, ways, mut beyond): (BeamBench<'_>, &mut Ways<'_>, Beyond<'_, LANES>),
+        (scratch, ways, mut beyond): (BeamBench<'_>, &mut Ways<'_>, Beyond<'_, LANES>),
         echoes: &mut Echoes<'_>,
     ) {
-        let mut volley = const { Volley::new() };
-        beyond.set_out((view, resolver), bench.1);
+        let mut volley = const { MovingPacket::new() };
+        beyond.set_out((view, resolver), scratch.1);
         let behind = beyond.look(simd, (view, resolver), &self.scanner.sight(), (&mut volley, ways));
-        self.measure_beams((view, resolver), first, firings, bench, behind, echoes);
+        self.measure_beams((view, resolver), first, firings, scratch, behind, echoes);
     }
 
     /// Computes the returns of beams.
@@ -293,7 +297,7 @@ impl<'a> Frame<'a> {
     fn listen(
         &self,
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
-        volley: &Volley,
+        volley: &MovingPacket,
         rays: Range<usize>,
         echoing: &mut Echoing<MOST_ECHOES>,
     ) {
@@ -348,7 +352,7 @@ impl<'a> Frame<'a> {
     /// Adds the echoes of the air (fog, rain and snow) to one firing.
     fn listen_to_air(
         &self,
-        volley: &Volley,
+        volley: &MovingPacket,
         firing: u32,
         rays: Range<usize>,
         echoing: &mut Echoing<MOST_ECHOES>,
@@ -380,7 +384,7 @@ impl<'a> Frame<'a> {
         firing.origin + firing.direction * if self.scanner.is_exact() { met } else { f64::from(range) }
     }
 
-    fn truth_of(&self, firing: &Firing, met: &Struck) -> OfRay {
+    fn truth_of(&self, firing: &Firing, met: &MovingHit) -> OfRay {
         OfRay {
             depth: (firing.origin + firing.direction * met.range).x as f32,
             range: met.range as f32,

@@ -4,7 +4,7 @@ use crate::Pose;
 use crate::moment::{Keyframe, Moment, Shutter};
 use crate::scene::Scene;
 use crate::trace::SenseError;
-use crate::trace::view::{View, ViewMemory, check_moment};
+use crate::trace::placed::view::{View, ViewMemory, check_moment};
 
 /// How far the last motion is extrapolated, in multiples of its duration from its start.
 const MOST_SHARE: f64 = 2.0;

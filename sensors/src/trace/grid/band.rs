@@ -4,8 +4,8 @@ use crate::execution::SplitRows;
 use crate::optics::rays::Rays;
 use crate::simd::WIDTH;
 use crate::trace::image::Target;
-use crate::trace::room::GridRoom;
-use crate::trace::view::{View, ViewMemory};
+use crate::trace::packet::scratch::SpecularScratch;
+use crate::trace::placed::view::{View, ViewMemory};
 use core::cell::RefCell;
 use fearless_simd::Simd;
 
@@ -35,20 +35,20 @@ pub(crate) struct Band<'a> {
     pub(crate) open_from: i32,
     pub(crate) target: Target<'a>,
     /// Room for rays that are followed beyond mirrors and panes, if there are any.
-    pub(crate) room: RefCell<&'a mut [GridRoom]>,
+    pub(crate) room: RefCell<&'a mut [SpecularScratch]>,
 }
 
 impl Band<'_> {
     /// First and last row of blocks.
     pub(crate) fn block_rows(&self) -> core::ops::RangeInclusive<usize> {
-        let shift = self.rays.fan().shift_y;
+        let shift = self.rays.ray_grid().shift_y;
         (self.rows[0] >> shift) as usize..=(self.rows[1] >> shift) as usize
     }
 
     /// A row of blocks, counted from the first of the output.
     #[inline(always)]
     pub(crate) fn row_in_output(&self, block_row: usize) -> usize {
-        block_row - (self.first_row >> self.rays.fan().shift_y) as usize
+        block_row - (self.first_row >> self.rays.ray_grid().shift_y) as usize
     }
 }
 
@@ -69,7 +69,7 @@ pub(super) struct BandOutput<'a, O> {
     pub(super) slot: &'a mut [[u32; WIDTH]],
     pub(super) farthest: &'a mut [f32],
     /// One for each band, or none.
-    pub(super) rooms: &'a mut [GridRoom],
+    pub(super) rooms: &'a mut [SpecularScratch],
     pub(super) output: O,
     pub(super) farthest_stride: usize,
     pub(super) block_rows: usize,

@@ -1,29 +1,32 @@
 //! Frames of rays from one point, band by band.
 
 mod band;
+mod bands;
+pub(crate) mod place;
 mod shutter;
+pub(crate) mod tiling;
 
 pub(crate) use band::{Band, BandWork};
 pub(crate) use shutter::check_shutter;
 
-use super::bands::Bands;
 use super::error::SenseError;
 use super::image::{Target, walk};
-use super::memory::view_lines;
 use super::packet::Faces;
-use super::view::View;
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{Cutter, lines};
 use crate::moment::{Moment, Shutter};
-use crate::optics::rays::{Fan, PinholeFan, Projection, Rays, SphericalFan, Steps, TableFan, each};
+use crate::optics::rays::{PinholeRays, Projection, RayGrid, Rays, SphericalRays, Steps, TableRays, each};
 use crate::optics::{Optics, SphericalGrid};
 use crate::scene::Scene;
 use crate::simd::{WIDTH, dispatch, least};
-use crate::trace::room::GridRoom;
+use crate::trace::grid::bands::Bands;
+use crate::trace::packet::scratch::SpecularScratch;
+use crate::trace::placed::memory::view_lines;
+use crate::trace::placed::view::View;
 use band::{BandOutput, Part};
 use core::cell::RefCell;
 use fearless_simd::Simd;
-use shutter::fan_of;
+use shutter::ray_grid_of;
 
 /// What counts as seen.
 #[derive(Debug, Clone, Copy)]
@@ -38,7 +41,7 @@ pub(crate) struct Sight {
 /// A frame to be traced: its rays, and where everything is when they are cast.
 pub(crate) struct Frame<'a> {
     optics: &'a Optics<'a>,
-    fan: Fan,
+    ray_grid: RayGrid,
     /// That of the grid of angles which the frame begins with.
     first_column: u32,
     execution: Execution,
@@ -59,9 +62,9 @@ impl<'a> Frame<'a> {
         if optics.check().is_err() {
             return 0; // and no frame
         }
-        let fan = Self::fan_of(optics, shutter);
-        let views = if shutter.slices().is_empty() { 1 } else { Bands::new(&fan).count };
-        view_lines(scene.instances().len(), views) + traced_len(scene, optics, &fan, 0)
+        let ray_grid = Self::ray_grid_of(optics, shutter);
+        let views = if shutter.slices().is_empty() { 1 } else { Bands::new(&ray_grid).count };
+        view_lines(scene.instances().len(), views) + traced_len(scene, optics, &ray_grid, 0)
     }
 
     /// The same of a frame of some [columns](Frame::of_columns).
@@ -70,14 +73,14 @@ impl<'a> Frame<'a> {
         optics: &Optics<'_>,
         columns: &core::ops::Range<u32>,
     ) -> usize {
-        let fan = fan_of_columns(optics, columns);
-        view_lines(scene.instances().len(), 1) + traced_len(scene, optics, &fan, columns.start)
+        let ray_grid = ray_grid_of_columns(optics, columns);
+        view_lines(scene.instances().len(), 1) + traced_len(scene, optics, &ray_grid, columns.start)
     }
 
     /// The blocks that the rays are traced in.
-    pub(crate) fn fan_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> Fan {
+    pub(crate) fn ray_grid_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> RayGrid {
         // Where it cannot be, nothing will be traced.
-        fan_of(optics, shutter).unwrap_or(optics.fan())
+        ray_grid_of(optics, shutter).unwrap_or(optics.ray_grid())
     }
 
     /// Checks rays, shutter and moments, and places what `visibility` lets the sensor see.
@@ -90,8 +93,8 @@ impl<'a> Frame<'a> {
         memory: &mut Cutter<'a>,
     ) -> Result<Self, SenseError> {
         optics.check()?;
-        let fan = fan_of(optics, shutter)?;
-        check_shutter(scene, shutter, fan.height as u32)?;
+        let ray_grid = ray_grid_of(optics, shutter)?;
+        check_shutter(scene, shutter, ray_grid.height as u32)?;
         let when = match *shutter {
             Shutter::Global(ref moment) => {
                 When::Once(View::new(scene, moment, visibility, memory.views(scene.instances().len(), 1)))
@@ -99,7 +102,7 @@ impl<'a> Frame<'a> {
             // Moving ones have been refused.
             Shutter::Slices(_) | Shutter::Moving(_) => When::Slices { scene, shutter: *shutter, visibility },
         };
-        Ok(Self { optics, fan, first_column: 0, execution, when })
+        Ok(Self { optics, ray_grid, first_column: 0, execution, when })
     }
 
     /// Some columns of a grid of angles at one moment, both of which have been checked. Their rays are those of the whole
@@ -115,15 +118,15 @@ impl<'a> Frame<'a> {
         let views = memory.views(scene.instances().len(), 1);
         Self {
             optics,
-            fan: fan_of_columns(optics, columns),
+            ray_grid: ray_grid_of_columns(optics, columns),
             first_column: columns.start,
             execution,
             when: When::Once(View::new(scene, moment, visibility, views)),
         }
     }
 
-    pub(crate) fn fan(&self) -> &Fan {
-        &self.fan
+    pub(crate) fn ray_grid(&self) -> &RayGrid {
+        &self.ray_grid
     }
 
     fn scene(&self) -> &Scene<'a> {
@@ -143,7 +146,7 @@ impl<'a> Frame<'a> {
 
     /// Rays of a row of blocks.
     pub(crate) fn rays_in_row(&self) -> usize {
-        (self.fan.width as usize) << self.fan.shift_y
+        (self.ray_grid.width as usize) << self.ray_grid.shift_y
     }
 
     /// False if no surface comes within so many metres of the sensor. True may be said of too much.
@@ -162,9 +165,9 @@ impl<'a> Frame<'a> {
         output: O,
         work: &W,
     ) {
-        let fan = self.fan;
-        let rays = rays_of(self.optics, (fan, self.first_column), self.execution, memory);
-        let bands = Bands::new(&fan);
+        let ray_grid = self.ray_grid;
+        let rays = rays_of(self.optics, (ray_grid, self.first_column), self.execution, memory);
+        let bands = Bands::new(&ray_grid);
         let (instances, views) = match &self.when {
             When::Once(_) => (0, None),
             When::Slices { scene, .. } => {
@@ -177,16 +180,16 @@ impl<'a> Frame<'a> {
             instances,
             inverse: memory.take(bands.blocks),
             slot: memory.take(bands.blocks),
-            farthest: memory.take(bands.farthest_len(&fan)),
+            farthest: memory.take(bands.farthest_len(&ray_grid)),
             rooms: memory.take(rooms(self.scene(), &bands)),
             output,
             farthest_stride: bands.farthest_stride,
             block_rows: bands.block_rows,
-            blocks_across: fan.blocks_across(),
+            blocks_across: ray_grid.blocks_across(),
         };
         for_each_row(self.execution, 0..bands.count, output, &|band, mut output: BandOutput<'_, O>| {
-            let first = (band * bands.block_rows) << fan.shift_y;
-            let end = (((band + 1) * bands.block_rows) << fan.shift_y).min(fan.height as usize);
+            let first = (band * bands.block_rows) << ray_grid.shift_y;
+            let end = (((band + 1) * bands.block_rows) << ray_grid.shift_y).min(ray_grid.height as usize);
             let first_row = first as i32;
             match &self.when {
                 When::Once(view) => {
@@ -226,10 +229,10 @@ impl<'a> Frame<'a> {
         output: &mut BandOutput<'_, O>,
         work: &W,
     ) {
-        let fan = self.fan;
+        let ray_grid = self.ray_grid;
         let Part { rows, first_row, fresh_from, open_from } = *part;
-        let [first, last] = rows.map(|row| (row >> fan.shift_y) as usize);
-        let before = (first - (first_row >> fan.shift_y) as usize) * output.blocks_across;
+        let [first, last] = rows.map(|row| (row >> ray_grid.shift_y) as usize);
+        let before = (first - (first_row >> ray_grid.shift_y) as usize) * output.blocks_across;
         let blocks = (last - first + 1) * output.blocks_across;
         let mut target = Target {
             inverse: &mut output.inverse[before..][..blocks],
@@ -254,16 +257,18 @@ impl<'a> Frame<'a> {
 }
 
 /// The blocks of some columns of a grid.
-fn fan_of_columns(optics: &Optics<'_>, columns: &core::ops::Range<u32>) -> Fan {
-    Fan::new(columns.end - columns.start, optics.fan().height as u32)
+fn ray_grid_of_columns(optics: &Optics<'_>, columns: &core::ops::Range<u32>) -> RayGrid {
+    RayGrid::new(columns.end - columns.start, optics.ray_grid().height as u32)
 }
 
 /// Cache lines that tracing a grid takes, which begins with a column of the optics'.
-fn traced_len(scene: &Scene<'_>, optics: &Optics<'_>, fan: &Fan, first_column: u32) -> usize {
-    let bands = Bands::new(fan);
+fn traced_len(scene: &Scene<'_>, optics: &Optics<'_>, ray_grid: &RayGrid, first_column: u32) -> usize {
+    let bands = Bands::new(ray_grid);
     // 1/t and slots take a line a block each.
-    let blocks = 2 * bands.blocks + lines(bands.farthest_len(fan) * size_of::<f32>());
-    rays_len(optics, fan, first_column) + blocks + lines(rooms(scene, &bands) * size_of::<GridRoom>())
+    let blocks = 2 * bands.blocks + lines(bands.farthest_len(ray_grid) * size_of::<f32>());
+    rays_len(optics, ray_grid, first_column)
+        + blocks
+        + lines(rooms(scene, &bands) * size_of::<SpecularScratch>())
 }
 
 /// Rooms for rays beyond mirrors and panes: one for each band, if there are any.
@@ -274,21 +279,23 @@ fn rooms(scene: &Scene<'_>, bands: &Bands) -> usize {
 /// The rays of a grid, which begins with a column of the optics'.
 pub(crate) fn rays_of<'a, 'm: 'a>(
     optics: &Optics<'a>,
-    (fan, first_column): (Fan, u32),
+    (ray_grid, first_column): (RayGrid, u32),
     execution: Execution,
     memory: &mut Cutter<'m>,
 ) -> Rays<'a> {
     match optics {
-        Optics::Pinhole(lens) => Rays::Pinhole(PinholeFan::new(lens, fan)),
-        Optics::Spherical(grid) => Rays::Spherical(spherical(grid, (fan, first_column), execution, memory)),
-        Optics::Table(table) => Rays::Table(TableFan::new(table)),
+        Optics::Pinhole(lens) => Rays::Pinhole(PinholeRays::new(lens, ray_grid)),
+        Optics::Spherical(grid) => {
+            Rays::Spherical(spherical(grid, (ray_grid, first_column), execution, memory))
+        }
+        Optics::Table(table) => Rays::Table(TableRays::new(table)),
     }
 }
 
 /// Cache lines that these take.
-pub(crate) fn rays_len(optics: &Optics<'_>, fan: &Fan, first_column: u32) -> usize {
+pub(crate) fn rays_len(optics: &Optics<'_>, ray_grid: &RayGrid, first_column: u32) -> usize {
     match optics {
-        Optics::Spherical(_) => SphericalFan::table_len(fan, first_column),
+        Optics::Spherical(_) => SphericalRays::table_len(ray_grid, first_column),
         Optics::Pinhole(_) | Optics::Table(_) => 0,
     }
 }
@@ -296,24 +303,24 @@ pub(crate) fn rays_len(optics: &Optics<'_>, fan: &Fan, first_column: u32) -> usi
 /// The angles of a spinning lidar, with their tables.
 fn spherical<'a>(
     grid: &SphericalGrid,
-    (fan, first_column): (Fan, u32),
+    (ray_grid, first_column): (RayGrid, u32),
     execution: Execution,
     memory: &mut Cutter<'a>,
-) -> SphericalFan<'a> {
+) -> SphericalRays<'a> {
     let azimuth = Steps { first: grid.first_azimuth_rad, step: grid.azimuth_step_rad };
     let elevation = Steps { first: grid.first_elevation_rad, step: grid.elevation_step_rad };
-    let tables = memory.take(SphericalFan::table_len(&fan, first_column));
+    let tables = memory.take(SphericalRays::table_len(&ray_grid, first_column));
     dispatch!(execution.level, simd => simd.vectorize(
         #[inline(always)]
-        || SphericalFan::new((fan, first_column), azimuth, elevation, tables)
+        || SphericalRays::new((ray_grid, first_column), azimuth, elevation, tables)
     ))
 }
 
 /// Sees to it that lanes without a ray hit nothing: nothing is nearer than 0 m.
 fn leave_out(rays: &Rays<'_>, rows: [i32; 2], target: &mut Target<'_>) {
-    let fan = rays.fan();
-    let across = fan.blocks_across();
-    let first_row = (rows[0] >> fan.shift_y) as usize;
+    let ray_grid = rays.ray_grid();
+    let across = ray_grid.blocks_across();
+    let first_row = (rows[0] >> ray_grid.shift_y) as usize;
     for block in 0..target.inverse.len() {
         let mut lanes = rays.missing(block % across, first_row + block / across);
         if lanes == 0 {

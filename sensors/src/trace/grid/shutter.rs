@@ -2,24 +2,24 @@
 
 use crate::moment::{Shutter, Slice};
 use crate::optics::Optics;
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::scene::Scene;
 use crate::trace::error::SenseError;
-use crate::trace::view::check_moment;
+use crate::trace::placed::view::check_moment;
 
 /// The blocks that the rays of a frame are traced in: such that each lies in one slice.
-pub(super) fn fan_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> Result<Fan, SenseError> {
-    let fan = optics.fan();
-    let height = fan.height as u32;
-    let mask = (1 << fan.shift_y) - 1;
+pub(super) fn ray_grid_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> Result<RayGrid, SenseError> {
+    let ray_grid = optics.ray_grid();
+    let height = ray_grid.height as u32;
+    let mask = (1 << ray_grid.shift_y) - 1;
     let cuts = |line: u32| line & mask != 0 && line != height;
     match shutter.slices().iter().position(|slice| cuts(slice.lines.start) || cuts(slice.lines.end)) {
-        None => Ok(fan),
+        None => Ok(ray_grid),
         Some(slice) if matches!(optics, Optics::Table(_)) => Err(SenseError::Slices {
             slice,
             rule: "begin and end at multiples of four lines, as the table of rays is in blocks of 4 × 4",
         }),
-        Some(_) => Ok(fan.by_rows()),
+        Some(_) => Ok(ray_grid.by_rows()),
     }
 }
 

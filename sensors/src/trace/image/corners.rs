@@ -7,7 +7,7 @@ use crate::optics::rays::Points;
 use crate::scene::CORNERS;
 use crate::scene::tree::TriangleBlock;
 use crate::simd::WIDTH;
-use crate::trace::view::ToSensor;
+use crate::trace::placed::view::ToSensor;
 use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// A frame that points of an instance can be taken to.

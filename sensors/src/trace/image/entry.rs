@@ -3,7 +3,7 @@
 use super::single;
 use crate::scene::tree;
 use crate::simd::WIDTH;
-use crate::trace::view;
+use crate::trace::placed::view;
 
 /// More than the deepest trees leave waiting: fifteen siblings a level, and where a node is asked ray by ray for the first
 /// time, all its children for each ray.

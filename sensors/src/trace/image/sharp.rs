@@ -6,7 +6,7 @@
 //! Such triangles are rare. Their planes are made again, from the corners as they are stored.
 
 use crate::simd::WIDTH;
-use crate::trace::view::{Placed, View};
+use crate::trace::placed::view::{Placed, View};
 use fearless_simd::{Simd, mask32x16};
 use glam::{DMat3, DVec3};
 

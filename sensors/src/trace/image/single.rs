@@ -10,7 +10,7 @@ use super::corners::Frame;
 use crate::optics::rays::{Points, Projection, max, min};
 use crate::scene::tree::{NONE, WideNode};
 use crate::simd::WIDTH;
-use crate::trace::view::View;
+use crate::trace::placed::view::View;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DVec3;
 
@@ -55,7 +55,7 @@ impl SingleRay {
         if self.placed == placed && self.at == at {
             return;
         }
-        let [column, row] = projection.fan().around(at);
+        let [column, row] = projection.ray_grid().around(at);
         let direction = view.frame_from_sensor(projection.direction(column, row));
         let instance = &view.placed[placed as usize];
         let direction: DVec3 = instance.vector_in_instance(direction);

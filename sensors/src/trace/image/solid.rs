@@ -7,9 +7,9 @@ use crate::optics::rays::Projection;
 use crate::scene::Solid;
 use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
+use crate::trace::placed::view::View;
 use crate::trace::shapes::match_solid;
 use crate::trace::shapes::outside::{Outside, match_outside};
-use crate::trace::view::View;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 
 /// So many of sixteen blocks are tested without asking first in which of them the shape may show.
@@ -37,8 +37,8 @@ pub(super) fn draw<S: Simd, P: Projection>(
 ) {
     let placed = &view.placed[index as usize];
     let size = view.instance(index).size;
-    let fan = *projection.fan();
-    let blocks_across = fan.blocks_across();
+    let ray_grid = *projection.ray_grid();
+    let blocks_across = ray_grid.blocks_across();
     // From the sensor's axes to the instance's.
     let to_instance = view.rows_from_sensor(placed);
     let origin = placed.origin_in_instance;
@@ -46,13 +46,14 @@ pub(super) fn draw<S: Simd, P: Projection>(
     let both = rules.faces == Faces::Both;
     let outside = Outside::new(solid, size, origin, both, to_instance)
         .map(|(outside, rows)| (outside, projection.turning(&rows)));
-    let pieces = fan.pieces(part.columns.map(i32::from));
-    let block_rows = (part.rows[0] >> fan.shift_y) as usize..=(part.rows[1] >> fan.shift_y) as usize;
+    let pieces = ray_grid.pieces(part.columns.map(i32::from));
+    let block_rows =
+        (part.rows[0] >> ray_grid.shift_y) as usize..=(part.rows[1] >> ray_grid.shift_y) as usize;
     for [first, last] in pieces {
         if first > last {
             continue;
         }
-        let (first, last) = ((first >> fan.shift_x) as usize, (last >> fan.shift_x) as usize);
+        let (first, last) = ((first >> ray_grid.shift_x) as usize, (last >> ray_grid.shift_x) as usize);
         for row in block_rows.clone() {
             let start = (row - rules.first_block_row) * blocks_across;
             let mut column = first;

@@ -10,7 +10,7 @@ use super::set_up::{facing, set_up};
 use super::sharp::PlaneArrays;
 use super::target::Target;
 use super::triangles::{inside, splat};
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::optics::rays::{Planes, Points, Projection, max, min};
 use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
@@ -28,19 +28,19 @@ const COLUMNS: [i32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14,
 /// Whether a leaf is one for [`draw`].
 #[inline(always)]
 pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<'_, S>) -> bool {
-    let fan = projection.fan();
-    if !is_one::<P>(fan) {
+    let ray_grid = projection.ray_grid();
+    if !is_one::<P>(ray_grid) {
         return false;
     }
     let (across, rows) = (leaf.columns[1] - leaf.columns[0] + 1, leaf.rows[1] - leaf.rows[0] + 1);
-    let blocks = ((leaf.columns[1] >> fan.shift_x) - (leaf.columns[0] >> fan.shift_x) + 1) * rows;
+    let blocks = ((leaf.columns[1] >> ray_grid.shift_x) - (leaf.columns[0] >> ray_grid.shift_x) + 1) * rows;
     across * rows >= FEWEST_RAYS && blocks as usize <= MOST_BLOCKS
 }
 
 /// Whether the blocks of a grid are strips: sixteen rays of a row.
 #[inline(always)]
-pub(super) fn is_one<P: Projection>(fan: &Fan) -> bool {
-    P::HAS_STRIPS && fan.shift_y == 0
+pub(super) fn is_one<P: Projection>(ray_grid: &RayGrid) -> bool {
+    P::HAS_STRIPS && ray_grid.shift_y == 0
 }
 
 /// The lanes of a strip that lie in the columns from the first to the last of `columns`.
@@ -59,11 +59,11 @@ pub(super) fn draw<S: Simd, P: Projection>(
     rules: Rules,
     leaf: &Leaf<'_, S>,
 ) {
-    let fan = projection.fan();
-    let blocks_across = fan.blocks_across();
-    let pieces = fan.pieces(leaf.columns);
-    let first = [(leaf.columns[0] >> fan.shift_x) as usize, leaf.rows[0] as usize];
-    let last = [(leaf.columns[1] >> fan.shift_x) as usize, leaf.rows[1] as usize];
+    let ray_grid = projection.ray_grid();
+    let blocks_across = ray_grid.blocks_across();
+    let pieces = ray_grid.pieces(leaf.columns);
+    let first = [(leaf.columns[0] >> ray_grid.shift_x) as usize, leaf.rows[0] as usize];
+    let last = [(leaf.columns[1] >> ray_grid.shift_x) as usize, leaf.rows[1] as usize];
     // Of a leaf over one block, which most are, what the rays pass by need not be set up at all.
     let single = first == last;
     let mut valid = mask32x16::splat(simd, true);
@@ -93,7 +93,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
             if first > last {
                 continue;
             }
-            for column in (first >> fan.shift_x) as usize..=(last >> fan.shift_x) as usize {
+            for column in (first >> ray_grid.shift_x) as usize..=(last >> ray_grid.shift_x) as usize {
                 let block = start + column;
                 if target.farthest[block] >= leaf.nearest {
                     continue;

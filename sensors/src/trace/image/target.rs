@@ -1,6 +1,6 @@
 //! What has been hit so far, block by block.
 
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16};
 
@@ -35,11 +35,11 @@ impl Target<'_> {
 
     /// 1/t of one ray, whose column may run past the last one.
     #[inline(always)]
-    pub(crate) fn inverse_of(&self, fan: &Fan, first_block_row: usize, ray: [u16; 2]) -> f32 {
-        let [column, row] = fan.around(ray);
-        let block_row = (row >> fan.shift_y) as usize - first_block_row;
-        self.inverse[block_row * fan.blocks_across() + (column >> fan.shift_x) as usize]
-            [fan.lane(column, row)]
+    pub(crate) fn inverse_of(&self, ray_grid: &RayGrid, first_block_row: usize, ray: [u16; 2]) -> f32 {
+        let [column, row] = ray_grid.around(ray);
+        let block_row = (row >> ray_grid.shift_y) as usize - first_block_row;
+        self.inverse[block_row * ray_grid.blocks_across() + (column >> ray_grid.shift_x) as usize]
+            [ray_grid.lane(column, row)]
     }
 
     /// Brings `farthest` of a block up to date.

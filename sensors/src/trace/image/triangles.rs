@@ -83,7 +83,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     if !rest.any_true() {
         return;
     }
-    let width = projection.fan().width;
+    let width = projection.ray_grid().width;
     let across = rectangles.last_column - rectangles.first_column + 1;
     let down = rectangles.last_row - rectangles.first_row + 1;
     let area = across * down;
@@ -130,14 +130,14 @@ fn draw_few_rays<S: Simd, P: Projection>(
     leaf: &Leaf<'_, S>,
     setup: &Setup<S>,
 ) {
-    let fan = projection.fan();
-    let blocks_across = fan.blocks_across();
+    let ray_grid = projection.ray_grid();
+    let blocks_across = ray_grid.blocks_across();
     for row in leaf.rows[0]..=leaf.rows[1] {
-        let block_row = (row >> fan.shift_y) as usize - rules.first_block_row;
+        let block_row = (row >> ray_grid.shift_y) as usize - rules.first_block_row;
         for column in leaf.columns[0]..=leaf.columns[1] {
-            let column = if column >= fan.width { column - fan.width } else { column };
-            let block = block_row * blocks_across + (column >> fan.shift_x) as usize;
-            let lane = fan.lane(column, row);
+            let column = if column >= ray_grid.width { column - ray_grid.width } else { column };
+            let block = block_row * blocks_across + (column >> ray_grid.shift_x) as usize;
+            let lane = ray_grid.lane(column, row);
             let so_far = target.inverse[block][lane];
             if so_far >= leaf.nearest {
                 continue;

@@ -14,8 +14,8 @@ use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
 use crate::trace::packet::Faces;
+use crate::trace::placed::view::{Placed, ToSensor, View};
 use crate::trace::prefetch::prefetch;
-use crate::trace::view::{Placed, ToSensor, View};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 
 /// The `placed` of an entry in the tree over the instances.
@@ -33,13 +33,13 @@ pub(crate) fn walk<S: Simd, P: Projection>(
     range: [f64; 2],
     target: &mut Target<'_>,
 ) {
-    let fan = *projection.fan();
-    let first_block_row = (rows[0] >> fan.shift_y) as usize;
+    let ray_grid = *projection.ray_grid();
+    let first_block_row = (rows[0] >> ray_grid.shift_y) as usize;
     let blank = Entry { child: 0, placed: TOP, nearest: 0.0, order: 0.0, columns: [0; 2], rows: [0; 2] };
     let mut stack = [blank; STACK];
     stack[0] = Entry {
         nearest: f32::MAX,
-        columns: [0, (fan.width - 1) as u16],
+        columns: [0, (ray_grid.width - 1) as u16],
         rows: rows.map(|row| row as u16),
         ..blank
     };
@@ -226,7 +226,7 @@ fn push_by_ray<S: Simd, P: Projection>(
 ) -> usize {
     for row in entry.rows[0]..=entry.rows[1] {
         for column in entry.columns[0]..=entry.columns[1] {
-            let so_far = target.inverse_of(projection.fan(), first_block_row, [column, row]);
+            let so_far = target.inverse_of(projection.ray_grid(), first_block_row, [column, row]);
             if so_far >= entry.nearest {
                 continue;
             }
@@ -260,21 +260,21 @@ fn hidden<S: Simd, P: Projection>(
     first_block_row: usize,
     entry: &Entry,
 ) -> bool {
-    let fan = projection.fan();
+    let ray_grid = projection.ray_grid();
     if entry.is_of_one_ray() {
-        return target.inverse_of(fan, first_block_row, entry.first_ray()) >= entry.nearest;
+        return target.inverse_of(ray_grid, first_block_row, entry.first_ray()) >= entry.nearest;
     }
-    let blocks_across = fan.blocks_across();
+    let blocks_across = ray_grid.blocks_across();
     let nearest = f32x16::splat(simd, entry.nearest);
-    let pieces = fan.pieces(entry.columns.map(i32::from));
+    let pieces = ray_grid.pieces(entry.columns.map(i32::from));
     let entry_rows = entry.rows.map(i32::from);
-    let rows = (entry_rows[0] >> fan.shift_y) as usize..=(entry_rows[1] >> fan.shift_y) as usize;
+    let rows = (entry_rows[0] >> ray_grid.shift_y) as usize..=(entry_rows[1] >> ray_grid.shift_y) as usize;
     for [first, last] in pieces {
         if first > last {
             continue;
         }
         let rays = [first, last];
-        let (first, last) = ((first >> fan.shift_x) as usize, (last >> fan.shift_x) as usize);
+        let (first, last) = ((first >> ray_grid.shift_x) as usize, (last >> ray_grid.shift_x) as usize);
         for row in rows.clone() {
             let start = (row - first_block_row) * blocks_across;
             let mut column = first;
@@ -288,7 +288,7 @@ fn hidden<S: Simd, P: Projection>(
                     let column = column + lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
                     // Most entries pass by few rays, and the other rays of the block say nothing of them.
-                    let asked = fan.lanes_within(rays, entry_rows, [column, row]);
+                    let asked = ray_grid.lanes_within(rays, entry_rows, [column, row]);
                     let inverse = f32x16::load_array_ref(simd, &target.inverse[start + column]);
                     if inverse.simd_lt(nearest).to_bitmask() & asked != 0 {
                         return false;

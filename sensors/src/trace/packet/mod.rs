@@ -1,5 +1,11 @@
 //! Packets of 64 rays that are traced together, and bounds that allow whole subtrees to be skipped for all of them.
 
+pub(crate) mod hits;
+pub(crate) mod moving;
+pub(crate) mod paths;
+pub(crate) mod scratch;
+pub(crate) mod specular;
+pub(crate) mod visibility;
 pub(crate) mod walk;
 
 use crate::scene::tree::{NONE, WideNode};

@@ -6,14 +6,14 @@ use super::doubt_of;
 use super::ray::FrameRay;
 use super::scene::{SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
 use super::walk::Tree;
-use super::wave::{Room, Wave};
+use super::wave::{Wave, WaveScratch};
 use crate::execution::{SplitRows, for_each_row};
 use crate::scene::Scene;
 use crate::scene::tree::NONE;
 use crate::simd::{Level, WIDTH, dispatch};
 use crate::trace::error::check_output;
-use crate::trace::memory::view_lines;
-use crate::trace::view::{Placed, View, check_moment};
+use crate::trace::placed::memory::view_lines;
+use crate::trace::placed::view::{Placed, View, check_moment};
 use crate::trace::{Faces, Hits, SenseError, Workspace};
 use crate::{Moment, Pose};
 use bytemuck::Zeroable;
@@ -180,7 +180,7 @@ fn cast_at_mesh<S: Simd>(
         || {
             let tree = mesh_tree(view, only);
             let doubt = doubt_of(tree.nodes.first());
-            let mut room = Room::zeroed();
+            let mut room = WaveScratch::zeroed();
             let mut wave = Wave::new(&mut room);
             let mut first = range.start;
             while first < range.end {
@@ -372,7 +372,7 @@ fn each_bundle<S: Simd>(
     mut work: impl FnMut(&mut Wave<'_>, usize, usize),
 ) {
     let doubt = doubt_of(tree.nodes.first());
-    let mut room = Room::zeroed();
+    let mut room = WaveScratch::zeroed();
     let mut wave = Wave::new(&mut room);
     let mut first = 0;
     while first < rays.directions.len() {

@@ -6,9 +6,9 @@ use super::scene::{SceneHit, in_instance, mesh_tree};
 use crate::scene::tree::TriangleBlock;
 use crate::scene::{Kind, Triangles};
 use crate::simd::WIDTH;
-use crate::trace::hit_point::triangle_weights;
+use crate::trace::hit::point::triangle_weights;
+use crate::trace::placed::view::{Placed, View};
 use crate::trace::shapes::solid_normal;
-use crate::trace::view::{Placed, View};
 use glam::{DMat3, DVec3};
 
 /// A hit, as the caller is told of it.

@@ -10,7 +10,7 @@ pub(super) const ORIGIN_PAD: f32 = f32::from_bits((127 - 22) << 23); // 2⁻²²
 /// The same for an origin at 0: with a reciprocal of 2¹⁰⁰ it still opens a slab for 2⁴⁰ m.
 pub(super) const ORIGIN_PAD_AT_ZERO: f32 = f32::from_bits((127 - 60) << 23); // 2⁻⁶⁰
 
-/// A ray in the frame of a [`View`](crate::trace::view::View).
+/// A ray in the frame of a [`View`](crate::trace::placed::view::View).
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct FrameRay {
     pub(crate) origin: [f32; 3],

@@ -10,8 +10,8 @@ use super::walk::{STACK, Stack, Tree, Waiting, children_of, nearest_in_tree};
 use crate::scene::tree::NONE;
 use crate::scene::{Kind, Triangles};
 use crate::trace::Faces;
+use crate::trace::placed::view::{Placed, View};
 use crate::trace::shapes::match_solid;
-use crate::trace::view::{Placed, View};
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
 

@@ -69,7 +69,7 @@ impl Queue {
 /// Where the nodes and leaves of the rays under way lie. Whatever is in it is written before it is read.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
-pub(crate) struct Room {
+pub(crate) struct WaveScratch {
     /// The end, and the nodes on the way of which some child waits …
     near: [PerRay<Sixteen>; LEVELS],
     /// … and which these are.
@@ -81,7 +81,7 @@ pub(crate) struct Room {
 /// Rays under way.
 pub(crate) struct Wave<'m> {
     pub(super) bundle: Bundle,
-    room: &'m mut Room,
+    room: &'m mut WaveScratch,
     /// How many nodes are in the room.
     depth: PerRay<u32>,
     /// The next node or leaf.
@@ -95,7 +95,7 @@ pub(crate) struct Wave<'m> {
 impl<'m> Wave<'m> {
     /// Nothing under way.
     #[inline(always)]
-    pub(crate) fn new(room: &'m mut Room) -> Self {
+    pub(crate) fn new(room: &'m mut WaveScratch) -> Self {
         Self {
             bundle: const { Bundle::new() },
             room,

@@ -123,10 +123,10 @@ fn things_are_where_they_are_at_the_time_of_a_firing() {
     assert!(met.iter().all(|count| *count > 100), "{met:?}");
 }
 
-type Met = (Option<(f64, DVec3)>, f64);
+type SurfaceHit = (Option<(f64, DVec3)>, f64);
 
 /// Where a ray meets a ball, and how far it passes from its edge.
-fn ball(origin: DVec3, direction: DVec3, radius: f64) -> Met {
+fn ball(origin: DVec3, direction: DVec3, radius: f64) -> SurfaceHit {
     let along = -origin.dot(direction);
     let aside = (origin + direction * along).length();
     let range = along - (radius * radius - aside * aside).max(0.0).sqrt();
@@ -134,7 +134,7 @@ fn ball(origin: DVec3, direction: DVec3, radius: f64) -> Met {
     (hit, (aside - radius).abs())
 }
 
-fn slabs(origin: DVec3, direction: DVec3, half: DVec3) -> Met {
+fn slabs(origin: DVec3, direction: DVec3, half: DVec3) -> SurfaceHit {
     let (a, b) = ((-half - origin) / direction, (half - origin) / direction);
     let (enter, leave) = (a.min(b), a.max(b));
     let range = enter.max_element();
@@ -145,7 +145,7 @@ fn slabs(origin: DVec3, direction: DVec3, half: DVec3) -> Met {
 }
 
 /// A convex body of triangles that run counter-clockwise seen from outside.
-fn planes(origin: DVec3, direction: DVec3, corners: &[DVec3; 4], faces: &[[u32; 3]; 4]) -> Met {
+fn planes(origin: DVec3, direction: DVec3, corners: &[DVec3; 4], faces: &[[u32; 3]; 4]) -> SurfaceHit {
     let (mut enter, mut leave, mut normal) = (f64::NEG_INFINITY, f64::INFINITY, DVec3::ZERO);
     for face in faces {
         let [a, b, c] = face.map(|corner| corners[corner as usize]);

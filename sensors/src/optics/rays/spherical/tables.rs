@@ -1,7 +1,7 @@
 //! Tables of cosines and sines of a grid's angles.
 
-use super::{ANGLE_MARGIN, SphericalFan};
-use crate::optics::rays::Fan;
+use super::{ANGLE_MARGIN, SphericalRays};
+use crate::optics::rays::RayGrid;
 use crate::simd::{WIDTH, sin_cos, sqrt};
 
 /// A grid that is narrower than this, in radians, is bounded as a whole.
@@ -80,27 +80,27 @@ impl Steps {
 }
 
 /// Number of groups of sixteen columns whose directions are stored: those that the blocks of the grid overlap.
-const fn sixteens(fan: &Fan, first_column: u32) -> usize {
-    (first_column as usize % WIDTH + (fan.width as usize).next_multiple_of(WIDTH)).div_ceil(WIDTH)
+const fn sixteens(ray_grid: &RayGrid, first_column: u32) -> usize {
+    (first_column as usize % WIDTH + (ray_grid.width as usize).next_multiple_of(WIDTH)).div_ceil(WIDTH)
 }
 
-impl<'a> SphericalFan<'a> {
+impl<'a> SphericalRays<'a> {
     /// Number of arrays of sixteen in the tables of a grid that starts at a column of another grid.
-    pub(crate) const fn table_len(fan: &Fan, first_column: u32) -> usize {
-        let columns = sixteens(fan, first_column);
-        let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
+    pub(crate) const fn table_len(ray_grid: &RayGrid, first_column: u32) -> usize {
+        let columns = sixteens(ray_grid, first_column);
+        let middles = ray_grid.blocks_across().div_ceil(WIDTH) + 1;
         2 * columns
-            + 2 * fan.blocks_down()
+            + 2 * ray_grid.blocks_down()
             + 2 * middles
-            + (2 * fan.blocks_down()).div_ceil(WIDTH)
+            + (2 * ray_grid.blocks_down()).div_ceil(WIDTH)
             + (4 * columns * WIDTH).div_ceil(WIDTH)
-            + (4 * fan.blocks_down() * WIDTH).div_ceil(WIDTH)
+            + (4 * ray_grid.blocks_down() * WIDTH).div_ceil(WIDTH)
     }
 
     /// Fills the tables of a grid that starts at a column of the grid with the given angles.
     #[inline(always)]
     pub(crate) fn new(
-        (fan, first_column): (Fan, u32),
+        (ray_grid, first_column): (RayGrid, u32),
         azimuth: Steps,
         elevation: Steps,
         tables: &'a mut [[f32; WIDTH]],
@@ -111,19 +111,19 @@ impl<'a> SphericalFan<'a> {
         let skipped = first_column as usize % WIDTH;
         let first_sixteen = first_column as usize / WIDTH;
         let azimuth = all_azimuths.from(first_column).reduced(core::f64::consts::TAU);
-        let columns = sixteens(&fan, first_column);
+        let columns = sixteens(&ray_grid, first_column);
         let (cos_azimuth, rest) = tables.split_at_mut(columns);
         let (sin_azimuth, rest) = rest.split_at_mut(columns);
-        let (cos_elevation, rest) = rest.split_at_mut(fan.blocks_down());
-        let (sin_elevation, rest) = rest.split_at_mut(fan.blocks_down());
-        let middles = fan.blocks_across().div_ceil(WIDTH) + 1;
+        let (cos_elevation, rest) = rest.split_at_mut(ray_grid.blocks_down());
+        let (sin_elevation, rest) = rest.split_at_mut(ray_grid.blocks_down());
+        let middles = ray_grid.blocks_across().div_ceil(WIDTH) + 1;
         let (cos_middle, rest) = rest.split_at_mut(middles);
         let (sin_middle, rest) = rest.split_at_mut(middles);
-        let (levels, rest) = rest.split_at_mut((2 * fan.blocks_down()).div_ceil(WIDTH));
-        let levels = &mut levels.as_flattened_mut().as_chunks_mut::<2>().0[..fan.blocks_down()];
+        let (levels, rest) = rest.split_at_mut((2 * ray_grid.blocks_down()).div_ceil(WIDTH));
+        let levels = &mut levels.as_flattened_mut().as_chunks_mut::<2>().0[..ray_grid.blocks_down()];
         let (azimuths, rest) = rest.split_at_mut(4 * columns);
         let azimuths: &mut [[f64; 2]] = bytemuck::cast_slice_mut(azimuths);
-        let elevations: &mut [[f64; 2]] = bytemuck::cast_slice_mut(&mut rest[..4 * fan.blocks_down()]);
+        let elevations: &mut [[f64; 2]] = bytemuck::cast_slice_mut(&mut rest[..4 * ray_grid.blocks_down()]);
         all_azimuths.fill(
             first_sixteen..first_sixteen + columns,
             #[inline(always)]
@@ -137,19 +137,19 @@ impl<'a> SphericalFan<'a> {
         );
         // Computed one by one: there are few rows, and at a pole the sign of the cosine must be right, otherwise the
         // ray would not belong to its column.
-        for (row, angles) in elevations[..fan.blocks_down() << fan.shift_y].iter_mut().enumerate() {
+        for (row, angles) in elevations[..ray_grid.blocks_down() << ray_grid.shift_y].iter_mut().enumerate() {
             let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
             *angles = [cos, sin];
         }
-        for block in 0..fan.blocks_down() {
+        for block in 0..ray_grid.blocks_down() {
             for lane in 0..WIDTH {
-                let [cos, sin] = elevations[(block << fan.shift_y) + fan.lane_position(lane).1];
+                let [cos, sin] = elevations[(block << ray_grid.shift_y) + ray_grid.lane_position(lane).1];
                 cos_elevation[block][lane] = cos as f32;
                 sin_elevation[block][lane] = sin as f32;
             }
         }
-        let half = [((1 << fan.shift_x) - 1) as f64 * 0.5, ((1 << fan.shift_y) - 1) as f64 * 0.5];
-        azimuth.of_blocks(half[0], fan.shift_x).fill(
+        let half = [((1 << ray_grid.shift_x) - 1) as f64 * 0.5, ((1 << ray_grid.shift_y) - 1) as f64 * 0.5];
+        azimuth.of_blocks(half[0], ray_grid.shift_x).fill(
             0..middles,
             #[inline(always)]
             |block, cos, sin| {
@@ -157,7 +157,7 @@ impl<'a> SphericalFan<'a> {
                 sin_middle[block] = sin.map(|sin| sin as f32);
             },
         );
-        elevation.of_blocks(half[1], fan.shift_y).fill(
+        elevation.of_blocks(half[1], ray_grid.shift_y).fill(
             0..levels.len().div_ceil(WIDTH),
             #[inline(always)]
             |block, cos, sin| {
@@ -174,16 +174,16 @@ impl<'a> SphericalFan<'a> {
             [-1.0, 1.0]
         };
         let radius = sqrt(reach[0] * reach[0] + reach[1] * reach[1]);
-        let (columns_per_radian, column_margin) = azimuth.density(fan.width);
-        let (rows_per_radian, row_margin) = elevation.density(fan.height);
+        let (columns_per_radian, column_margin) = azimuth.density(ray_grid.width);
+        let (rows_per_radian, row_margin) = elevation.density(ray_grid.height);
         let turn = core::f64::consts::TAU * columns_per_radian.abs();
         let beyond = |angle: f64| angle.abs() > core::f64::consts::FRAC_PI_2;
-        let tumbles = beyond(elevation.first) || beyond(elevation.last(fan.height));
+        let tumbles = beyond(elevation.first) || beyond(elevation.last(ray_grid.height));
         Self {
-            fan,
+            ray_grid,
             azimuths: &azimuths[skipped..],
             elevations,
-            rows: [0, fan.height - 1],
+            rows: [0, ray_grid.height - 1],
             cos_azimuth: &cos_azimuth.as_flattened()[skipped..],
             sin_azimuth: &sin_azimuth.as_flattened()[skipped..],
             cos_elevation,
@@ -201,8 +201,8 @@ impl<'a> SphericalFan<'a> {
             row_margin,
             turn: turn as f32,
             row_turn: (core::f64::consts::TAU * rows_per_radian.abs()) as f32,
-            ring: (turn - f64::from(fan.width)).abs() < 1e-6 && !tumbles,
-            overlaps: turn < f64::from(fan.width),
+            ring: (turn - f64::from(ray_grid.width)).abs() < 1e-6 && !tumbles,
+            overlaps: turn < f64::from(ray_grid.width),
             tumbles,
         }
     }

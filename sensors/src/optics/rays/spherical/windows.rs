@@ -1,13 +1,13 @@
 //! Conversion of intervals of angles to columns and rows.
 
-use super::SphericalFan;
+use super::SphericalRays;
 use super::angles::{atan2, magnitude};
 use crate::optics::rays::Rectangles;
 use crate::optics::rays::projection::{max, min, whole};
 use core::f32::consts::PI;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
 
-impl SphericalFan<'_> {
+impl SphericalRays<'_> {
     /// Intervals of elevation that contain boxes at a given height (`low` to `high`) and distance from the axis
     /// (`nearest` to `farthest`), and a mask of the boxes that can be hit by a ray at their height at all.
     #[inline(always)]
@@ -20,7 +20,7 @@ impl SphericalFan<'_> {
         farthest: f32x16<S>,
     ) -> ([f32x16<S>; 2], mask32x16<S>) {
         let [cos, sin] = self.levels[0];
-        if self.fan.height == 1 && cos > 0.01 {
+        if self.ray_grid.height == 1 && cos > 0.01 {
             // A single row is a cone around the axis: compare the bottom and top of the box with it.
             let (top, bottom) = if sin > 0.0 { (nearest, farthest) } else { (farthest, nearest) };
             let slack = (magnitude(low, high) + farthest) * 1e-5;
@@ -57,7 +57,7 @@ impl SphericalFan<'_> {
         let first = columns[0] - margin;
         let length = (columns[1] - columns[0]) + 2.0 * margin;
         let turn = f32x16::splat(simd, self.turn);
-        let last_column = f32x16::splat(simd, (self.fan.width - 1) as f32);
+        let last_column = f32x16::splat(simd, (self.ray_grid.width - 1) as f32);
         let zero = f32x16::splat(simd, 0.0);
         // The interval from [0, turn) on, and the same interval one turn earlier.
         let first = first - turn * simd.floor_f32x16(first / turn);
@@ -87,7 +87,7 @@ impl SphericalFan<'_> {
         let first_column = simd.cvt_i32_f32x16(min(begin, limit));
         let last = simd.cvt_i32_f32x16(min(end, limit));
         // An interval of a ring that starts after the last column starts at the first one.
-        let width = i32x16::splat(simd, self.fan.width);
+        let width = i32x16::splat(simd, self.ray_grid.width);
         let over = first_column.simd_ge(width);
         let none = i32x16::splat(simd, 0);
         let (first_column, last) = if self.ring {
@@ -119,7 +119,7 @@ impl SphericalFan<'_> {
             #[inline(always)]
             || {
                 let half_turn = f32x16::splat(simd, PI);
-                let columns = [0, self.fan.width - 1];
+                let columns = [0, self.ray_grid.width - 1];
                 let window = |middle: f32x16<S>, elevation: [f32x16<S>; 2]| {
                     let across =
                         indices([middle + from, middle + to], self.first_azimuth, self.columns_per_radian);

@@ -2,12 +2,12 @@
 
 use super::chart::Chart;
 use super::error::{TableError, check_size};
-use super::layout::Grid;
+use super::layout::TableDirections;
 use super::look_up::{LookUp, Scale, cells};
 use super::plan::Plan;
 use crate::memory::{CacheLine, Reader};
 use crate::optics::Lens;
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::simd::WIDTH;
 use glam::{DVec2, DVec3};
 
@@ -29,7 +29,7 @@ use glam::{DVec2, DVec3};
 /// ```
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RayTable<'a> {
-    fan: Fan,
+    ray_grid: RayGrid,
     /// The memory of all slices below.
     pub(super) buffer: &'a [CacheLine],
     /// All x, y and z of each block of sixteen rays. In blocks that extend over the edge, the last rays are repeated.
@@ -51,7 +51,7 @@ pub struct RayTable<'a> {
 impl<'a> RayTable<'a> {
     /// Returns the number of cache lines that a table needs: about 13 bytes per ray, 16 per column and row, and 3 kB.
     pub const fn required_len(width: u32, height: u32) -> usize {
-        let (any, square) = (Fan::new(width, height), Fan::square(width, height));
+        let (any, square) = (RayGrid::new(width, height), RayGrid::square(width, height));
         let (any, square) =
             (any.blocks_across() * any.blocks_down(), square.blocks_across() * square.blocks_down());
         let blocks = if any > square { any } else { square };
@@ -85,7 +85,7 @@ impl<'a> RayTable<'a> {
         let direction = |column: u32, row: u32| {
             DVec3::from_array(directions[row as usize * width as usize + column as usize].map(f64::from))
         };
-        Self::fill(Fan::new(width, height), direction, buffer)
+        Self::fill(RayGrid::new(width, height), direction, buffer)
     }
 
     /// Builds a table of the rays of an image's pixels, seen through a lens.
@@ -103,27 +103,27 @@ impl<'a> RayTable<'a> {
             lens.unproject(DVec2::new(column.into(), row.into()))
                 .map_or(DVec3::ZERO, |ray| DVec3::new(ray.z, -ray.x, -ray.y))
         };
-        Self::fill(Fan::square(width, height), direction, buffer)
+        Self::fill(RayGrid::square(width, height), direction, buffer)
     }
 
     fn fill(
-        fan: Fan,
+        ray_grid: RayGrid,
         direction: impl Fn(u32, u32) -> DVec3,
         buffer: &'a mut [CacheLine],
     ) -> Result<Self, TableError> {
-        let (width, height) = (fan.width as u32, fan.height as u32);
+        let (width, height) = (ray_grid.width as u32, ray_grid.height as u32);
         let required = Self::required_len(width, height);
         if buffer.len() < required {
             return Err(TableError::BufferTooSmall { required, found: buffer.len() });
         }
-        let plan = Plan::fill(fan, direction, buffer)?;
+        let plan = Plan::fill(ray_grid, direction, buffer)?;
         Ok(Self::cut(&plan, buffer))
     }
 
     /// Borrows the table that is stored in a buffer.
     pub(super) fn cut(plan: &Plan, buffer: &'a [CacheLine]) -> Self {
-        let Plan { fan, layout, has_missing, scales } = *plan;
-        let count = fan.blocks_across() * fan.blocks_down();
+        let Plan { ray_grid, layout, has_missing, scales } = *plan;
+        let count = ray_grid.blocks_across() * ray_grid.blocks_down();
         let mut memory = Reader(buffer);
         let directions = memory.take(count);
         let missing = memory.take(count);
@@ -132,10 +132,10 @@ impl<'a> RayTable<'a> {
             let [first, last] = core::array::from_fn(|_| memory.take(cells(count as usize) + 1));
             LookUp { scale, first, last }
         };
-        let columns = look_up(scales[0], fan.width);
-        let rows = look_up(scales[1], fan.height);
+        let columns = look_up(scales[0], ray_grid.width);
+        let rows = look_up(scales[1], ray_grid.height);
         Self {
-            fan,
+            ray_grid,
             buffer,
             directions,
             missing,
@@ -154,8 +154,12 @@ impl<'a> RayTable<'a> {
     /// # Panics
     /// If `column` or `row` is outside the table.
     pub fn direction(&self, column: u32, row: u32) -> [f32; 3] {
-        assert!(column < self.fan.width as u32 && row < self.fan.height as u32, "there is no such ray");
-        let grid = Grid { fan: self.fan, blocks: self.directions, missing: self.missing };
+        assert!(
+            column < self.ray_grid.width as u32 && row < self.ray_grid.height as u32,
+            "there is no such ray"
+        );
+        let grid =
+            TableDirections { ray_grid: self.ray_grid, blocks: self.directions, missing: self.missing };
         let (column, row) = (column as i32, row as i32);
         if grid.has(column, row) { grid.direction(column, row).as_vec3().to_array() } else { [0.0; 3] }
     }
@@ -164,16 +168,16 @@ impl<'a> RayTable<'a> {
     pub(super) fn plan(&self) -> Plan {
         let layout = super::layout::Layout { chart: self.chart, ring: self.ring };
         let scales = [self.columns.scale, self.rows.scale];
-        Plan { fan: self.fan, layout, has_missing: self.has_missing, scales }
+        Plan { ray_grid: self.ray_grid, layout, has_missing: self.has_missing, scales }
     }
 
     /// Number of columns and rows.
     pub fn size(&self) -> [u32; 2] {
-        [self.fan.width as u32, self.fan.height as u32]
+        [self.ray_grid.width as u32, self.ray_grid.height as u32]
     }
 
-    pub(crate) fn fan(&self) -> Fan {
-        self.fan
+    pub(crate) fn ray_grid(&self) -> RayGrid {
+        self.ray_grid
     }
 }
 

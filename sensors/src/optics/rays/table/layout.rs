@@ -1,6 +1,6 @@
 //! Selection of the chart for a table.
 
-use super::super::Fan;
+use super::super::RayGrid;
 use super::chart::{Chart, Kind, Stretch, TURN};
 use crate::simd::{WIDTH, sqrt};
 use glam::{DMat3, DVec3};
@@ -22,11 +22,11 @@ pub(super) struct Layout {
 
 impl Layout {
     /// The number of a column at a coordinate: on a ring, numbers continue past the seam.
-    pub(super) fn column(&self, rays: &Grid<'_>, column: i32, u: f32) -> i32 {
+    pub(super) fn column(&self, rays: &TableDirections<'_>, column: i32, u: f32) -> i32 {
         if !self.ring {
             return column;
         }
-        let width = rays.fan.width;
+        let width = rays.ray_grid.width;
         // Within an eighth of a turn of the column's position.
         let about = (u / TURN + 0.5) * width as f32 - 0.5;
         let turns = libm::roundf((about - column as f32) / width as f32);
@@ -35,18 +35,19 @@ impl Layout {
 }
 
 /// The directions of a table.
-pub(super) struct Grid<'a> {
-    pub(super) fan: Fan,
+pub(super) struct TableDirections<'a> {
+    pub(super) ray_grid: RayGrid,
     pub(super) blocks: &'a [[[f32; WIDTH]; 3]],
     /// The lanes of each block without a ray, as one bit each.
     pub(super) missing: &'a [u16],
 }
 
-impl Grid<'_> {
+impl TableDirections<'_> {
     fn place(&self, column: i32, row: i32) -> (usize, usize) {
-        let fan = &self.fan;
-        let block = (row >> fan.shift_y) as usize * fan.blocks_across() + (column >> fan.shift_x) as usize;
-        (block, fan.lane(column, row))
+        let ray_grid = &self.ray_grid;
+        let block = (row >> ray_grid.shift_y) as usize * ray_grid.blocks_across()
+            + (column >> ray_grid.shift_x) as usize;
+        (block, ray_grid.lane(column, row))
     }
 
     /// Returns true if the ray exists.
@@ -64,8 +65,8 @@ impl Grid<'_> {
 
     /// Calls `work` with the column, row and direction of each ray that exists.
     pub(super) fn for_each(&self, mut work: impl FnMut(i32, i32, DVec3)) {
-        for row in 0..self.fan.height {
-            for column in 0..self.fan.width {
+        for row in 0..self.ray_grid.height {
+            for column in 0..self.ray_grid.width {
                 if self.has(column, row) {
                     work(column, row, self.direction(column, row));
                 }
@@ -108,8 +109,8 @@ impl Grid<'_> {
 
     /// The same chart with a stretch that makes columns and rows as straight as possible.
     pub(super) fn stretched(&self, layout: &Layout) -> Option<Layout> {
-        let wide = self.fan.width >= self.fan.height;
-        let stretch = Stretch::fit(self.fan.width * self.fan.height, |take| {
+        let wide = self.ray_grid.width >= self.ray_grid.height;
+        let stretch = Stretch::fit(self.ray_grid.width * self.ray_grid.height, |take| {
             self.for_each(|column, row, direction| {
                 let [u, v] = layout.chart.coordinates(direction).map(f64::from);
                 if wide { take([u, v], f64::from(column)) } else { take([v, u], f64::from(row)) }
@@ -121,7 +122,7 @@ impl Grid<'_> {
     /// The differences from the first to the last column, summed over rows, and from the first to the last row, summed
     /// over columns.
     fn steps(&self) -> [DVec3; 2] {
-        let [right, bottom] = [self.fan.width - 1, self.fan.height - 1];
+        let [right, bottom] = [self.ray_grid.width - 1, self.ray_grid.height - 1];
         let step = |from: [i32; 2], to: [i32; 2]| {
             let both = self.has(from[0], from[1]) && self.has(to[0], to[1]);
             if both { self.direction(to[0], to[1]) - self.direction(from[0], from[1]) } else { DVec3::ZERO }
@@ -139,7 +140,7 @@ impl Grid<'_> {
 
     /// A chart around the axis that the rows encircle.
     pub(super) fn cylindrical(&self) -> Layout {
-        let (width, height) = (self.fan.width, self.fan.height);
+        let (width, height) = (self.ray_grid.width, self.ray_grid.height);
         // Steps along rows are perpendicular to the axis, so the axis is the direction in which they are smallest.
         let mut steps = DMat3::ZERO;
         for row in 0..height {

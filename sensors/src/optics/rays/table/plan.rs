@@ -1,10 +1,10 @@
 //! Fills the memory of a table.
 
 use super::error::TableError;
-use super::layout::{Grid, Layout};
+use super::layout::{Layout, TableDirections};
 use super::look_up::{Filling, LookUp, Scale, cells};
 use crate::memory::{CacheLine, Cutter};
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::simd::{WIDTH, sqrt};
 use glam::DVec3;
 
@@ -16,7 +16,7 @@ const TIGHTER: f64 = 0.9;
 /// The properties of a table that are not stored in its buffer.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Plan {
-    pub(super) fan: Fan,
+    pub(super) ray_grid: RayGrid,
     pub(super) layout: Layout,
     pub(super) has_missing: bool,
     /// Scales of the look-ups of columns and of rows.
@@ -26,21 +26,21 @@ pub(super) struct Plan {
 impl Plan {
     /// Builds the table in the buffer.
     pub(super) fn fill(
-        fan: Fan,
+        ray_grid: RayGrid,
         direction: impl Fn(u32, u32) -> DVec3,
         buffer: &mut [CacheLine],
     ) -> Result<Self, TableError> {
-        let (width, height) = (fan.width as usize, fan.height as usize);
-        let count = fan.blocks_across() * fan.blocks_down();
+        let (width, height) = (ray_grid.width as usize, ray_grid.height as usize);
+        let count = ray_grid.blocks_across() * ray_grid.blocks_down();
         let mut memory = Cutter(buffer);
         let blocks: &mut [[[f32; WIDTH]; 3]] = memory.take(count);
         let missing: &mut [u16] = memory.take(count);
-        fill_blocks(&fan, direction, blocks, missing)?;
+        fill_blocks(&ray_grid, direction, blocks, missing)?;
         let (blocks, missing) = (&*blocks, &*missing);
         let mut values: [&mut [f32]; 4] = core::array::from_fn(|_| memory.take(count + WIDTH));
         fill_middles(blocks, &mut values);
 
-        let rays = Grid { fan, blocks, missing };
+        let rays = TableDirections { ray_grid, blocks, missing };
         let mut take = |count: usize| [(); 2].map(|()| memory.take(cells(count) + 1));
         let mut tables = Tables { columns: take(width), rows: take(height) };
         let mut looseness = |layout: &Layout| {
@@ -61,27 +61,27 @@ impl Plan {
         }
         let layout = layout.map_or_else(|| rays.cylindrical(), |(layout, _)| layout);
         let scales = tables.fill(&rays, &layout).map(|look_up| look_up.scale);
-        Ok(Self { fan, layout, has_missing: missing.iter().any(|lanes| *lanes != 0), scales })
+        Ok(Self { ray_grid, layout, has_missing: missing.iter().any(|lanes| *lanes != 0), scales })
     }
 }
 
 /// Normalises directions and stores them in blocks. A missing ray is filled with another direction of its block, so
 /// that it does not enlarge the block.
 fn fill_blocks(
-    fan: &Fan,
+    ray_grid: &RayGrid,
     direction: impl Fn(u32, u32) -> DVec3,
     blocks: &mut [[[f32; WIDTH]; 3]],
     missing: &mut [u16],
 ) -> Result<(), TableError> {
     let mut is_empty = true;
     for (index, (block, missing)) in blocks.iter_mut().zip(missing).enumerate() {
-        let (across, down) = (index % fan.blocks_across(), index / fan.blocks_across());
+        let (across, down) = (index % ray_grid.blocks_across(), index / ray_grid.blocks_across());
         *missing = 0;
         let mut filler = None;
         for lane in 0..WIDTH {
-            let (x, y) = fan.lane_position(lane);
-            let column = ((across << fan.shift_x) + x).min(fan.width as usize - 1) as u32;
-            let row = ((down << fan.shift_y) + y).min(fan.height as usize - 1) as u32;
+            let (x, y) = ray_grid.lane_position(lane);
+            let column = ((across << ray_grid.shift_x) + x).min(ray_grid.width as usize - 1) as u32;
+            let row = ((down << ray_grid.shift_y) + y).min(ray_grid.height as usize - 1) as u32;
             let direction = direction(column, row);
             if direction == DVec3::ZERO {
                 *missing |= 1 << lane;
@@ -144,7 +144,7 @@ impl<'t> Tables<'t> {
     }
 
     /// Fills the look-ups of columns and rows.
-    fn fill(self, rays: &Grid<'_>, layout: &Layout) -> [LookUp<'t>; 2] {
+    fn fill(self, rays: &TableDirections<'_>, layout: &Layout) -> [LookUp<'t>; 2] {
         let mut extent = [[f32::INFINITY, f32::NEG_INFINITY]; 2];
         rays.for_each(|_, _, direction| {
             for (extent, at) in extent.iter_mut().zip(layout.chart.coordinates(direction)) {

@@ -72,12 +72,12 @@ fn draw_one<S: Simd, P: Projection>(
     spilled: &Spilled,
     lane: usize,
 ) {
-    let fan = projection.fan();
-    let blocks_across = fan.blocks_across();
+    let ray_grid = projection.ray_grid();
+    let blocks_across = ray_grid.blocks_across();
     let nearest = spilled.nearest[lane];
-    let pieces = fan.pieces([spilled.columns[0][lane], spilled.columns[1][lane]]);
-    let block_rows =
-        (spilled.rows[0][lane] >> fan.shift_y) as usize..=(spilled.rows[1][lane] >> fan.shift_y) as usize;
+    let pieces = ray_grid.pieces([spilled.columns[0][lane], spilled.columns[1][lane]]);
+    let block_rows = (spilled.rows[0][lane] >> ray_grid.shift_y) as usize
+        ..=(spilled.rows[1][lane] >> ray_grid.shift_y) as usize;
     let plane = |plane: &[[f32; WIDTH]; 3]| [plane[0][lane], plane[1][lane], plane[2][lane]];
     let edges = [plane(&spilled.edges[0]), plane(&spilled.edges[1]), plane(&spilled.edges[2])];
     let inverse = plane(&spilled.inverse);
@@ -85,7 +85,7 @@ fn draw_one<S: Simd, P: Projection>(
         if first > last {
             continue;
         }
-        let (first, last) = ((first >> fan.shift_x) as usize, (last >> fan.shift_x) as usize);
+        let (first, last) = ((first >> ray_grid.shift_x) as usize, (last >> ray_grid.shift_x) as usize);
         let blocks = (last - first + 1) * (block_rows.end() - block_rows.start() + 1);
         for row in block_rows.clone() {
             let start = (row - rules.first_block_row) * blocks_across;

@@ -29,8 +29,8 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
     tiny: mask32x16<S>,
     area: i32x16<S>,
 ) {
-    let fan = projection.fan();
-    let blocks_across = fan.blocks_across();
+    let ray_grid = projection.ray_grid();
+    let blocks_across = ray_grid.blocks_across();
     let zero = i32x16::splat(simd, 0);
     let steps = simd.reduce_max_i32x16(tiny.select(area, zero));
     let (mut columns, mut rows) = (rectangles.first_column, rectangles.first_row);
@@ -45,7 +45,7 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
             let (hit, inverse) =
                 inside::<S, P>(&setup.edges, &setup.inverse, &directions, rules.inverse_near);
             hits |= (hit & drawing).to_bitmask() << (step * WIDTH);
-            places[step] = fan.places(columns, rows, rules.first_block_row);
+            places[step] = ray_grid.places(columns, rows, rules.first_block_row);
             inverses[step] = inverse;
             // On to the next ray: to the right, then down.
             columns += 1;
@@ -75,10 +75,12 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
     touched |= touched >> WIDTH;
     let touched = mask32x16::from_bitmask(simd, touched);
     let most = i32x16::splat(simd, i32::MAX);
-    let first_column = simd.reduce_min_i32x16(touched.select(rectangles.first_column, most)) >> fan.shift_x;
-    let last_column = simd.reduce_max_i32x16(touched.select(rectangles.last_column, zero)) >> fan.shift_x;
-    let first_row = simd.reduce_min_i32x16(touched.select(rectangles.first_row, most)) >> fan.shift_y;
-    let last_row = simd.reduce_max_i32x16(touched.select(rectangles.last_row, zero)) >> fan.shift_y;
+    let first_column =
+        simd.reduce_min_i32x16(touched.select(rectangles.first_column, most)) >> ray_grid.shift_x;
+    let last_column =
+        simd.reduce_max_i32x16(touched.select(rectangles.last_column, zero)) >> ray_grid.shift_x;
+    let first_row = simd.reduce_min_i32x16(touched.select(rectangles.first_row, most)) >> ray_grid.shift_y;
+    let last_row = simd.reduce_max_i32x16(touched.select(rectangles.last_row, zero)) >> ray_grid.shift_y;
     // If they lie far apart, what is behind them is merely not left out.
     if (last_column - first_column + 1) * (last_row - first_row + 1) <= 64 {
         for row in first_row..=last_row {

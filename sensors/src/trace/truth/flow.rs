@@ -1,15 +1,15 @@
 //! Optical flow: where the point that a ray meets is seen at another moment.
 
-use super::grid::Band;
-use super::hit_point::block_index;
-use super::image::NO_HIT;
-use super::recent::Recent;
-use super::resolve::{Met, Resolver};
-use super::view::View;
 use crate::moment::{Moment, Shutter};
 use crate::optics::Intrinsics;
-use crate::optics::rays::{PinholeFan, Rays};
+use crate::optics::rays::{PinholeRays, Rays};
 use crate::simd::WIDTH;
+use crate::trace::grid::Band;
+use crate::trace::hit::cache::HitCache;
+use crate::trace::hit::point::block_index;
+use crate::trace::hit::resolve::{Resolver, SurfaceHit};
+use crate::trace::image::NO_HIT;
+use crate::trace::placed::view::View;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 
@@ -69,7 +69,7 @@ impl PixelMotion {
         &self,
         simd: S,
         band: &Band<'_>,
-        rays: &PinholeFan,
+        rays: &PinholeRays,
         block: [usize; 2],
     ) -> [f32x16<S>; 2] {
         let inverse = f32x16::load_array_ref(simd, &band.target.inverse[block_index(band, block)]);
@@ -91,15 +91,15 @@ impl PixelMotion {
 pub(crate) struct Flow<'a> {
     other: &'a Shutter<'a>,
     /// If the other moment is one for all lines: of a pinhole, and of other rays.
-    pixels: Recent<PixelMotion>,
-    motions: Recent<Motion>,
+    pixels: HitCache<PixelMotion>,
+    motions: HitCache<Motion>,
     /// Where the last ray's point went: a good guess for the next.
     guess: [f64; 2],
 }
 
 impl<'a> Flow<'a> {
     pub(crate) fn new(other: &'a Shutter<'a>) -> Self {
-        Self { other, pixels: Recent::new(), motions: Recent::new(), guess: [0.0; 2] }
+        Self { other, pixels: HitCache::new(), motions: HitCache::new(), guess: [0.0; 2] }
     }
 
     /// Pixels to the right and down from each ray of a block to where its point is seen at the other moment; NaN where
@@ -111,7 +111,7 @@ impl<'a> Flow<'a> {
         band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
-        met: &Met<'_>,
+        met: &SurfaceHit<'_>,
     ) -> [f32x16<S>; 2] {
         if let (Rays::Pinhole(rays), Shutter::Global(moment)) = (&band.rays, self.other) {
             return self.pinhole(simd, band, (rays, moment), resolver, block, met);
@@ -126,19 +126,19 @@ impl<'a> Flow<'a> {
         &mut self,
         simd: S,
         band: &Band<'_>,
-        (rays, moment): (&PinholeFan, &Moment<'_>),
+        (rays, moment): (&PinholeRays, &Moment<'_>),
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
-        met: &Met<'_>,
+        met: &SurfaceHit<'_>,
     ) -> [f32x16<S>; 2] {
         let mut flow = [f32x16::splat(simd, f32::NAN); 2];
         let mut rest = match met {
-            Met::Nothing => return flow,
-            Met::One(hit) => {
+            SurfaceHit::Nothing => return flow,
+            SurfaceHit::One(hit) => {
                 let motion = self.pixel_motion(band, rays, moment, hit.instance.instance);
                 return motion.flow(simd, band, rays, block);
             }
-            Met::Several(lanes) => *lanes,
+            SurfaceHit::Several(lanes) => *lanes,
         };
         let slots = &band.target.slot[block_index(band, block)];
         while rest != 0 {
@@ -156,7 +156,7 @@ impl<'a> Flow<'a> {
     fn pixel_motion(
         &mut self,
         band: &Band<'_>,
-        rays: &PinholeFan,
+        rays: &PinholeRays,
         moment: &Moment<'_>,
         instance: u32,
     ) -> &PixelMotion {
@@ -174,7 +174,7 @@ impl<'a> Flow<'a> {
         let slots = &band.target.slot[block_index(band, block)];
         let mut flow = [[f32::NAN; WIDTH]; 2];
         let directions = band.rays.exact_block(block[0], block[1]);
-        let fan = band.rays.fan();
+        let ray_grid = band.rays.ray_grid();
         for lane in 0..WIDTH {
             if slots[lane] == NO_HIT {
                 continue;
@@ -182,8 +182,9 @@ impl<'a> Flow<'a> {
             let instance = resolver.hit(slots[lane]).instance.instance;
             let direction = DVec3::from_array(directions.map(|axis| axis[lane]));
             let t = 1.0 / f64::from(band.target.inverse[block_index(band, block)][lane]);
-            let (x, y) = fan.lane_position(lane);
-            let from = [(block[0] << fan.shift_x) + x, (block[1] << fan.shift_y) + y].map(|at| at as f64);
+            let (x, y) = ray_grid.lane_position(lane);
+            let from =
+                [(block[0] << ray_grid.shift_x) + x, (block[1] << ray_grid.shift_y) + y].map(|at| at as f64);
             if let Some(to) = self.find(band, instance, direction * t, from) {
                 self.guess = to;
                 for axis in 0..2 {
@@ -202,7 +203,7 @@ impl<'a> Flow<'a> {
                 self.motions.get(instance, || Motion::new(band.view, instance, moment));
             return project(&band.rays, turn * point + shift, [self.guess, from]);
         }
-        let seen = at_its_line(other, band.rays.fan().height as u32, from[1], |moment| {
+        let seen = at_its_line(other, band.rays.ray_grid().height as u32, from[1], |moment| {
             let Motion { turn, shift } = Motion::new(band.view, instance, moment);
             project(&band.rays, turn * point + shift, [self.guess, from])
         });
@@ -212,7 +213,7 @@ impl<'a> Flow<'a> {
 
 /// The pixel of a point when its line is taken, and the slice of that line: the moment depends on the row, and the row on
 /// the moment. The row is one to begin with; `pixel` is where the point is seen at a moment.
-pub(super) fn at_its_line(
+pub(in crate::trace) fn at_its_line(
     shutter: &Shutter<'_>,
     height: u32,
     mut row: f64,

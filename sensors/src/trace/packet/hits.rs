@@ -1,12 +1,12 @@
 //! Where a packet meets one instance, in double precision: any hit, of which it is not specified which, or the first.
 
-use super::packet::walk::{stack_len, walk, walk_to_nearest};
-use super::packet::{Faces, MISS, Packet, PacketBounds};
 use crate::scene::tree::{MAX_DEPTH, TriangleBlock, WideNode};
 use crate::scene::{Kind, Triangles};
 use crate::simd::{LANES, WIDTH};
+use crate::trace::packet::walk::{stack_len, walk, walk_to_nearest};
+use crate::trace::packet::{Faces, MISS, Packet, PacketBounds};
+use crate::trace::placed::view::{self, Placed, View};
 use crate::trace::shapes::{LocalRays, commit, match_solid, triangle};
-use crate::trace::view::{self, Placed, View};
 use core::borrow::Borrow;
 use fearless_simd::Simd;
 use glam::DVec3;
@@ -192,7 +192,7 @@ fn draw(rays: &LocalRays, block: &TriangleBlock, packet: &mut Packet, faces: tri
 }
 
 /// Finds the first hit of each ray from the frame's origin. [`Packet::hit`] is then its slot, as the
-/// [`Resolver`](crate::trace::resolve::Resolver) knows it; `local` is room to work in.
+/// [`Resolver`](crate::trace::hit::resolve::Resolver) knows it; `local` is room to work in.
 #[inline(always)]
 pub(crate) fn first_hits<S: Simd>(
     simd: S,

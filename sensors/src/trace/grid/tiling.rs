@@ -1,6 +1,6 @@
 //! How a picture is cut into tiles of sixty-four rays.
 
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::simd::{LANES, WIDTH, quarters};
 use fearless_simd::{Simd, SimdBase, SimdCombine, f32x4, f32x16, u32x4, u32x16};
 
@@ -19,8 +19,8 @@ pub(crate) enum Tiling {
 impl Tiling {
     /// That of a picture whose rays lie in such blocks.
     #[inline(always)]
-    pub(crate) const fn of(fan: &Fan) -> Self {
-        if fan.shift_y == 0 { Self::Rows } else { Self::Square }
+    pub(crate) const fn of(ray_grid: &RayGrid) -> Self {
+        if ray_grid.shift_y == 0 { Self::Rows } else { Self::Square }
     }
 
     /// Pixels across and down.

@@ -7,7 +7,7 @@
 
 use super::tile::Tile;
 use crate::simd::{LANES, Lanes};
-use crate::trace::view::{Placed, View};
+use crate::trace::placed::view::{Placed, View};
 use fearless_simd::Simd;
 use glam::DVec3;
 

@@ -1,12 +1,12 @@
 //! The working memory of a frame: one buffer that the caller provides.
 
-use super::error::SenseError;
-use super::top::top_nodes;
-use super::view::{Placed, ViewMemory};
 use crate::execution::Execution;
 use crate::memory::{CacheLine, Cutter, lines};
 use crate::scene::Aabb;
 use crate::scene::tree::WideNode;
+use crate::trace::error::SenseError;
+use crate::trace::placed::top::top_nodes;
+use crate::trace::placed::view::{Placed, ViewMemory};
 
 /// The working memory and the execution settings of a frame, lent by the caller.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ pub(crate) const fn view_lines(instances: usize, views: usize) -> usize {
 }
 
 impl<'a> Cutter<'a> {
-    /// What so many [`super::view::View`]s of so many instances need.
+    /// What so many [`crate::trace::placed::view::View`]s of so many instances need.
     pub(crate) fn views(&mut self, instances: usize, views: usize) -> ViewMemory<'a> {
         ViewMemory {
             placed: self.take(views * instances),

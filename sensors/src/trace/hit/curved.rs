@@ -3,11 +3,11 @@
 //! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding does:
 //! some 1e-4 of a pixel.
 
-use super::shapes::solid_normal;
-use super::view::Placed;
 use crate::optics::rays::Points;
 use crate::scene::Solid;
 use crate::simd::WIDTH;
+use crate::trace::placed::view::Placed;
+use crate::trace::shapes::solid_normal;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use glam::{DMat3, DVec3};
 
@@ -101,12 +101,12 @@ impl Curved {
 }
 
 /// Normals go by the inverse transpose, whose columns are the rows of the inverse.
-pub(super) fn normal_to_frame(placed: &Placed) -> DMat3 {
+pub(in crate::trace) fn normal_to_frame(placed: &Placed) -> DMat3 {
     DMat3::from_cols_array_2d(&placed.inverse)
 }
 
 /// Dot products with a vector.
 #[inline(always)]
-pub(super) fn along<S: Simd>([x, y, z]: &Points<S>, [a, b, c]: [f32; 3]) -> f32x16<S> {
+pub(in crate::trace) fn along<S: Simd>([x, y, z]: &Points<S>, [a, b, c]: [f32; 3]) -> f32x16<S> {
     (*x * a + *y * b) + *z * c
 }

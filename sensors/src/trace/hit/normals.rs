@@ -3,16 +3,16 @@
 //! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding does:
 //! some 1e-4 of a pixel.
 
-use super::curved::{Curved, along, normal_to_frame};
-use super::grid::Band;
-use super::hit_point::block_index;
-use super::packet::Faces;
-use super::recent::Recent;
-use super::resolve::{Hit, Met, Resolver};
-use super::view::View;
 use crate::optics::rays::Points;
 use crate::scene::{Kind, Solid};
 use crate::simd::WIDTH;
+use crate::trace::grid::Band;
+use crate::trace::hit::cache::HitCache;
+use crate::trace::hit::curved::{Curved, along, normal_to_frame};
+use crate::trace::hit::point::block_index;
+use crate::trace::hit::resolve::{Hit, Resolver, SurfaceHit};
+use crate::trace::packet::Faces;
+use crate::trace::placed::view::View;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3, Vec3};
 
@@ -109,12 +109,12 @@ impl Seen {
 /// Finds normals.
 pub(crate) struct NormalFinder {
     faces: Faces,
-    solids: Recent<Seen>,
+    solids: HitCache<Seen>,
 }
 
 impl NormalFinder {
     pub(crate) fn new(faces: Faces) -> Self {
-        Self { faces, solids: Recent::new() }
+        Self { faces, solids: HitCache::new() }
     }
 
     /// The normals of a block, and the lanes that have hit anything.
@@ -138,12 +138,12 @@ impl NormalFinder {
         band: &Band<'_>,
         resolver: &mut Resolver<'_>,
         block: [usize; 2],
-        met: &Met<'_>,
+        met: &SurfaceHit<'_>,
     ) -> Normals<S> {
         let mut rest = match met {
-            Met::Nothing => return Normals::Same([0.0; 3]),
-            Met::One(hit) => return self.of_instance(simd, band, resolver, block, (hit, u16::MAX)),
-            Met::Several(lanes) => *lanes,
+            SurfaceHit::Nothing => return Normals::Same([0.0; 3]),
+            SurfaceHit::One(hit) => return self.of_instance(simd, band, resolver, block, (hit, u16::MAX)),
+            SurfaceHit::Several(lanes) => *lanes,
         };
         let slots = &band.target.slot[block_index(band, block)];
         let mut mixed = [f32x16::splat(simd, 0.0); 3];

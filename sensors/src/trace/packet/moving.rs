@@ -3,20 +3,20 @@
 //! They go through the tree over the instances together, as a packet, and meet a solid all at once, in double precision.
 //! Through the triangles of a mesh those that meet its box go as a wave. What moves is met where it is at the ray's time.
 
-use super::grid::Sight;
-use super::packet::walk::{stack_len, walk_to_nearest};
-use super::packet::{Faces, MISS, Packet, PacketBounds};
-use super::rays::bundle::RAYS;
-use super::rays::ray::{Nearest, Ray};
-use super::rays::wave::Wave;
-use super::rays::{doubt_of, mesh_tree, nearest_in_tree};
-use super::resolve::Resolver;
-use super::room::VolleyRoom;
-use super::shapes::{self, LocalRays, commit, match_solid, solid_normal};
-use super::view::{self, Placed, View};
 use crate::pose::Pose;
 use crate::scene::{Kind, Triangles};
 use crate::simd::{LANES, Lanes, WIDTH};
+use crate::trace::grid::Sight;
+use crate::trace::hit::resolve::Resolver;
+use crate::trace::packet::scratch::MovingScratch;
+use crate::trace::packet::walk::{stack_len, walk_to_nearest};
+use crate::trace::packet::{Faces, MISS, Packet, PacketBounds};
+use crate::trace::placed::view::{self, Placed, View};
+use crate::trace::rays::bundle::RAYS;
+use crate::trace::rays::ray::{Nearest, Ray};
+use crate::trace::rays::wave::Wave;
+use crate::trace::rays::{doubt_of, mesh_tree, nearest_in_tree};
+use crate::trace::shapes::{self, LocalRays, commit, match_solid, solid_normal};
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
 
@@ -24,13 +24,13 @@ use glam::{DMat3, DVec3};
 const MARGIN: f64 = 1e-6;
 
 /// Rays of a view, and what they meet.
-pub(crate) struct Volley {
+pub(crate) struct MovingPacket {
     packet: Packet,
     /// Times, as shares of the way from the view's moment to the next one.
     share: Lanes<f64>,
 }
 
-/// What a volley is cast with. Nothing is kept in it from one cast to the next.
+/// The scratch memory that a packet is cast with. Nothing in it is kept from one cast to the next.
 pub(crate) struct Ways<'m> {
     /// The rays in the frame of the instance that is looked at.
     local: &'m mut LocalRays,
@@ -40,14 +40,14 @@ pub(crate) struct Ways<'m> {
 
 impl<'m> Ways<'m> {
     #[inline(always)]
-    pub(crate) fn new(room: &'m mut VolleyRoom) -> Self {
+    pub(crate) fn new(room: &'m mut MovingScratch) -> Self {
         Self { local: &mut room.local, wave: Wave::new(&mut room.wave) }
     }
 }
 
 /// What a ray has met.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Struck {
+pub(crate) struct MovingHit {
     /// Index of the instance in the scene.
     pub(crate) instance: u32,
     /// How far away it is, in metres.
@@ -58,7 +58,7 @@ pub(crate) struct Struck {
     pub(crate) cos_incidence: f64,
 }
 
-impl Volley {
+impl MovingPacket {
     pub(crate) const fn new() -> Self {
         let mut packet = Packet::new();
         packet.shared_origin = false;
@@ -149,7 +149,12 @@ impl Volley {
     }
 
     /// What a ray has met; none if nothing.
-    pub(crate) fn struck(&self, view: &View<'_>, resolver: &mut Resolver<'_>, lane: usize) -> Option<Struck> {
+    pub(crate) fn struck(
+        &self,
+        view: &View<'_>,
+        resolver: &mut Resolver<'_>,
+        lane: usize,
+    ) -> Option<MovingHit> {
         let slot = self.slot(lane)?;
         let hit = resolver.hit(slot);
         let (placed, index) = (hit.instance, hit.instance.instance);
@@ -175,7 +180,7 @@ impl Volley {
         };
         let normal = normal.normalize_or_zero();
         let cos_incidence = -normal.dot(of_lane(&self.packet.direction, lane));
-        Some(Struck { instance: index, range: self.packet.t[lane], normal, cos_incidence })
+        Some(MovingHit { instance: index, range: self.packet.t[lane], normal, cos_incidence })
     }
 
     /// A ray in the frame of an instance.

@@ -24,7 +24,7 @@ impl SeenBox {
 /// Computes the bounding box of the visible part of each instance of a scene, and writes it into `boxes` by the index
 /// of the instance.
 ///
-/// `instance` is [`Truth::instance`](super::Truth::instance), in rows of `width` pixels. Instances for which `boxes`
+/// `instance` is [`Truth::instance`](crate::trace::Truth::instance), in rows of `width` pixels. Instances for which `boxes`
 /// has no element are ignored.
 ///
 /// Together with [`Scene::bounds`](crate::scene::Scene::bounds), the box of the whole object in its own frame, this is

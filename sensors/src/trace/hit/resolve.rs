@@ -1,10 +1,10 @@
 //! From the slot of a hit back to what was hit.
 
-use super::image::{GRAZING, GRAZING_SQUARED, NO_HIT};
-use super::view::{Placed, View};
 use crate::scene::tree::Facet;
 use crate::scene::{Kind, Triangles};
 use crate::simd::{WIDTH, sqrt_f32};
+use crate::trace::image::{GRAZING, GRAZING_SQUARED, NO_HIT};
+use crate::trace::placed::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DVec3;
 
@@ -54,7 +54,7 @@ impl Hit<'_> {
 
 /// What the rays of a block have hit.
 #[derive(Clone, Copy)]
-pub(crate) enum Met<'a> {
+pub(crate) enum SurfaceHit<'a> {
     Nothing,
     /// All rays the same instance.
     One(Hit<'a>),
@@ -62,7 +62,7 @@ pub(crate) enum Met<'a> {
     Several(u16),
 }
 
-impl Met<'_> {
+impl SurfaceHit<'_> {
     /// The lanes that have hit anything, a bit each.
     #[inline(always)]
     pub(crate) fn lanes(&self) -> u16 {
@@ -92,18 +92,18 @@ impl<'a> Resolver<'a> {
 
     /// What the rays of a block have hit.
     #[inline(always)]
-    pub(crate) fn met<S: Simd>(&mut self, simd: S, slots: &[u32; WIDTH]) -> Met<'a> {
+    pub(crate) fn met<S: Simd>(&mut self, simd: S, slots: &[u32; WIDTH]) -> SurfaceHit<'a> {
         let lanes = hit_lanes(simd, slots);
         if lanes == 0 {
-            return Met::Nothing;
+            return SurfaceHit::Nothing;
         }
         if lanes == u16::MAX {
             let hit = self.hit(slots[0]);
             if self.are_of_last(simd, slots) {
-                return Met::One(hit);
+                return SurfaceHit::One(hit);
             }
         }
-        Met::Several(lanes)
+        SurfaceHit::Several(lanes)
     }
 
     /// The slots of the instance found last.

@@ -1,20 +1,20 @@
 //! Where the rays of a block lie in the rows of an output.
 
-use super::grid::Band;
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::simd::{WIDTH, quarters};
+use crate::trace::grid::Band;
 use fearless_simd::{Bytes, Simd, SimdBase, f32x4, f32x16, u32x16};
 
 /// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the grid.
 #[inline(always)]
 pub(crate) fn for_each_block(band: &Band<'_>, mut work: impl FnMut(&Place, [usize; 2])) {
-    let fan = band.rays.fan();
+    let ray_grid = band.rays.ray_grid();
     for row in band.block_rows() {
-        if ((row << fan.shift_y) as i32) < band.fresh_from {
+        if ((row << ray_grid.shift_y) as i32) < band.fresh_from {
             continue;
         }
-        let mut place = Place::new(fan, band, 0, row);
-        for column in 0..fan.blocks_across() {
+        let mut place = Place::new(ray_grid, band, 0, row);
+        for column in 0..ray_grid.blocks_across() {
             work(&place, [column, row]);
             place.step();
         }
@@ -40,18 +40,19 @@ pub(crate) struct Place {
 
 impl Place {
     #[inline(always)]
-    pub(crate) fn new(fan: &Fan, band: &Band<'_>, block_column: usize, block_row: usize) -> Self {
+    pub(crate) fn new(ray_grid: &RayGrid, band: &Band<'_>, block_column: usize, block_row: usize) -> Self {
         let rows = band.rows;
-        let (column, row) = (block_column << fan.shift_x, block_row << fan.shift_y);
-        let width = fan.width as usize;
+        let (column, row) = (block_column << ray_grid.shift_x, block_row << ray_grid.shift_y);
+        let width = ray_grid.width as usize;
         let mut place = Self {
-            block: (block_row - (rows[0] >> fan.shift_y) as usize) * fan.blocks_across() + block_column,
+            block: (block_row - (rows[0] >> ray_grid.shift_y) as usize) * ray_grid.blocks_across()
+                + block_column,
             width,
             first: (row - band.first_row as usize) * width + column,
             left: width - column,
             across: 0,
-            down: (1 << fan.shift_y).min(rows[1] as usize + 1 - row),
-            shift_x: fan.shift_x,
+            down: (1 << ray_grid.shift_y).min(rows[1] as usize + 1 - row),
+            shift_x: ray_grid.shift_x,
             is_square: false,
         };
         place.measure();

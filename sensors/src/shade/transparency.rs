@@ -7,10 +7,10 @@ use super::tile::{Steps, Tile};
 use super::{Colours, Shader};
 use crate::simd::{LANES, Lanes};
 use crate::trace::grid::Sight;
+use crate::trace::hit::resolve::Resolver;
+use crate::trace::packet::hits::first_hits;
 use crate::trace::packet::{MISS, Packet};
-use crate::trace::packet_hits::first_hits;
-use crate::trace::resolve::Resolver;
-use crate::trace::view::View;
+use crate::trace::placed::view::View;
 use fearless_simd::Simd;
 
 /// Number of surfaces visible behind the first; the last one is opaque.

@@ -1,12 +1,12 @@
 //! A scene as one sensor sees it at one moment: its instances placed around the sensor, under a tree.
 
-use super::error::SenseError;
-use super::top::{build_top, top_nodes};
 use crate::moment::Moment;
 use crate::pose::Pose;
 use crate::scene::tree::WideNode;
 use crate::scene::{Aabb, HeightGrid, Instance, Kind, Scene, Triangles, limits};
 use crate::simd::WIDTH;
+use crate::trace::error::SenseError;
+use crate::trace::placed::top::{build_top, top_nodes};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
 

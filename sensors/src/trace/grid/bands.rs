@@ -1,6 +1,6 @@
 //! How a grid of rays is cut into bands.
 
-use crate::optics::rays::Fan;
+use crate::optics::rays::RayGrid;
 use crate::simd::WIDTH;
 
 /// A band has about that many rays: what is worked on at a time should lie in the second-level cache.
@@ -11,34 +11,34 @@ const MOST_BANDS: usize = 64;
 /// How a grid is cut into bands. It depends on nothing but the grid, so that neither the number of threads nor
 /// the SIMD level decides in which order triangles are met.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bands {
+pub(in crate::trace) struct Bands {
     /// Rows of blocks in a band; the last may have fewer.
-    pub(super) block_rows: usize,
-    pub(super) count: usize,
+    pub(in crate::trace) block_rows: usize,
+    pub(in crate::trace) count: usize,
     /// Blocks of the grid.
-    pub(super) blocks: usize,
-    /// From where [`Target::farthest`](super::image::Target::farthest) of a band begins to where that of the next does: whole cache lines, so that no
+    pub(in crate::trace) blocks: usize,
+    /// From where [`Target::farthest`](crate::trace::image::Target::farthest) of a band begins to where that of the next does: whole cache lines, so that no
     /// two threads write to one, and sixteen more than a band has blocks.
-    pub(super) farthest_stride: usize,
+    pub(in crate::trace) farthest_stride: usize,
 }
 
 impl Bands {
-    pub(super) fn new(fan: &Fan) -> Self {
-        let rays_in_row = fan.blocks_across() * WIDTH;
-        let wanted = RAYS_IN_BAND.div_ceil(rays_in_row).max(fan.blocks_down().div_ceil(MOST_BANDS));
-        let count = fan.blocks_down().div_ceil(wanted);
-        let block_rows = fan.blocks_down().div_ceil(count);
+    pub(in crate::trace) fn new(ray_grid: &RayGrid) -> Self {
+        let rays_in_row = ray_grid.blocks_across() * WIDTH;
+        let wanted = RAYS_IN_BAND.div_ceil(rays_in_row).max(ray_grid.blocks_down().div_ceil(MOST_BANDS));
+        let count = ray_grid.blocks_down().div_ceil(wanted);
+        let block_rows = ray_grid.blocks_down().div_ceil(count);
         Self {
             block_rows,
-            count: fan.blocks_down().div_ceil(block_rows),
-            blocks: fan.blocks_across() * fan.blocks_down(),
-            farthest_stride: (block_rows * fan.blocks_across() + WIDTH).next_multiple_of(WIDTH),
+            count: ray_grid.blocks_down().div_ceil(block_rows),
+            blocks: ray_grid.blocks_across() * ray_grid.blocks_down(),
+            farthest_stride: (block_rows * ray_grid.blocks_across() + WIDTH).next_multiple_of(WIDTH),
         }
     }
 
     /// Elements of `farthest` of all bands.
-    pub(super) fn farthest_len(&self, fan: &Fan) -> usize {
-        let before_last = (self.count - 1) * self.block_rows * fan.blocks_across();
+    pub(in crate::trace) fn farthest_len(&self, ray_grid: &RayGrid) -> usize {
+        let before_last = (self.count - 1) * self.block_rows * ray_grid.blocks_across();
         (self.count - 1) * self.farthest_stride + (self.blocks - before_last) + WIDTH
     }
 }
@@ -47,13 +47,13 @@ impl Bands {
 mod tests {
     use super::*;
 
-    fn check(fan: &Fan) {
-        let bands = Bands::new(fan);
-        let (down, across) = (fan.blocks_down(), fan.blocks_across());
-        let size = [fan.width, fan.height];
+    fn check(ray_grid: &RayGrid) {
+        let bands = Bands::new(ray_grid);
+        let (down, across) = (ray_grid.blocks_down(), ray_grid.blocks_across());
+        let size = [ray_grid.width, ray_grid.height];
         assert!((1..=MOST_BANDS).contains(&bands.count), "{size:?}: {} bands", bands.count);
         assert!((bands.count - 1) * bands.block_rows < down && down <= bands.count * bands.block_rows);
-        let len = bands.farthest_len(fan);
+        let len = bands.farthest_len(ray_grid);
         let mut last_end = 0;
         for band in 0..bands.count {
             let rows = bands.block_rows.min(down - band * bands.block_rows);
@@ -71,18 +71,18 @@ mod tests {
     fn bands_of_all_sizes_have_room() {
         for width in 1..=200 {
             for height in 1..=200 {
-                check(&Fan::square(width, height));
-                check(&Fan::new(width, height));
-                check(&Fan::new(width, height).by_rows());
+                check(&RayGrid::square(width, height));
+                check(&RayGrid::new(width, height));
+                check(&RayGrid::new(width, height).by_rows());
             }
         }
         let stream = crate::noise::Stream { seed: 11, sensor: 0, frame: 0, channel: 0 };
         for sample in 0..10_000 {
             let size = [2 * sample, 2 * sample + 1]
                 .map(|index| 1 + stream.word(index) % crate::optics::MAX_GRID_SIZE);
-            check(&Fan::square(size[0], size[1]));
-            check(&Fan::new(size[0], size[1]));
-            check(&Fan::new(size[0], size[1]).by_rows());
+            check(&RayGrid::square(size[0], size[1]));
+            check(&RayGrid::new(size[0], size[1]));
+            check(&RayGrid::new(size[0], size[1]).by_rows());
         }
     }
 }

@@ -1,19 +1,19 @@
 //! Landmarks: where known points of instances, such as corners of tags or keypoints, appear in a picture.
 
-use super::error::{SenseError, check_output};
-use super::flow::at_its_line;
-use super::grid::{check_shutter, rays_len, rays_of};
-use super::memory::{Workspace, view_lines};
-use super::packet::Faces;
-use super::rays::scene::{Stacks, hit_in_view};
-use super::view::View;
 use crate::moment::{Moment, Shutter};
 use crate::optics::Optics;
 use crate::optics::rays::Rays;
 use crate::scene::tree::NONE;
 use crate::scene::{Scene, visibility};
 use crate::simd::dispatch;
+use crate::trace::error::{SenseError, check_output};
+use crate::trace::grid::{check_shutter, rays_len, rays_of};
+use crate::trace::packet::Faces;
+use crate::trace::placed::memory::{Workspace, view_lines};
+use crate::trace::placed::view::View;
 use crate::trace::rays::ray::FrameRay;
+use crate::trace::rays::scene::{Stacks, hit_in_view};
+use crate::trace::truth::flow::at_its_line;
 use glam::DVec3;
 
 /// So many rays across and down are compared with the direction of a point, to begin the search for its pixel.
@@ -56,7 +56,7 @@ impl Sighting {
 
 /// Returns the number of cache lines of [`Workspace`] memory that [`see_landmarks`] needs.
 pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize {
-    view_lines(scene.instances().len(), 1) + rays_len(optics, &optics.fan(), 0)
+    view_lines(scene.instances().len(), 1) + rays_len(optics, &optics.ray_grid(), 0)
 }
 
 /// Computes where a camera sees landmarks, through any lens and at the moment at which each one's row is taken, as in
@@ -117,13 +117,13 @@ pub fn see_landmarks(
         return Err(SenseError::Range { least, most });
     }
     check_output("seen", Some(seen.len()), landmarks.len())?;
-    let (fan, execution, instances) = (optics.fan(), workspace.execution, scene.instances().len());
-    check_shutter(scene, shutter, fan.height as u32)?;
+    let (ray_grid, execution, instances) = (optics.ray_grid(), workspace.execution, scene.instances().len());
+    check_shutter(scene, shutter, ray_grid.height as u32)?;
     if let Some(&Landmark { instance, .. }) = landmarks.iter().find(|at| at.instance as usize >= instances) {
         return Err(SenseError::Instance { value: instance, instances });
     }
     let mut memory = workspace.cut(landmarks_workspace_len(scene, optics))?;
-    let rays = rays_of(optics, (fan, 0), execution, &mut memory);
+    let rays = rays_of(optics, (ray_grid, 0), execution, &mut memory);
     for (landmark, seen) in landmarks.iter().zip(seen.iter_mut()) {
         *seen = find(&rays, shutter, landmark);
         // Until a ray says otherwise.
@@ -186,7 +186,7 @@ fn faces(moment: &Moment<'_>, landmark: &Landmark, towards: DVec3) -> bool {
 
 /// The pixel of a landmark when its line is taken, whatever hides it.
 fn find(rays: &Rays<'_>, shutter: &Shutter<'_>, landmark: &Landmark) -> Sighting {
-    let height = rays.fan().height as u32;
+    let height = rays.ray_grid().height as u32;
     let in_sensor = |moment: &Moment<'_>| {
         moment.world_from_sensor.rotation_matrix().transpose() * towards(moment, landmark)
     };
@@ -201,9 +201,10 @@ fn find(rays: &Rays<'_>, shutter: &Shutter<'_>, landmark: &Landmark) -> Sighting
 
 /// Whether there is a ray at a pixel.
 fn in_picture(rays: &Rays<'_>, pixel: [f64; 2]) -> bool {
-    let fan = rays.fan();
+    let ray_grid = rays.ray_grid();
     let [column, row] = pixel.map(|at| libm::floor(at + 0.5));
-    let inside = (0.0..f64::from(fan.width)).contains(&column) && (0.0..f64::from(fan.height)).contains(&row);
+    let inside = (0.0..f64::from(ray_grid.width)).contains(&column)
+        && (0.0..f64::from(ray_grid.height)).contains(&row);
     inside && rays.has(column as i32, row as i32)
 }
 
@@ -221,10 +222,10 @@ fn project(rays: &Rays<'_>, point: DVec3) -> Option<[f64; 2]> {
 /// The pixel whose ray goes nearest to a point: the best of some all over the picture, then of their neighbours, ever
 /// nearer ones.
 fn nearest(rays: &Rays<'_>, point: DVec3) -> [i32; 2] {
-    let fan = rays.fan();
+    let ray_grid = rays.ray_grid();
     let mut best = (f64::NEG_INFINITY, [0; 2]);
     let mut consider = |[column, row]: [i32; 2]| {
-        let [column, row] = [column.clamp(0, fan.width - 1), row.clamp(0, fan.height - 1)];
+        let [column, row] = [column.clamp(0, ray_grid.width - 1), row.clamp(0, ray_grid.height - 1)];
         // All directions are of length 1.
         let along = rays.direction(column, row).dot(point);
         if along > best.0 && rays.has(column, row) {
@@ -236,10 +237,10 @@ fn nearest(rays: &Rays<'_>, point: DVec3) -> [i32; 2] {
     let of = |index: i32, size: i32| (index * (size - 1) + COARSE / 2) / COARSE;
     for row in 0..=COARSE {
         for column in 0..=COARSE {
-            at = consider([of(column, fan.width), of(row, fan.height)]);
+            at = consider([of(column, ray_grid.width), of(row, ray_grid.height)]);
         }
     }
-    let mut step = (fan.width.max(fan.height) / COARSE).max(1);
+    let mut step = (ray_grid.width.max(ray_grid.height) / COARSE).max(1);
     loop {
         let [column, row] = at;
         for (x, y) in [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)] {

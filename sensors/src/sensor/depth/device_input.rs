@@ -4,16 +4,16 @@ use super::too_near::Obstacles;
 use crate::device::depth::{DepthDevice, Eye, Look};
 use crate::memory::{Cutter, lines};
 use crate::simd::WIDTH;
-use crate::trace::beyond::Glazing;
+use crate::trace::grid::place::Place;
+use crate::trace::grid::tiling::BLOCKS;
 use crate::trace::grid::{Band, Sight};
-use crate::trace::hit_point::block_index;
-use crate::trace::measure::Measure;
-use crate::trace::normals::NormalFinder;
+use crate::trace::hit::measure::Measure;
+use crate::trace::hit::normals::NormalFinder;
+use crate::trace::hit::point::block_index;
+use crate::trace::hit::resolve::{Resolver, hit_lanes};
 use crate::trace::packet::Faces;
-use crate::trace::place::Place;
-use crate::trace::resolve::{Resolver, hit_lanes};
-use crate::trace::second_look::SecondLook;
-use crate::trace::tiling::BLOCKS;
+use crate::trace::packet::specular::Glazing;
+use crate::trace::packet::visibility::VisibilityTest;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 
 /// True depths in metres (ranges for time of flight), each with the cosine of its angle of incidence, in row-major
@@ -22,9 +22,9 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16};
 /// The depth is +∞ where nothing is hit, −∞ where something too near is in the way, and NaN where the second eye does
 /// not see the point. The cosine is 1 where nothing is hit or where the device does not need it. Both lie side by side
 /// because lateral noise reads both of another pixel.
-pub(super) struct Seen<'a>(pub(super) &'a mut [[f32; 2]]);
+pub(super) struct DeviceInput<'a>(pub(super) &'a mut [[f32; 2]]);
 
-impl<'a> Seen<'a> {
+impl<'a> DeviceInput<'a> {
     /// Returns the number of cache lines for this number of pixels.
     pub(super) const fn workspace_len(pixels: usize) -> usize {
         lines(pixels * size_of::<[f32; 2]>())
@@ -35,8 +35,8 @@ impl<'a> Seen<'a> {
     }
 
     /// Reborrows the memory.
-    pub(super) fn reborrow(&mut self) -> Seen<'_> {
-        Seen(&mut *self.0)
+    pub(super) fn reborrow(&mut self) -> DeviceInput<'_> {
+        DeviceInput(&mut *self.0)
     }
 
     /// Splits off the first pixels.
@@ -72,22 +72,22 @@ impl<'a> Seen<'a> {
     ) {
         let faces = sight.faces;
         let glazing = Glazing::of(band.view);
-        let fan = band.rays.fan();
-        let across = fan.blocks_across();
+        let ray_grid = band.rays.ray_grid();
+        let across = ray_grid.blocks_across();
         let measure = Measure::new(&band.view.world_from_sensor);
         let axes = band.view.world_from_sensor.rotation_matrix();
         let columns = axes.as_mat3().to_cols_array_2d();
         let mut resolver = Resolver::new(band.view);
         let mut finder = NormalFinder::new(faces);
-        let mut second_look = SecondLook::NEW;
+        let mut second_look = VisibilityTest::NEW;
         if let Some(eye) = device.eye {
             second_look.set(eye.place(&axes));
         }
         for row in band.block_rows() {
-            if ((row << fan.shift_y) as i32) < band.fresh_from {
+            if ((row << ray_grid.shift_y) as i32) < band.fresh_from {
                 continue;
             }
-            let mut place = Place::new(fan, band, 0, row);
+            let mut place = Place::new(ray_grid, band, 0, row);
             for first in (0..across).step_by(BLOCKS) {
                 let nothing = [f32x16::splat(simd, f32::INFINITY); BLOCKS];
                 let (mut depths, mut cosines) = (nothing, [f32x16::splat(simd, 1.0); BLOCKS]);
@@ -138,11 +138,11 @@ fn hidden<S: Simd>(
     simd: S,
     band: &Band<'_>,
     faces: Faces,
-    (eye, look): (Eye, &mut SecondLook),
+    (eye, look): (Eye, &mut VisibilityTest),
     (axes, [first, row]): (&[[f32; 3]; 3], [usize; 2]),
 ) -> u64 {
     let (mut met, mut beyond) = (0, 0);
-    let across = band.rays.fan().blocks_across();
+    let across = band.rays.ray_grid().blocks_across();
     for part in 0..BLOCKS.min(across - first) {
         let block = [first + part, row];
         let index = block_index(band, block);

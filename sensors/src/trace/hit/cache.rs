@@ -4,9 +4,9 @@
 const KEPT: usize = 16;
 
 /// What was worked out for the things met last, by their numbers.
-pub(crate) struct Recent<T>([Option<(u32, T)>; KEPT]);
+pub(crate) struct HitCache<T>([Option<(u32, T)>; KEPT]);
 
-impl<T: Copy> Recent<T> {
+impl<T: Copy> HitCache<T> {
     pub(crate) const fn new() -> Self {
         Self([None; KEPT])
     }

@@ -1,11 +1,11 @@
 //! A second look at what rays have met, from another point.
 
-use super::packet::walk::{stack_len, walk};
-use super::packet::{Faces, Packet, PacketBounds};
-use super::packet_hits::{Search, activate, hit_lanes, intersect_instance};
-use super::shapes::LocalRays;
-use super::view::{MAX_DEPTH, View};
 use crate::simd::{LANES, WIDTH};
+use crate::trace::packet::hits::{Search, activate, hit_lanes, intersect_instance};
+use crate::trace::packet::walk::{stack_len, walk};
+use crate::trace::packet::{Faces, Packet, PacketBounds};
+use crate::trace::placed::view::{MAX_DEPTH, View};
+use crate::trace::shapes::LocalRays;
 use fearless_simd::{Simd, f32x16};
 use glam::DVec3;
 
@@ -14,13 +14,13 @@ use glam::DVec3;
 const TOUCHING: f64 = 1e-3;
 
 /// Rays from one point to others, up to sixty-four at a time.
-pub(crate) struct SecondLook {
+pub(crate) struct VisibilityTest {
     from: DVec3,
     packet: Packet,
     local: LocalRays,
 }
 
-impl SecondLook {
+impl VisibilityTest {
     /// From the sensor itself.
     pub(crate) const NEW: Self = Self { from: DVec3::ZERO, packet: Packet::new(), local: LocalRays::new() };
 

@@ -1,8 +1,8 @@
 //! Whether anything is near the sensor at all: most often nothing is, and a look at some boxes tells.
 
-use super::view::{MAX_DEPTH, View};
 use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
 use crate::simd::WIDTH;
+use crate::trace::placed::view::{MAX_DEPTH, View};
 use glam::DVec3;
 
 impl View<'_> {

@@ -4,7 +4,7 @@ use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
 /// Surfaces that a ray meets one behind the other after the first, at the most.
-pub(super) const SURFACES: usize = 4;
+pub(in crate::trace) const SURFACES: usize = 4;
 /// Most that a ray meets: of a way through a surface and of one back from it.
 pub(crate) const SURFACES_BEYOND: usize = 2 * SURFACES;
 
@@ -13,15 +13,15 @@ pub(crate) const SURFACES_BEYOND: usize = 2 * SURFACES;
 #[repr(C)]
 pub(crate) struct Path {
     /// Of the ray that it was at first.
-    pub(super) lane: u64,
-    pub(super) origin: DVec3,
-    pub(super) direction: DVec3,
+    pub(in crate::trace) lane: u64,
+    pub(in crate::trace) origin: DVec3,
+    pub(in crate::trace) direction: DVec3,
     /// Its time, as a share of the way from the view's moment to the next one.
-    pub(super) share: f64,
+    pub(in crate::trace) share: f64,
     /// From where it was sent to its origin.
-    pub(super) range: f64,
+    pub(in crate::trace) range: f64,
     /// What of the light comes this way, there and back.
-    pub(super) light: f64,
+    pub(in crate::trace) light: f64,
 }
 
 /// A surface that scatters light back by way of others.
@@ -29,10 +29,10 @@ pub(crate) struct Path {
 #[repr(C)]
 pub(crate) struct Behind {
     /// Of the ray.
-    pub(super) lane: u32,
+    pub(in crate::trace) lane: u32,
     pub(crate) slot: u32,
     pub(crate) instance: u32,
-    pub(super) cos_incidence: f32,
+    pub(in crate::trace) cos_incidence: f32,
     /// All the way.
     pub(crate) range: f64,
     /// What of the light it scatters and comes back.

@@ -19,7 +19,7 @@ pub(crate) const fn top_nodes(instances: usize) -> usize {
 /// Builds the tree over the boxes, sixteen neighbours on a Morton curve at a time, and returns its nodes.
 ///
 /// A scene's instances move, and are few: what matters is that this takes a few microseconds a hundred.
-pub(super) fn build_top(bounds: &[Aabb], order: &mut [u64], nodes: &mut [WideNode]) -> usize {
+pub(in crate::trace) fn build_top(bounds: &[Aabb], order: &mut [u64], nodes: &mut [WideNode]) -> usize {
     // A key is the place on the curve, then the index: the fewer boxes there are, the finer is the curve.
     let index_bits = usize::BITS - bounds.len().leading_zeros();
     let cell_bits = ((64 - index_bits) / 3).min(21);
@@ -128,8 +128,8 @@ mod tests {
     use crate::pose::Pose;
     use crate::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape, visibility};
     use crate::trace::WorkspaceBuf;
-    use crate::trace::memory::view_lines;
-    use crate::trace::view::View;
+    use crate::trace::placed::memory::view_lines;
+    use crate::trace::placed::view::View;
     use alloc::vec;
     use glam::DVec3;
 

@@ -1,17 +1,21 @@
 //! Ground truth for each ray, computed from the same rays as a sensor's frame.
 
-use super::error::{SenseError, check_output};
-use super::flow::Flow;
-use super::grid::{Band, Sight, check_shutter};
-use super::measure::Measure;
-use super::normals::{NormalFinder, Normals};
-use super::place::{Place, for_each_block};
-use super::resolve::{Met, Resolver};
+pub(in crate::trace) mod boxes;
+mod flow;
+pub(in crate::trace) mod landmarks;
+
 use crate::execution::split_at;
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::optics::Optics;
 use crate::scene::Scene;
+use crate::trace::error::{SenseError, check_output};
+use crate::trace::grid::place::{Place, for_each_block};
+use crate::trace::grid::{Band, Sight, check_shutter};
+use crate::trace::hit::measure::Measure;
+use crate::trace::hit::normals::{NormalFinder, Normals};
+use crate::trace::hit::resolve::{Resolver, SurfaceHit};
+use crate::trace::truth::flow::Flow;
 use fearless_simd::{Select, Simd, SimdBase, u32x16};
 
 /// The output buffers of ground truth, one element per ray in row-major order. Channels that are `None` are not
@@ -284,13 +288,13 @@ fn write_identities<S: Simd>(
     band: &Band<'_>,
     resolver: &mut Resolver<'_>,
     place: &Place,
-    met: &Met<'_>,
+    met: &SurfaceHit<'_>,
     outputs: [Option<&mut [u32]>; 2],
 ) {
     let known = band.view.scene.instances();
     let mut rest = match met {
-        Met::Nothing => 0,
-        Met::One(hit) => {
+        SurfaceHit::Nothing => 0,
+        SurfaceHit::One(hit) => {
             let index = hit.instance.instance;
             for (output, value) in outputs.into_iter().zip([index, known[index as usize].class]) {
                 if let Some(output) = output {
@@ -299,7 +303,7 @@ fn write_identities<S: Simd>(
             }
             return;
         }
-        Met::Several(lanes) => *lanes,
+        SurfaceHit::Several(lanes) => *lanes,
     };
     let slots = &band.target.slot[place.block];
     let (mut instances, mut classes) = (u32x16::splat(simd, u32::MAX), u32x16::splat(simd, 0));

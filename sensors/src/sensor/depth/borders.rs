@@ -4,7 +4,7 @@ use super::look::{LINES, Looker, load};
 use super::surface::is_same_surface;
 use crate::sensor::camera::MAX_IMAGE_SIZE;
 use crate::simd::WIDTH;
-use crate::trace::tiling::Tiling;
+use crate::trace::grid::tiling::Tiling;
 use fearless_simd::{Simd, SimdMask};
 
 /// How far around a tile borders are searched: one tile to each side, and two rows of tiles above and below.
@@ -18,14 +18,14 @@ const NO_ENDS: Row = [0; MAX_IMAGE_SIZE as usize / WIDTH / 64];
 const ROWS: usize = MOST_ROWS + 2 * REACH[1];
 
 /// The tiles of some rows in which a surface ends, a bit each.
-pub(super) struct Ends {
+pub(super) struct Borders {
     /// The first of these rows, counted in tiles.
     first: usize,
     rows: [Row; ROWS],
 }
 
-impl Ends {
-    /// Searches rows of tiles, and those around them that [`Ends::are_near`] needs.
+impl Borders {
+    /// Searches rows of tiles, and those around them that [`Borders::are_near`] needs.
     #[inline(always)]
     pub(super) fn find<S: Simd>(simd: S, looker: &Looker<'_>, tile_rows: core::ops::Range<usize>) -> Self {
         let [width, height] = looker.size;

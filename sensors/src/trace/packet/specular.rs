@@ -1,14 +1,14 @@
 //! What rays meet by way of mirrors and panes.
 
-use super::behind::{Behind, Found, Path, Paths, SURFACES};
-use super::grid::{Band, Sight};
-use super::hit_point::block_index;
-use super::image::NO_HIT;
-use super::resolve::Resolver;
-use super::room::GridRoom;
-use super::view::View;
-use super::volley::{Struck, Volley, Ways};
 use crate::simd::{LANES, WIDTH};
+use crate::trace::grid::{Band, Sight};
+use crate::trace::hit::point::block_index;
+use crate::trace::hit::resolve::Resolver;
+use crate::trace::image::NO_HIT;
+use crate::trace::packet::moving::{MovingHit, MovingPacket, Ways};
+use crate::trace::packet::paths::{Behind, Found, Path, Paths, SURFACES};
+use crate::trace::packet::scratch::SpecularScratch;
+use crate::trace::placed::view::View;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 
@@ -53,7 +53,7 @@ enum Way {
 
 impl Path {
     /// How it goes on where it has met a surface; none if too little of the light does.
-    fn after(&self, struck: &Struck, shares: Shares, way: Way) -> Option<Self> {
+    fn after(&self, struck: &MovingHit, shares: Shares, way: Way) -> Option<Self> {
         let part = if way == Way::Through { shares.passed } else { shares.reflected };
         // There and back.
         let light = self.light * part * part;
@@ -71,7 +71,7 @@ impl Path {
 }
 
 /// What a ray has met after a way, of which so much of the light comes back.
-fn behind(lane: usize, slot: u32, struck: &Struck, (way, light): (f64, f64)) -> Behind {
+fn behind(lane: usize, slot: u32, struck: &MovingHit, (way, light): (f64, f64)) -> Behind {
     Behind {
         lane: lane as u32,
         slot,
@@ -96,9 +96,9 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
         Self { paths, counts: [0; 2], found, found_count: 0 }
     }
 
-    /// Takes the rays of a volley that was cast, of which no more than there is room for meet anything: their paths behind
+    /// Takes the rays of a moving packet that was cast, of which no more than there is room for meet anything: their paths behind
     /// mirrors and panes. A ray goes on in both ways behind the first surface.
-    pub(crate) fn set_out(&mut self, (view, resolver): (&View<'_>, &mut Resolver<'_>), first: &Volley) {
+    pub(crate) fn set_out(&mut self, (view, resolver): (&View<'_>, &mut Resolver<'_>), first: &MovingPacket) {
         (self.counts, self.found_count) = ([0; 2], 0);
         for lane in 0..LANES {
             let Some(slot) = first.slot(lane) else { continue };
@@ -130,13 +130,13 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
         simd: S,
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         sight: &Sight,
-        (volley, ways): (&mut Volley, &mut Ways<'_>),
+        (moving, ways): (&mut MovingPacket, &mut Ways<'_>),
     ) -> &[Behind] {
         simd.vectorize(
             #[inline(always)]
             || {
                 for way in 0..2 {
-                    self.follow(simd, (view, resolver), sight, (volley, ways), way);
+                    self.follow(simd, (view, resolver), sight, (moving, ways), way);
                 }
             },
         );
@@ -150,7 +150,7 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
         simd: S,
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         sight: &Sight,
-        (volley, ways): (&mut Volley, &mut Ways<'_>),
+        (moving, ways): (&mut MovingPacket, &mut Ways<'_>),
         way: usize,
     ) {
         let (paths, count) = (&mut self.paths[way], &mut self.counts[way]);
@@ -159,16 +159,16 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
             if *count == 0 {
                 break;
             }
-            volley.clear();
+            moving.clear();
             for (lane, path) in paths[..*count].iter().enumerate() {
                 let farthest = sight.range[1] - path.range;
-                volley.set(lane, path.origin, path.direction, path.share, farthest);
+                moving.set(lane, path.origin, path.direction, path.share, farthest);
             }
-            volley.cast(simd, view, &sight, ways);
+            moving.cast(simd, view, &sight, ways);
             let mut kept = 0;
             for lane in 0..*count {
                 let path = paths[lane];
-                let (Some(slot), Some(struck)) = (volley.slot(lane), volley.struck(view, resolver, lane))
+                let (Some(slot), Some(struck)) = (moving.slot(lane), moving.struck(view, resolver, lane))
                 else {
                     continue;
                 };
@@ -260,15 +260,15 @@ impl Glazing {
         sight: &Sight,
         [column, row]: [usize; 2],
     ) -> Option<Seen> {
-        let fan = band.rays.fan();
+        let ray_grid = band.rays.ray_grid();
         let mut glazed = Glazed { lanes: 0, directions: [DVec3::X; WIDTH], farthest: [0.0; WIDTH] };
         let (mut forward, mut lengths) = ([1.0; WIDTH], [f64::INFINITY, 0.0]);
         for (lane, slot) in band.target.slot[block_index(band, [column, row])].iter().enumerate() {
             if *slot == NO_HIT || Shares::of(band.view, resolver.hit(*slot).instance.instance).is_matt() {
                 continue;
             }
-            let (x, y) = fan.lane_position(lane);
-            let ray = [(column << fan.shift_x) + x, (row << fan.shift_y) + y];
+            let (x, y) = ray_grid.lane_position(lane);
+            let ray = [(column << ray_grid.shift_x) + x, (row << ray_grid.shift_y) + y];
             let direction = band.rays.direction(ray[0] as i32, ray[1] as i32);
             let length = direction.length();
             let unit = direction / length;
@@ -298,7 +298,7 @@ fn see<S: Simd>(
     (view, resolver): (&View<'_>, &mut Resolver<'_>),
     sight: &Sight,
     (glazed, forward): (&Glazed, &[f64; WIDTH]),
-    room: &mut GridRoom,
+    room: &mut SpecularScratch,
 ) -> Seen {
     let mut seen = Seen {
         lanes: glazed.lanes,
@@ -306,9 +306,9 @@ fn see<S: Simd>(
         slots: [NO_HIT; WIDTH],
         cosines: [1.0; WIDTH],
     };
-    let mut first = const { Volley::new() };
+    let mut first = const { MovingPacket::new() };
     let mut beyond = Beyond::new(&mut room.paths, &mut room.found);
-    let mut ways = Ways::new(&mut room.volley);
+    let mut ways = Ways::new(&mut room.moving);
     first.clear();
     for lane in (0..WIDTH).filter(|lane| glazed.lanes >> lane & 1 == 1) {
         first.set(lane, DVec3::ZERO, glazed.directions[lane], 0.0, glazed.farthest[lane]);
@@ -337,11 +337,16 @@ fn see<S: Simd>(
     seen
 }
 
-/// Casts a volley. Compiled once a level.
+/// Casts a packet of moving rays. Compiled once a level.
 #[inline(never)]
-fn cast<S: Simd>(simd: S, (volley, ways): (&mut Volley, &mut Ways<'_>), view: &View<'_>, sight: &Sight) {
+fn cast<S: Simd>(
+    simd: S,
+    (moving, ways): (&mut MovingPacket, &mut Ways<'_>),
+    view: &View<'_>,
+    sight: &Sight,
+) {
     simd.vectorize(
         #[inline(always)]
-        || volley.cast(simd, view, sight, ways),
+        || moving.cast(simd, view, sight, ways),
     );
 }

@@ -5,7 +5,7 @@ use fearless_simd::{Simd, i32x16};
 
 /// The division of a grid of rays into blocks of sixteen: 4×4, or 16×1 if it has few rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Fan {
+pub(crate) struct RayGrid {
     /// Number of columns of rays.
     pub(crate) width: i32,
     /// Number of rows of rays.
@@ -16,7 +16,7 @@ pub(crate) struct Fan {
     pub(crate) shift_y: u32,
 }
 
-impl Fan {
+impl RayGrid {
     /// Creates a grid with the block shape that suits its height.
     pub(crate) const fn new(width: u32, height: u32) -> Self {
         let square = height >= 32;

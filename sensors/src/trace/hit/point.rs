@@ -1,11 +1,11 @@
 //! Where rays meet the surfaces that they hit, in double precision, and barycentrics of triangles there.
 
-use super::grid::Band;
-use super::image::NO_HIT;
-use super::resolve::Resolver;
-use super::view::View;
 use crate::pose::Pose;
 use crate::simd::WIDTH;
+use crate::trace::grid::Band;
+use crate::trace::hit::resolve::Resolver;
+use crate::trace::image::NO_HIT;
+use crate::trace::placed::view::View;
 use glam::{DMat3, DVec3};
 
 /// Finds the points that the rays of a grid have hit.
@@ -17,7 +17,7 @@ pub(crate) struct HitPoints {
 /// Index of a block, given by column and row among those of the grid, in its band.
 #[inline(always)]
 pub(crate) fn block_index(band: &Band<'_>, [column, row]: [usize; 2]) -> usize {
-    (row - *band.block_rows().start()) * band.rays.fan().blocks_across() + column
+    (row - *band.block_rows().start()) * band.rays.ray_grid().blocks_across() + column
 }
 
 /// Whether anything in view is not made of triangles.

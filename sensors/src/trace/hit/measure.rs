@@ -1,11 +1,11 @@
 //! How far the rays of a block reach.
 
-use super::grid::Band;
-use super::image::{GRAZING, NO_HIT};
-use super::resolve::Resolver;
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
 use crate::simd::WIDTH;
+use crate::trace::grid::Band;
+use crate::trace::hit::resolve::Resolver;
+use crate::trace::image::{GRAZING, NO_HIT};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DMat3;
 
@@ -33,8 +33,8 @@ impl Measure {
         resolver: &mut Resolver<'_>,
         [column, row]: [usize; 2],
     ) -> f32x16<S> {
-        let fan = band.rays.fan();
-        let block = (row - *band.block_rows().start()) * fan.blocks_across() + column;
+        let ray_grid = band.rays.ray_grid();
+        let block = (row - *band.block_rows().start()) * ray_grid.blocks_across() + column;
         let slots = u32x16::load_array_ref(simd, &band.target.slot[block]);
         let inverse = f32x16::load_array_ref(simd, &band.target.inverse[block]);
         let hit = slots.simd_ne(u32x16::splat(simd, NO_HIT));
@@ -61,8 +61,8 @@ impl Measure {
             lanes &= lanes - 1;
             let hit = resolver.hit(band.target.slot[block][lane]);
             if resolver.grazes(&hit, [rough[0][lane], rough[1][lane], rough[2][lane]]) {
-                let (x, y) = fan.lane_position(lane);
-                let ray = [(column << fan.shift_x) + x, (row << fan.shift_y) + y];
+                let (x, y) = ray_grid.lane_position(lane);
+                let ray = [(column << ray_grid.shift_x) + x, (row << ray_grid.shift_y) + y];
                 let mut direction = band.rays.direction(ray[0] as i32, ray[1] as i32);
                 // A pinhole's t is the depth, whatever else counts it along the ray.
                 let forward = if DEPTH && !matches!(band.rays, Rays::Pinhole(_)) { direction.x } else { 1.0 };

@@ -3,7 +3,6 @@
 //! A pose named `a_from_b` maps the coordinates of frame b to those of frame a, so that
 //! `point_in_a = a_from_b.transform_point(point_in_b)` and `a_from_c = a_from_b * b_from_c`.
 
-pub use crate::pose_convert::NotRigid;
 use bytemuck::{Pod, Zeroable};
 use core::ops::Mul;
 use glam::{DMat3, DQuat, DVec3};
@@ -134,6 +133,30 @@ impl Default for Pose {
         Self::IDENTITY
     }
 }
+
+/// The reason why a matrix is not a [`Pose`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum NotRigid {
+    /// An element is NaN or infinite.
+    NotFinite,
+    /// The upper left 3×3 part scales, shears or mirrors by more than 1e-6.
+    NotRotation,
+    /// The last row is not (0, 0, 0, 1).
+    NotAffine,
+}
+
+impl core::fmt::Display for NotRigid {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.write_str(match self {
+            Self::NotFinite => "the matrix has an element that is NaN or infinite",
+            Self::NotRotation => "the matrix scales, shears or mirrors; a pose only turns and moves",
+            Self::NotAffine => "the last row of the matrix must be 0 0 0 1",
+        })
+    }
+}
+
+impl core::error::Error for NotRigid {}
 
 impl Mul for Pose {
     type Output = Self;

@@ -1,6 +1,6 @@
 //! Conversions between poses and the types of other crates.
 
-use crate::pose::Pose;
+use crate::pose::{NotRigid, Pose};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 
 impl From<(DQuat, DVec3)> for Pose {
@@ -24,30 +24,6 @@ impl From<Pose> for (DQuat, DVec3) {
         (pose.rotation(), pose.translation())
     }
 }
-
-/// The reason why a matrix is not a [`Pose`].
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum NotRigid {
-    /// An element is NaN or infinite.
-    NotFinite,
-    /// The upper left 3×3 part scales, shears or mirrors by more than 1e-6.
-    NotRotation,
-    /// The last row is not (0, 0, 0, 1).
-    NotAffine,
-}
-
-impl core::fmt::Display for NotRigid {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        f.write_str(match self {
-            Self::NotFinite => "the matrix has an element that is NaN or infinite",
-            Self::NotRotation => "the matrix scales, shears or mirrors; a pose only turns and moves",
-            Self::NotAffine => "the last row of the matrix must be 0 0 0 1",
-        })
-    }
-}
-
-impl core::error::Error for NotRigid {}
 
 impl TryFrom<DAffine3> for Pose {
     type Error = NotRigid;

@@ -50,6 +50,7 @@ const SENSORS: &[&str] = &[
     "pose",
     "pose_convert",
     "memory",
+    "parameter",
     "srgb",
     "execution",
     "noise",

@@ -4,6 +4,16 @@
 //! building a tree over them; each mesh has its own tree. The tree is then walked once for all rays of the frame, which
 //! share an origin. Shadow rays traverse the same trees in packets of 64, with interval bounds: a subtree that no ray
 //! of the packet can hit is skipped for all of them.
+//!
+//! | module | holds |
+//! |---|---|
+//! | `placed` | the instances of a scene around the sensor, under a tree |
+//! | `grid`, `image` | frames of rays that share an origin, and how shapes are drawn into them |
+//! | `packet` | 64 rays at a time: shadows, mirrors and panes, rays that move |
+//! | [`rays`] | independent rays |
+//! | `shapes` | intersections of a ray with each kind of shape |
+//! | `hit` | the instance, point, distance and normal of a hit |
+//! | `truth` | ground truth, optical flow, landmarks |
 
 mod cast;
 pub(crate) mod error;

@@ -122,14 +122,14 @@ fn what_lets_no_light_through_is_refused() {
         (ahead(&bent), "tilt_rad of a face of wheel"),
         (ahead(&dense), "index of a face of wheel"),
         (ahead(&open), "index of the last face of wheel"),
-        (ahead(&empty), "faces of wheel"),
+        (ahead(&empty), "number of faces of wheel"),
         (ahead(&lost), "phase_rad of wheel"),
         (ahead(&wild), "swing's rad of wheel"),
-        (ahead(&many), "wheels"),
-        (ahead(&[]), "wheels"),
+        (ahead(&many), "number of wheels"),
+        (ahead(&[]), "number of wheels"),
         (Prisms { volley_time_ns: 0, ..good }, "volley_time_ns"),
         (Prisms { laser_time_ns: 5000, lasers_rad: &[0.0; 3], ..good }, "laser_time_ns"),
-        (Prisms { lasers_rad: &[], ..good }, "lasers_rad"),
+        (Prisms { lasers_rad: &[], ..good }, "number of lasers_rad"),
         (Prisms { lasers_rad: &[FRAC_PI_2], ..good }, "lasers_rad"),
     ] {
         let refused = Scanner::new(ScannerConfig::new(Pattern::Prisms(wrong))).unwrap_err();

@@ -151,7 +151,7 @@ impl core::fmt::Display for NotRigid {
         f.write_str(match self {
             Self::NotFinite => "the matrix has an element that is NaN or infinite",
             Self::NotRotation => "the matrix scales, shears or mirrors; a pose only turns and moves",
-            Self::NotAffine => "the last row of the matrix must be 0 0 0 1",
+            Self::NotAffine => "the last row of the matrix must be 0 0 0 1; is the matrix transposed?",
         })
     }
 }

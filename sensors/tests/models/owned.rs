@@ -7,7 +7,7 @@ use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan};
 use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, PinholeGrid, RayTableBuf};
 use belvedere_sensors::scanner::{Echoes, Scanner, ScannerBuf, Spread, presets};
-use belvedere_sensors::scene::{InstanceConfig, SceneBuilder, SceneError, Shape, visibility};
+use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, SceneError, Shape, visibility};
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{AnyOutput, AnySensor, Capture, Pose, Rule, SenseError, Sensor};
 use glam::DVec3;
@@ -151,6 +151,17 @@ fn a_scene_for_lidars_needs_no_material() {
     assert_eq!(builder.scene().materials().len(), 1);
     let unknown = InstanceConfig { material: belvedere_sensors::scene::MaterialId(1), ..ball };
     assert_eq!(builder.add_instance(&unknown), Err(SceneError::NoSuchMaterial));
+    // When all is gone, it is as at the beginning, whichever places are free.
+    let mut emptied = SceneBuilder::new();
+    let materials = [(); 3].map(|()| emptied.add_material(&MaterialConfig::default()).unwrap());
+    for material in [2, 0, 1] {
+        emptied.remove_material(materials[material]).unwrap();
+    }
+    emptied.add_instance(&ball).unwrap();
+    assert!(
+        matches!(emptied.remove_material(materials[1]), Err(SceneError::InUse { .. })),
+        "the place freed last"
+    );
     let lidar = Lidar::new(LidarConfig::new(Beams::ONE)).unwrap();
     let mut ranges = [0.0];
     let capture = Capture::new(0, builder.moment(Pose::IDENTITY));

@@ -16,9 +16,9 @@ impl SceneBuilder {
     /// [`SceneError::NoSuchMaterial`], [`SceneError::TooMany`].
     pub fn add_instance(&mut self, config: &InstanceConfig) -> Result<InstanceId, SceneError> {
         room(&self.instances)?;
-        let instance = self.check_instance(config, None)?;
-        if self.materials.items().is_empty() {
-            self.add_material(&MaterialConfig::default())?;
+        let mut instance = self.check_instance(config, None)?;
+        if self.materials.is_empty() {
+            instance.material = self.add_material(&MaterialConfig::default())?.0;
         }
         self.enter(&instance);
         let index = self.instances.add(instance);
@@ -103,7 +103,7 @@ impl SceneBuilder {
             }
             Kind::Triangles(Triangles::Mesh | Triangles::HeightField) | Kind::Solid(_) => {}
         }
-        let is_first = self.materials.items().is_empty() && config.material == MaterialId(0);
+        let is_first = self.materials.is_empty() && config.material == MaterialId(0);
         if !is_first && self.materials.get(instance.material).is_none() {
             return Err(SceneError::NoSuchMaterial);
         }

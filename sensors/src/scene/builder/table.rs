@@ -23,6 +23,11 @@ impl<T: Copy> Table<T> {
         &self.items
     }
 
+    /// Returns true if all elements were removed, or none was ever added.
+    pub(super) fn is_empty(&self) -> bool {
+        self.free.len() == self.items.len()
+    }
+
     /// Returns true if one more element has an index in 32 bits.
     pub(super) fn has_room(&self) -> bool {
         !self.free.is_empty() || self.items.len() < u32::MAX as usize

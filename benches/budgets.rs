@@ -74,15 +74,15 @@ const HEAD: &str = "\
 #   why = \"Distances are exact to the last bit since 0123abc.\"
 # [noise.group.entry] widens the tolerance of 10 % where several copies do not help, and says what was seen.
 #
-# The bests of family 25 model 17 at avx512 are, by hand, the highest that this file has had for each entry, all measured with one
+# The bests of family 25 model 17 are, by hand, the highest that this file has had for each entry, all measured with one
 # copy of the executable and not with several. On a quiet machine of that kind 7.5 of tag_room_rgb and 1.96 of two_threads
 # were seen, which the next `--record` there will find. Older ratios are left out where the entry was another one: of
 # refit_S3 those before 5edb6a5, which stood beside a build by parry3d, of moving_500 those before 9970624, which cast
 # other rays, and of R5 those before 8bb9168, which cast a million rays.
 # The bests of frames that were new on another or a busy machine (depth_64x64, depth_kinect, device_rgb, the lenses,
 # rolling_shutter, scan_beams, scan_moving, truth) are, by hand, an eighth lower than what was measured there.
-# Its bests at avx2 and its avx512_by_avx2 are still to be measured: the gate looks at both levels of one machine since it
-# measures with several copies, and no machine with AVX-512 was at hand then.
+# Its bests at avx2 are the records that were kept for it. Its avx512_by_avx2 is still to be measured: no machine with
+# AVX-512 was at hand when the gate began to look at both levels.
 # avx512_by_avx2 is how many times as fast a group is at avx512 as at avx2.
 # Instructions are copied by hand from what `cargo bench --bench counts` prints.
 

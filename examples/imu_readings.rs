@@ -3,7 +3,7 @@
 //!
 //! `cargo run --example imu_readings -- ROBOT WORLD TOPIC MESSAGES HZ > imu.bin`: so many messages a second, from time 0 on.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::payload::Imu;
@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let hz = rate_hz.parse::<u64>()?;
     let mut out = BufWriter::new(std::io::stdout().lock());
     let mut frame = FrameBuf::default();
-    let mut simulation = Simulation::builder(read::world(world)?).seed(1).build()?;
-    simulation.spawn(&read::robot(robot)?, SpawnOptions::default())?;
+    let mut simulation = Simulation::builder(load::world(world)?).seed(1).build()?;
+    simulation.spawn(&load::robot(robot)?, SpawnOptions::default())?;
     for number in 0..messages.parse::<u64>()? {
         simulation.run_until(number * 1_000_000_000 / hz);
         simulation.render(topic, &mut frame)?;

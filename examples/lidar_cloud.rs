@@ -4,7 +4,7 @@
 //!
 //! `cargo run --example lidar_cloud -- ROBOT WORLD TOPIC FRAMES HZ > cloud.bin`: so many frames a second, from time 0 on.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::Encoding;
@@ -22,8 +22,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let topics = [topic.clone(), format!("{topic}2")];
     let mut simulations = Vec::new();
     for topic in topics {
-        let mut simulation = Simulation::builder(read::world(world)?).seed(1).build()?;
-        simulation.spawn(&read::robot(robot)?, SpawnOptions::default())?;
+        let mut simulation = Simulation::builder(load::world(world)?).seed(1).build()?;
+        simulation.spawn(&load::robot(robot)?, SpawnOptions::default())?;
         simulations.push((topic, simulation));
     }
     for number in 0..frames.parse::<u64>()? {

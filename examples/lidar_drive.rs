@@ -7,7 +7,7 @@
 //! the steps' time, place and quaternion (x, y, z, w) of the robot; then time and place of each point, in the axes of the
 //! lidar at that time.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::robot::Command;
 use belvedere::simulation::{Simulation, SpawnOptions};
@@ -27,8 +27,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let [speed, turn, period, seconds] = numbers[..] else {
         return Err("give SPEED TURN PERIOD SECONDS".into());
     };
-    let mut simulation = Simulation::builder(read::world(world)?).seed(1).build()?;
-    let robot = simulation.spawn(&read::robot(robot)?, SpawnOptions::default())?;
+    let mut simulation = Simulation::builder(load::world(world)?).seed(1).build()?;
+    let robot = simulation.spawn(&load::robot(robot)?, SpawnOptions::default())?;
     let mut out = BufWriter::new(std::io::stdout().lock());
     let (mut frame, mut steps) = (FrameBuf::default(), Vec::new());
     // From now on physics remembers.

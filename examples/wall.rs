@@ -2,7 +2,7 @@
 //!
 //! `cargo run --release --example wall`
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::robot::Command;
 use belvedere::simulation::{Simulation, SpawnOptions};
@@ -13,9 +13,9 @@ const WALL: &str =
   <collision name='c'><geometry><box><size>0.2 4 1</size></box></geometry></collision></link></model></sdf>";
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut simulation = Simulation::builder(read::world("empty")?).seed(1).build()?;
-    simulation.spawn(&read::model(WALL)?, SpawnOptions::default())?;
-    let robot = simulation.spawn(&read::robot("kobuki_nostack_rplidar")?, SpawnOptions::default())?;
+    let mut simulation = Simulation::builder(load::world("empty")?).seed(1).build()?;
+    simulation.spawn(&load::model(WALL)?, SpawnOptions::default())?;
+    let robot = simulation.spawn(&load::robot("kobuki_nostack_rplidar")?, SpawnOptions::default())?;
     let mut scan = FrameBuf::default();
     for second in 0..=3 {
         simulation.render("/scan", &mut scan)?;

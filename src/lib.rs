@@ -3,7 +3,6 @@
 //! | module | is |
 //! |---|---|
 //! | `colours` | the colours of distances (feature `dataset`) |
-//! | [`description`] | robot and world files (xacro, URDF, SDF) as one typed model, every problem with file and line |
 //! | [`gltf`] | models as a file that other programs show |
 //! | [`world`] | the running world: physics, and the scene that the sensors see |
 //! | [`robot`] | the Kobuki base: drive, odometry, transforms, joint states |
@@ -26,6 +25,8 @@
 /// The crate `belvedere-bridge`: headers and payloads of frames, as [`bridge::payload::Odometry`], and, with the feature
 /// `server`, publishers and subscribers.
 pub use belvedere_bridge as bridge;
+/// The crate `belvedere-description`: robot and world files (xacro, URDF, SDF) as one typed model.
+pub use belvedere_description as description;
 /// The crate `belvedere-sensors`: cameras, depth cameras and lidars without a simulator.
 pub use belvedere_sensors as sensors;
 
@@ -35,7 +36,6 @@ pub mod cli;
 mod colours;
 #[cfg(feature = "dataset")]
 pub mod dataset;
-pub mod description;
 pub mod entities;
 pub mod gltf;
 #[cfg(feature = "link")]

@@ -1,16 +1,16 @@
 //! Models that come and go, ten thousand times; alone in its process, whose memory it looks at.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SimulationError, SpawnOptions};
 
 /// Whoever goes leaves nothing: places are used again, and memory does not grow.
 #[test]
 fn ten_thousand_come_and_go() {
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     let guest =
         || SpawnOptions { name: "guest".into(), namespace: "guest".into(), ..SpawnOptions::default() };
-    let model = read::model(
+    let model = load::model(
         "<robot name='pillar'><link name='base'>
           <inertial><mass value='1'/><inertia ixx='.1' iyy='.1' izz='.1' ixy='0' ixz='0' iyz='0'/></inertial>
           <collision><geometry><box size='.2 .2 1'/></geometry></collision></link>

@@ -1,6 +1,6 @@
 //! The library without a simulator's process: a robot is stepped and what it senses is rendered into the test's own memory.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::robot::{Autopilot, Command};
 use belvedere::server::{Server, ServerOptions};
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 const LIDAR: &str = "kobuki_nostack_rplidar";
 
 fn empty() -> Simulation {
-    Simulation::builder(read::world("empty").unwrap()).seed(7).build().unwrap()
+    Simulation::builder(load::world("empty").unwrap()).seed(7).build().unwrap()
 }
 
 fn named(name: &str, x: f64) -> SpawnOptions {
@@ -56,7 +56,7 @@ fn a_world_a_robot_and_ten_steps_take_no_shared_memory() {
 fn a_world_a_robot_and_ten_steps() -> Duration {
     let started = Instant::now();
     let mut simulation = empty();
-    let robot = simulation.spawn(&read::robot(LIDAR).unwrap(), SpawnOptions::default()).unwrap();
+    let robot = simulation.spawn(&load::robot(LIDAR).unwrap(), SpawnOptions::default()).unwrap();
     (0..10).for_each(|_| simulation.step());
     let mut scan = FrameBuf::default();
     simulation.render("scan", &mut scan).unwrap();
@@ -71,8 +71,8 @@ fn a_world_a_robot_and_ten_steps() -> Duration {
 /// A picture and its truth, flow included, of the same moment; what another sensor has, in the same call.
 #[test]
 fn streams_of_one_frame() {
-    let mut simulation = Simulation::builder(read::world("tag_ceiling").unwrap()).build().unwrap();
-    let model = read::robot("kobuki_hexagons_kinect").unwrap();
+    let mut simulation = Simulation::builder(load::world("tag_ceiling").unwrap()).build().unwrap();
+    let model = load::robot("kobuki_hexagons_kinect").unwrap();
     let robot = simulation.spawn(&model, SpawnOptions::default()).unwrap();
     let topics = [
         "/camera/rgb/image_raw",
@@ -113,8 +113,8 @@ fn two_robots_share_a_world() {
     let mut simulation = empty();
     let wall = "<sdf version='1.6'><model name='wall'><pose>0 3 1 0 0 0</pose><static>true</static><link name='l'>
         <collision name='c'><geometry><box><size>60 0.2 2</size></box></geometry></collision></link></model></sdf>";
-    simulation.spawn(&read::model(wall).unwrap(), SpawnOptions::default()).unwrap();
-    let model = read::robot("kobuki_hexagons_KinectHokuyo").unwrap();
+    simulation.spawn(&load::model(wall).unwrap(), SpawnOptions::default()).unwrap();
+    let model = load::robot("kobuki_hexagons_KinectHokuyo").unwrap();
     let first = simulation.spawn(&model, named("first", 0.0)).unwrap();
     let second = simulation.spawn(&model, named("second", 2.0)).unwrap();
     let (mut one, mut other) = (FrameBuf::default(), FrameBuf::default());
@@ -157,7 +157,7 @@ fn two_robots_share_a_world() {
 fn a_server_publishes_what_the_library_renders() {
     let build = || {
         let mut simulation = empty();
-        simulation.spawn(&read::robot("kobuki_hexagons_kinect").unwrap(), SpawnOptions::default()).unwrap();
+        simulation.spawn(&load::robot("kobuki_hexagons_kinect").unwrap(), SpawnOptions::default()).unwrap();
         simulation
     };
     let topics = ["/camera/depth/image_raw", "/camera/rgb/image_raw", "/camera/depth/points"];
@@ -191,14 +191,14 @@ fn what_senses_never_rests() {
         "<sensor name='s' type='ray'><pose>0 0 0.5 0 0 0</pose><topic>scan</topic><ray><range><min>0.1</min>
         <max>9</max></range></ray></sensor>";
     let stands = |sensor, is_robot| {
-        let mut simulation = Simulation::builder(read::world("playground").unwrap()).seed(7).build().unwrap();
+        let mut simulation = Simulation::builder(load::world("playground").unwrap()).seed(7).build().unwrap();
         let text = format!(
             "<sdf version='1.6'><model name='m'><pose>0 0 0.2 0 0 0</pose><link name='l'><inertial><mass>50</mass>
             <inertia><ixx>4</ixx><iyy>4</iyy><izz>4</izz></inertia></inertial><collision name='c'><geometry><box>
             <size>0.6 0.6 0.4</size></box></geometry></collision>{sensor}</link></model></sdf>"
         );
         let options = SpawnOptions { is_robot, ..SpawnOptions::default() };
-        let id = simulation.spawn(&read::model(&text).unwrap(), options).unwrap();
+        let id = simulation.spawn(&load::model(&text).unwrap(), options).unwrap();
         simulation.run_for(Duration::from_millis(1500));
         simulation.pose(id).unwrap()
     };
@@ -210,8 +210,8 @@ fn what_senses_never_rests() {
 #[test]
 fn what_cannot_be_is_refused() {
     let mut simulation = empty();
-    let model = read::robot(LIDAR).unwrap();
-    let wall = read::model(
+    let model = load::robot(LIDAR).unwrap();
+    let wall = load::model(
         "<sdf version='1.6'><model name='wall'><static>true</static><link name='l'/></model></sdf>",
     );
     let wall = simulation.spawn(&wall.unwrap(), SpawnOptions::default()).unwrap();

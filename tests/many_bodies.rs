@@ -1,7 +1,7 @@
 //! What many bodies cost: beside physics when all move, at the start and on the way when all sleep.
 
+use belvedere::description::load;
 use belvedere::description::model::World;
-use belvedere::description::read;
 use belvedere::server::{Server, ServerOptions};
 use belvedere::simulation::Simulation;
 use belvedere_bridge::{Domain, Kind, Node, StreamSpec, Subscriber};
@@ -49,7 +49,7 @@ fn load(text: &str) -> World {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("shapes.sdf");
     std::fs::write(&file, text).unwrap();
-    read::world(file.to_str().unwrap()).unwrap()
+    load::world(file.to_str().unwrap()).unwrap()
 }
 
 const GROUND: &str = "<model name='ground'><static>true</static><link name='l'>

@@ -3,9 +3,9 @@
 #![allow(dead_code, reason = "each target that includes this module uses a part of it")]
 #![allow(unreachable_pub, reason = "a module of several targets, none of which exports it")]
 
+use belvedere::description::load::load_world;
 use belvedere::description::model::{Geometry, World};
-use belvedere::description::package::PackagePath;
-use belvedere::description::world::load_world;
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere::world::physics::Physics;
 use belvedere::world::scene::WorldScene;
@@ -25,7 +25,7 @@ use std::f64::consts::FRAC_PI_2;
 /// The world's description.
 pub fn room() -> World {
     let mut diagnostics = Diagnostics::default();
-    load_world("tag_ceiling", &PackagePath::new([], None), Rules::default(), &mut diagnostics)
+    load_world("tag_ceiling", &package_path([], None), Rules::default(), &mut diagnostics)
         .expect("our own world loads")
 }
 

@@ -4,8 +4,8 @@
 
 mod light;
 
-use belvedere::description::package::PackagePath;
-use belvedere::description::world::load_world;
+use belvedere::description::load::load_world;
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere::picture;
 use belvedere::world::physics::Physics;
@@ -105,7 +105,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = std::env::args().nth(1).ok_or("usage: draw_cameras FOLDER")?;
     std::fs::create_dir_all(Path::new(&folder))?;
     let mut diagnostics = Diagnostics::default();
-    let world = load_world("tag_ceiling", &PackagePath::new([], None), Rules::default(), &mut diagnostics)
+    let world = load_world("tag_ceiling", &package_path([], None), Rules::default(), &mut diagnostics)
         .ok_or("the room cannot be loaded")?;
     let physics = Physics::new(&world)?;
     let scene = WorldScene::new(&world, &physics).map_err(|problem| format!("{problem:?}"))?;

@@ -1,7 +1,7 @@
 //! What there is in a world: a scene, and bodies that move as one.
 
 use crate::errors::value_error;
-use belvedere::description::any::Described;
+use belvedere::description::load::Described;
 use belvedere::description::model;
 use belvedere::entities::Entities;
 use belvedere::simulation::{Simulation, SpawnOptions};

@@ -1,9 +1,8 @@
 //! Worlds and robots from files, names and texts.
 
 use crate::errors::value_error;
-use belvedere::description::any::{self, Described};
-use belvedere::description::package::PackagePath;
-use belvedere::description::robot::LoadOptions;
+use belvedere::description::load::{self, Described, LoadOptions};
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules, Severity};
 use pyo3::PyResult;
 use std::path::PathBuf;
@@ -20,10 +19,9 @@ pub(crate) struct Options {
 
 impl Options {
     fn load_options(self) -> LoadOptions {
-        let mut packages =
-            PackagePath::new(self.package_path, std::env::var_os("ROS_PACKAGE_PATH").as_deref());
+        let mut packages = package_path(self.package_path, std::env::var_os("ROS_PACKAGE_PATH").as_deref());
         if std::env::var_os("BELVEDERE_MODELS").is_none() && self.models.is_dir() {
-            packages = packages.with_ours(self.models);
+            packages = packages.with_fallback(self.models);
         }
         LoadOptions { packages, rules: Rules::default(), xacro_args: self.xacro_args }
     }
@@ -37,9 +35,9 @@ pub(crate) fn load(source: &str, options: Options) -> PyResult<(Described, Vec<S
     let options = options.load_options();
     let mut diagnostics = Diagnostics::default();
     let read = if source.trim_start().starts_with('<') {
-        any::load_text(source, "text", &options, &mut diagnostics)
+        load::load_text(source, "text", &options, &mut diagnostics)
     } else {
-        any::load(source, &options, &mut diagnostics)
+        load::load(source, &options, &mut diagnostics)
     };
     let lines = |severity| {
         let problems = diagnostics.problems().iter().filter(move |problem| problem.severity == severity);

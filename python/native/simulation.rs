@@ -7,7 +7,7 @@ use crate::load::{self, Options};
 use crate::pool::Threads;
 use crate::poses;
 use crate::world::World;
-use belvedere::description::any::Described;
+use belvedere::description::load::Described;
 use belvedere::description::model;
 use belvedere::entities::EntityId;
 use belvedere::rig::FrameBuf;

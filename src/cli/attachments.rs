@@ -1,8 +1,8 @@
 //! The files of a run, to be kept in its recording.
 
+use crate::description::load::expand_robot;
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
-use crate::description::robot::expand_robot;
 use crate::description::{Diagnostics, Source};
 use crate::recording::Attachment;
 use crate::simulation::SpawnOptions;

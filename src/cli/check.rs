@@ -8,11 +8,10 @@ mod world;
 use super::error::CliError;
 use super::follow::print_line;
 use super::sensor_models::Devices;
-use crate::description::any::{self, Described};
+use crate::description::load::{self, Described, LoadOptions, default_robot_name, xacro_argument};
 use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
-use crate::description::package::PackagePath;
-use crate::description::robot::{LoadOptions, default_robot_name, xacro_argument};
+use crate::description::models::package_path;
 use crate::description::{Diagnostics, Problem, Rules, Severity, Source};
 use crate::rig::RigError;
 use crate::simulation::{Simulation, SimulationError, SpawnOptions};
@@ -71,11 +70,11 @@ impl CheckArgs {
 /// [`CliError::Description`] with every error in the file; failures of standard output.
 pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let packages = package_path(args.package_path.iter().cloned(), ros_package_path.as_deref());
     let file = args.file.clone().unwrap_or_else(|| default_robot_name().into());
     let mut diagnostics = Diagnostics::default();
     let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
-    let report = any::load(&file, &options, &mut diagnostics).map(|read| match read {
+    let report = load::load(&file, &options, &mut diagnostics).map(|read| match read {
         Described::World(world) => {
             let streams = rehearse(&world, None, args.gazebo_compat, &mut diagnostics);
             world::report(&world, &streams, args.gazebo_compat)

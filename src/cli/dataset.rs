@@ -7,7 +7,7 @@ use crate::dataset::{
     DatasetError, Folder, Making, Plan, check_coco, check_kitti, contact_sheet, export_coco, export_kitti,
     make,
 };
-use crate::description::package::PackagePath;
+use crate::description::models::package_path;
 use indicatif::{HumanBytes, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::num::NonZeroUsize;
@@ -104,7 +104,7 @@ impl FromStr for Share {
 pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let packages = package_path(args.package_path.iter().cloned(), ros_package_path.as_deref());
     let plan = Plan::read(&args.plan, &packages)?;
     // Before hours of work, not after them.
     for sensor in &args.coco {

@@ -2,9 +2,9 @@
 
 use super::place::{PLACE, Place};
 use crate::description::diagnostics::Source;
+use crate::description::load::{LoadOptions, default_robot_name, load_robot, xacro_argument};
 use crate::description::model::Model;
 use crate::description::package::PackagePath;
-use crate::description::robot::{LoadOptions, default_robot_name, load_robot, xacro_argument};
 use crate::description::suggestion::nearest;
 use crate::description::{Diagnostics, Rules};
 use crate::entities::model_name;

@@ -12,10 +12,11 @@ use super::sensor_models::Devices;
 use super::shown_scene::ShownScene;
 use super::status::Status;
 use super::view::{PageArgs, Shown, open_page};
+use crate::description::load::{default_world, load_world};
 use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
+use crate::description::models::package_path;
 use crate::description::package::PackagePath;
-use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Rules, Severity};
 use crate::entities::Origin;
 use crate::rig::Rig;
@@ -319,7 +320,7 @@ fn render_on_this_thread() {
 
 fn packages(args: &RunArgs) -> PackagePath {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref())
+    package_path(args.package_path.iter().cloned(), ros_package_path.as_deref())
 }
 
 fn load(args: &RunArgs, packages: &PackagePath) -> Result<(World, Vec<(Model, SpawnOptions)>), CliError> {

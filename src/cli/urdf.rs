@@ -2,8 +2,8 @@
 
 use super::error::CliError;
 use super::follow::print_line;
-use crate::description::package::PackagePath;
-use crate::description::robot::{default_robot_name, expand_robot, xacro_argument};
+use crate::description::load::{default_robot_name, expand_robot, xacro_argument};
+use crate::description::models::package_path;
 use crate::description::{Diagnostics, Severity};
 use std::path::PathBuf;
 
@@ -36,7 +36,7 @@ pub struct UrdfArgs {
 /// [`CliError::Description`] if the file cannot be expanded; failures of standard output.
 pub fn run(args: &UrdfArgs) -> Result<(), CliError> {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    let packages = PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref());
+    let packages = package_path(args.package_path.iter().cloned(), ros_package_path.as_deref());
     let file = args.file.clone().unwrap_or_else(|| default_robot_name().into());
     let mut diagnostics = Diagnostics::default();
     let robot = expand_robot(&file, &packages, &args.xacro_args, &mut diagnostics);

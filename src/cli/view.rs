@@ -6,9 +6,10 @@ use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, 
 use super::robots::{RobotArgs, argument};
 use super::terminal;
 use super::view_recording::RecordingToView;
+use crate::description::load::{default_world, load_world};
 use crate::description::model::Model;
+use crate::description::models::package_path;
 use crate::description::package::PackagePath;
-use crate::description::world::{default_world, load_world};
 use crate::description::{Diagnostics, Rules};
 use crate::gltf::{self, Thing};
 use crate::simulation::SpawnOptions;
@@ -154,7 +155,7 @@ fn view_recording(file: &Path, args: &ViewArgs) -> Result<(), CliError> {
 
 fn packages(args: &ViewArgs) -> PackagePath {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    PackagePath::new(args.package_path.iter().cloned(), ros_package_path.as_deref())
+    package_path(args.package_path.iter().cloned(), ros_package_path.as_deref())
 }
 
 /// What a page shows besides what it is sent.

@@ -120,8 +120,8 @@ mod tests {
     use super::*;
     use crate::description::Diagnostics;
     use crate::description::Rules;
-    use crate::description::package::PackagePath;
-    use crate::description::world::load_world;
+    use crate::description::load::load_world;
+    use crate::description::models::package_path;
 
     fn parts(glb: &[u8]) -> (Value, &[u8]) {
         let word = |at: usize| u32::from_le_bytes(glb[at..at + 4].try_into().unwrap()) as usize;
@@ -135,7 +135,7 @@ mod tests {
 
     #[test]
     fn a_world_is_a_file_whose_references_hold() {
-        let packages = PackagePath::new([], None);
+        let packages = package_path([], None);
         let world =
             load_world("tag_ceiling", &packages, Rules::default(), &mut Diagnostics::default()).unwrap();
         let things = world.models.iter().map(|model| Thing {

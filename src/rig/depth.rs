@@ -46,7 +46,7 @@ impl Behaviour for model::DepthCamera {
         say("depth", format!("{coding}, valid from {from} to {to} m"));
         let Some(preset) = self.preset else { return say("depth noise", "none".into()) };
         let lens = drawn_lens(&self.camera, &depth.camera, gazebo_compat);
-        let model = self.model(focal_px(&self.camera, &lens));
+        let model = device_model(self, focal_px(&self.camera, &lens));
         say("depth noise", depth_noise(&model.noise, range));
         say("device", format!("{}: {}", preset.name, preset.source));
         if !self.has_projector_on {
@@ -108,7 +108,7 @@ impl DepthChannel {
         let eye = Eye::new(camera, &lens, opening).map_err(|error| refused(&*error))?;
         let limits = Limits {
             range_m: described.range_m(),
-            model: described.model(focal_px(camera, &lens)),
+            model: device_model(described, focal_px(camera, &lens)),
             out_of_range: if opening.gazebo_compat { OutOfRange::Nan } else { OutOfRange::Infinite },
             too_near: if opening.gazebo_compat { TooNear::SeenThrough } else { TooNear::Blocks },
         };
@@ -281,14 +281,12 @@ struct Limits {
     too_near: TooNear,
 }
 
-impl model::DepthCamera {
-    /// How its device measures depth, through a lens of this focal length in pixels.
-    fn model(&self, focal_px: f64) -> DepthModel {
-        self.preset.map_or(DepthModel::new(), |preset| {
-            let model = preset.model(focal_px);
-            model.without_projector().filter(|_| !self.has_projector_on).unwrap_or(model)
-        })
-    }
+/// How the device of a depth camera measures, through a lens of this focal length in pixels.
+fn device_model(described: &model::DepthCamera, focal_px: f64) -> DepthModel {
+    described.preset.map_or(DepthModel::new(), |preset| {
+        let model = preset.model(focal_px);
+        model.without_projector().filter(|_| !described.has_projector_on).unwrap_or(model)
+    })
 }
 
 /// Focal length of a picture in pixels, through other lenses than a pinhole that of its angle of view.

@@ -10,6 +10,7 @@ use super::report::{Say, instrument};
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, InstrumentPlugin, OrientationReference, Sensor, SensorKind};
 use crate::entities::EntityId;
+use crate::world::earth::enu_from_world;
 use belvedere_bridge::payload::Imu;
 use belvedere_bridge::{Kind, StreamSpec};
 use belvedere_sensors::imu::{self, ImuState, InertialReading};
@@ -105,7 +106,7 @@ impl ImuChannel {
             state: made.start(),
             unit: made,
             reference: unit.reference,
-            enu_from_world: opening.earth.enu_from_world(opening.gazebo_compat && opening.earth.is_given),
+            enu_from_world: enu_from_world(opening.earth, opening.gazebo_compat && opening.earth.is_given),
             offset: unit.orientation_offset,
             orientation_stddev: unit.orientation_stddev,
             // Gyro and accelerometer are 0 and 1.

@@ -10,6 +10,7 @@ use super::{Opening, RigContext, RigError, Settings};
 use crate::description::diagnostics::Severity;
 use crate::description::model::{self, Earth, InstrumentPlugin, Sensor};
 use crate::description::text::{angle, number};
+use crate::world::earth::{enu_from_world, geodetic};
 use belvedere_bridge::payload::{NavSatFix, Vector3};
 use belvedere_bridge::{Kind, StreamSpec};
 use glam::{DMat3, DQuat, DVec3};
@@ -74,9 +75,9 @@ impl NavSatChannel {
             // Of its plugin, whose axes are never exchanged.
             Some([latitude_deg, longitude_deg, elevation_m, heading_rad]) => {
                 let own = Earth { latitude_deg, longitude_deg, elevation_m, heading_rad, ..Earth::default() };
-                (own, own.enu_from_world(false))
+                (own, enu_from_world(&own, false))
             }
-            None => (*opening.earth, opening.earth.enu_from_world(opening.gazebo_compat)),
+            None => (*opening.earth, enu_from_world(opening.earth, opening.gazebo_compat)),
         };
         if receiver.origin.is_none() && !earth.is_given {
             let what = format!(
@@ -114,7 +115,7 @@ impl Channel for NavSatChannel {
         let position_covariance = turned(self.enu_from_world, self.position.variance(stamp_ns));
         let position = DVec3::from(self.position.read(position.to_array(), frame, stamp_ns));
         let velocity = DVec3::from(self.velocity.read(velocity.to_array(), frame, stamp_ns));
-        let place = self.earth.geodetic(self.enu_from_world * position);
+        let place = geodetic(&self.earth, self.enu_from_world * position);
         let velocity = (self.enu_from_world * velocity).to_array();
         let [east, north, up] = velocity;
         self.fix.send_structs(

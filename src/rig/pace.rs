@@ -1,7 +1,7 @@
 //! For tests: how fast packets and clouds are encoded, beside a loop that takes as long on every processor.
 
+use crate::description::load;
 use crate::description::model::{Lidar, SensorKind};
-use crate::description::read;
 use rustix::time::{ClockId, clock_gettime};
 use std::hint::black_box;
 
@@ -15,7 +15,7 @@ pub(super) fn lidar(own: &str) -> Lidar {
         "<sdf version='1.6'><model name='m'><link name='l'><sensor name='s' type='ray'>
          <plugin filename='belvedere'>{own}</plugin></sensor></link></model></sdf>"
     );
-    let SensorKind::Ray(lidar) = read::model(&model).unwrap().sensors.remove(0).kind else { panic!() };
+    let SensorKind::Ray(lidar) = load::model(&model).unwrap().sensors.remove(0).kind else { panic!() };
     lidar
 }
 

@@ -1,8 +1,9 @@
 //! Models out of commands' texts.
 
+use crate::description::load::load_model_text;
 use crate::description::model::Model;
+use crate::description::models::package_path;
 use crate::description::package::PackagePath;
-use crate::description::single::load_model_text;
 use crate::description::{Diagnostics, Rules};
 
 /// Where the files are that spawned models name, and how these are read.
@@ -17,7 +18,7 @@ pub struct ModelFiles {
 impl Default for ModelFiles {
     /// Our own models alone.
     fn default() -> Self {
-        Self { packages: PackagePath::new([], None), rules: Rules::default() }
+        Self { packages: package_path([], None), rules: Rules::default() }
     }
 }
 

@@ -18,26 +18,26 @@ pub struct Geodetic {
     pub altitude_m: f64,
 }
 
-impl Earth {
-    /// Which way the world's axes point in those of east, north and up. Gazebo classic has them half a turn apart, so that
-    /// its worlds tell of a heading of 180° to be right; so has `gazebo_compat`.
-    pub fn enu_from_world(&self, gazebo_compat: bool) -> DQuat {
-        let half_turn = if gazebo_compat { std::f64::consts::PI } else { 0.0 };
-        DQuat::from_rotation_z(half_turn + if gazebo_compat { -self.heading_rad } else { self.heading_rad })
-    }
+/// Returns the rotation from the world's axes to east, north and up.
+///
+/// Gazebo classic has the two half a turn apart, so that its worlds need a heading of 180° to be right; so has
+/// `gazebo_compat`.
+pub fn enu_from_world(earth: &Earth, gazebo_compat: bool) -> DQuat {
+    let half_turn = if gazebo_compat { std::f64::consts::PI } else { 0.0 };
+    DQuat::from_rotation_z(half_turn + if gazebo_compat { -earth.heading_rad } else { earth.heading_rad })
+}
 
-    /// The place that is so far east, north and up of the origin.
-    pub fn geodetic(&self, enu: DVec3) -> Geodetic {
-        let (latitude, longitude) = (self.latitude_deg.to_radians(), self.longitude_deg.to_radians());
-        let (sin_lat, cos_lat) = (libm::sin(latitude), libm::cos(latitude));
-        let (sin_lon, cos_lon) = (libm::sin(longitude), libm::cos(longitude));
-        let across = cross_radius(sin_lat, cos_lat);
-        let east = DVec3::new(-sin_lon, cos_lon, 0.0);
-        let up = DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat);
-        let centre_from_enu = DMat3::from_cols(east, up.cross(east), up);
-        let of_ellipsoid = DVec3::new(across, across, across * (POLE_M / EQUATOR_M).powi(2));
-        from_centre(up * (of_ellipsoid + self.elevation_m) + centre_from_enu * enu)
-    }
+/// Returns the place that is `enu` metres east, north and up of the world's origin.
+pub fn geodetic(earth: &Earth, enu: DVec3) -> Geodetic {
+    let (latitude, longitude) = (earth.latitude_deg.to_radians(), earth.longitude_deg.to_radians());
+    let (sin_lat, cos_lat) = (libm::sin(latitude), libm::cos(latitude));
+    let (sin_lon, cos_lon) = (libm::sin(longitude), libm::cos(longitude));
+    let across = cross_radius(sin_lat, cos_lat);
+    let east = DVec3::new(-sin_lon, cos_lon, 0.0);
+    let up = DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat);
+    let centre_from_enu = DMat3::from_cols(east, up.cross(east), up);
+    let of_ellipsoid = DVec3::new(across, across, across * (POLE_M / EQUATOR_M).powi(2));
+    from_centre(up * (of_ellipsoid + earth.elevation_m) + centre_from_enu * enu)
 }
 
 /// Radius of curvature across the meridian.
@@ -129,7 +129,7 @@ mod tests {
             ([30.0, -51.75, 0.0], 31.229_949_251_909_09, 121.474_015_879_732_32, 10.000_281_274_3),
             ([91.75, 20.0, 0.0], 31.230_596_381_971_818, 121.474_664_013_744_02, 10.000_690_802_9),
         ] {
-            let place = earth.geodetic(DVec3::from(enu));
+            let place = geodetic(&earth, DVec3::from(enu));
             // 1e-12° is 0.1 µm.
             assert!((place.latitude_deg - latitude_deg).abs() < 3e-13, "{place:?}");
             assert!((place.longitude_deg - longitude_deg).abs() < 3e-13, "{place:?}");
@@ -141,13 +141,13 @@ mod tests {
     fn a_heading_turns_the_world_to_the_left() {
         // x points north: 10 m of it are so many degrees of latitude on the equator.
         let earth = Earth { heading_rad: std::f64::consts::FRAC_PI_2, ..Earth::default() };
-        let place = earth.geodetic(earth.enu_from_world(false) * DVec3::X * 10.0);
+        let place = geodetic(&earth, enu_from_world(&earth, false) * DVec3::X * 10.0);
         assert!((place.latitude_deg - 0.000_090_436_947_704_967).abs() < 1e-13, "{place:?}");
         assert!(place.longitude_deg.abs() < 1e-13);
         // Gazebo classic's worlds are right with 180°.
         let classic = Earth { heading_rad: std::f64::consts::PI, ..Earth::default() };
-        assert!((classic.enu_from_world(true) * DVec3::X - DVec3::X).length() < 1e-12);
-        assert!((Earth::default().enu_from_world(true) * DVec3::X + DVec3::X).length() < 1e-12);
+        assert!((enu_from_world(&classic, true) * DVec3::X - DVec3::X).length() < 1e-12);
+        assert!((enu_from_world(&Earth::default(), true) * DVec3::X + DVec3::X).length() < 1e-12);
     }
 
     #[test]
@@ -156,7 +156,7 @@ mod tests {
             [(89.9999, 10.0, 100.0), (-90.0, 0.0, 2800.0), (0.0, 180.0, -400.0), (45.0, -77.0, 400e3)]
         {
             let earth = Earth { latitude_deg, longitude_deg, elevation_m, ..Earth::default() };
-            let place = earth.geodetic(DVec3::Z * 50.0);
+            let place = geodetic(&earth, DVec3::Z * 50.0);
             assert!((place.latitude_deg - latitude_deg).abs() < 1e-11, "{place:?}");
             assert!((place.altitude_m - elevation_m - 50.0).abs() < 1e-8, "{place:?}");
         }

@@ -1,7 +1,7 @@
 //! Actors follow their scripts, and are seen, pushed against and taken out like any other model.
 
 use crate::sdf::{Folder, load};
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::Pose;
@@ -34,7 +34,7 @@ fn ranges(world: &str, times: &[f64]) -> Vec<f64> {
     let folder = Folder::new();
     let (world, _) = load(folder.write("w.world", world).to_str().unwrap(), false);
     let mut simulation = Simulation::builder(world.unwrap()).build().unwrap();
-    simulation.spawn(&read::model(LIDAR).unwrap(), SpawnOptions::default()).unwrap();
+    simulation.spawn(&load::model(LIDAR).unwrap(), SpawnOptions::default()).unwrap();
     let (mut frame, mut now) = (FrameBuf::default(), 0.0);
     let mut range = |time: &f64| {
         simulation.run_for(Duration::from_secs_f64(time - now));
@@ -107,7 +107,7 @@ fn a_skin_is_seen_in_the_pose_in_which_it_was_bound() {
     let told: Vec<String> = problems.iter().map(ToString::to_string).collect();
     assert!(told.len() == 1 && told[0].contains("skeleton animations are not played"), "{told:#?}");
     let mut simulation = Simulation::builder(world.unwrap()).build().unwrap();
-    simulation.spawn(&read::model(LIDAR).unwrap(), SpawnOptions::default()).unwrap();
+    simulation.spawn(&load::model(LIDAR).unwrap(), SpawnOptions::default()).unwrap();
     let mut frame = FrameBuf::default();
     simulation.render("scan", &mut frame).unwrap();
     let range: &[f32] = bytemuck::cast_slice(frame.view().payload());

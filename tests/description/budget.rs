@@ -1,8 +1,8 @@
 //! Small files that unfold into much: each ends with one clear error. Unfolded, they would take days.
 
 use crate::sdf::Folder;
-use belvedere::description::package::PackagePath;
-use belvedere::description::robot::{LoadOptions, load_robot};
+use belvedere::description::load::{LoadOptions, load_robot};
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use std::collections::HashSet;
 use std::time::{Duration, Instant};
@@ -15,7 +15,7 @@ fn errors_of(inside: &str) -> Vec<String> {
     let folder = Folder::new();
     let text = format!("<robot name='r' xmlns:xacro='http://x'>{inside}<link name='base'/></robot>");
     let path = folder.write("r.xacro", text);
-    let packages = PackagePath::new([], None);
+    let packages = package_path([], None);
     let options = LoadOptions { packages, rules: Rules::default(), xacro_args: Vec::new() };
     let mut diagnostics = Diagnostics::default();
     let start = Instant::now();

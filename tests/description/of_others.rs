@@ -1,16 +1,15 @@
 //! What worlds and models of other people write: saved by Gazebo, nested, with parts that nobody has.
 
 use crate::sdf::*;
-use belvedere::description::any::{Described, load};
+use belvedere::description::load::{Described, LoadOptions, load};
 use belvedere::description::model::{JointKind, LightKind};
-use belvedere::description::package::PackagePath;
-use belvedere::description::robot::LoadOptions;
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Problem, Rules, Severity};
 
 /// Loads a model file beside others, with these rules.
 fn described(folder: &Folder, file: &str, rules: Rules) -> (Option<Described>, Vec<Problem>) {
     let mut diagnostics = Diagnostics::default();
-    let options = LoadOptions { packages: PackagePath::new([], None), rules, xacro_args: Vec::new() };
+    let options = LoadOptions { packages: package_path([], None), rules, xacro_args: Vec::new() };
     let described = load(folder.path(file).to_str().unwrap(), &options, &mut diagnostics);
     (described, diagnostics.problems().to_vec())
 }

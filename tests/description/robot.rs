@@ -1,9 +1,10 @@
 //! Robot files: our own robots, the articles' robots, and everything that can be wrong with one.
 #![expect(clippy::approx_constant, reason = "angles to the digits that the articles' files give")]
 
+use belvedere::description::load::{LoadOptions, load_robot, robot_names, xacro_argument};
 use belvedere::description::model::{Camera, DepthCamera, JointKind, Lidar, Model, Sensor, SensorKind};
+use belvedere::description::models::package_path;
 use belvedere::description::package::PackagePath;
-use belvedere::description::robot::{LoadOptions, load_robot, robot_names, xacro_argument};
 use belvedere::description::{Diagnostics, Problem, Rules, Severity};
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_3;
@@ -24,7 +25,7 @@ fn load_from(packages: PackagePath, name: &str, gazebo_compat: bool) -> (Option<
 /// One of our own robots, which must load without a word.
 #[track_caller]
 fn ours(name: &str) -> Model {
-    let (robot, problems) = load_from(PackagePath::new([], None), name, false);
+    let (robot, problems) = load_from(package_path([], None), name, false);
     assert!(problems.is_empty(), "{name}: {problems:#?}");
     robot.unwrap()
 }
@@ -48,7 +49,7 @@ fn assert_place(robot: &Model, inner: &str, xyz: [f64; 3]) {
 
 #[test]
 fn all_our_robots_load_without_a_word() {
-    let names = robot_names(&PackagePath::new([], None));
+    let names = robot_names(&package_path([], None));
     for wanted in [
         "kobuki_nostack_camera",
         "kobuki_nostack_rplidar",
@@ -99,7 +100,7 @@ fn xacro_reads_yaml_and_takes_arguments() {
         <xacro:if value=\"${'turn' in near.joint_limits and near['joint_limits'].lift.has_limits}\">
           <xacro:joint_of name='turn' limits='${near.joint_limits}' length='0'/></xacro:if></robot>",
     );
-    let packages = PackagePath::new([folder.path().join("src")], None);
+    let packages = package_path([folder.path().join("src")], None);
     let xacro_args = vec![xacro_argument("length:=3").unwrap()];
     let options = LoadOptions { packages, rules: Rules::default(), xacro_args };
     let mut diagnostics = Diagnostics::default();
@@ -255,7 +256,7 @@ fn the_kinect_and_the_hokuyo_are_the_articles() {
 /// The articles' own files, where they are at hand.
 fn article(folder: &str) -> Option<PackagePath> {
     let seed = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/seed-robot")).join(folder);
-    seed.is_dir().then(|| PackagePath::new([seed], None))
+    seed.is_dir().then(|| package_path([seed], None))
 }
 
 /// What is taken from our packages because the user's copy lacks it is said, once a file.
@@ -362,7 +363,7 @@ fn each_fault_is_one_error_with_its_place_and_a_remedy() {
         let path = folder.path().join("bad.urdf.xacro");
         assert!(GOOD.contains(find), "{find}");
         std::fs::write(&path, GOOD.replacen(find, replace, 1)).unwrap();
-        let (_, problems) = load_from(PackagePath::new([], None), path.to_str().unwrap(), false);
+        let (_, problems) = load_from(package_path([], None), path.to_str().unwrap(), false);
         if line == 0 {
             assert!(problems.is_empty(), "{problems:#?}");
             continue;
@@ -387,7 +388,7 @@ fn an_include_cycle_and_a_missing_include_are_one_error() {
             "<robot name='r' xmlns:xacro='http://x'>\n<xacro:include filename='{included}'/></robot>"
         );
         std::fs::write(&path, text).unwrap();
-        let (robot, problems) = load_from(PackagePath::new([], None), path.to_str().unwrap(), false);
+        let (robot, problems) = load_from(package_path([], None), path.to_str().unwrap(), false);
         let [problem] = &problems[..] else { panic!("{problems:#?}") };
         assert!(robot.is_none() && problem.source.line == 2 && problem.what.contains(words), "{problem}");
         assert!(!problem.remedy.is_empty(), "{problem}");
@@ -407,6 +408,6 @@ fn a_relative_package_path_finds_files() {
         <xacro:include filename='${here}/part.xacro'/><link name='l'/></robot>";
     std::fs::write(robots.join("part.xacro"), "<robot/>").unwrap();
     std::fs::write(robots.join("mine.urdf.xacro"), text).unwrap();
-    let (robot, problems) = load_from(PackagePath::new([relative], None), "mine", false);
+    let (robot, problems) = load_from(package_path([relative], None), "mine", false);
     assert!(problems.is_empty() && robot.is_some(), "{problems:#?}");
 }

@@ -1,7 +1,7 @@
 //! Shapes of SDF, met from above in closed form: as a GPU lidar sees them, as a CPU lidar hits them, and as a ball that
 //! falls on them does.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use glam::DVec3;
@@ -30,9 +30,9 @@ fn simulation(models: &[&str]) -> Simulation {
     let folder = tempfile::tempdir().unwrap();
     let world = folder.path().join("nothing.world");
     std::fs::write(&world, "<sdf version='1.6'><world name='nothing'/></sdf>").unwrap();
-    let mut simulation = Simulation::builder(read::world(world.to_str().unwrap()).unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world(world.to_str().unwrap()).unwrap()).build().unwrap();
     for text in models {
-        simulation.spawn(&read::model(text).unwrap(), SpawnOptions::default()).unwrap();
+        simulation.spawn(&load::model(text).unwrap(), SpawnOptions::default()).unwrap();
     }
     simulation
 }
@@ -109,7 +109,7 @@ fn polylines() {
         // Each is a hole in the other.
         &outline("0 0,2 0,1 2", 1.0).repeat(2),
     ] {
-        let errors = read::model(&thing(wrong)).unwrap_err().to_string();
+        let errors = load::model(&thing(wrong)).unwrap_err().to_string();
         assert!(errors.contains("<polyline>"), "{errors}");
     }
 }
@@ -146,7 +146,7 @@ fn height_maps() {
 
     // A ball lies on it: its middle is a radius from the plane, and it rolls down, to −x and +y.
     let mut simulation = simulation(&[&thing(&map(2.0))]);
-    let ball = simulation.spawn(&read::model(BALL).unwrap(), SpawnOptions::default()).unwrap();
+    let ball = simulation.spawn(&load::model(BALL).unwrap(), SpawnOptions::default()).unwrap();
     simulation.run_for(Duration::from_millis(1500));
     let middle = simulation.pose(ball).unwrap().translation();
     // z = 1.5 + 0.1 (x − 1) − 0.2 (y − 2)
@@ -155,13 +155,13 @@ fn height_maps() {
     assert!((distance - 0.1).abs() < 2e-3, "{distance} m from the slope, at {middle}");
     assert!(middle.x < 0.95 && middle.y > 2.1, "{middle}");
 
-    let flat = read::model(&thing(&map(0.0))).unwrap();
+    let flat = load::model(&thing(&map(0.0))).unwrap();
     assert!(flat.links[0].collisions.is_empty(), "without height it is left out: {flat:?}");
     for wrong in [map(2.0).replace("slope.png", "none.png"), "<heightmap/>".into()] {
-        assert!(read::model(&thing(&wrong)).is_err(), "{wrong}");
+        assert!(load::model(&thing(&wrong)).is_err(), "{wrong}");
     }
     let text = folder.path().join("dem.tif");
     std::fs::write(&text, b"II*\0").unwrap();
-    let errors = read::model(&thing(&map(2.0).replace("slope.png", "dem.tif"))).unwrap_err().to_string();
+    let errors = load::model(&thing(&map(2.0).replace("slope.png", "dem.tif"))).unwrap_err().to_string();
     assert!(errors.contains("dem.tif") && errors.contains("PNG"), "{errors}");
 }

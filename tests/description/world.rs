@@ -4,9 +4,9 @@ use crate::sdf;
 
 use crate::sdf::*;
 use belvedere::description::Severity;
+use belvedere::description::load::{load_world, world_names};
 use belvedere::description::model::{Geometry, JointKind, LightKind};
-use belvedere::description::package::PackagePath;
-use belvedere::description::world::{load_world, world_names};
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::TextureAlpha;
@@ -14,7 +14,7 @@ use glam::DVec3;
 
 #[test]
 fn every_world_of_ours_loads_without_a_word() {
-    let names = world_names(&PackagePath::new([], None));
+    let names = world_names(&package_path([], None));
     for expected in ["corridor", "empty", "playground", "tag_ceiling"] {
         assert!(names.iter().any(|name| name == expected), "{names:?}");
     }
@@ -104,7 +104,7 @@ fn names_are_found_in_the_users_turtlebot_gazebo_first() {
     let folder = Folder::new();
     let text = "<sdf version='1.6'><world name='mine'/></sdf>";
     folder.write("turtlebot_gazebo/worlds/playground.world", text);
-    let packages = PackagePath::new([folder.path("")], None);
+    let packages = package_path([folder.path("")], None);
     let mut diagnostics = Diagnostics::default();
     for name in ["playground", "playground.world"] {
         assert_eq!(load_world(name, &packages, Rules::default(), &mut diagnostics).unwrap().name, "mine");
@@ -121,7 +121,7 @@ fn a_users_world_that_lacks_models_gives_way_to_ours_of_its_name() {
         </mesh></geometry></visual></link></model>";
     let world = format!("<sdf version='1.4'><world name='theirs'>{model}</world></sdf>");
     folder.write("turtlebot_gazebo/worlds/playground.world", &world);
-    let packages = PackagePath::new([folder.path("")], None);
+    let packages = package_path([folder.path("")], None);
     let load = |name: &str, rules| {
         let mut diagnostics = Diagnostics::default();
         let name = load_world(name, &packages, rules, &mut diagnostics).unwrap().name;

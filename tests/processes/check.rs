@@ -1,11 +1,9 @@
 //! What `check` says is what `run` does.
 
 use crate::live::{output, own_domain};
-use belvedere::description::any::{Described, load};
+use belvedere::description::load::{Described, LoadOptions, load, robot_names, world_names};
 use belvedere::description::model::World;
-use belvedere::description::package::PackagePath;
-use belvedere::description::robot::{LoadOptions, robot_names};
-use belvedere::description::world::world_names;
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere::server::{Server, ServerOptions};
 use belvedere::simulation::{Simulation, SpawnOptions};
@@ -69,7 +67,7 @@ fn published(described: Option<Described>) -> Streams {
 
 #[test]
 fn the_streams_that_check_tells_are_those_that_are_published() {
-    let packages = PackagePath::new([], None);
+    let packages = package_path([], None);
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let of_tests = [
         "tests/instruments.urdf",

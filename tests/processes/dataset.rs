@@ -1,6 +1,6 @@
 //! `belvedere dataset` from outside: the same bytes however it is made, whole shards or none, and mistakes with their line.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::Pose;
@@ -282,8 +282,8 @@ fn nobody_is_put_where_something_is() {
 
 #[test]
 fn a_numbered_frame_is_that_of_a_run_and_remembers_none() -> Result<(), Box<dyn std::error::Error>> {
-    let mut simulation = Simulation::builder(read::world("playground")?).seed(9).build()?;
-    let robot = simulation.spawn(&read::model(EYES)?, SpawnOptions::default())?;
+    let mut simulation = Simulation::builder(load::world("playground")?).seed(9).build()?;
+    let robot = simulation.spawn(&load::model(EYES)?, SpawnOptions::default())?;
     let pose = Pose::from_translation(DVec3::new(-2.0, 0.0, 0.5));
     simulation.set_down(robot, &pose)?;
     let mut expected = vec![FrameBuf::default(); 4];

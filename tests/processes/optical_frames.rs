@@ -1,10 +1,10 @@
 //! The frames that pictures are in: x right, y down, z forward, whatever frame a camera's plugin names.
 
 use crate::live::{Simulator, next_frame, output};
+use belvedere::description::load::{LoadOptions, load_robot};
 use belvedere::description::model::Model;
+use belvedere::description::models::package_path;
 use belvedere::description::optical::{new_frames, optical_frames};
-use belvedere::description::package::PackagePath;
-use belvedere::description::robot::{LoadOptions, load_robot};
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_bridge::payload::Transform;
 use glam::DVec3;
@@ -56,7 +56,7 @@ fn load(text: &str) -> Model {
     let file = folder.path().join("eyes.urdf");
     fs::write(&file, text).unwrap();
     let options =
-        LoadOptions { packages: PackagePath::new([], None), rules: Rules::default(), xacro_args: Vec::new() };
+        LoadOptions { packages: package_path([], None), rules: Rules::default(), xacro_args: Vec::new() };
     load_robot(file.to_str().unwrap(), &options, &mut Diagnostics::default()).unwrap()
 }
 

@@ -5,9 +5,9 @@ use crate::sdf;
 use crate::live::{belvedere, own_domain};
 use crate::sdf::{BOX, Folder, close, good};
 use belvedere::description::Diagnostics;
+use belvedere::description::load::{LoadOptions, load_robot};
 use belvedere::description::model::{Model, World};
-use belvedere::description::package::PackagePath;
-use belvedere::description::robot::{LoadOptions, load_robot};
+use belvedere::description::models::package_path;
 use belvedere::robot::placement;
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
@@ -74,7 +74,7 @@ fn robot_in(order: &[usize]) -> String {
 fn robot(text: &str) -> Model {
     let folder = Folder::new();
     let path = folder.write("robot.urdf", text);
-    let packages = PackagePath::new([], None);
+    let packages = package_path([], None);
     let options =
         LoadOptions { packages, rules: belvedere::description::Rules::default(), xacro_args: Vec::new() };
     let mut diagnostics = Diagnostics::default();

@@ -18,9 +18,9 @@ mod room;
 mod sdf;
 
 use crate::eyes::{april_tags, listed, qr_codes};
+use belvedere::description::load::load_world;
 use belvedere::description::model::{Geometry, Model, World};
-use belvedere::description::package::PackagePath;
-use belvedere::description::world::load_world;
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ fn models() -> PathBuf {
 
 fn tag_ceiling() -> World {
     let mut diagnostics = Diagnostics::default();
-    let world = load_world("tag_ceiling", &PackagePath::new([], None), Rules::default(), &mut diagnostics);
+    let world = load_world("tag_ceiling", &package_path([], None), Rules::default(), &mut diagnostics);
     assert!(diagnostics.problems().is_empty(), "{:#?}", diagnostics.problems());
     world.unwrap()
 }

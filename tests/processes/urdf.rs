@@ -1,9 +1,10 @@
 //! `belvedere urdf`: what it prints is the robot that was loaded, in a form that needs no xacro and no package path.
 
 use crate::live::belvedere;
+use belvedere::description::load::{LoadOptions, load_robot, robot_names};
 use belvedere::description::model::Model;
+use belvedere::description::models::package_path;
 use belvedere::description::package::PackagePath;
-use belvedere::description::robot::{LoadOptions, load_robot, robot_names};
 use belvedere::description::xml::Element;
 use belvedere::description::{Diagnostics, Rules};
 use std::fs;
@@ -49,7 +50,7 @@ fn read_again(printed: &str) -> Model {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("printed.urdf");
     fs::write(&file, printed).unwrap();
-    let mut robot = load(file.to_str().unwrap(), PackagePath::new([], None));
+    let mut robot = load(file.to_str().unwrap(), package_path([], None));
     robot.links.retain(|link| !link.name.ends_with("_optical"));
     robot.joints.retain(|joint| !joint.name.ends_with("_optical_joint"));
     robot
@@ -65,13 +66,13 @@ fn assert_plain(element: &Element) {
 
 #[test]
 fn every_robot_of_ours_read_again_is_the_same() {
-    let names = robot_names(&PackagePath::new([], None));
+    let names = robot_names(&package_path([], None));
     assert!(names.len() >= 8, "{names:?}");
     for name in &names {
         let (printed, said) = urdf(&[name]);
         assert_eq!(said, "", "{name}");
         assert_plain(&Element::parse(&printed, Path::new("printed")).unwrap());
-        let ours = load(name, PackagePath::new([], None));
+        let ours = load(name, package_path([], None));
         assert!(!ours.sensors.is_empty());
         assert_eq!(content(&read_again(&printed)), content(&ours), "{name}");
     }
@@ -87,7 +88,7 @@ fn the_articles_robots_read_again_are_the_same() {
         if !folder.is_dir() {
             continue;
         }
-        let robot = load(name, PackagePath::new([folder.clone()], None));
+        let robot = load(name, package_path([folder.clone()], None));
         let (printed, _) = urdf(&[name, "--package-path", folder.to_str().unwrap()]);
         assert_eq!(content(&read_again(&printed)), content(&robot), "{name}");
     }
@@ -141,7 +142,7 @@ fn files_are_named_so_that_anybody_finds_them() {
     }
     assert!(printed.contains("filename=\"package://arm_description/its_own\""), "{printed}");
     assert_eq!(printed.matches("file:///").count(), 3, "{printed}");
-    let loaded = load(robot, PackagePath::new([packages.clone()], None));
+    let loaded = load(robot, package_path([packages.clone()], None));
     assert_eq!(loaded.name, "a < \"b\"");
     assert_eq!(content(&read_again(&printed)), content(&loaded));
 
@@ -182,7 +183,7 @@ fn materials_are_defined_once_and_before_they_are_used() {
     let names: Vec<_> = defined.iter().map(|(name, _)| *name).collect();
     assert_eq!(names, ["Gazebo/Green", "Late", "Nowhere", "Red"]);
     assert_eq!((defined[1].1, defined[3].1), ("0 0 1 1", "1 0 0 1"));
-    let original = load(file.to_str().unwrap(), PackagePath::new([], None));
+    let original = load(file.to_str().unwrap(), package_path([], None));
     for (again, before) in read_again(&printed).links.iter().zip(&original.links) {
         for (again, before) in again.visuals.iter().zip(&before.visuals) {
             assert_eq!(again.material.diffuse, before.material.diffuse);

@@ -7,7 +7,6 @@ use std::path::Path;
 /// Of the simulator, bottom up.
 const SIMULATOR: &[&str] = &[
     "colours",
-    "description",
     "gltf",
     "world",
     "robot",
@@ -63,6 +62,27 @@ const SENSORS: &[&str] = &[
     "sensor",
     "parry",
     "rapier",
+];
+
+/// Of xacro.
+const XACRO: &[&str] = &[
+    "diagnostics",
+    "suggestion",
+    "xml",
+    "budget",
+    "package",
+    "fault",
+    "value",
+    "text",
+    "expression",
+    "limits",
+    "functions",
+    "evaluate",
+    "yaml",
+    "names",
+    "macros",
+    "scope",
+    "expand",
 ];
 
 /// A path of modules, without `crate`.
@@ -245,6 +265,20 @@ fn check_layers(folder: &str, layers: &[&str]) -> BTreeMap<(Module, Module), Str
 #[test]
 fn each_layer_of_the_simulator_uses_only_those_below_it() {
     check_layers("src", SIMULATOR);
+}
+
+#[test]
+fn no_two_files_of_the_descriptions_use_each_other() {
+    // The model holds the sensors' data, which stand beside their parsers: files are in order, folders are not.
+    let uses = Crate::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/description/src")).uses();
+    assert!(uses.len() > 50, "{uses:#?}");
+    assert_eq!(circles(&uses), BTreeSet::new(), "{uses:#?}");
+}
+
+#[test]
+fn each_layer_of_xacro_uses_only_those_below_it() {
+    let uses = check_layers("crates/xacro/src", XACRO);
+    assert_eq!(circles(&uses), BTreeSet::new(), "{uses:#?}");
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! World files written by a test, and what loading them says.
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
+use belvedere::description::load::load_world;
 use belvedere::description::model::World;
-use belvedere::description::package::PackagePath;
-use belvedere::description::world::load_world;
+use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere::description::{Problem, Severity};
 use glam::DVec3;
@@ -46,7 +46,7 @@ pub(crate) fn load(file_or_name: &str, gazebo_compat: bool) -> (Option<World>, V
     let mut diagnostics = Diagnostics::default();
     let world = load_world(
         file_or_name,
-        &PackagePath::new([], None),
+        &package_path([], None),
         Rules { gazebo_compat, ..Rules::default() },
         &mut diagnostics,
     );

@@ -4,8 +4,8 @@
 mod drives;
 mod plugins;
 
+use belvedere::description::load;
 use belvedere::description::model::Model;
-use belvedere::description::read;
 use belvedere::entities::EntityId;
 use belvedere::rig::FrameBuf;
 use belvedere::robot::Command;
@@ -111,7 +111,7 @@ fn car(size: Size, plugins: &str) -> Model {
 }
 
 fn model(inside: &str) -> Model {
-    read::model(&format!("<robot name='bot'>{inside}</robot>")).unwrap()
+    load::model(&format!("<robot name='bot'>{inside}</robot>")).unwrap()
 }
 
 /// A robot on a floor.
@@ -123,7 +123,7 @@ struct Bench {
 
 impl Bench {
     fn new(model: &Model) -> Self {
-        let mut simulation = Simulation::builder(read::world("empty").unwrap()).seed(7).build().unwrap();
+        let mut simulation = Simulation::builder(load::world("empty").unwrap()).seed(7).build().unwrap();
         let robot = simulation.spawn(model, SpawnOptions::default()).unwrap();
         // It comes to rest.
         simulation.run_for(Duration::from_millis(200));

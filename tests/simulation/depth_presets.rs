@@ -1,9 +1,9 @@
 //! Depth cameras of the simulator as the devices that they stand for, by file and by rule.
 
+use belvedere::description::load::{LoadOptions, load_robot};
 use belvedere::description::model::SensorKind;
-use belvedere::description::package::PackagePath;
-use belvedere::description::robot::{LoadOptions, load_robot};
-use belvedere::description::{Diagnostics, Rules, SensorModels, read};
+use belvedere::description::models::package_path;
+use belvedere::description::{Diagnostics, Rules, SensorModels, load};
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::device::depth::presets;
@@ -26,9 +26,9 @@ const OPENNI: &str =
     "<plugin filename='libgazebo_ros_openni_kinect.so'><cameraName>camera</cameraName></plugin>";
 
 fn depths(sensor: &str) -> Vec<f32> {
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     for model in [ROOM, sensor] {
-        simulation.spawn(&read::model(model).unwrap(), SpawnOptions::default()).unwrap();
+        simulation.spawn(&load::model(model).unwrap(), SpawnOptions::default()).unwrap();
     }
     let mut frame = FrameBuf::default();
     simulation.render("camera/depth/image_raw", &mut frame).unwrap();
@@ -88,7 +88,7 @@ fn a_stereo_camera_without_its_projector_needs_texture() {
 fn real_sensor_models_make_a_kinect_of_the_articles_robot() {
     let preset = |sensor_models| {
         let rules = Rules { sensor_models, ..Rules::default() };
-        let packages = PackagePath::new([], None);
+        let packages = package_path([], None);
         let options = LoadOptions { packages, rules, xacro_args: Vec::new() };
         let mut diagnostics = Diagnostics::default();
         let robot = load_robot("kobuki_hexagons_kinect", &options, &mut diagnostics).unwrap();

@@ -1,6 +1,6 @@
 //! Gazebo's GPU lidars see the outside of visuals, its CPU lidars both sides of collision shapes.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 
@@ -32,9 +32,9 @@ fn lidar(kind: &str, frames: &str) -> String {
 }
 
 fn scan(sensor: &str) -> (Vec<f32>, Vec<f32>) {
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     for model in [WALLS, sensor] {
-        simulation.spawn(&read::model(model).unwrap(), SpawnOptions::default()).unwrap();
+        simulation.spawn(&load::model(model).unwrap(), SpawnOptions::default()).unwrap();
     }
     let mut frame = FrameBuf::default();
     simulation.render("scan", &mut frame).unwrap();

@@ -1,7 +1,7 @@
 //! Inertial units in the simulator: what they feel of known motions, and what files ask of them.
 
+use belvedere::description::load;
 use belvedere::description::model::{Model, SensorKind};
-use belvedere::description::read;
 use belvedere::entities::EntityId;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
@@ -16,7 +16,7 @@ const GRAVITY: f64 = 9.8;
 
 /// A box of 1 kg with this in its link, or beside it.
 fn carrier(in_link: &str, beside: &str) -> Model {
-    read::model(&format!(
+    load::model(&format!(
         "<sdf version='1.6'><model name='box'><link name='body'>
            <inertial><mass>1</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy><izz>0.01</izz></inertia></inertial>
            <collision name='c'><geometry><box><size>0.4 0.4 0.2</size></box></geometry></collision>{in_link}</link>{beside}
@@ -39,7 +39,7 @@ struct Bench {
 
 impl Bench {
     fn new(model: &Model, at: Pose) -> Self {
-        let mut simulation = Simulation::builder(read::world("empty").unwrap()).seed(4).build().unwrap();
+        let mut simulation = Simulation::builder(load::world("empty").unwrap()).seed(4).build().unwrap();
         let options = SpawnOptions { world_from_model: at, ..SpawnOptions::default() };
         let carrier = simulation.spawn(model, options).unwrap();
         Self { simulation, carrier }
@@ -231,7 +231,7 @@ fn plugins_have_their_own_names_and_defaults() {
         assert!(DQuat::from_array(read.orientation).dot(DQuat::IDENTITY).abs() > 0.99);
     }
     // In a namespace, that stands in place of the model's name.
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     let options = SpawnOptions { namespace: "anna".into(), ..SpawnOptions::default() };
     simulation.spawn(&carrier(&in_sensor(ros1), ""), options).unwrap();
     assert!(simulation.topics().unwrap().iter().any(|topic| topic == "/anna/imu"));
@@ -258,7 +258,7 @@ fn figures_that_sdf_lacks_are_told_by_a_plugin_of_ours() {
         let text = format!(
             "<sensor name='u' type='imu'><topic>imu</topic><plugin name='b' filename='belvedere'>{inside}</plugin></sensor>"
         );
-        read::model(&format!(
+        load::model(&format!(
             "<sdf version='1.6'><model name='m'><link name='l'>\n{text}</link></model></sdf>"
         ))
     };
@@ -300,7 +300,7 @@ fn figures_that_sdf_lacks_are_told_by_a_plugin_of_ours() {
 #[test]
 fn a_unit_of_the_world_reports_too() {
     let model = carrier(&sensor("0 0 0 0 0 0", 100, ""), "<static>true</static><pose>1 2 3 0 0 0</pose>");
-    let mut world = read::world("empty").unwrap();
+    let mut world = load::world("empty").unwrap();
     world.models.push(Model { is_static: true, ..model });
     let mut simulation = Simulation::builder(world).build().unwrap();
     simulation.run_for(Duration::from_millis(100));

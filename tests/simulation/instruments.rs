@@ -2,8 +2,8 @@
 
 use crate::sdf;
 
+use belvedere::description::load;
 use belvedere::description::model::{Model, World};
-use belvedere::description::read;
 use belvedere::entities::EntityId;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
@@ -30,7 +30,7 @@ fn zurich(heading_deg: f64) -> World {
 
 /// A thing that floats, with this in its link, or beside it.
 fn carrier(in_link: &str, beside: &str) -> Model {
-    read::model(&format!(
+    load::model(&format!(
         "<sdf version='1.6'><model name='thing'><link name='body'><gravity>false</gravity>
            <inertial><mass>1</mass></inertial>{in_link}</link>{beside}</model></sdf>"
     ))

@@ -1,8 +1,8 @@
 //! Clouds of lidars whose beams each have a time of their own: taken back to the world by where the sensor was at the
 //! time of each, points lie on the walls.
 
+use belvedere::description::load;
 use belvedere::description::model::{CloudLayout, Lidar, SensorKind};
-use belvedere::description::read;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Encoding, FrameHeader, Kind};
@@ -98,10 +98,10 @@ fn points(frame: &FrameBuf) -> Vec<Point> {
 
 /// The cloud of a sensor that goes and turns, 0.35 s after it has begun to, with another topic of it at the same moment.
 fn cloud(beams: &str, gazebo_compat: bool, also: &str) -> (FrameHeader, Vec<Point>, FrameBuf) {
-    let world = read::world("empty").unwrap();
+    let world = load::world("empty").unwrap();
     let mut simulation = Simulation::builder(world).gazebo_compat(gazebo_compat).build().unwrap();
-    simulation.spawn(&read::model(&room()).unwrap(), SpawnOptions::default()).unwrap();
-    let sensor = simulation.spawn(&read::model(&floating(beams)).unwrap(), SpawnOptions::default()).unwrap();
+    simulation.spawn(&load::model(&room()).unwrap(), SpawnOptions::default()).unwrap();
+    let sensor = simulation.spawn(&load::model(&floating(beams)).unwrap(), SpawnOptions::default()).unwrap();
     simulation.place(sensor, &Pose::from_translation(START), SPEED, TURN).unwrap();
     let (mut frame, mut other) = (FrameBuf::default(), FrameBuf::default());
     // From now on physics remembers.
@@ -351,7 +351,7 @@ fn files_say_which_scanner_it_is() {
         "<plugin name='p' filename='libgazebo_ros_velodyne_gpu_laser.so'><ros><namespace>/car</namespace>
         <remapping>~/out:=points</remapping></ros><frame_name>velodyne</frame_name>
         <organize_cloud>true</organize_cloud><min_intensity>3</min_intensity></plugin>";
-    let read = |beams: &str| read::model(&floating(beams)).map(|mut model| model.sensors.remove(0));
+    let read = |beams: &str| load::model(&floating(beams)).map(|mut model| model.sensors.remove(0));
     // Without an <update_rate> it turns as it comes; ranges and noise are its own.
     let sensor = read(&format!("{}{plugin}", own("vlp16"))).unwrap();
     assert_eq!(sensor.effective_rate_hz(), Some(10.0));

@@ -1,6 +1,6 @@
 //! Clouds in the layouts of Livox's drivers, of a flash, and of a head of 128 lasers.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Encoding, FrameHeader, Kind};
@@ -36,9 +36,9 @@ fn cloud(own: &str, until_ms: u64) -> (FrameHeader, FrameBuf) {
         "<sdf version='1.6'><model name='floating'><link name='l'><gravity>false</gravity><sensor name='s' type='ray'>
          <topic>lidar</topic><plugin filename='belvedere'>{own}</plugin></sensor></link></model></sdf>"
     );
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
-    simulation.spawn(&read::model(&wall).unwrap(), SpawnOptions::default()).unwrap();
-    let sensor = simulation.spawn(&read::model(&robot).unwrap(), SpawnOptions::default()).unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
+    simulation.spawn(&load::model(&wall).unwrap(), SpawnOptions::default()).unwrap();
+    let sensor = simulation.spawn(&load::model(&robot).unwrap(), SpawnOptions::default()).unwrap();
     simulation.place(sensor, &Pose::from_translation(START), SPEED, DVec3::ZERO).unwrap();
     let mut frame = FrameBuf::default();
     // From now on physics remembers.

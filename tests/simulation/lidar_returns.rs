@@ -1,7 +1,7 @@
 //! What files say of a lidar's beams: several returns, reflectivity, weather, in its clouds.
 
+use belvedere::description::load;
 use belvedere::description::model::{Lidar, PacketProfile, SensorKind};
-use belvedere::description::read;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Encoding, FrameHeader};
@@ -84,9 +84,9 @@ fn points(frame: &FrameBuf) -> Vec<Point> {
 
 /// What a topic of the sensor has of the plates.
 fn taken(beams: &str, topic: &str) -> (FrameHeader, FrameBuf) {
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
-    simulation.spawn(&read::model(&plates()).unwrap(), SpawnOptions::default()).unwrap();
-    let sensor = simulation.spawn(&read::model(&floating(beams)).unwrap(), SpawnOptions::default()).unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
+    simulation.spawn(&load::model(&plates()).unwrap(), SpawnOptions::default()).unwrap();
+    let sensor = simulation.spawn(&load::model(&floating(beams)).unwrap(), SpawnOptions::default()).unwrap();
     simulation.place(sensor, &Pose::from_translation(EYE), DVec3::ZERO, DVec3::ZERO).unwrap();
     let mut frame = FrameBuf::default();
     simulation.render(topic, &mut frame).unwrap();
@@ -190,7 +190,7 @@ fn an_ousters_second_returns_are_a_second_cloud() {
 }
 
 fn lidar_of(beams: &str) -> Result<Lidar, String> {
-    let mut model = read::model(&floating(beams)).map_err(|error| error.to_string())?;
+    let mut model = load::model(&floating(beams)).map_err(|error| error.to_string())?;
     let SensorKind::Ray(lidar) = model.sensors.remove(0).kind else { panic!() };
     Ok(lidar)
 }

@@ -1,6 +1,6 @@
 //! `<optics>` of visuals and collisions: what lidars and depth cameras see by way of mirrors and panes.
 
-use belvedere::description::read;
+use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 
@@ -35,12 +35,12 @@ fn walls(part: &str) -> String {
 }
 
 fn taken(sensor: &str, part: &str, topic: &str) -> FrameBuf {
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     let robot = format!(
         "<sdf version='1.6'><model name='m'><static>true</static><link name='l'>{sensor}</link></model></sdf>"
     );
     for model in [walls(part), robot] {
-        simulation.spawn(&read::model(&model).unwrap(), SpawnOptions::default()).unwrap();
+        simulation.spawn(&load::model(&model).unwrap(), SpawnOptions::default()).unwrap();
     }
     let mut frame = FrameBuf::default();
     simulation.render(topic, &mut frame).unwrap();
@@ -106,10 +106,10 @@ fn what_optics_cannot_be_is_refused_with_its_line() {
             "an <optics> reflects 0.6 of the light and lets 0.5 pass, more than all",
         ),
     ] {
-        let refused = read::model(&model(optics)).unwrap_err().to_string();
+        let refused = load::model(&model(optics)).unwrap_err().to_string();
         assert!(refused.contains(expected) && refused.contains(":3: "), "{refused}");
     }
-    let fine = read::model(&model("<optics><transmittance>0.9</transmittance></optics>")).unwrap();
+    let fine = load::model(&model("<optics><transmittance>0.9</transmittance></optics>")).unwrap();
     let optics = fine.links[0].visuals[0].optics;
     assert_eq!((optics.specular_reflectance, optics.transmittance), (0.0, 0.9));
 }

@@ -1,7 +1,7 @@
 //! Streams, their frames, and the noise of sensors: each by what it is called, whatever else there is.
 
+use belvedere::description::load;
 use belvedere::description::model::{Model, World};
-use belvedere::description::read;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::Pose;
@@ -20,7 +20,7 @@ fn thing(links: &[(&str, &[(&str, &str)])]) -> Model {
         format!("<link name='{name}'><gravity>false</gravity>{sensors}</link>")
     };
     let links: String = links.iter().map(link).collect();
-    read::model(&format!("<sdf version='1.6'><model name='thing'><static>true</static>{links}</model></sdf>"))
+    load::model(&format!("<sdf version='1.6'><model name='thing'><static>true</static>{links}</model></sdf>"))
         .unwrap()
 }
 
@@ -73,7 +73,7 @@ fn models_without_namespaces_have_noise_of_their_own() {
 #[test]
 fn no_frame_within_a_namespace_begins_with_a_slash() {
     // Gazebo's plugin names the frame /world if the file names none.
-    let model = read::model(
+    let model = load::model(
         "<sdf version='1.6'><model name='m'><link name='l'><sensor name='s' type='ray'><ray><range><max>9</max></range></ray>
          <plugin name='p' filename='libgazebo_ros_laser.so'><topicName>scan</topicName></plugin></sensor></link></model></sdf>",
     )
@@ -92,7 +92,7 @@ fn no_frame_within_a_namespace_begins_with_a_slash() {
 
 #[test]
 fn notes_tell_what_is_decided_when_streams_are_opened() {
-    let model = read::model(
+    let model = load::model(
         "<sdf version='1.6'><model name='m'><static>true</static><link name='l'>
          <sensor name='mute' type='camera'/><sensor name='gps' type='navsat'><topic>fix</topic></sensor></link></model></sdf>",
     )

@@ -127,9 +127,8 @@ pub(super) fn joint_kind(joint: &Joint) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::any::{Described, load_text};
-    use crate::description::package::PackagePath;
-    use crate::description::robot::LoadOptions;
+    use crate::description::load::{Described, LoadOptions, load_text};
+    use crate::description::models::package_path;
     use crate::description::{Diagnostics, Rules};
 
     #[test]
@@ -143,7 +142,7 @@ mod tests {
         let joints: String = ends.iter().map(|(parent, child)| joint(parent, child)).collect();
         let links: String = ["a", "b", "c", "d", "e"].map(|name| format!("<link name='{name}'/>")).concat();
         let text = format!("<sdf version='1.6'><model name='m'>{links}{joints}</model></sdf>");
-        let packages = PackagePath::new([], None);
+        let packages = package_path([], None);
         let options = LoadOptions { packages, rules: Rules::default(), xacro_args: Vec::new() };
         let mut diagnostics = Diagnostics::default();
         let loaded = load_text(&text, "m.sdf", &options, &mut diagnostics);

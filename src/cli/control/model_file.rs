@@ -1,8 +1,8 @@
 //! A file that is to be spawned: its text, or what it is instead of a model's file.
 
 use crate::cli::error::CliError;
-use crate::description::package::PackagePath;
-use crate::description::robot::robot_names;
+use crate::description::load::robot_names;
+use crate::description::models::package_path;
 use crate::description::xml::Element;
 use std::ffi::OsStr;
 use std::io;
@@ -51,7 +51,7 @@ pub(super) fn read(file: &Path) -> Result<String, CliError> {
 
 fn is_robot_name(file: &Path) -> bool {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    let names = robot_names(&PackagePath::new([], ros_package_path.as_deref()));
+    let names = robot_names(&package_path([], ros_package_path.as_deref()));
     names.iter().any(|name| file == Path::new(name))
 }
 

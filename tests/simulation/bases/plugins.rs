@@ -34,7 +34,7 @@ fn gz_sims_bases_have_its_names() {
 /// TurtleBot 1's base drives by its own plugin, and has nothing that only a Kobuki has.
 #[test]
 fn a_create_is_no_kobuki() {
-    let create = read::robot("create_circles_kinect").unwrap();
+    let create = load::robot("create_circles_kinect").unwrap();
     let mut bench = Bench::new(&create);
     let topics: Vec<String> = bench.simulation.topics().unwrap();
     assert!(!topics.iter().any(|topic| topic.contains("mobile_base")), "{topics:?}");
@@ -101,7 +101,7 @@ fn a_base_without_its_wheels_is_one_error() {
             chassis(SMALL),
             wheel("wheel_left", "chassis", [0.0, 0.1, 0.0], SMALL)
         );
-        read::model(&format!("<robot name='bot'>{inside}</robot>"))
+        load::model(&format!("<robot name='bot'>{inside}</robot>"))
     };
     let errors = robot("<plugin name='k' filename='libgazebo_ros_kobuki.so'/>").unwrap_err().to_string();
     assert!(
@@ -119,7 +119,7 @@ fn a_base_without_its_wheels_is_one_error() {
         "{errors}"
     );
     let passive = robot("").unwrap();
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     let id = simulation.spawn(&passive, SpawnOptions::default()).unwrap();
     assert!(simulation.command(id, Command::STOP).unwrap_err().to_string().contains("has no base"));
 }
@@ -163,7 +163,7 @@ fn what_stands_in_a_world_drives() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("burger.world");
     std::fs::write(&file, world).unwrap();
-    let world = read::world(file.to_str().unwrap()).unwrap();
+    let world = load::world(file.to_str().unwrap()).unwrap();
     let mut simulation = Simulation::builder(world).seed(7).build().unwrap();
     let robot = simulation.find("burger").unwrap();
     simulation.command(robot, Command::new(0.2, 0.0)).unwrap();
@@ -193,8 +193,8 @@ fn an_sdf_robot_with_gz_sims_sensors_publishes_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("model.sdf");
     std::fs::write(&file, text).unwrap();
-    let robot = read::robot(file.to_str().unwrap()).unwrap();
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).seed(7).build().unwrap();
+    let robot = load::robot(file.to_str().unwrap()).unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).seed(7).build().unwrap();
     let id = simulation.spawn(&robot, SpawnOptions::default()).unwrap();
     assert_eq!(simulation.pose(id).unwrap().translation().x, 1.0);
     let topics = simulation.topics().unwrap();
@@ -225,18 +225,18 @@ fn a_lidars_missing_link_is_that_of_a_lidar() {
         .concat();
     let sensor = "<gazebo reference='hokuyo_link'><sensor type='ray' name='head'/></gazebo>";
     let error =
-        read::model(&format!("<robot name='r'>{links}{joints}{sensor}</robot>")).unwrap_err().to_string();
+        load::model(&format!("<robot name='r'>{links}{joints}{sensor}</robot>")).unwrap_err().to_string();
     assert!(error.contains("did you mean 'base_laser_link'?"), "{error}");
 }
 
 /// A robot that starts in a wall is refused, and nothing of it is there; one that leans a little into the floor is not.
 #[test]
 fn a_start_inside_a_wall_is_one_error() {
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     let wall = "<sdf version='1.6'><model name='wall'><pose>2 0 0.5 0 0 0</pose><static>true</static><link name='l'>
       <collision name='c'><geometry><box><size>0.5 4 1</size></box></geometry></collision></link></model></sdf>";
-    simulation.spawn(&read::model(wall).unwrap(), SpawnOptions::default()).unwrap();
-    let robot = read::robot("kobuki_nostack_rplidar").unwrap();
+    simulation.spawn(&load::model(wall).unwrap(), SpawnOptions::default()).unwrap();
+    let robot = load::robot("kobuki_nostack_rplidar").unwrap();
     let at = |x: f64, z: f64| SpawnOptions {
         world_from_model: belvedere_sensors::Pose::from_translation(DVec3::new(x, 0.0, z)),
         ..SpawnOptions::default()
@@ -277,7 +277,7 @@ fn what_nobody_should_write_is_told_and_lost_by_nobody() {
 
     let refused = |plugin: &str| {
         let inside = format!("{}<gazebo>{plugin}</gazebo>", chassis(SMALL));
-        read::model(&format!("<robot name='bot'>{inside}</robot>")).unwrap_err().to_string()
+        load::model(&format!("<robot name='bot'>{inside}</robot>")).unwrap_err().to_string()
     };
     for noise in ["NaN", "-1", "0.1 x", "inf"] {
         let plugin = format!(
@@ -292,7 +292,7 @@ fn what_nobody_should_write_is_told_and_lost_by_nobody() {
            <rightJoint>r_joint</rightJoint>{}</plugin></gazebo><gazebo><static>true</static>",
         wheels_of(SMALL)
     );
-    let mut simulation = Simulation::builder(read::world("empty").unwrap()).build().unwrap();
+    let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     simulation
         .spawn(
             &two_wheels(SMALL, ["l", "r"], &plugins),

@@ -1,0 +1,33 @@
+//! Pictures in files.
+
+use image::{DynamicImage, ImageReader, ImageResult};
+use std::path::Path;
+
+/// Reads a picture. Its format is recognised by its content, since files such as a `wood.png` that is a JPEG exist; only
+/// a format without a signature, such as TGA, is recognised by the file's extension.
+///
+/// # Errors
+/// A file that cannot be read or decoded.
+pub fn open(path: &Path) -> ImageResult<DynamicImage> {
+    ImageReader::open(path)?.with_guessed_format()?.decode()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use image::{ImageFormat, RgbImage};
+
+    #[test]
+    fn a_picture_is_what_its_bytes_are() {
+        let folder = tempfile::tempdir().unwrap();
+        let picture = RgbImage::from_pixel(3, 2, image::Rgb([200, 100, 50]));
+        for (name, format) in
+            [("wood.png", ImageFormat::Jpeg), ("wood.jpg", ImageFormat::Png), ("wood.tga", ImageFormat::Tga)]
+        {
+            let path = folder.path().join(name);
+            picture.save_with_format(&path, format).unwrap();
+            assert_eq!(open(&path).unwrap().into_rgb8().dimensions(), (3, 2), "{name}");
+        }
+        assert!(open(&folder.path().join("none.png")).is_err());
+    }
+}

@@ -1,0 +1,31 @@
+#![doc = include_str!("../README.md")]
+#![forbid(unsafe_code)]
+
+mod fiducial;
+pub mod gazebo_materials;
+pub mod housing;
+pub mod image_file;
+pub mod inertia;
+mod label;
+pub mod load;
+pub mod mesh;
+pub mod model;
+pub mod models;
+pub mod ogre_material;
+pub mod optical;
+mod optics;
+mod plugin;
+pub mod rules;
+mod sdf;
+pub mod sensor;
+pub mod text;
+mod topic;
+mod urdf;
+pub mod values;
+
+/// The crate `belvedere-xacro`, with which xacro files are expanded.
+pub use belvedere_xacro as xacro;
+pub use belvedere_xacro::{budget, diagnostics, package, suggestion, xml};
+
+pub use diagnostics::{Diagnostics, Problem, Severity, Source};
+pub use rules::{Rules, SensorModels};

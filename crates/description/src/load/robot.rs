@@ -1,0 +1,240 @@
+//! Robots: found by file or by name, expanded by xacro, loaded from URDF.
+
+use crate::diagnostics::{Diagnostics, Source};
+use crate::model::Model;
+use crate::package::PackagePath;
+use crate::rules::Rules;
+use crate::suggestion::did_you_mean_or;
+use crate::xml::Element;
+use crate::{sdf, urdf, xacro};
+use std::path::{Path, PathBuf};
+
+/// The package whose `robots` folder holds the robots that have names.
+const PACKAGE: &str = "turtlebot_description";
+
+/// What the names' files end in.
+const EXTENSION: &str = ".urdf.xacro";
+
+/// The robot of the main job.
+const DEFAULT_ROBOT: &str = "kobuki_nostack_camera";
+
+/// What [`load_robot`] goes by.
+#[derive(Debug, Clone)]
+pub struct LoadOptions {
+    /// Where packages are found.
+    pub packages: PackagePath,
+    /// How they are read.
+    pub rules: Rules,
+    /// What `$(arg name)` gives in the robot's xacro, as (name, value).
+    pub xacro_args: Vec<(String, String)>,
+}
+
+/// An argument of xacro as roslaunch writes it: `name:=value`.
+///
+/// # Errors
+/// In words: what it should look like.
+pub fn xacro_argument(text: &str) -> Result<(String, String), String> {
+    match text.split_once(":=") {
+        Some((name, value)) if !name.is_empty() && !name.contains(char::is_whitespace) => {
+            Ok((name.to_owned(), value.to_owned()))
+        }
+        _ => Err("an argument of the robot's xacro is written name:=value".into()),
+    }
+}
+
+/// The robot that is loaded if none is asked for, as in the articles: `TURTLEBOT_BASE`, `TURTLEBOT_STACKS` and
+/// `TURTLEBOT_3D_SENSOR` choose `BASE_STACKS_SENSOR`; those that are not set are `kobuki`, `nostack`, `camera`.
+pub fn default_robot_name() -> String {
+    chosen_name(|variable| std::env::var(variable).ok())
+}
+
+fn chosen_name(variable: impl Fn(&str) -> Option<String>) -> String {
+    let variables = ["TURTLEBOT_BASE", "TURTLEBOT_STACKS", "TURTLEBOT_3D_SENSOR"];
+    let parts: Vec<String> = variables
+        .iter()
+        .zip(DEFAULT_ROBOT.split('_'))
+        .map(|(name, default)| {
+            variable(name).filter(|value| !value.is_empty()).unwrap_or_else(|| default.to_owned())
+        })
+        .collect();
+    parts.join("_")
+}
+
+/// Loads a robot from a URDF or xacro file, from an SDF file of one model, or by name.
+///
+/// A name has no path separator: `kobuki_nostack_camera` is `robots/kobuki_nostack_camera.urdf.xacro` of a
+/// `turtlebot_description` package on the package path, the user's first.
+///
+/// # Errors
+/// Whatever is wrong is added to `diagnostics`. None is returned when there is no robot at all; one that is
+/// returned while `diagnostics` has errors is good for showing, not for running.
+pub fn load_robot(
+    file_or_name: impl AsRef<Path>,
+    options: &LoadOptions,
+    diagnostics: &mut Diagnostics,
+) -> Option<Model> {
+    let path = find_robot(file_or_name.as_ref(), &options.packages, diagnostics)?;
+    if path.extension().is_some_and(|extension| extension == "sdf") {
+        return load_sdf(&path, options, diagnostics);
+    }
+    match xacro::expand(&path, &options.packages, &options.xacro_args, diagnostics) {
+        Ok(robot) => urdf::load_urdf(&robot, &options.packages, options.rules, diagnostics),
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+/// A robot from an SDF file of one model.
+fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
+    diagnostics.opened(path);
+    match Element::parse_file(path) {
+        Ok(root) => sdf::load_model(&root, &options.packages, options.rules, diagnostics),
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+/// Expands a robot as [`load_robot`] does and gives it as one plain URDF: without xacro, with meshes and textures by
+/// absolute names and each material defined once, so that ROS's programs can read it. What is meant for Gazebo stays.
+///
+/// # Errors
+/// Whatever is wrong is added to `diagnostics`. None is returned when the file cannot be expanded; whether its content
+/// makes a robot is not looked at. The frames that pictures are in
+/// come along, as [`optical_frames`](crate::optical::optical_frames) has them.
+pub fn expand_robot(
+    file_or_name: impl AsRef<Path>,
+    packages: &PackagePath,
+    xacro_args: &[(String, String)],
+    diagnostics: &mut Diagnostics,
+) -> Option<Element> {
+    let path = find_robot(file_or_name.as_ref(), packages, diagnostics)?;
+    match xacro::expand(&path, packages, xacro_args, diagnostics) {
+        Ok(mut robot) => {
+            if !urdf::is_robot(&robot, diagnostics) {
+                return None;
+            }
+            urdf::make_plain(&mut robot, packages, diagnostics);
+            urdf::add_optical_frames(&mut robot, packages);
+            Some(robot)
+        }
+        Err(problem) => {
+            diagnostics.add(problem);
+            None
+        }
+    }
+}
+
+fn find_robot(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
+    let is_robot_file = path
+        .extension()
+        .is_some_and(|extension| ["urdf", "xacro", "xml", "sdf"].iter().any(|known| extension == *known));
+    if !is_bare(path) || is_robot_file && path.exists() {
+        return Some(path.to_path_buf());
+    }
+    let name = path.to_string_lossy();
+    let name = name.strip_suffix(EXTENSION).unwrap_or(&name);
+    if !name.is_empty()
+        && let Some(found) = packages.find_file(PACKAGE, format!("robots/{name}{EXTENSION}"))
+    {
+        return Some(found.path);
+    }
+    let names = robot_names(packages);
+    let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
+    let otherwise = format!("give the path of a .urdf, .xacro or .sdf file or one of these names: {listed}");
+    not_found(path, "robot", names.iter().map(String::as_str), &otherwise, diagnostics);
+    None
+}
+
+/// Whether it is a name, or a file right here.
+pub(super) fn is_bare(file_or_name: &Path) -> bool {
+    file_or_name.components().count() == 1 && file_or_name.file_name() == Some(file_or_name.as_os_str())
+}
+
+/// Says that there is no such file, or nothing of such a name: what has an extension is a file.
+pub(super) fn not_found<'a>(
+    file_or_name: &Path,
+    what: &str,
+    names: impl IntoIterator<Item = &'a str>,
+    otherwise: &str,
+    diagnostics: &mut Diagnostics,
+) {
+    let is_file = file_or_name.extension().is_some();
+    let what = if is_file { "no such file".to_owned() } else { format!("no such {what}") };
+    let remedy = if is_file {
+        otherwise.to_owned()
+    } else {
+        did_you_mean_or(&file_or_name.to_string_lossy(), names, otherwise)
+    };
+    diagnostics.error(&Source::new(file_or_name, 0), what, remedy);
+}
+
+/// The names that [`load_robot`] knows, sorted.
+pub fn robot_names(packages: &PackagePath) -> Vec<String> {
+    let mut names: Vec<String> = packages
+        .folders()
+        .map(|folder| if folder.ends_with(PACKAGE) { folder.to_path_buf() } else { folder.join(PACKAGE) })
+        .chain(packages.find_package(PACKAGE))
+        .filter_map(|package| std::fs::read_dir(package.join("robots")).ok())
+        .flatten()
+        .filter_map(|entry| entry.ok()?.file_name().to_str()?.strip_suffix(EXTENSION).map(str::to_owned))
+        .collect();
+    names.sort();
+    names.dedup();
+    names
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::models::package_path;
+    use std::fs;
+
+    #[test]
+    fn the_environment_chooses_as_in_the_articles() {
+        assert_eq!(chosen_name(|_| None), "kobuki_nostack_camera");
+        let stacked = |name: &str| match name {
+            "TURTLEBOT_STACKS" => Some("hexagons".into()),
+            "TURTLEBOT_3D_SENSOR" => Some("KinectHokuyo".into()),
+            _ => None,
+        };
+        assert_eq!(chosen_name(stacked), "kobuki_hexagons_KinectHokuyo");
+    }
+
+    #[test]
+    fn robots_are_found_by_name_and_by_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let robots = folder.path().join("turtlebot_description/robots");
+        fs::create_dir_all(&robots).unwrap();
+        let file = robots.join("mine.urdf.xacro");
+        fs::write(&file, "<robot name='m'><link name=\"${'a' + 'b'}\"/></robot>").unwrap();
+        let options = LoadOptions {
+            packages: package_path([folder.path().to_path_buf()], None),
+            rules: Rules::default(),
+            xacro_args: Vec::new(),
+        };
+        let mut diagnostics = Diagnostics::default();
+        for name in ["mine", "mine.urdf.xacro", file.to_str().unwrap()] {
+            let robot = load_robot(name, &options, &mut diagnostics).unwrap();
+            assert_eq!((robot.name.as_str(), robot.links[0].name.as_str()), ("m", "ab"));
+        }
+        assert!(diagnostics.problems().is_empty());
+        assert!(load_robot("nine", &options, &mut diagnostics).is_none());
+        let problem = diagnostics.problems()[0].to_string();
+        assert!(problem.starts_with("nine: error: no such robot; did you mean 'mine'?"), "{problem}");
+    }
+
+    #[test]
+    fn a_path_without_a_file_is_one_error() {
+        let options =
+            LoadOptions { packages: package_path([], None), rules: Rules::default(), xacro_args: Vec::new() };
+        for path in ["no/such/robot.urdf", "no_such.urdf"] {
+            let mut diagnostics = Diagnostics::default();
+            assert!(load_robot(path, &options, &mut diagnostics).is_none());
+            assert_eq!(diagnostics.problems().len(), 1, "{path}");
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! Inertial units by a model's plugin: `libgazebo_ros_imu.so`, `libhector_gazebo_ros_imu.so`,
+//! `librotors_gazebo_imu_plugin.so`.
+
+use super::parameters::Parameters;
+use crate::model::{Imu, InstrumentPlugin, Sensor, SensorKind};
+use belvedere_sensors::imu::{ImuConfig, presets};
+use belvedere_sensors::noise::InstrumentConfig;
+
+/// What names the link.
+const BODY: [&str; 2] = ["bodyName", "body_name"];
+
+pub(super) fn imu(given: &mut Parameters<'_>) -> Option<Sensor> {
+    let stddev = given.not_negative(&["gaussianNoise", "gaussian_noise"], 0.0);
+    let white = stddev.map(|stddev| InstrumentConfig::default().stddev([stddev; 3]));
+    let config = white.map(|white| ImuConfig::default().gyro(white).accelerometer(white));
+    unit(given, &BODY, config.as_ref())
+}
+
+/// Team Hector's, which many robots carry: each triad, and the heading, with a mean, a bias that drifts and white noise.
+pub(super) fn hector(given: &mut Parameters<'_>) -> Option<Sensor> {
+    let (gyro, accelerometer) = (given.hector_noise("rate"), given.hector_noise("accel"));
+    let heading = given.hector_noise("yaw");
+    let both = given.not_negative(&["gaussianNoise"], 0.0);
+    let config = gyro.zip(accelerometer).map(|(mut gyro, mut accelerometer)| {
+        if let Some(both) = both.filter(|both| *both > 0.0) {
+            (gyro.stddev, accelerometer.stddev) = ([both; 3], [both; 3]);
+        }
+        ImuConfig::default().gyro(gyro).accelerometer(accelerometer)
+    });
+    let mut sensor = unit(given, &BODY, config.as_ref())?;
+    if let SensorKind::Imu(unit) = &mut sensor.kind {
+        unit.heading = heading?;
+    }
+    Some(sensor)
+}
+
+/// That of the simulator `RotorS`, whose own figures are those of an ADIS16448.
+pub(super) fn rotors(given: &mut Parameters<'_>) -> Option<Sensor> {
+    let preset = presets::adis16448();
+    let gyro = densities(given, "gyroscope", &preset.gyro);
+    let accelerometer = densities(given, "accelerometer", &preset.accelerometer);
+    let config = gyro
+        .zip(accelerometer)
+        .map(|(gyro, accelerometer)| ImuConfig::default().gyro(gyro).accelerometer(accelerometer));
+    unit(given, &["linkName"], config.as_ref())
+}
+
+/// The figures of a triad.
+fn densities(
+    given: &mut Parameters<'_>,
+    triad: &str,
+    preset: &InstrumentConfig<3>,
+) -> Option<InstrumentConfig<3>> {
+    let mut figure = |name: &str, default: f64| given.not_negative(&[&format!("{triad}{name}")], default);
+    let density = figure("NoiseDensity", preset.density[0]);
+    let walk = figure("RandomWalk", preset.drift[0]);
+    let bias = figure("TurnOnBiasSigma", preset.bias_stddev[0]);
+    let time_s = given.positive(&[&format!("{triad}BiasCorrelationTime")], preset.drift_time_s[0]);
+    let config = InstrumentConfig::default().density([density?; 3]).drift([walk?; 3]);
+    Some(config.bias_stddev([bias?; 3]).drift_time_s([time_s?; 3]))
+}
+
+fn unit(given: &mut Parameters<'_>, body: &[&str], config: Option<&ImuConfig>) -> Option<Sensor> {
+    let link = given.link(body, "base_link");
+    let rate_hz = given.rate(&["updateRate", "update_rate"], 0.0);
+    let link_from_sensor = given.offset();
+    let topic = given.topic(&["topicName", "topic_name", "imuTopic"], "imu");
+    let frame_name = given.text(&["frameName", "frame_name", "frameId"]).unwrap_or_default();
+    given.left_out();
+    let unit = Imu::of_plugin(config?, InstrumentPlugin { topic, frame_name });
+    Some(given.sensor(link, link_from_sensor?, rate_hz?, SensorKind::Imu(unit.into())))
+}

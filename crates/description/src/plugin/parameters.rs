@@ -1,0 +1,353 @@
+//! Checked values out of a plugin's elements.
+
+use crate::Rules;
+use crate::diagnostics::Diagnostics;
+use crate::model::{
+    JointIndex, JointKind, LinkIndex, Model, OdometryOrigin, OdometryPlugin, Sensor, SensorKind, Wheels,
+};
+use crate::suggestion::did_you_mean;
+use crate::topic;
+use crate::values::{child_bool, number, numbers};
+use crate::xml::Element;
+use belvedere_sensors::Pose;
+use belvedere_sensors::noise::InstrumentConfig;
+use glam::DVec3;
+use std::cell::RefCell;
+
+/// What files tell plugins that has no effect, in Gazebo either or on what is simulated.
+const OF_NO_EFFECT: [&str; 8] = [
+    "alwaysOn",
+    "rosDebugLevel",
+    "publishWheelTF",
+    "publishWheelJointState",
+    "robotNamespace",
+    "publish_wheel_tf",
+    "publish_distance",
+    "serviceName",
+];
+
+/// The parameters of one plugin. A value may be written under several names: Gazebo's plugins were renamed.
+pub(super) struct Parameters<'a> {
+    pub(super) plugin: &'a Element,
+    pub(super) model: &'a Model,
+    rules: Rules,
+    diagnostics: &'a mut Diagnostics,
+    /// Names that were asked for.
+    asked: RefCell<Vec<String>>,
+}
+
+impl<'a> Parameters<'a> {
+    pub(super) fn new(
+        plugin: &'a Element,
+        model: &'a Model,
+        rules: Rules,
+        diagnostics: &'a mut Diagnostics,
+    ) -> Self {
+        topic::check(plugin, diagnostics);
+        Self { plugin, model, rules, diagnostics, asked: RefCell::default() }
+    }
+
+    /// The first element of one of these names.
+    pub(super) fn element(&self, names: &[&str]) -> Option<&'a Element> {
+        self.asked.borrow_mut().extend(names.iter().map(|name| (*name).to_owned()));
+        let plugin: &'a Element = self.plugin;
+        names.iter().find_map(|name| plugin.child(name)).filter(|element| !element.text().is_empty())
+    }
+
+    pub(super) fn text(&self, names: &[&str]) -> Option<String> {
+        self.element(names).map(Element::text)
+    }
+
+    /// A finite number that fulfils a condition; `remedy` says which. Outer none: an error was told.
+    pub(super) fn number(
+        &mut self,
+        names: &[&str],
+        default: f64,
+        is_valid: impl Fn(f64) -> bool,
+        remedy: &str,
+    ) -> Option<f64> {
+        let Some(element) = self.element(names) else { return Some(default) };
+        let what = format!("<{}> of plugin '{}'", element.name, self.name());
+        let value = number(&element.text(), &what, &element.source, self.diagnostics)?;
+        if is_valid(value) {
+            return Some(value);
+        }
+        self.diagnostics.error(&element.source, format!("{what} is {value}"), remedy);
+        None
+    }
+
+    pub(super) fn positive(&mut self, names: &[&str], default: f64) -> Option<f64> {
+        self.number(names, default, |value| value > 0.0, "write a number above 0")
+    }
+
+    /// A length in m that a wheel or a base can have.
+    pub(super) fn length(&mut self, names: &[&str], default: f64) -> Option<f64> {
+        let is_length = |value: f64| (1e-4..=1e4).contains(&value);
+        self.number(names, default, is_length, "write metres, from 0.0001 to 10000")
+    }
+
+    /// One number for all axes, or one for each.
+    fn axes<const N: usize>(
+        &mut self,
+        name: &str,
+        default: f64,
+        is_valid: impl Fn(f64) -> bool,
+    ) -> Option<[f64; N]> {
+        let Some(element) = self.element(&[name]) else { return Some([default; N]) };
+        let text = element.text();
+        let is_right = |value: &f64| value.is_finite() && is_valid(*value);
+        let numbers: Option<Vec<f64>> =
+            text.split_whitespace().map(|word| word.parse().ok().filter(is_right)).collect();
+        let numbers = numbers.unwrap_or_default();
+        if let [all] = numbers[..] {
+            return Some([all; N]);
+        }
+        if let Ok(each) = numbers.try_into() {
+            return Some(each);
+        }
+        let what = format!("<{name}> of plugin '{}' is '{text}'", self.name());
+        let least = if is_valid(-1.0) { "" } else { ", 0 or more" };
+        let each = if N > 1 { format!(", or {N}") } else { String::new() };
+        self.diagnostics.error(&element.source, what, format!("write one number{least}{each}"));
+        None
+    }
+
+    /// The error model of Team Hector's plugins: a mean, white noise, and a bias of a deviation that forgets with a frequency.
+    /// Parameters are behind the prefix, or in small letters without one.
+    pub(super) fn hector_noise<const N: usize>(&mut self, prefix: &str) -> Option<InstrumentConfig<N>> {
+        let name = |what: &str| match (prefix, what.split_at(1)) {
+            ("", (first, rest)) => format!("{}{rest}", first.to_ascii_lowercase()),
+            _ => format!("{prefix}{what}"),
+        };
+        let not_negative = |value: f64| value >= 0.0;
+        let offset = self.axes(&name("Offset"), 0.0, |_| true);
+        let drift = self.axes::<N>(&name("Drift"), 0.0, not_negative);
+        let frequency = self.axes::<N>(&name("DriftFrequency"), 1.0 / 3600.0, not_negative);
+        let white = self.axes(&name("GaussianNoise"), 0.0, not_negative);
+        let (drift, frequency) = (drift?, frequency?);
+        // Such a process has this deviation at last. Theirs, which steps by the time and not by its root, gets there at 1 Hz.
+        let driven = std::array::from_fn(|axis| drift[axis] * libm::sqrt(2.0 * frequency[axis]));
+        let time_s = frequency.map(|hz| if hz > 0.0 { 1.0 / hz } else { f64::INFINITY });
+        let config = InstrumentConfig::default().mean(offset?).stddev(white?);
+        Some(config.drift(driven).drift_time_s(time_s))
+    }
+
+    /// A sensor that the plugin makes, called as the plugin is.
+    pub(super) fn sensor(
+        &self,
+        link: LinkIndex,
+        link_from_sensor: Pose,
+        rate_hz: Option<f64>,
+        kind: SensorKind,
+    ) -> Sensor {
+        Sensor {
+            name: self.name().to_owned(),
+            link,
+            link_from_sensor,
+            always_on: true,
+            update_rate_hz: rate_hz,
+            plugin_rate_hz: None,
+            kind,
+            source: self.plugin.source.clone(),
+        }
+    }
+
+    pub(super) fn not_negative(&mut self, names: &[&str], default: f64) -> Option<f64> {
+        self.number(names, default, |value| value >= 0.0, "write 0 or more")
+    }
+
+    pub(super) fn flag(&mut self, names: &[&str], default: bool) -> bool {
+        self.element(names)
+            .and_then(|element| child_bool(self.plugin, &element.name, self.diagnostics))
+            .unwrap_or(default)
+    }
+
+    /// A rate in hertz; the inner none means each step.
+    #[expect(clippy::option_option, reason = "outer: readable; inner: limited")]
+    pub(super) fn rate(&mut self, names: &[&str], default: f64) -> Option<Option<f64>> {
+        let is_rate = |hz: f64| hz == 0.0 || (1e-6..=1e6).contains(&hz);
+        let remedy = "write a rate in hertz from 0.000001 to 1000000, or 0 for every step";
+        let hz = self.number(names, default, is_rate, remedy)?;
+        Some((hz > 0.0).then_some(hz))
+    }
+
+    /// An absolute topic: under `<robotNamespace>` unless it begins with a slash.
+    pub(super) fn topic(&self, names: &[&str], default: &str) -> String {
+        let topic = self.text(names).unwrap_or_else(|| default.to_owned());
+        if topic.starts_with('/') {
+            return topic;
+        }
+        let namespace = self.element(&["robotNamespace", "node_namespace"]).map(Element::text);
+        // ROS 2 writes it into <ros>.
+        let of_ros = || self.element(&["ros"])?.child("namespace").map(Element::text);
+        let namespace = namespace.or_else(of_ros).unwrap_or_default();
+        let namespace = namespace.trim_matches('/');
+        if namespace.is_empty() { format!("/{topic}") } else { format!("/{namespace}/{topic}") }
+    }
+
+    /// What the plugin is called.
+    pub(super) fn name(&self) -> &'a str {
+        let plugin: &'a Element = self.plugin;
+        plugin.attribute("name").or(plugin.attribute("filename")).unwrap_or_default()
+    }
+
+    /// The joint that an element names, or the default's. If there is none the plugin cannot be used.
+    pub(super) fn joint(&mut self, names: &[&str], default: &str) -> Option<JointIndex> {
+        self.joints(names, default)?.first().copied()
+    }
+
+    /// The joints that all elements of these names name.
+    pub(super) fn joints(&mut self, names: &[&str], default: &str) -> Option<Vec<JointIndex>> {
+        let first = self.element(names);
+        let plugin: &'a Element = self.plugin;
+        let mut written: Vec<(String, &Element)> = plugin
+            .elements()
+            .filter(|element| names.contains(&element.name.as_str()))
+            .map(|element| (element.text(), element))
+            .collect();
+        if first.is_none() {
+            written = vec![(default.to_owned(), plugin)];
+        }
+        let mut joints = Vec::new();
+        for (name, element) in written {
+            // SDF names what is nested with its model.
+            let found = self.model.joints.iter().position(|joint| joint.name == name);
+            let Some(found) = found else {
+                let joints = self.model.joints.iter().map(|joint| joint.name.as_str());
+                let remedy = did_you_mean(&name, joints).unwrap_or_default();
+                let what =
+                    format!("the base '{}' drives the joint '{name}', which does not exist", self.name());
+                self.unusable(element, what, &remedy);
+                return None;
+            };
+            joints.push(found);
+        }
+        Some(joints)
+    }
+
+    /// Left and right wheels. They are told apart by where they are: Gazebo's plugins have exchanged them once.
+    pub(super) fn wheels(
+        &mut self,
+        left: Vec<JointIndex>,
+        right: Vec<JointIndex>,
+        radius_m: Option<f64>,
+        torque_n_m: f64,
+    ) -> Option<Wheels> {
+        for joint in left.iter().chain(&right) {
+            let joint = &self.model.joints[*joint];
+            if !matches!(joint.kind, JointKind::Continuous | JointKind::Revolute { .. }) {
+                let what = format!(
+                    "the base '{}' drives the joint '{}', which does not turn",
+                    self.name(),
+                    joint.name
+                );
+                self.unusable(self.plugin, what, "make it continuous");
+                return None;
+            }
+        }
+        Some(Wheels { left, right, radius_m, torque_n_m })
+    }
+
+    /// The plugin cannot be used: an error, or a warning where Gazebo goes on without it, as gz-sim does.
+    fn unusable(&mut self, element: &Element, what: String, remedy: &str) {
+        let file = self.plugin.attribute("filename").unwrap_or_default();
+        if self.rules.gazebo_compat || super::plain_name(file).starts_with("gz-sim") {
+            self.diagnostics.warning(
+                &element.source,
+                format!("{what}: it is left out, as in Gazebo"),
+                remedy,
+            );
+        } else {
+            self.diagnostics.error(&element.source, what, remedy);
+        }
+    }
+
+    pub(super) fn warning(&mut self, what: &str, remedy: &str) {
+        let what = format!("plugin '{}': {what}", self.name());
+        self.diagnostics.warning(&self.plugin.source, what, remedy);
+    }
+
+    /// The link that an element names, or the default's; the root if there is none of that name, with a warning if it was
+    /// written.
+    pub(super) fn link(&mut self, names: &[&str], default: &str) -> LinkIndex {
+        let element = self.element(names);
+        let name = element.map_or_else(|| default.to_owned(), Element::text);
+        let plain = name.rsplit('/').next().unwrap_or_default();
+        let model = self.model;
+        let ends = |link: &str| link.rsplit("::").next() == Some(plain);
+        let found = model.link_named(plain).or_else(|| model.links.iter().position(|link| ends(&link.name)));
+        if let (None, Some(element)) = (found, element) {
+            let meant = did_you_mean(plain, model.links.iter().map(|link| link.name.as_str()));
+            self.diagnostics.warning(
+                &element.source,
+                format!(
+                    "<{}> of plugin '{}' is '{name}', and there is no such link: the root is taken",
+                    element.name,
+                    self.name()
+                ),
+                meant.unwrap_or_default(),
+            );
+        }
+        found.unwrap_or_else(|| root(model))
+    }
+
+    /// `xyzOffset` and `rpyOffset`.
+    pub(super) fn offset(&mut self) -> Option<Pose> {
+        let mut three = |names: &[&str]| {
+            let Some(element) = self.element(names) else { return Some(DVec3::ZERO) };
+            let what = format!("<{}> of plugin '{}'", element.name, self.name());
+            numbers::<3>(&element.text(), &what, &element.source, self.diagnostics).map(DVec3::from_array)
+        };
+        let (xyz, rpy) = (
+            three(&["xyzOffset", "xyzOffsets", "xyz_offset"]),
+            three(&["rpyOffset", "rpyOffsets", "rpy_offset"]),
+        );
+        Some(Pose::from_xyz_rpy(xyz?, rpy?))
+    }
+
+    /// The usual parameters of odometry.
+    pub(super) fn odometry(
+        &mut self,
+        rate_hz: Option<f64>,
+        origin: OdometryOrigin,
+        pose_variance: [f64; 6],
+    ) -> OdometryPlugin {
+        let frames = ["robotBaseFrame", "robot_base_frame"];
+        let link = self.link(&frames, "base_footprint");
+        let of_link = || {
+            let name = &self.model.links.get(link).map_or("base_footprint", |link| &*link.name);
+            (*name).to_owned()
+        };
+        let child_frame = self.text(&frames).unwrap_or_else(of_link);
+        OdometryPlugin {
+            topic: self.topic(&["odometryTopic", "odometry_topic"], "odom"),
+            frame: self.text(&["odometryFrame", "odometry_frame"]).unwrap_or_else(|| "odom".into()),
+            child_frame,
+            link,
+            rate_hz,
+            origin,
+            is_transform: self.flag(
+                &["publishOdomTF", "publishTf", "publish_odom_tf", "broadcastTF", "publishOdometryTf"],
+                true,
+            ),
+            pose_variance,
+        }
+    }
+
+    /// A warning for each element that nobody has asked for.
+    pub(super) fn left_out(&mut self) {
+        let asked = self.asked.take();
+        for child in self.plugin.elements() {
+            let name = child.name.as_str();
+            if !OF_NO_EFFECT.contains(&name) && !asked.iter().any(|asked| asked == name) {
+                let what = format!("<{name}> of plugin '{}' is not simulated and left out", self.name());
+                self.diagnostics.warning(&child.source, what, "take it out, or correct its name");
+            }
+        }
+    }
+}
+
+/// The uppermost link.
+fn root(model: &Model) -> LinkIndex {
+    (0..model.links.len()).find(|link| model.joint_above(*link).is_none()).unwrap_or(0)
+}

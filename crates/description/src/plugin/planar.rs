@@ -1,0 +1,34 @@
+//! `libgazebo_ros_planar_move.so`, and `libgazebo_ros_force_based_move.so`, which does the same by forces.
+
+use super::parameters::Parameters;
+use crate::model::{BasePlugin, Drive, ModelPlugin, OdometryOrigin};
+
+/// Its gains are those of another engine's forces.
+pub(super) fn force_based(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
+    given.element(&[
+        "yaw_velocity_p_gain",
+        "x_velocity_p_gain",
+        "y_velocity_p_gain",
+        "max_x_velocity",
+        "max_y_velocity",
+        "max_yaw_velocity",
+    ]);
+    planar(given)
+}
+
+pub(super) fn planar(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
+    let rate_hz = given.rate(&["odometryRate", "publish_rate"], 20.0)?;
+    // Below 0 a command holds until the next one.
+    let timeout_s = given.number(&["cmdTimeout", "cmd_timeout"], -1.0, |_| true, "")?;
+    given.element(&["ros", "update_rate", "publish_odom"]);
+    let odometry = given.odometry(rate_hz, OdometryOrigin::World, [1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3]);
+    let command_topic = given.topic(&["commandTopic", "command_topic"], "cmd_vel");
+    given.left_out();
+    Some(ModelPlugin::Base(Box::new(BasePlugin {
+        drive: Drive::Planar,
+        command_topic,
+        command_timeout_s: (timeout_s >= 0.0).then_some(timeout_s),
+        odometry,
+        source: given.plugin.source.clone(),
+    })))
+}

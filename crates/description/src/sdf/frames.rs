@@ -1,0 +1,237 @@
+//! `<pose>`, and the frames that poses are relative to.
+//!
+//! Up to SDF 1.6 a pose is relative to the element that it stands in (a joint's to its child link). From 1.7 on
+//! `relative_to` may name any frame of the same model or world: links, joints, frames and nested models.
+
+use super::{Loader, Version};
+use crate::diagnostics::{Diagnostics, Source};
+use crate::suggestion::did_you_mean;
+use crate::values::numbers;
+use crate::xml::Element;
+use belvedere_sensors::Pose;
+use glam::{DQuat, DVec3};
+use std::collections::HashMap;
+
+/// A pose as written.
+pub(super) struct WrittenPose {
+    pub(super) pose: Pose,
+    /// None: relative to what the element's kind says.
+    pub(super) relative_to: Option<String>,
+    pub(super) source: Source,
+}
+
+impl Loader<'_> {
+    /// The `<pose>` inside `parent`; identity if there is none.
+    pub(super) fn pose(&mut self, parent: &Element, version: Version) -> WrittenPose {
+        let Some(element) = parent.child("pose") else {
+            return WrittenPose { pose: Pose::IDENTITY, relative_to: None, source: parent.source.clone() };
+        };
+        let mut relative_to = element.attribute("relative_to").filter(|name| !name.is_empty());
+        if version < (1, 7) {
+            // SDF 1.5 and 1.6 had `frame`, whose meaning was never settled; Gazebo ignores it.
+            if let Some(name) = relative_to.take().or(element.attribute("frame").filter(|f| !f.is_empty())) {
+                self.diagnostics.warning(
+                    &element.source,
+                    format!("the frame '{name}' of <pose> is ignored in SDF {}.{}", version.0, version.1),
+                    "write <sdf version=\"1.7\"> and relative_to",
+                );
+            }
+        }
+        WrittenPose {
+            pose: parse_pose(element, self.rules.gazebo_compat, self.diagnostics).unwrap_or(Pose::IDENTITY),
+            relative_to: relative_to.map(str::to_owned),
+            source: element.source.clone(),
+        }
+    }
+
+    /// The pose of a part of a link (visual, collision, sensor, …) in that link.
+    pub(super) fn pose_in_link(
+        &mut self,
+        part: &Element,
+        version: Version,
+        link: &str,
+        frames: &Frames,
+    ) -> Pose {
+        let written = self.pose(part, version);
+        let Some(frame) = &written.relative_to else { return written.pose };
+        let model_from_frame = frames.resolve(frame, &written.source, self.diagnostics);
+        let model_from_link = frames.resolve(link, &part.source, self.diagnostics);
+        match (model_from_link, model_from_frame) {
+            (Some(model_from_link), Some(model_from_frame)) => {
+                model_from_link.inverse() * model_from_frame * written.pose
+            }
+            _ => written.pose,
+        }
+    }
+}
+
+/// Reads `x y z roll pitch yaw`, and from SDF 1.9 on `degrees` and `rotation_format="quat_xyzw"`.
+fn parse_pose(element: &Element, gazebo_compat: bool, diagnostics: &mut Diagnostics) -> Option<Pose> {
+    let mut text = element.text();
+    if text.is_empty() {
+        return Some(Pose::IDENTITY);
+    }
+    let count = text.split_whitespace().count();
+    if gazebo_compat && element.attribute("rotation_format").is_none() && count != 6 {
+        let what = if count < 6 {
+            format!("<pose> is '{text}', which has {count} numbers: those that are missing are taken as 0")
+        } else {
+            format!("<pose> is '{text}', which has {count} numbers: only the first 6 are read")
+        };
+        diagnostics.warning(&element.source, what, "write x y z roll pitch yaw");
+        text = text.split_whitespace().chain(["0"; 6]).take(6).collect::<Vec<_>>().join(" ");
+    }
+    match element.attribute("rotation_format").unwrap_or("euler_rpy") {
+        "euler_rpy" => {
+            let [x, y, z, roll, pitch, yaw] = numbers(&text, "<pose>", &element.source, diagnostics)?;
+            let unit = match element.attribute("degrees") {
+                Some("true" | "1") => std::f64::consts::PI / 180.0,
+                _ => 1.0,
+            };
+            Some(Pose::from_xyz_rpy(DVec3::new(x, y, z), DVec3::new(roll, pitch, yaw) * unit))
+        }
+        "quat_xyzw" => {
+            let [x, y, z, qx, qy, qz, qw] = numbers(&text, "<pose>", &element.source, diagnostics)?;
+            let rotation = DQuat::from_xyzw(qx, qy, qz, qw);
+            if rotation.length_squared() < 1e-12 {
+                diagnostics.error(
+                    &element.source,
+                    format!("<pose> is '{text}': its quaternion is zero"),
+                    "write a unit quaternion x y z w",
+                );
+                return None;
+            }
+            Some(Pose::new(DVec3::new(x, y, z), rotation))
+        }
+        other => {
+            diagnostics.error(
+                &element.source,
+                format!("rotation_format '{other}' is not known"),
+                "write euler_rpy or quat_xyzw",
+            );
+            None
+        }
+    }
+}
+
+struct Frame {
+    parent: String,
+    /// What it moves with.
+    attached_to: String,
+    /// Pose in the parent.
+    pose: Pose,
+    source: Source,
+}
+
+/// Begins the names under which joints' frames are kept; no name in XML can hold it.
+const JOINT: char = '\0';
+
+fn joint_key(name: &str) -> String {
+    format!("{JOINT}{name}")
+}
+
+/// The frames of one model or world.
+pub(super) struct Frames {
+    root: &'static str,
+    frames: HashMap<String, Frame>,
+}
+
+impl Frames {
+    /// `root` is the name of the frame that everything hangs on: `__model__` or `world`.
+    pub(super) fn new(root: &'static str) -> Self {
+        Self { root, frames: HashMap::new() }
+    }
+
+    /// Adds a frame whose pose was written in `written`, relative to `default_parent` if it does not say.
+    pub(super) fn add(&mut self, name: &str, written: &WrittenPose, default_parent: Option<&str>) {
+        let attached_to = default_parent.unwrap_or(self.root).to_owned();
+        let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
+        let frame = Frame { parent, attached_to, pose: written.pose, source: written.source.clone() };
+        self.frames.insert(name.to_owned(), frame);
+    }
+
+    /// Adds a joint's frame. A name that a link or frame has already means that one, as in libsdformat; the joint's own
+    /// place is still found by [`Frames::resolve_joint`].
+    pub(super) fn add_joint(&mut self, name: &str, written: &WrittenPose, child: Option<&str>) {
+        if !self.frames.contains_key(name) {
+            self.add_known(name.to_owned(), &joint_key(name), Pose::IDENTITY, &written.source);
+        }
+        self.add(&joint_key(name), written, child);
+    }
+
+    /// The pose of a joint's frame in the root.
+    pub(super) fn resolve_joint(
+        &self,
+        name: &str,
+        source: &Source,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Pose> {
+        self.resolve(&joint_key(name), source, diagnostics)
+    }
+
+    /// The pose in the root of what was written in the world or model itself.
+    pub(super) fn place(&self, written: &WrittenPose, diagnostics: &mut Diagnostics) -> Pose {
+        let outer = written
+            .relative_to
+            .as_deref()
+            .and_then(|frame| self.resolve(frame, &written.source, diagnostics));
+        outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
+    }
+
+    /// Whether there is a frame of that name already.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.frames.contains_key(name)
+    }
+
+    /// The link that a frame moves with: the first of what it is attached to that `link` knows as one.
+    pub(super) fn link_of<T>(&self, name: &str, link: impl Fn(&str) -> Option<T>) -> Option<T> {
+        let mut name = name;
+        // A chain longer than there are frames goes in a circle.
+        for _ in 0..=self.frames.len() {
+            if let Some(found) = link(name) {
+                return Some(found);
+            }
+            name = &self.frames.get(name)?.attached_to;
+        }
+        None
+    }
+
+    /// Adds a frame of known pose in another.
+    pub(super) fn add_known(&mut self, name: String, parent: &str, pose: Pose, source: &Source) {
+        let frame = Frame { parent: parent.into(), attached_to: parent.into(), pose, source: source.clone() };
+        self.frames.insert(name, frame);
+    }
+
+    /// The pose of a frame in the root. `source` is where it is asked for.
+    pub(super) fn resolve(&self, name: &str, source: &Source, diagnostics: &mut Diagnostics) -> Option<Pose> {
+        let mut root_from_frame = Pose::IDENTITY;
+        let (mut name, mut source) = (name, source);
+        // A chain longer than there are frames goes in a circle.
+        for _ in 0..=self.frames.len() {
+            if name == self.root {
+                return Some(root_from_frame);
+            }
+            let Some(frame) = self.frames.get(name) else {
+                let known = self.frames.keys().map(String::as_str).filter(|key| !key.starts_with(JOINT));
+                let meant = did_you_mean(name, known.chain([self.root]));
+                diagnostics.error(
+                    source,
+                    format!("there is no frame '{name}' here"),
+                    format!(
+                        "name a link, joint, frame or nested model of the same model{}",
+                        meant.map(|meant| format!(" ({meant})")).unwrap_or_default()
+                    ),
+                );
+                return None;
+            };
+            root_from_frame = frame.pose * root_from_frame;
+            (name, source) = (&frame.parent, &frame.source);
+        }
+        diagnostics.error(
+            source,
+            format!("the frame '{}' is relative to itself", name.trim_start_matches(JOINT)),
+            "break the circle of relative_to and attached_to",
+        );
+        None
+    }
+}

@@ -1,0 +1,167 @@
+//! `<joint>`.
+
+use super::frames::Frames;
+use super::model::Parts;
+use super::{Loader, Scope, Version, name_of};
+use crate::diagnostics::Source;
+use crate::model::{Joint, JointKind, Link, LinkIndex};
+use crate::suggestion::did_you_mean;
+use crate::values::{child_bool, child_number, child_text};
+use crate::xml::Element;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+/// Limits at or beyond this mean none (SDF's default is 1e16).
+const NO_LIMIT: f64 = 1e15;
+
+/// What a joint's `<parent>` calls the world.
+const WORLD: &str = "world";
+
+/// The world as a link: what a joint moves against.
+fn world_link(source: &Source) -> Link {
+    Link { is_static: true, ..Link::empty(WORLD.into(), source.clone()) }
+}
+
+/// The link of that name, or the first of the model of that name.
+fn link_called(name: &str, links: &[Link]) -> Option<LinkIndex> {
+    let inside = |link: &Link| link.name.strip_prefix(name).is_some_and(|rest| rest.starts_with("::"));
+    let exact = links.iter().position(|link| link.name == name);
+    let first = (name == "__model__" && !links.is_empty()).then_some(0);
+    exact.or(first).or_else(|| links.iter().position(inside))
+}
+
+impl Loader<'_> {
+    pub(super) fn joint(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, parts: &mut Parts) {
+        let name = name_of(element);
+        let kind_name = element.attribute("type").unwrap_or_default();
+        let Some(child) = self.joint_end(element, "child", frames, parts) else { return };
+        if child_text(element, "parent").as_deref() == Some(WORLD) {
+            if kind_name == "fixed" {
+                parts.links[child].is_static = true;
+                return;
+            }
+            if !parts.links.iter().any(|link| link.name == WORLD) {
+                parts.links.push(world_link(&element.source));
+            }
+        }
+        let Some(parent) = self.joint_end(element, "parent", frames, parts) else { return };
+
+        let model_from_joint =
+            frames.resolve_joint(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
+        let model_from_parent = parts.links[parent].model_from_link;
+        let model_from_child = parts.links[child].model_from_link;
+        let axis_in_model = self.axis_in_model(element, scope.version, frames, model_from_joint);
+        let Some(kind) = self.joint_kind(element, kind_name) else { return };
+        let source = element.source.clone();
+
+        parts.joints.push(Joint {
+            name,
+            kind,
+            parent,
+            child,
+            parent_from_child: model_from_parent.inverse() * model_from_child,
+            axis: model_from_child.inverse().transform_vector(axis_in_model),
+            pivot: (model_from_child.inverse() * model_from_joint).translation(),
+            source,
+        });
+    }
+
+    /// The link named in `<parent>` or `<child>`, or that of the frame named there.
+    fn joint_end(&mut self, joint: &Element, end: &str, frames: &Frames, parts: &Parts) -> Option<LinkIndex> {
+        let links = &parts.links;
+        let Some(name) = child_text(joint, end) else {
+            self.diagnostics.error(
+                &joint.source,
+                format!("the joint '{}' has no <{end}>", name_of(joint)),
+                format!("write <{end}>NAME OF A LINK</{end}>"),
+            );
+            return None;
+        };
+        let found = frames.link_of(&name, |name| link_called(name, links));
+        if found.is_none() && parts.lacks {
+            let what = format!("the joint '{}' is left out with its {end} '{name}'", name_of(joint));
+            self.diagnostics.warning(&joint.source, what, "get the models that are missing");
+        } else if found.is_none() {
+            let meant = did_you_mean(&name, links.iter().map(|link| link.name.as_str()));
+            self.diagnostics.error(
+                &joint.source,
+                format!("the joint '{}' names the {end} '{name}', which is no link", name_of(joint)),
+                meant.unwrap_or_default(),
+            );
+        }
+        found
+    }
+
+    fn joint_kind(&mut self, element: &Element, kind: &str) -> Option<JointKind> {
+        let limit = element.child("axis").and_then(|axis| axis.child("limit"));
+        let mut bound = |name: &str, default: f64| {
+            let text = limit.and_then(|limit| child_text(limit, name)).unwrap_or_default();
+            match text.parse::<f64>() {
+                Ok(unbounded) if unbounded.is_infinite() => unbounded,
+                _ => limit.and_then(|limit| child_number(limit, name, self.diagnostics)).unwrap_or(default),
+            }
+        };
+        let (lower, upper) = (bound("lower", -NO_LIMIT), bound("upper", NO_LIMIT));
+        let lower = if lower <= -NO_LIMIT { f64::NEG_INFINITY } else { lower };
+        let upper = if upper >= NO_LIMIT { f64::INFINITY } else { upper };
+        if lower > upper {
+            self.diagnostics.error(
+                limit.map_or(&element.source, |limit| &limit.source),
+                format!("<lower> is {lower} and <upper> is {upper}"),
+                "the lower limit must not be above the upper one",
+            );
+            return None;
+        }
+        match kind {
+            "fixed" => Some(JointKind::Fixed),
+            "continuous" => Some(JointKind::Continuous),
+            "revolute" if lower == f64::NEG_INFINITY && upper == f64::INFINITY => Some(JointKind::Continuous),
+            "revolute" => Some(JointKind::Revolute { lower, upper }),
+            "ball" => Some(JointKind::Ball),
+            "prismatic" => Some(JointKind::Prismatic { lower, upper }),
+            other => {
+                self.missing(
+                    &element.source,
+                    format!("joints of type '{other}' are not simulated"),
+                    "use fixed, revolute, continuous, prismatic or ball",
+                );
+                // With --gazebo-compat the link stays where it is.
+                self.rules.gazebo_compat.then_some(JointKind::Fixed)
+            }
+        }
+    }
+
+    /// The unit axis of a joint in the model frame. It is written in the joint's frame, up to SDF 1.4 in the
+    /// model's; `use_parent_model_frame` (1.5, 1.6) and `expressed_in` (1.7 on) say otherwise.
+    fn axis_in_model(
+        &mut self,
+        element: &Element,
+        version: Version,
+        frames: &Frames,
+        model_from_joint: Pose,
+    ) -> DVec3 {
+        let Some(axis) = element.child("axis") else { return model_from_joint.transform_vector(DVec3::Z) };
+        let written = self.vector(axis, "xyz").unwrap_or(DVec3::Z);
+        let Some(unit) = written.try_normalize() else {
+            self.diagnostics.error(
+                &axis.source,
+                format!("the axis of the joint '{}' is 0 0 0", name_of(element)),
+                "write its direction, such as 0 0 1",
+            );
+            return DVec3::Z;
+        };
+        let in_model_frame =
+            version < (1, 5) || child_bool(axis, "use_parent_model_frame", self.diagnostics).unwrap_or(false);
+        if in_model_frame {
+            return unit;
+        }
+        let xyz = axis.child("xyz");
+        let frame = xyz.and_then(|xyz| xyz.attribute("expressed_in")).filter(|frame| !frame.is_empty());
+        match (frame, xyz) {
+            (Some(frame), Some(xyz)) if version >= (1, 7) => frames
+                .resolve(frame, &xyz.source, self.diagnostics)
+                .map_or(unit, |model_from_frame| model_from_frame.transform_vector(unit)),
+            _ => model_from_joint.transform_vector(unit),
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! `<link>`: mass, what is seen, what is touched, what senses, what shines.
+
+use super::frames::Frames;
+use super::model::Parts;
+use super::names::Again;
+use super::{Loader, Scope, name_of};
+use crate::fiducial::fiducials;
+use crate::inertia;
+use crate::label::label;
+use crate::model::{Collision, Inertial, Link, Visual};
+use crate::optics::optics;
+use crate::sensor::parse_sensor;
+use crate::values::{child_bool, child_number, child_text, friction_coefficient};
+use crate::xml::Element;
+use belvedere_sensors::Pose;
+use glam::DVec3;
+
+/// What a link without `<inertial>` weighs (sdf/1.6): 1 kg, and 1 kg·m² about each axis.
+const DEFAULT_INERTIAL: Inertial =
+    Inertial { link_from_inertial: Pose::IDENTITY, mass_kg: 1.0, inertia: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] };
+
+impl Loader<'_> {
+    pub(super) fn link(
+        &mut self,
+        element: &Element,
+        scope: Scope<'_>,
+        frames: &mut Frames,
+        is_static: bool,
+        parts: &mut Parts,
+    ) {
+        let mut name = name_of(element);
+        if name.is_empty() {
+            self.diagnostics.error(&element.source, "<link> has no name", "write <link name=\"…\">");
+            return;
+        }
+        if let Err(Again { first, unique }) = parts.link_names.take(&name, parts.links.len()) {
+            let first = &parts.links[first].source;
+            let what = format!("two links of this model are called '{name}' (the first at {first})");
+            if !self.rules.gazebo_compat {
+                self.diagnostics.error(&element.source, what, "rename one");
+                return;
+            }
+            let what = format!("{what}: this one becomes '{unique}'");
+            self.diagnostics.warning(&element.source, what, "rename one");
+            // Files that Gazebo saved have such links. Joints and frames mean the first.
+            name = unique;
+            let pose = self.pose(element, scope.version);
+            frames.add(&name, &pose, None);
+        }
+        let model_from_link =
+            frames.resolve(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
+        let index = parts.links.len();
+        let mut link = Link {
+            name: name.clone(),
+            model_from_link,
+            inertial: self
+                .inertial(element, scope, frames, &name)
+                .or((!is_static).then_some(DEFAULT_INERTIAL)),
+            visuals: Vec::new(),
+            collisions: Vec::new(),
+            gravity: child_bool(element, "gravity", self.diagnostics).unwrap_or(true),
+            self_collide: child_bool(element, "self_collide", self.diagnostics).unwrap_or(false),
+            is_static: false,
+            source: element.source.clone(),
+        };
+        for child in element.elements() {
+            match child.name.as_str() {
+                "visual" => self.visual(child, scope, frames, &mut link),
+                "collision" => self.collision(child, scope, frames, &mut link),
+                "sensor" => {
+                    if let Some(mut sensor) = parse_sensor(child, index, self.rules, self.diagnostics) {
+                        sensor.link_from_sensor = self.pose_in_link(child, scope.version, &name, frames);
+                        parts.sensors.push(sensor);
+                    }
+                }
+                "light" => {
+                    let model_from_light =
+                        model_from_link * self.pose_in_link(child, scope.version, &name, frames);
+                    if !is_static {
+                        self.diagnostics.warning(
+                            &child.source,
+                            "this light stays where it is at the start",
+                            "lights move with a link only in a later version",
+                        );
+                    }
+                    parts.lights.extend(self.light(child, model_from_light));
+                }
+                "particle_emitter" | "projector" | "battery" => self.ignored(child, "it is not simulated"),
+                _ => {}
+            }
+        }
+        parts.links.push(link);
+    }
+
+    fn inertial(
+        &mut self,
+        link: &Element,
+        scope: Scope<'_>,
+        frames: &Frames,
+        link_name: &str,
+    ) -> Option<Inertial> {
+        let element = link.child("inertial")?;
+        let link_from_inertial = self.pose_in_link(element, scope.version, link_name, frames);
+        let mass_kg = child_number(element, "mass", self.diagnostics).unwrap_or(DEFAULT_INERTIAL.mass_kg);
+        let source = element.child("mass").map_or(&element.source, |mass| &mass.source);
+        if mass_kg == 0.0 {
+            self.diagnostics.warning(
+                source,
+                format!(
+                    "<mass> of the link '{link_name}' is 0 kg: it counts as {} kg",
+                    DEFAULT_INERTIAL.mass_kg
+                ),
+                "write a mass above 0",
+            );
+            return Some(Inertial { link_from_inertial, ..DEFAULT_INERTIAL });
+        }
+        if mass_kg < 0.0 {
+            self.diagnostics.error(
+                source,
+                format!("<mass> of the link '{link_name}' is {mass_kg} kg"),
+                "write a mass above 0, or make the model <static>",
+            );
+            return None;
+        }
+        let mut inertia = DEFAULT_INERTIAL.inertia;
+        if let Some(tensor) = element.child("inertia") {
+            for (value, name) in inertia.iter_mut().zip(["ixx", "iyy", "izz", "ixy", "ixz", "iyz"]) {
+                if let Some(given) = child_number(tensor, name, self.diagnostics) {
+                    *value = given;
+                }
+            }
+            if !inertia::check(inertia, link_name, &tensor.source, self.diagnostics) {
+                return None;
+            }
+        }
+        Some(Inertial { link_from_inertial, mass_kg, inertia })
+    }
+
+    fn visual(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, link: &mut Link) {
+        let link_from_visual = self.pose_in_link(element, scope.version, &link.name, frames);
+        let opacity = 1.0 - self.within(element, "transparency", 1.0).unwrap_or(0.0);
+        let material = self.material(element, scope);
+        let label = label(element, self.diagnostics);
+        let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
+        let optics = optics(element, self.diagnostics).unwrap_or_default();
+        let mut fiducials = fiducials(element, self.diagnostics);
+        // A mesh whose triangles have several materials becomes one visual for each; the first has the tags.
+        for geometry in self.visual_geometry(element, scope) {
+            let own = geometry.own_material();
+            let mut material = material.clone().or(own).unwrap_or_default();
+            material.alpha *= opacity;
+            link.visuals.push(Visual {
+                name: name_of(element),
+                link_from_visual,
+                material,
+                label,
+                laser_retro,
+                optics,
+                fiducials: std::mem::take(&mut fiducials),
+                geometry,
+                source: element.source.clone(),
+            });
+        }
+    }
+
+    fn collision(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, link: &mut Link) {
+        let link_from_collision = self.pose_in_link(element, scope.version, &link.name, frames);
+        let friction = element
+            .child("surface")
+            .and_then(|surface| surface.child("friction"))
+            .and_then(|friction| friction.child("ode"));
+        let mut mu = friction.and_then(|ode| child_number(ode, "mu", self.diagnostics));
+        if let (Some(value), Some(child)) = (mu, friction.and_then(|ode| ode.child("mu"))) {
+            mu = Some(friction_coefficient(value, "<mu>", &child.source, self.diagnostics));
+        }
+        let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
+        let optics = optics(element, self.diagnostics).unwrap_or_default();
+        if let Some(geometry) = self.collision_geometry(element, scope) {
+            link.collisions.push(Collision {
+                name: name_of(element),
+                link_from_collision,
+                geometry,
+                friction: mu,
+                laser_retro,
+                optics,
+                source: element.source.clone(),
+            });
+        }
+    }
+
+    /// The vector of three numbers in the child element `name`.
+    pub(super) fn vector(&mut self, parent: &Element, name: &str) -> Option<DVec3> {
+        let child = parent.child(name)?;
+        let text = child_text(parent, name).unwrap_or_default();
+        crate::values::numbers(&text, &format!("<{name}>"), &child.source, self.diagnostics)
+            .map(DVec3::from_array)
+    }
+}

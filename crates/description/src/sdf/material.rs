@@ -1,0 +1,262 @@
+//! `<material>`: an Ogre script by name, colours, gloss, normals, and the albedo map of `<pbr>`.
+
+use super::resources::Resolved;
+use super::{Loader, Scope, resources};
+use crate::gazebo_materials::gazebo_material;
+use crate::model::Material;
+use crate::ogre_material::{self, OgreMaterial};
+use crate::suggestion::did_you_mean_or;
+use crate::values::{child_bool, child_text};
+use crate::xml::Element;
+use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// Picture formats that are decoded.
+const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "tga", "bmp", "dds"];
+
+/// What the alpha of an albedo map means to gz-sim.
+const PBR_ALPHA: TextureAlpha = TextureAlpha::CutOut { least: 0.5 };
+
+impl Loader<'_> {
+    /// The look of a `<visual>`; none if it says nothing, so that a mesh keeps its own.
+    ///
+    /// As in Gazebo, colours override the script's. The albedo map counts where the script brings no picture,
+    /// so that a world can carry a script for Gazebo classic and `<pbr>` for its successors.
+    pub(super) fn material(&mut self, visual: &Element, scope: Scope<'_>) -> Option<Material> {
+        let element = visual.child("material")?;
+        let script = element.child("script").and_then(|script| self.script(script, scope));
+        let rgba = self.rgba(element, "diffuse");
+        let diffuse = rgba.map(|[r, g, b, _]| [r, g, b]);
+        let ambient = self.color(element, "ambient");
+        let emissive = self.color(element, "emissive");
+        let specular = self.color(element, "specular");
+        let shininess = self.within(element, "shininess", MAX_SHININESS);
+        let texture = self.albedo_map(element, scope);
+        let normal_map = self.normal_map(element, scope);
+        self.tell_what_is_ignored(element);
+        let says_a_colour = diffuse.or(ambient).or(emissive).or(specular).is_some();
+        if script.is_none() && !says_a_colour && texture.is_none() && normal_map.is_none() {
+            return None;
+        }
+        let mut material = script.unwrap_or_else(|| {
+            // One colour alone stands for both kinds of light. A picture is shown as it is.
+            let plain = if texture.is_some() { [1.0; 3] } else { Material::default().diffuse };
+            let color = diffuse.or(ambient).unwrap_or(plain);
+            Material { diffuse: color, ambient: color, ..Material::default() }
+        });
+        material.diffuse = diffuse.unwrap_or(material.diffuse);
+        material.ambient = ambient.unwrap_or(material.ambient);
+        material.emissive = emissive.unwrap_or(material.emissive);
+        // Gazebo sets both at once: without a shininess of its own, a specular colour switches the script's off.
+        material.shininess = shininess.unwrap_or(if specular.is_some() { 0.0 } else { material.shininess });
+        material.specular = specular.unwrap_or(material.specular);
+        material.normal_map = normal_map;
+        material.alpha = rgba.map_or(material.alpha, |[.., alpha]| alpha.min(1.0));
+        if material.texture.is_none() && texture.is_some() {
+            material.texture = texture;
+            material.texture_alpha = PBR_ALPHA;
+        }
+        Some(material)
+    }
+
+    /// What else a `<material>` may say, and is not drawn.
+    fn tell_what_is_ignored(&mut self, material: &Element) {
+        let lit = "surfaces are lit by <diffuse>, <specular> and <shininess>";
+        if child_bool(material, "lighting", self.diagnostics) == Some(false) {
+            self.ignored(material.child("lighting").unwrap_or(material), "every surface is lit");
+        }
+        if child_bool(material, "double_sided", self.diagnostics) == Some(true) {
+            self.ignored(material.child("double_sided").unwrap_or(material), "cameras see outsides alone");
+        }
+        let Some(workflow) = workflow(material) else { return };
+        for child in workflow.elements() {
+            let text = child.text();
+            let is_drawn = match child.name.as_str() {
+                "albedo_map" | "normal_map" => true,
+                // What is as dull as can be is drawn so.
+                "metalness" | "glossiness" => text.parse() == Ok(0.0),
+                "roughness" => text.parse() == Ok(1.0),
+                _ => text.is_empty(),
+            };
+            if !is_drawn {
+                self.ignored(child, lit);
+            }
+        }
+    }
+
+    fn albedo_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
+        let map = workflow(material)?.child("albedo_map")?;
+        self.map(map, material, scope)
+    }
+
+    /// Normals in the axes of the surface: of a `<shader>`, as Gazebo classic has them, or of `<pbr>`.
+    fn normal_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
+        let shader = material.child("shader").filter(|shader| shader.child("normal_map").is_some());
+        let map = match shader.map(|shader| (shader, shader.attribute("type"))) {
+            Some((shader, Some("normal_map_tangent_space"))) => shader.child("normal_map"),
+            Some((shader, Some("normal_map_object_space"))) => {
+                self.ignored(shader, "normals are read in the axes of the surface, normal_map_tangent_space");
+                None
+            }
+            _ => workflow(material).and_then(|workflow| workflow.child("normal_map")),
+        }?;
+        if map.attribute("type") == Some("object") {
+            self.ignored(map, "normals are read in the axes of the surface, type=\"tangent\"");
+            return None;
+        }
+        self.map(map, material, scope)
+    }
+
+    /// The picture that an element names.
+    pub(super) fn map(&mut self, map: &Element, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
+        let uri = map.text();
+        if uri.is_empty() || uri == "__default__" {
+            return None;
+        }
+        let mut folder = scope.folder.to_path_buf();
+        if !uri.contains("://") && !folder.join(&uri).exists() {
+            // Gazebo also looks where the script is, its successors in the model's materials/textures.
+            let uris = material.child("script").into_iter().flat_map(|script| script.elements_named("uri"));
+            let mut places = vec![folder.join("materials/textures")];
+            for uri in uris {
+                if let Resolved::Found(path) = self.resources.resolve(&uri.text(), scope.folder) {
+                    places.extend([path.join("../textures"), path]);
+                }
+            }
+            if let Some(found) = places.into_iter().find(|place| place.join(&uri).is_file()) {
+                folder = found;
+            }
+        }
+        let path = self.existing_file(map, &uri, &folder, "texture")?;
+        self.picture(map, path)
+    }
+
+    /// Passes a path on if it names a picture that can be decoded.
+    fn picture(&mut self, element: &Element, path: PathBuf) -> Option<PathBuf> {
+        let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+        if PICTURES.contains(&extension.to_ascii_lowercase().as_str()) {
+            return Some(path);
+        }
+        self.missing(
+            &element.source,
+            format!("the texture {} is of a kind that is not read", path.display()),
+            format!("convert it to one of {}", PICTURES.join(", ")),
+        );
+        None
+    }
+
+    fn script(&mut self, script: &Element, scope: Scope<'_>) -> Option<Material> {
+        let name = child_text(script, "name").filter(|name| name != "__default__")?;
+        // Gazebo's own names go by themselves; a script of the user's may still define them.
+        let uris: Vec<&Element> = script.elements_named("uri").collect();
+        let mut folders = Vec::new();
+        let mut materials: Vec<OgreMaterial> = Vec::new();
+        let mut places = Vec::new();
+        for uri in &uris {
+            match self.resources.resolve(&uri.text(), scope.folder) {
+                Resolved::Found(path) => {
+                    for file in script_files(&path) {
+                        materials.extend(self.read_script(&file).iter().cloned());
+                    }
+                    folders.push(path);
+                }
+                Resolved::NotFound(looked) => places.extend(looked),
+                Resolved::UnknownScheme(_) => {}
+            }
+        }
+        if let Some(found) = ogre_material::inherited(&name, &materials, self.diagnostics) {
+            return Some(self.convert(&found, &folders, script));
+        }
+        if let Some(material) = gazebo_material(&name) {
+            return Some(material);
+        }
+        let known = materials.iter().map(|material| material.name.as_str());
+        let remedy = did_you_mean_or(&name, known, "Name the folder of its .material file in <uri>");
+        let looked = match (uris.is_empty(), places.is_empty()) {
+            (true, _) => "its <script> has no <uri>, and Gazebo has none of that name".into(),
+            (false, true) => format!("it is not in {}", resources::list(&folders)),
+            (false, false) => format!("looked for {}", resources::list(&places)),
+        };
+        self.missing(&script.source, format!("there is no material '{name}': {looked}"), remedy);
+        None
+    }
+
+    fn read_script(&mut self, file: &Path) -> Arc<Vec<OgreMaterial>> {
+        if let Some(known) = self.material_scripts.get(file) {
+            return known.clone();
+        }
+        self.diagnostics.opened(file);
+        let materials = match ogre_material::parse_file(file) {
+            Ok(materials) => materials,
+            Err(problem) => {
+                self.diagnostics.add(problem);
+                Vec::new()
+            }
+        };
+        let materials = Arc::new(materials);
+        self.material_scripts.insert(file.to_path_buf(), materials.clone());
+        materials
+    }
+
+    /// An Ogre material with its picture found: in the folders of the `<uri>`s, and in `textures` beside the
+    /// folder of the script.
+    fn convert(&mut self, ogre: &OgreMaterial, uris: &[PathBuf], script: &Element) -> Material {
+        let mut folders: Vec<PathBuf> = Vec::new();
+        for path in uris.iter().map(PathBuf::as_path).chain([&*ogre.source.file]) {
+            let folder = if path.is_dir() { path } else { path.parent().unwrap_or(Path::new("")) };
+            folders.push(folder.to_path_buf());
+            folders.push(folder.join("../textures"));
+        }
+        let texture = ogre.texture.as_ref().and_then(|(name, source)| {
+            let places: Vec<PathBuf> = folders.iter().map(|folder| folder.join(name)).collect();
+            let Some(found) = places.iter().find(|place| place.is_file()) else {
+                self.missing(
+                    source,
+                    format!("there is no texture '{name}': looked for {}", resources::list(&places)),
+                    format!(
+                        "put it there, or name its folder in a <uri> of the <script> at {}",
+                        script.source
+                    ),
+                );
+                return None;
+            };
+            let tidy = found.canonicalize().unwrap_or_else(|_| found.clone());
+            self.picture(script, tidy)
+        });
+        Material {
+            // Ogre's own defaults: white to both kinds of light.
+            diffuse: ogre.diffuse.unwrap_or([1.0; 3]),
+            ambient: ogre.ambient.unwrap_or([1.0; 3]),
+            emissive: ogre.emissive.unwrap_or([0.0; 3]),
+            specular: ogre.specular.map_or([0.0; 3], |[r, g, b, _]| [r, g, b]),
+            shininess: ogre.specular.map_or(0.0, |[.., shininess]| shininess.clamp(0.0, MAX_SHININESS)),
+            alpha: ogre.alpha.unwrap_or(1.0).clamp(0.0, 1.0),
+            texture_alpha: ogre.texture_alpha.unwrap_or_default(),
+            texture,
+            normal_map: None,
+            texture_repeat: ogre.texture_repeat.unwrap_or([1.0; 2]),
+        }
+    }
+}
+
+/// The workflow of `<pbr>` that is read.
+fn workflow(material: &Element) -> Option<&Element> {
+    let pbr = material.child("pbr")?;
+    pbr.child("metal").or_else(|| pbr.child("specular"))
+}
+
+/// The script itself, or every script of a folder by name.
+fn script_files(path: &Path) -> Vec<PathBuf> {
+    if path.is_file() {
+        return vec![path.to_path_buf()];
+    }
+    let mut files: Vec<PathBuf> = std::fs::read_dir(path)
+        .into_iter()
+        .flatten()
+        .filter_map(|entry| Some(entry.ok()?.path()))
+        .filter(|file| file.extension().is_some_and(|extension| extension == "material"))
+        .collect();
+    files.sort();
+    files
+}

@@ -1,0 +1,66 @@
+//! Models inside of a model: their names, and how their parts become those of the outer one.
+
+use super::Loader;
+use super::frames::Frames;
+use super::model::{ParsedModel, Parts};
+use super::names::{Again, Names};
+use crate::model::Model;
+
+impl ParsedModel {
+    /// What the outer model calls a link or joint of this one.
+    pub(super) fn naming(&self) -> impl Fn(&str) -> String + use<> {
+        let before = if self.is_merged { String::new() } else { format!("{}::", self.model.name) };
+        move |name| format!("{before}{name}")
+    }
+}
+
+impl Loader<'_> {
+    /// Two models of one name cannot be told apart: the later one gets a number.
+    pub(super) fn make_names_unique(&mut self, models: &mut [ParsedModel]) {
+        let mut names = Names::of(models.iter().map(|parsed| parsed.model.name.clone()));
+        for (index, Model { name, source, .. }) in
+            models.iter_mut().map(|parsed| &mut parsed.model).enumerate()
+        {
+            if let Err(Again { unique, .. }) = names.take(name, index) {
+                self.diagnostics.warning(
+                    source,
+                    format!("two models are called '{name}': this one becomes '{unique}'"),
+                    "give each model or <include> its own <name>",
+                );
+                *name = unique;
+            }
+        }
+    }
+
+    /// Makes the links, joints and sensors of a nested model those of the outer one.
+    pub(super) fn dissolve(&mut self, inner: ParsedModel, frames: &Frames, parts: &mut Parts) {
+        let outer_from_inner = frames
+            .resolve(&inner.model.name, &inner.pose.source, self.diagnostics)
+            .unwrap_or(inner.pose.pose);
+        let outer_name = inner.naming();
+        let ParsedModel { model, lights, .. } = inner;
+        let (first, first_joint) = (parts.links.len(), parts.joints.len());
+        parts.links.extend(model.links.into_iter().map(|mut link| {
+            link.name = outer_name(&link.name);
+            link.model_from_link = outer_from_inner * link.model_from_link;
+            // Gazebo keeps what a nested model says of itself.
+            link.is_static |= model.is_static;
+            link
+        }));
+        parts.joints.extend(model.joints.into_iter().map(|mut joint| {
+            joint.name = outer_name(&joint.name);
+            joint.parent += first;
+            joint.child += first;
+            joint
+        }));
+        parts.sensors.extend(model.sensors.into_iter().map(|mut sensor| {
+            sensor.link += first;
+            sensor
+        }));
+        parts.plugins.extend(model.plugins.into_iter().map(|plugin| plugin.behind(first, first_joint)));
+        parts.lights.extend(lights.into_iter().map(|mut light| {
+            light.world_from_light = outer_from_inner * light.world_from_light;
+            light
+        }));
+    }
+}

@@ -1,0 +1,225 @@
+//! `<world>`: scene, physics, what stands in it, and `<state>`.
+
+use super::frames::{Frames, WrittenPose};
+use super::model::ParsedModel;
+use super::{Loader, Scope, name_of};
+use crate::model::{Earth, Light, Model, World};
+use crate::suggestion::did_you_mean;
+use crate::values::{child_bool, child_number, numbers};
+use crate::xml::Element;
+use glam::DVec3;
+
+/// A physics step beyond this is a mistake: contacts of a robot at walking speed are missed altogether.
+const MAX_STEP_S: f64 = 0.1;
+
+impl Loader<'_> {
+    pub(super) fn world(&mut self, element: &Element, scope: Scope<'_>) -> World {
+        let mut world = World { name: name_of(element), source: element.source.clone(), ..World::empty() };
+        self.scene(element, &mut world);
+        self.physics(element, &mut world);
+        self.earth(element, &mut world.earth);
+
+        let mut models: Vec<ParsedModel> = Vec::new();
+        let mut lights: Vec<(Light, WrittenPose)> = Vec::new();
+        for child in element.elements() {
+            match child.name.as_str() {
+                "model" => models.extend(self.model(child, scope)),
+                "include" => {
+                    if let Some(included) = self.include(child, scope) {
+                        models.extend(included.models);
+                        lights.extend(included.lights);
+                    }
+                }
+                "light" => {
+                    let pose = self.pose(child, scope.version);
+                    lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));
+                }
+                "plugin" => self.ignored(child, "plugins of a world are not run"),
+                "actor" => models.extend(self.actor(child, scope)),
+                "road" | "population" | "joint" => self.ignored(child, "it is not simulated"),
+                _ => {}
+            }
+        }
+
+        self.make_names_unique(&mut models);
+        // Poses in the world: models may stand relative to one another.
+        let mut frames = Frames::new("world");
+        for parsed in &models {
+            frames.add(&parsed.model.name, &parsed.pose, None);
+            for (link, pose) in parsed.model.links.iter().zip(parsed.model.rest_poses()) {
+                let name = format!("{}::{}", parsed.model.name, link.name);
+                frames.add_known(name, &parsed.model.name, pose, &link.source);
+            }
+        }
+        for child in element.elements_named("frame") {
+            let pose = self.pose(child, scope.version);
+            frames.add(
+                &name_of(child),
+                &pose,
+                child.attribute("attached_to").filter(|name| !name.is_empty()),
+            );
+        }
+        let mut placed: Vec<(Model, Vec<_>)> = Vec::new();
+        for ParsedModel { mut model, pose, lights, .. } in models {
+            model.world_from_model =
+                frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
+            placed.push((model, lights));
+        }
+        world.lights.extend(lights.into_iter().map(|(mut light, pose)| {
+            light.world_from_light = frames.place(&pose, self.diagnostics);
+            light
+        }));
+        if let Some(state) = element.child("state") {
+            self.state(state, &frames, &mut placed, &mut world, scope);
+        }
+        for (model, lights) in placed {
+            world.lights.extend(lights.into_iter().map(|mut light| {
+                light.world_from_light = model.world_from_model * light.world_from_light;
+                light
+            }));
+            world.models.push(model);
+        }
+        if !world.shadows {
+            for light in &mut world.lights {
+                light.cast_shadows = false;
+            }
+        }
+        world
+    }
+
+    fn scene(&mut self, element: &Element, world: &mut World) {
+        let Some(scene) = element.child("scene") else { return };
+        if let Some(ambient) = self.color(scene, "ambient") {
+            world.ambient = ambient;
+        }
+        if let Some(background) = self.color(scene, "background") {
+            world.background = background;
+        }
+        if let Some(shadows) = child_bool(scene, "shadows", self.diagnostics) {
+            world.shadows = shadows;
+        }
+        if let Some(linear) = child_bool(scene, "linear_light", self.diagnostics) {
+            world.linear_light = linear;
+        }
+        for child in scene.elements() {
+            match child.name.as_str() {
+                "sky" => self.ignored(child, "the sky has the colour of <background>"),
+                "fog" => self.ignored(child, "there is no fog"),
+                _ => {}
+            }
+        }
+    }
+
+    /// `<spherical_coordinates>` and `<magnetic_field>`.
+    fn earth(&mut self, element: &Element, earth: &mut Earth) {
+        if let Some(field) = element.child("magnetic_field")
+            && let Some(tesla) = numbers(&field.text(), "<magnetic_field>", &field.source, self.diagnostics)
+        {
+            earth.magnetic_field_t = DVec3::from_array(tesla);
+        }
+        let Some(place) = element.child("spherical_coordinates") else { return };
+        earth.is_given = true;
+        for (name, most, to) in [
+            ("latitude_deg", 90.0, &mut earth.latitude_deg),
+            ("longitude_deg", 360.0, &mut earth.longitude_deg),
+            ("elevation", 1e5, &mut earth.elevation_m),
+            ("heading_deg", 1e5, &mut earth.heading_rad),
+        ] {
+            let Some(value) = child_number(place, name, self.diagnostics) else { continue };
+            *to = value;
+            if let Some(child) = place.child(name).filter(|_| value.abs() > most) {
+                let what = format!("<{name}> is {value}");
+                self.diagnostics.error(&child.source, what, format!("write a number from -{most} to {most}"));
+            }
+        }
+        earth.heading_rad = earth.heading_rad.to_radians();
+        let orientation = place.child("world_frame_orientation");
+        for child in [orientation, place.child("surface_model")].into_iter().flatten() {
+            if !matches!(child.text().as_str(), "ENU" | "EARTH_WGS84" | "") {
+                self.ignored(
+                    child,
+                    "the world is taken to lie on EARTH_WGS84, its axes as ENU and <heading_deg> say",
+                );
+            }
+        }
+    }
+
+    fn physics(&mut self, element: &Element, world: &mut World) {
+        let is_default = |physics: &&Element| matches!(physics.attribute("default"), Some("true" | "1"));
+        let physics = element.elements_named("physics").find(is_default).or_else(|| element.child("physics"));
+        if let Some(physics) = physics
+            && let Some(step) = child_number(physics, "max_step_size", self.diagnostics)
+        {
+            if step > 0.0 && step <= MAX_STEP_S {
+                world.max_step_size_s = step;
+            } else if let Some(child) = physics.child("max_step_size") {
+                self.diagnostics.error(
+                    &child.source,
+                    format!("<max_step_size> is {step} s"),
+                    format!("write a step above 0 and up to {MAX_STEP_S} s; 0.001 is usual"),
+                );
+            }
+        }
+        // <gravity> moved from <physics> to <world> with SDF 1.6.
+        let gravity = element.child("gravity").or_else(|| physics?.child("gravity"));
+        if let Some(gravity) = gravity
+            && let Some(vector) = numbers(&gravity.text(), "<gravity>", &gravity.source, self.diagnostics)
+        {
+            world.gravity = DVec3::from_array(vector);
+        }
+    }
+
+    /// Puts models where a saved `<state>` says they stood. Gazebo applies the models' poses; those of their
+    /// links follow from them.
+    fn state<T>(
+        &mut self,
+        state: &Element,
+        frames: &Frames,
+        models: &mut [(Model, T)],
+        world: &mut World,
+        scope: Scope<'_>,
+    ) {
+        for child in state.elements() {
+            let name = name_of(child);
+            match child.name.as_str() {
+                "model" => {
+                    let written = self.pose(child, scope.version);
+                    let pose = frames.place(&written, self.diagnostics);
+                    if let Some((model, _)) = models.iter_mut().find(|(model, _)| model.name == name) {
+                        model.world_from_model = pose;
+                    } else {
+                        self.unknown_in_state(child, models.iter().map(|(model, _)| model.name.as_str()));
+                    }
+                    let scaled = child.child("scale").map(Element::text).filter(|text| {
+                        text.split_whitespace().any(|word| word.parse::<f64>().is_ok_and(|s| s != 1.0))
+                    });
+                    if let (Some(_), Some(scale)) = (scaled, child.child("scale")) {
+                        self.ignored(scale, "models keep the size that their files give");
+                    }
+                }
+                "light" => {
+                    let written = self.pose(child, scope.version);
+                    let pose = frames.place(&written, self.diagnostics);
+                    match world.lights.iter_mut().find(|light| light.name == name) {
+                        Some(light) => light.world_from_light = pose,
+                        None => self.unknown_in_state(child, world.lights.iter().map(|l| l.name.as_str())),
+                    }
+                }
+                "insertions" | "deletions" => {
+                    self.ignored(child, "only the poses of a saved state are applied");
+                }
+                _ => {}
+            }
+        }
+    }
+
+    fn unknown_in_state<'n>(&mut self, child: &Element, known: impl Iterator<Item = &'n str>) {
+        let name = name_of(child);
+        let meant = did_you_mean(&name, known).unwrap_or_default();
+        self.diagnostics.warning(
+            &child.source,
+            format!("<state> moves the {} '{name}', which is not in this world", child.name),
+            meant,
+        );
+    }
+}

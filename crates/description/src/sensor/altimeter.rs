@@ -1,0 +1,41 @@
+//! Altimeters: `<altimeter>`, height above the place of the start.
+
+use super::instrument::InstrumentPlugin;
+use super::reader::Reader;
+use super::{Kind, SensorKind};
+use crate::xml::Element;
+use belvedere_sensors::noise::InstrumentConfig;
+
+/// An altimeter.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Altimeter {
+    /// Errors of the height in m.
+    pub position: InstrumentConfig<1>,
+    /// Errors of the vertical velocity in m/s.
+    pub velocity: InstrumentConfig<1>,
+    /// What it measures heights from: the height of the start if there is none.
+    pub reference_m: Option<f64>,
+    /// What publishes it.
+    pub plugin: Option<InstrumentPlugin>,
+}
+
+pub(super) const KIND: Kind = Kind {
+    types: &["altimeter"],
+    plugins: &[],
+    is_extended: false,
+    read: |reader, sensor| Some(SensorKind::Altimeter(reader.altimeter(sensor)?.into())),
+};
+
+impl Reader<'_> {
+    fn altimeter(&mut self, sensor: &Element) -> Option<Altimeter> {
+        let element = sensor.child("altimeter");
+        let names = ["vertical_position", "vertical_velocity"];
+        let [position, velocity] = names.map(|name| self.quantity(element, name));
+        if let Some(element) = element {
+            let remedy = format!("take it out: an altimeter has {}", names.join(", "));
+            self.left_out(element, |name| names.contains(&name), &remedy);
+        }
+        let plugin = self.instrument_plugin(sensor, &KIND);
+        Some(Altimeter { position: position?, velocity: velocity?, reference_m: None, plugin })
+    }
+}

@@ -1,0 +1,182 @@
+//! What publishes the pictures of cameras and depth cameras: `libgazebo_ros_camera.so` and what the Kinect's shares with it.
+
+use super::gz::frame_name;
+use super::plugin::{absolute, topic};
+use super::reader::Reader;
+use super::ros2;
+use crate::model::{CameraPlugin, Lens, LensModel};
+use crate::values::{child_bool, child_text};
+use crate::xml::Element;
+
+/// What all camera plugins are told, without the coefficients of the distortion.
+const CAMERA_PARAMETERS: [&str; 12] = [
+    "robotNamespace",
+    "cameraName",
+    "imageTopicName",
+    "cameraInfoTopicName",
+    "frameName",
+    "updateRate",
+    "hackBaseline",
+    "autoDistortion",
+    "CxPrime",
+    "Cx",
+    "Cy",
+    "focalLength",
+];
+/// What many files tell them, and no plugin reads.
+const READ_BY_NOBODY: [&str; 2] = ["alwaysOn", "baseline"];
+/// Coefficients of the distortion, behind `distortion`, or in small letters behind `distortion_`.
+const COEFFICIENTS: [&str; 5] = ["K1", "K2", "K3", "T1", "T2"];
+
+/// The defaults of `<imageTopicName>` and `<cameraInfoTopicName>`.
+pub(super) struct CameraTopics {
+    pub(super) image: &'static str,
+    pub(super) info: &'static str,
+}
+
+impl Reader<'_> {
+    /// That of ROS 2: names in small letters, the rate and the coefficients of the sensor itself.
+    pub(super) fn ros2_camera(&mut self, plugin: &Element) -> Option<CameraPlugin> {
+        let camera_name = child_text(plugin, "camera_name").unwrap_or_else(|| self.sensor.clone());
+        let read =
+            ["ros", "camera_name", "frame_name", "hack_baseline", "min_depth", "max_depth", "border_crop"];
+        self.left_out(plugin, |name| read.contains(&name) || READ_BY_NOBODY.contains(&name), "take it out");
+        Some(CameraPlugin {
+            image_topic: ros2_topic(plugin, &camera_name, "image_raw"),
+            camera_info_topic: ros2_topic(plugin, &camera_name, "camera_info"),
+            frame_name: ros2::frame_name(plugin),
+            camera_name,
+            hack_baseline_m: self.number(Some(plugin), "hack_baseline", 0.0)?,
+            distortion: [0.0; 5],
+            auto_distortion: true,
+            principal_point: [None; 2],
+            focal_length: None,
+        })
+    }
+
+    pub(super) fn camera_plugin(&mut self, plugin: &Element, topics: &CameraTopics) -> Option<CameraPlugin> {
+        let text = |name: &str| child_text(plugin, name);
+        let camera_name = text("cameraName").unwrap_or_default();
+        let topic = |name: &str, default: &str| topic(plugin, &camera_name, name, default);
+        let image_topic = topic("imageTopicName", topics.image);
+        let camera_info_topic = topic("cameraInfoTopicName", topics.info);
+        let rate_hz = self.rate(plugin, "updateRate");
+        let hack_baseline_m = self.number(Some(plugin), "hackBaseline", 0.0);
+        let [k1, k2, k3, t1, t2] = COEFFICIENTS.map(|name| self.distortion_value(plugin, name));
+        let [cx_prime, cx, cy] = ["CxPrime", "Cx", "Cy"].map(|name| self.number(Some(plugin), name, 0.0));
+        let focal_length = self.not_negative(Some(plugin), "focalLength");
+        self.plugin_rate_hz = rate_hz?;
+        let given = |value: f64| (value != 0.0).then_some(value);
+        Some(CameraPlugin {
+            image_topic,
+            camera_info_topic,
+            frame_name: text("frameName").unwrap_or_default(),
+            camera_name,
+            hack_baseline_m: hack_baseline_m?,
+            distortion: [k1?, k2?, k3?, t1?, t2?],
+            auto_distortion: child_bool(plugin, "autoDistortion", self.diagnostics).unwrap_or(false),
+            principal_point: [given(cx?).or(given(cx_prime?)), given(cy?)],
+            focal_length: given(focal_length?),
+        })
+    }
+
+    /// A warning where the plugin's coefficients contradict the lens of the `<camera>`.
+    pub(super) fn compare_lenses(&mut self, plugin: &Element, parameters: &CameraPlugin, lens: &Lens) {
+        let [k1, k2, k3, t1, t2] = parameters.distortion;
+        if parameters.distortion == [0.0; 5] || parameters.auto_distortion {
+            return;
+        }
+        let (what, remedy) = match &lens.model {
+            LensModel::Pinhole => return,
+            LensModel::BrownConrady { coefficients } if *coefficients == [k1, k2, t1, t2, k3] => return,
+            LensModel::BrownConrady { .. } if self.rules.gazebo_compat => (
+                "are those of camera_info, while the picture has those in <distortion> of the <camera>, as in Gazebo",
+                "write the same numbers in both",
+            ),
+            LensModel::BrownConrady { .. } => (
+                "hold instead of those in <distortion> of the <camera>, in camera_info and in the picture",
+                "write the same numbers in both: with --gazebo-compat the picture has those of <distortion>",
+            ),
+            _ => ("are left out: camera_info has the parameters of the <lens>", "take them out"),
+        };
+        let place = plugin.elements().find(|child| child.name.starts_with("distortion")).unwrap_or(plugin);
+        let what = format!("the distortion coefficients in the plugin of sensor '{}' {what}", self.sensor);
+        self.diagnostics.warning(&place.source, what, remedy);
+    }
+
+    /// A warning for each parameter of a camera's plugin that has no effect here and would have one elsewhere.
+    pub(super) fn not_simulated_by_plugin(&mut self, plugin: &Element, of_depth: &[&str]) {
+        for child in plugin.elements() {
+            let name = child.name.as_str();
+            let is_read = CAMERA_PARAMETERS.contains(&name) || of_depth.contains(&name);
+            let is_coefficient =
+                COEFFICIENTS.iter().any(|known| distortion_names(known).contains(&child.name));
+            if is_read || is_coefficient || READ_BY_NOBODY.contains(&name) {
+                continue;
+            }
+            let (why, remedy) = match name {
+                // Nothing is cropped here.
+                "borderCrop" => match child_bool(plugin, name, self.diagnostics) {
+                    Some(true) => (
+                        "not simulated: the picture keeps what the lens does not map, in black",
+                        "write false, and see how much that is with `belvedere check`",
+                    ),
+                    Some(false) | None => continue,
+                },
+                "triggerTopicName" => {
+                    ("not simulated and left out", "take it out: pictures are sent at <updateRate>")
+                }
+                _ => ("not simulated and left out", "take it out, or correct its name"),
+            };
+            let what = format!("{} is {why}", self.what(name));
+            self.diagnostics.warning(&child.source, what, remedy);
+        }
+    }
+
+    /// `distortionK1`, or `distortion_k1` as the Kinect's files write it.
+    fn distortion_value(&mut self, plugin: &Element, name: &str) -> Option<f64> {
+        let names = distortion_names(name);
+        let written = names.iter().find(|name| plugin.child(name).is_some()).unwrap_or(&names[0]);
+        self.number(Some(plugin), written, 0.0)
+    }
+}
+
+/// As a camera of gz-sim publishes: the info lies beside the picture, if nothing else is written.
+pub(super) fn gz_camera(sensor: &Element, image_topic: String) -> CameraPlugin {
+    let folder = image_topic.rsplit_once('/').map_or("", |(folder, _)| folder);
+    let camera = sensor.child("camera");
+    let written = camera.and_then(|camera| child_text(camera, "camera_info_topic"));
+    CameraPlugin {
+        camera_name: String::new(),
+        camera_info_topic: match written {
+            Some(topic) => absolute(&[&topic]),
+            None => absolute(&[folder, "camera_info"]),
+        },
+        image_topic,
+        frame_name: camera
+            .and_then(|camera| child_text(camera, "optical_frame_id"))
+            .unwrap_or_else(|| frame_name(sensor)),
+        hack_baseline_m: 0.0,
+        distortion: [0.0; 5],
+        auto_distortion: true,
+        principal_point: [None; 2],
+        focal_length: None,
+    }
+}
+
+/// A camera's topic in ROS 2. Files name it with the camera's name before it, or without.
+pub(super) fn ros2_topic(plugin: &Element, camera_name: &str, name: &str) -> String {
+    let full = format!("{camera_name}/{name}");
+    ros2::topic(plugin, &full, &[name, &format!("~/{name}")])
+}
+
+/// Whether a camera's plugin is that of ROS 2, which has another's file name.
+pub(super) fn is_ros2_camera(plugin: &Element) -> bool {
+    let of_ros1 = |child: &Element| CAMERA_PARAMETERS.contains(&child.name.as_str());
+    ros2::is_ros2(plugin) && !plugin.elements().any(of_ros1)
+}
+
+/// The two ways in which files write a coefficient.
+fn distortion_names(name: &str) -> [String; 2] {
+    [format!("distortion{name}"), format!("distortion_{}", name.to_ascii_lowercase())]
+}

@@ -1,0 +1,212 @@
+//! Depth cameras: a `<camera>` that measures depth, too, and `libgazebo_ros_openni_kinect.so`.
+
+use super::camera_plugin::{CameraTopics, gz_camera, ros2_topic};
+use super::gz::gz_topic;
+use super::plugin::{absolute, extension, plain_name, topic};
+use super::reader::Reader;
+use super::{Kind, SensorKind};
+use crate::model::{CameraSensor, DepthCameraPlugin};
+use crate::rules::SensorModels;
+use crate::values::child_bool;
+use crate::xml::Element;
+use belvedere_sensors::device::depth::presets::{self, DepthPreset};
+
+/// Far clip distance in metres if none is given.
+const FAR_M: f64 = 10.0;
+
+/// What the Kinect's is told besides.
+const DEPTH_PARAMETERS: [&str; 6] = [
+    "depthImageTopicName",
+    "depthImageCameraInfoTopicName",
+    "pointCloudTopicName",
+    "pointCloudCutoff",
+    "pointCloudCutoffMax",
+    "useDepth16UC1MM",
+];
+
+/// A depth camera with a colour camera in the same place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DepthCamera {
+    /// What it sees.
+    pub camera: CameraSensor,
+    /// What publishes it.
+    pub plugin: Option<DepthCameraPlugin>,
+    /// Which device it is; without one its depths are true.
+    pub preset: Option<&'static DepthPreset>,
+    /// Whether the device's projector is on.
+    pub has_projector_on: bool,
+}
+
+impl DepthCamera {
+    /// Least and greatest valid depth in metres: those of the plugin, and no more than the device measures.
+    pub fn range_m(&self) -> [f64; 2] {
+        let [least, most] = self
+            .plugin
+            .as_ref()
+            .map_or([self.camera.near_m, self.camera.far_m], |plugin| [plugin.cutoff_m, plugin.cutoff_max_m]);
+        self.preset
+            .map_or([least, most], |preset| [least.max(preset.range_m[0]), most.min(preset.range_m[1])])
+    }
+}
+
+const ROS2_PLUGIN: &str = "gazebo_ros_camera";
+
+pub(super) const KIND: Kind = Kind {
+    types: &["depth", "depth_camera", "rgbd", "rgbd_camera"],
+    // In ROS 2 that of cameras publishes all of them.
+    plugins: &["gazebo_ros_openni_kinect", ROS2_PLUGIN],
+    is_extended: true,
+    read: |reader, sensor| reader.depth_camera(sensor).map(SensorKind::Depth),
+};
+
+impl Reader<'_> {
+    fn depth_camera(&mut self, sensor: &Element) -> Option<DepthCamera> {
+        let camera = self.camera(sensor, FAR_M, false, None)?;
+        let plugin = self.plugin(sensor, &KIND).and_then(|element| {
+            if plain_name(element) == ROS2_PLUGIN {
+                return self.ros2_depth(element, &camera);
+            }
+            let plugin = self.depth_plugin(element)?;
+            self.compare_lenses(element, &plugin.camera, &camera.lens);
+            Some(plugin)
+        });
+        let plugin = plugin.or_else(|| Some(gz_depth(sensor, &gz_topic(sensor)?, &camera)));
+        let written = match extension(sensor) {
+            Some(own) => {
+                self.left_out(
+                    own,
+                    |name| ["preset", "projector"].contains(&name),
+                    "take it out: the plugin of belvedere has preset and projector",
+                );
+                Some(self.preset_name(own, &presets::NAMES)?)
+            }
+            None => None,
+        };
+        let preset = written.or_else(|| self.known(sensor, plugin.as_ref()?)).and_then(presets::named);
+        let has_projector_on = match (extension(sensor), preset) {
+            (Some(own), Some(preset)) => self.projector(own, preset)?,
+            _ => true,
+        };
+        let depth = DepthCamera { camera, plugin, preset, has_projector_on };
+        if let (Some(preset), [least, most]) = (preset, depth.range_m())
+            && least >= most
+        {
+            let [from, to] = preset.range_m;
+            self.diagnostics.error(
+                &sensor.source,
+                format!(
+                    "sensor '{}' has no valid depth: a {} measures {from} to {to} m",
+                    self.sensor, preset.name
+                ),
+                "write <pointCloudCutoff> and <pointCloudCutoffMax>, or <clip>, within that",
+            );
+            return None;
+        }
+        Some(depth)
+    }
+
+    /// Whether the projector is on: the `<projector>` of our plugin. A device that measures by its light cannot be without.
+    fn projector(&mut self, own: &Element, preset: &DepthPreset) -> Option<bool> {
+        let is_on = child_bool(own, "projector", self.diagnostics).unwrap_or(true);
+        let measures_without =
+            |preset: &DepthPreset| preset.model(preset.focal_px()).without_projector().is_some();
+        if is_on || measures_without(preset) {
+            return Some(is_on);
+        }
+        let others =
+            presets::NAMES.iter().copied().filter(|name| presets::named(name).is_some_and(measures_without));
+        self.diagnostics.error(
+            Self::place(Some(own), "projector", own),
+            format!("{} is off, and a {} measures by its light", self.what("projector"), preset.name),
+            format!("take it out, or choose one of {}", others.collect::<Vec<_>>().join(", ")),
+        );
+        None
+    }
+
+    /// The device that a sensor is known to be, if real ones are asked for: that of which its name, or its camera's,
+    /// has the preset's name in it, and else the Kinect that the plugin is made for.
+    fn known(&self, sensor: &Element, plugin: &DepthCameraPlugin) -> Option<&'static str> {
+        if self.rules.sensor_models != SensorModels::Real {
+            return None;
+        }
+        let names = [&self.sensor, &plugin.camera.camera_name].map(|name| name.to_ascii_lowercase());
+        let is_named = |preset: &&&str| names.iter().any(|name| name.contains(**preset));
+        let has_plugin = sensor.elements_named("plugin").any(|plugin| KIND.plugins[0] == plain_name(plugin));
+        presets::NAMES.iter().find(is_named).copied().or(has_plugin.then_some("kinect_v1"))
+    }
+
+    fn ros2_depth(&mut self, plugin: &Element, camera: &CameraSensor) -> Option<DepthCameraPlugin> {
+        let own = self.ros2_camera(plugin)?;
+        let topic = |name: &str| ros2_topic(plugin, &own.camera_name, name);
+        let remedy = "write <min_depth> below <max_depth>, in metres";
+        let cutoff_m = self.checked(Some(plugin), "min_depth", 0.4, |depth| depth >= 0.0, remedy)?;
+        let cutoff_max_m =
+            self.checked(Some(plugin), "max_depth", camera.far_m, |depth| depth > cutoff_m, remedy)?;
+        Some(DepthCameraPlugin {
+            depth_image_topic: topic("depth/image_raw"),
+            depth_camera_info_topic: topic("depth/camera_info"),
+            point_cloud_topic: topic("points"),
+            camera: own,
+            cutoff_m,
+            cutoff_max_m,
+            depth_16uc1: false,
+        })
+    }
+
+    fn depth_plugin(&mut self, plugin: &Element) -> Option<DepthCameraPlugin> {
+        let topics = CameraTopics { image: "ir/image_raw", info: "ir/camera_info" };
+        let camera = self.camera_plugin(plugin, &topics);
+        self.not_simulated_by_plugin(plugin, &DEPTH_PARAMETERS);
+        let cutoff = self.checked(
+            Some(plugin),
+            "pointCloudCutoff",
+            0.4,
+            |depth| depth >= 0.0,
+            "write a depth in metres, 0 or more",
+        );
+        let cutoff_max = self.checked(
+            Some(plugin),
+            "pointCloudCutoffMax",
+            5.0,
+            |depth| depth > 0.0,
+            "write a depth in metres above 0",
+        );
+        let depth_16uc1 = child_bool(plugin, "useDepth16UC1MM", self.diagnostics).unwrap_or(false);
+        let (camera, cutoff_m, cutoff_max_m) = (camera?, cutoff?, cutoff_max?);
+        if cutoff_m >= cutoff_max_m {
+            self.diagnostics.error(
+                Self::place(Some(plugin), "pointCloudCutoff", plugin),
+                format!(
+                    "{} is {cutoff_m} and <pointCloudCutoffMax> is {cutoff_max_m}",
+                    self.what("pointCloudCutoff")
+                ),
+                "write <pointCloudCutoff> below <pointCloudCutoffMax>, which is 5.0 if not given",
+            );
+            return None;
+        }
+        let topic = |name: &str, default: &str| topic(plugin, &camera.camera_name, name, default);
+        Some(DepthCameraPlugin {
+            depth_image_topic: topic("depthImageTopicName", "depth/image_raw"),
+            depth_camera_info_topic: topic("depthImageCameraInfoTopicName", "depth/camera_info"),
+            point_cloud_topic: topic("pointCloudTopicName", "points"),
+            camera,
+            cutoff_m,
+            cutoff_max_m,
+            depth_16uc1,
+        })
+    }
+}
+
+fn gz_depth(sensor: &Element, own: &str, camera: &CameraSensor) -> DepthCameraPlugin {
+    let has_colour = sensor.attribute("type").is_some_and(|kind| kind.starts_with("rgbd"));
+    let under = |name: &str| absolute(&[own, name]);
+    DepthCameraPlugin {
+        camera: gz_camera(sensor, under("image")),
+        depth_image_topic: if has_colour { under("depth_image") } else { own.to_owned() },
+        depth_camera_info_topic: under("depth_camera_info"),
+        point_cloud_topic: under("points"),
+        cutoff_m: camera.near_m,
+        cutoff_max_m: camera.far_m,
+        depth_16uc1: false,
+    }
+}

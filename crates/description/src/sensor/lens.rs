@@ -1,0 +1,387 @@
+//! `<lens>` and `<distortion>` of a `<camera>`; docs/lenses.md has the elements in words.
+
+mod angle_map;
+
+use super::reader::Reader;
+use crate::model::{Lens, LensIntrinsics, LensModel, LensProjection};
+use crate::values::{child_text, numbers};
+use crate::xml::Element;
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// How much farther than a lens can see an angle of view may be written, for a rounded π: SDF allows 6.283186.
+const ROUNDED_ANGLE_RAD: f64 = 1e-5;
+/// How far apart, as a share, two focal lengths may be that both are written: an angle has few digits.
+const CONTRADICTION: f64 = 0.01;
+/// Coefficients of `<distortion>` in OpenCV's order, and how many a model may have.
+const COEFFICIENTS: [&str; 14] =
+    ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y"];
+const COEFFICIENT_COUNTS: [usize; 4] = [5, 8, 12, 14];
+/// Types of `<lens>`: SDF's own, then ours.
+const TYPES: [&str; 11] = [
+    "gnomonical",
+    "stereographic",
+    "equidistant",
+    "equisolid_angle",
+    "orthographic",
+    "custom",
+    "kannala_brandt",
+    "eucm",
+    "double_sphere",
+    "mei",
+    "equirectangular",
+];
+/// What every `<lens>` may have.
+const COMMON: [&str; 4] = ["type", "intrinsics", "projection", "env_texture_size"];
+/// What those of SDF's own types may have besides.
+const OF_ANGLE_MAPS: [&str; 3] = ["scale_to_hfov", "cutoff_angle", "custom_function"];
+
+/// What a lens is resolved with.
+pub(super) struct Picture {
+    pub(super) width: u32,
+    pub(super) height: u32,
+    /// True for SDF's wide-angle camera, false for all others.
+    pub(super) is_wide_angle: bool,
+}
+
+impl Reader<'_> {
+    /// The lens of a camera, and its horizontal angle of view.
+    pub(super) fn lens(&mut self, camera: Option<&Element>, picture: &Picture) -> Option<(Lens, f64)> {
+        let element = camera.and_then(|camera| camera.child("lens"));
+        let distortion = camera.and_then(|camera| camera.child("distortion"));
+        let coefficients = self.coefficients(distortion);
+        let center = self.center(distortion);
+        let model = self.model(element, picture);
+        let intrinsics = element.and_then(|element| element.child("intrinsics"));
+        let (mut model, mut coefficients, mut center) = (model?, coefficients?, center?);
+
+        if let (LensModel::WideAngle { .. }, Some(distortion)) = (&model, distortion)
+            && coefficients.iter().any(|&value| value != 0.0)
+        {
+            // Gazebo looks at one of them alone, by the type of the camera.
+            let kind = lens_type(element, &model);
+            let what =
+                format!("<distortion> of sensor '{}' is left out beside a lens of type {kind}", self.sensor);
+            self.diagnostics.warning(&distortion.source, what, "take one of them out");
+            (coefficients, center) = (Vec::new(), None);
+        }
+        let is_distorted = coefficients.iter().any(|&value| value != 0.0);
+        if let (true, Some(distortion)) = (is_distorted, distortion) {
+            if model != LensModel::Pinhole {
+                let what = format!(
+                    "sensor '{}' has a <distortion>, which is a pinhole's, and a lens of type {}",
+                    self.sensor,
+                    lens_type(element, &model)
+                );
+                self.diagnostics.error(
+                    &distortion.source,
+                    what,
+                    "take one of them out, or write <type>gnomonical</type>",
+                );
+                return None;
+            }
+            model = LensModel::BrownConrady { coefficients };
+        }
+
+        let fov = self.angle_of_view(camera, element, &model);
+        let names = ["fx", "fy", "cx", "cy", "s"];
+        let written = names.map(|name| self.intrinsic(intrinsics, name));
+        if let Some(intrinsics) = intrinsics {
+            self.left_out(intrinsics, |name| names.contains(&name), "intrinsics are fx, fy, cx, cy and s");
+        }
+        let projection = self.projection(element);
+        let ([fx, fy, cx, cy, skew], fov) = (written, fov?);
+        let [fx, fy, cx, cy, skew] = [fx?, fy?, cx?, cy?, skew?];
+
+        let middle = |size: u32| 0.5 * (f64::from(size) - 1.0);
+        let mut resolved = LensIntrinsics {
+            // As the pinhole without a distortion has it, bit by bit.
+            fx: f64::from(picture.width) / (2.0 * model.radius(0.5 * fov)),
+            fy: 0.0,
+            cx: middle(picture.width),
+            cy: middle(picture.height),
+            skew: 0.0,
+        };
+        if let LensModel::WideAngle { map, scale_to_hfov, .. } = &mut model {
+            map.focal_px =
+                if *scale_to_hfov { resolved.fx } else { map.focal_px * 0.5 * f64::from(picture.width) };
+            resolved.fx = map.c1 * map.focal_px * map.function.slope_at(map.c3) / map.c2;
+        }
+        resolved.fy = resolved.fx;
+        if let Some([x, y]) = center {
+            let place = Self::place(distortion, "center", distortion?);
+            if !is_distorted {
+                self.diagnostics.warning(
+                    place,
+                    format!("{} has no effect: all coefficients are 0", self.what("center")),
+                    "write <cx> and <cy> in <lens><intrinsics> for a principal point",
+                );
+            } else if cx.is_some() || cy.is_some() {
+                self.diagnostics.warning(
+                    place,
+                    format!("{} is left out: <intrinsics> gives a principal point", self.what("center")),
+                    "take it out",
+                );
+            } else {
+                resolved.cx = x * f64::from(picture.width) - 0.5;
+                resolved.cy = y * f64::from(picture.height) - 0.5;
+            }
+        }
+        let fov_element = camera.and_then(|camera| camera.child("horizontal_fov"));
+        if let (Some(element), Some(focal)) = (fov_element, fx)
+            && !matches!(model, LensModel::WideAngle { .. })
+            && (focal / resolved.fx - 1.0).abs() > CONTRADICTION
+        {
+            let what = format!(
+                "{} is left out: it would be a focal length of {:.1} pixels, and <fx> is {focal}",
+                self.what("horizontal_fov"),
+                resolved.fx
+            );
+            self.diagnostics.warning(&element.source, what, "take one of them out");
+        }
+        if let (LensModel::WideAngle { .. }, Some(intrinsics)) = (&model, intrinsics) {
+            self.diagnostics.warning(
+                &intrinsics.source,
+                format!(
+                    "{} is left out: SDF has it for perspective cameras, and the lens is of type {}",
+                    self.what("intrinsics"),
+                    lens_type(element, &model)
+                ),
+                "write <horizontal_fov>, or a <type> that has intrinsics",
+            );
+        } else {
+            resolved.fx = fx.unwrap_or(resolved.fx);
+            resolved.fy = fy.or(fx).unwrap_or(resolved.fy);
+            resolved.cx = cx.unwrap_or(resolved.cx);
+            resolved.cy = cy.unwrap_or(resolved.cy);
+            resolved.skew = skew.unwrap_or(0.0);
+        }
+        let has_own_focal_length = fx.is_some() && !matches!(model, LensModel::WideAngle { .. });
+        let fov = match model {
+            LensModel::Pinhole | LensModel::BrownConrady { .. } if has_own_focal_length => {
+                2.0 * libm::atan(0.5 * f64::from(picture.width) / resolved.fx)
+            }
+            _ => fov,
+        };
+        let projection = projection?.map(|[fx, fy, cx, cy, tx, ty]| LensProjection {
+            fx: fx.unwrap_or(resolved.fx),
+            fy: fy.unwrap_or(resolved.fy),
+            cx: cx.unwrap_or(resolved.cx),
+            cy: cy.unwrap_or(resolved.cy),
+            tx: tx.unwrap_or(0.0),
+            ty: ty.unwrap_or(0.0),
+        });
+        Some((Lens { model, intrinsics: resolved, has_own_focal_length, projection }, fov))
+    }
+
+    /// As many coefficients as the longest model has of which one is written.
+    fn coefficients(&mut self, distortion: Option<&Element>) -> Option<Vec<f64>> {
+        let written = |name: &&str| distortion.is_some_and(|distortion| distortion.child(name).is_some());
+        let last = COEFFICIENTS.iter().rposition(written).map_or(0, |index| index + 1);
+        let count = COEFFICIENT_COUNTS.into_iter().find(|&count| count >= last)?;
+        let values: Vec<_> = COEFFICIENTS[..count]
+            .iter()
+            .map(|&name| {
+                if name.starts_with("tau") {
+                    let remedy = "write an angle in radians, above -1.5708 and below 1.5708";
+                    self.checked(distortion, name, 0.0, |tilt| tilt.abs() < FRAC_PI_2, remedy)
+                } else {
+                    self.number(distortion, name, 0.0)
+                }
+            })
+            .collect();
+        if let Some(distortion) = distortion {
+            self.left_out(distortion, |name| name == "center" || COEFFICIENTS.contains(&name), "take it out");
+        }
+        values.into_iter().collect()
+    }
+
+    /// `<center>` in fractions of the picture; the inner none if it is the middle.
+    #[expect(clippy::option_option, reason = "outer: readable; inner: written")]
+    fn center(&mut self, distortion: Option<&Element>) -> Option<Option<[f64; 2]>> {
+        let Some(child) = distortion.and_then(|distortion| distortion.child("center")) else {
+            return Some(None);
+        };
+        let what = self.what("center");
+        let center = numbers::<2>(&child.text(), &what, &child.source, self.diagnostics)?;
+        if center.iter().any(|part| !(0.0..=1.0).contains(part)) {
+            self.diagnostics.error(
+                &child.source,
+                format!("{what} is {} {}", center[0], center[1]),
+                "write two fractions of the picture's width and height, from 0 to 1",
+            );
+            return None;
+        }
+        Some((center != [0.5; 2]).then_some(center))
+    }
+
+    fn model(&mut self, lens: Option<&Element>, picture: &Picture) -> Option<LensModel> {
+        let kind = lens.and_then(|lens| child_text(lens, "type"));
+        let default = if picture.is_wide_angle { "stereographic" } else { "gnomonical" };
+        let kind = kind.as_deref().unwrap_or(default);
+        if let Some(lens) = lens.filter(|lens| self.is_pinhole_after_all(lens, kind, picture)) {
+            let what = format!(
+                "the <type> {kind} of sensor '{}' is left out: in Gazebo it is for wide-angle cameras",
+                self.sensor
+            );
+            let remedy = "write <type>gnomonical</type>, or make the sensor a wideanglecamera";
+            self.diagnostics.warning(&lens.source, what, remedy);
+            return Some(LensModel::Pinhole);
+        }
+        let own: &[&str] = match kind {
+            "kannala_brandt" => &["k1", "k2", "k3", "k4"],
+            "eucm" => &["alpha", "beta"],
+            "double_sphere" => &["xi", "alpha"],
+            "mei" => &["xi", "k1", "k2", "p1", "p2"],
+            "equirectangular" => &[],
+            "custom" => &OF_ANGLE_MAPS,
+            "gnomonical" if !picture.is_wide_angle => &[],
+            _ => &OF_ANGLE_MAPS[..2],
+        };
+        if let Some(lens) = lens {
+            if TYPES.contains(&kind) {
+                let remedy = format!(
+                    "a lens of type {kind} has {}",
+                    if own.is_empty() { "no parameters".into() } else { own.join(", ") }
+                );
+                self.left_out(lens, |name| COMMON.contains(&name) || own.contains(&name), &remedy);
+            }
+            if let Some(size) = lens.child("env_texture_size") {
+                let what = format!("{} is not needed: each pixel is traced", self.what("env_texture_size"));
+                self.diagnostics.warning(&size.source, what, "take it out");
+            }
+        }
+        let mut number = |name| self.number(lens, name, 0.0);
+        match kind {
+            "gnomonical" if !picture.is_wide_angle => Some(LensModel::Pinhole),
+            "kannala_brandt" => {
+                let [k1, k2, k3, k4] = ["k1", "k2", "k3", "k4"].map(number);
+                Some(LensModel::KannalaBrandt { k: [k1?, k2?, k3?, k4?] })
+            }
+            "eucm" => {
+                let alpha = self.alpha(lens?);
+                let beta = self.needed(lens?, "beta", |beta| beta > 0.0, "write a number above 0");
+                Some(LensModel::Eucm { alpha: alpha?, beta: beta? })
+            }
+            "double_sphere" => {
+                let is_valid = |xi: f64| xi > -1.0 && xi <= 1.0;
+                let xi = self.needed(lens?, "xi", is_valid, "write a number above -1, at most 1");
+                let alpha = self.alpha(lens?);
+                Some(LensModel::DoubleSphere { xi: xi?, alpha: alpha? })
+            }
+            "mei" => {
+                let [k1, k2, p1, p2] = ["k1", "k2", "p1", "p2"].map(&mut number);
+                let xi = self.needed(lens?, "xi", |xi| xi >= 0.0, "write 0 or more");
+                Some(LensModel::Mei { xi: xi?, k1: k1?, k2: k2?, p1: p1?, p2: p2? })
+            }
+            "equirectangular" => Some(LensModel::Equirectangular),
+            _ => self.angle_map(lens, kind),
+        }
+    }
+
+    /// Gazebo looks at SDF's types in wide-angle cameras alone, and its files have one wherever there is a `<lens>`.
+    /// `<intrinsics>` say that a pinhole is meant.
+    fn is_pinhole_after_all(&self, lens: &Element, kind: &str, picture: &Picture) -> bool {
+        let of_sdf = ["stereographic", "equidistant", "equisolid_angle", "orthographic", "custom"];
+        let is_meant = self.rules.gazebo_compat || lens.child("intrinsics").is_some();
+        !picture.is_wide_angle && is_meant && of_sdf.contains(&kind)
+    }
+
+    fn alpha(&mut self, lens: &Element) -> Option<f64> {
+        let is_share = |alpha: f64| (0.0..=1.0).contains(&alpha);
+        self.needed(lens, "alpha", is_share, "write a number from 0 to 1")
+    }
+
+    /// A parameter that has no default.
+    fn needed(
+        &mut self,
+        lens: &Element,
+        name: &str,
+        is_valid: impl Fn(f64) -> bool,
+        remedy: &str,
+    ) -> Option<f64> {
+        if lens.child(name).is_none() {
+            self.diagnostics.error(&lens.source, format!("{} is missing", self.what(name)), remedy);
+            return None;
+        }
+        self.checked(Some(lens), name, 0.0, is_valid, remedy)
+    }
+
+    /// The full horizontal angle of view, as far as the lens goes.
+    fn angle_of_view(
+        &mut self,
+        camera: Option<&Element>,
+        lens: Option<&Element>,
+        model: &LensModel,
+    ) -> Option<f64> {
+        let widest = match model {
+            // Whatever is not scaled to it may have any.
+            LensModel::WideAngle { scale_to_hfov: false, .. } => 2.0 * PI,
+            _ => model.widest_view_rad(),
+        };
+        let is_pinhole = matches!(model, LensModel::Pinhole | LensModel::BrownConrady { .. });
+        let is_valid = |angle: f64| {
+            angle > 0.0 && if is_pinhole { angle < widest } else { angle <= widest + ROUNDED_ANGLE_RAD }
+        };
+        let remedy = if is_pinhole {
+            "write the full angle in radians, above 0 and below 3.14159".into()
+        } else {
+            format!(
+                "write the full angle in radians, above 0 and at most {widest:.5}: a lens of type {} has no more",
+                lens_type(lens, model)
+            )
+        };
+        let default = 1.047;
+        if !is_valid(default) && camera.is_none_or(|camera| camera.child("horizontal_fov").is_none()) {
+            let what =
+                format!("the lens of sensor '{}' does not reach its default angle of view", self.sensor);
+            self.diagnostics.error(&lens?.source, what, remedy);
+            return None;
+        }
+        self.checked(camera, "horizontal_fov", default, is_valid, &remedy).map(|angle| angle.min(widest))
+    }
+
+    #[expect(clippy::option_option, reason = "outer: readable; inner: written")]
+    fn intrinsic(&mut self, intrinsics: Option<&Element>, name: &str) -> Option<Option<f64>> {
+        let Some(element) = intrinsics.filter(|element| element.child(name).is_some()) else {
+            return Some(None);
+        };
+        if name.starts_with('f') {
+            self.checked(
+                Some(element),
+                name,
+                0.0,
+                |focal| focal > 0.0,
+                "write a focal length in pixels above 0",
+            )
+        } else {
+            self.number(Some(element), name, 0.0)
+        }
+        .map(Some)
+    }
+
+    #[expect(clippy::option_option, reason = "outer: readable; inner: written")]
+    fn projection(&mut self, lens: Option<&Element>) -> Option<Option<[Option<f64>; 6]>> {
+        let Some(element) = lens.and_then(|lens| lens.child("projection")) else { return Some(None) };
+        let names = ["p_fx", "p_fy", "p_cx", "p_cy", "tx", "ty"];
+        let remedy = "a projection is p_fx, p_fy, p_cx, p_cy, tx and ty";
+        self.left_out(element, |name| names.contains(&name), remedy);
+        let values = names.map(|name| match element.child(name) {
+            None => Some(None),
+            Some(_) if name.starts_with("p_f") => {
+                let remedy = "write a focal length in pixels above 0";
+                self.checked(Some(element), name, 0.0, |focal| focal > 0.0, remedy).map(Some)
+            }
+            Some(_) => self.number(Some(element), name, 0.0).map(Some),
+        });
+        let [fx, fy, cx, cy, tx, ty] = values;
+        Some(Some([fx?, fy?, cx?, cy?, tx?, ty?]))
+    }
+}
+
+/// What the file calls it.
+fn lens_type(lens: Option<&Element>, model: &LensModel) -> String {
+    lens.and_then(|lens| child_text(lens, "type")).unwrap_or_else(|| match model {
+        LensModel::WideAngle { .. } => "stereographic".into(),
+        _ => model.name().into(),
+    })
+}

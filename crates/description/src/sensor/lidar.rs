@@ -1,0 +1,397 @@
+//! Lidars: `<ray>` and `<lidar>` (angles of the beams, range, noise), and the plugins that publish scans.
+
+mod physics;
+mod profile;
+mod ray_sensor;
+
+use super::gz::{frame_name, gz_topic};
+use super::imu_profile::ImuProfile;
+use super::instrument::{InstrumentPlugin, ros2_names};
+use super::plugin::{extension, plain_name, topic};
+use super::reader::Reader;
+use super::{Kind, Sensor, SensorKind};
+use crate::diagnostics::Diagnostics;
+use crate::model::{CloudLayout, LaserPlugin, Noise, RaySensor, ScanAxis};
+use crate::values::{child_bool, child_text};
+use crate::xml::Element;
+use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
+use belvedere_sensors::scanner::presets::{self, Maker, Mode, Preset};
+use belvedere_sensors::scanner::{Axis, Columns, Pattern, Raster, Weather};
+pub use physics::BeamPhysics;
+pub use profile::PacketProfile;
+use std::f64::consts::{PI, TAU};
+
+/// A lidar.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Lidar {
+    /// Its beams; of a preset, as near to that as an even grid comes, but with its ranges and noise.
+    pub ray: RaySensor,
+    /// The scanner of a maker that it is, if it is one.
+    pub preset: Option<Preset>,
+    /// What its beams are, meet and bring back, if each has a time of its own.
+    pub physics: BeamPhysics,
+    /// How its packets are laid out, if its maker has several ways.
+    pub profile: PacketProfile,
+    /// How the packets of its inertial unit are laid out, as its metadata tell.
+    pub imu_profile: ImuProfile,
+    /// What publishes it.
+    pub plugin: Option<LaserPlugin>,
+}
+
+impl Lidar {
+    /// Whether its beams each have a time of their own.
+    pub fn is_scanner(&self) -> bool {
+        self.preset.is_some() || self.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_some())
+    }
+}
+
+pub(super) const KIND: Kind = Kind {
+    types: &["ray", "gpu_ray", "lidar", "gpu_lidar"],
+    plugins: &[
+        "gazebo_ros_laser",
+        "gazebo_ros_gpu_laser",
+        "gazebo_ros_block_laser",
+        "gazebo_ros_velodyne_laser",
+        "gazebo_ros_velodyne_gpu_laser",
+        "gazebo_ros_ray_sensor",
+    ],
+    is_extended: true,
+    read: |reader, sensor| reader.lidar(sensor).map(SensorKind::Ray),
+};
+
+impl Reader<'_> {
+    fn lidar(&mut self, sensor: &Element) -> Option<Lidar> {
+        let preset = self.scanner_preset(sensor)?;
+        let (physics, profile) = self.beam_physics(sensor, preset.as_ref())?;
+        let is_cloud = preset.as_ref().is_some_and(is_cloud);
+        let mut ray = match &preset {
+            Some(preset) => ray_of(preset, sensor),
+            None => self.ray(sensor)?,
+        };
+        let mut plugin = match self.plugin(sensor, &KIND) {
+            Some(plugin) => Some(self.laser_plugin(plugin, &mut ray)?),
+            None => gz_plugin(sensor, is_cloud),
+        };
+        if let (true, Some(plugin)) = (is_cloud, &mut plugin) {
+            plugin.cloud.get_or_insert_default();
+        }
+        let is_ouster = preset.as_ref().is_some_and(|preset| preset.maker == Maker::Ouster);
+        let imu_profile = self.imu_profile(sensor, is_ouster)?.unwrap_or_default();
+        let lidar = Lidar { ray, preset, physics, profile, imu_profile, plugin };
+        self.check_physics(sensor, &lidar)?;
+        Some(lidar)
+    }
+
+    /// `<plugin filename="belvedere"><preset>`; the inner none means that there is none.
+    #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
+    fn scanner_preset(&mut self, sensor: &Element) -> Option<Option<Preset>> {
+        let Some(own) = extension(sensor) else { return Some(None) };
+        let names = || {
+            ["preset", "columns", "udp_profile_lidar", "udp_profile_imu"].into_iter().chain(physics::NAMES)
+        };
+        let remedy = format!("take it out: a lidar has {}", names().collect::<Vec<_>>().join(", "));
+        self.left_out(own, |name| names().any(|known| known == name), &remedy);
+        if child_text(own, "preset").is_none() {
+            return Some(None);
+        }
+        self.preset_name(own, &presets::NAMES).map(presets::named)
+    }
+
+    /// That what is written of its beams can be, as the rest of it is.
+    fn check_physics(&mut self, sensor: &Element, lidar: &Lidar) -> Option<()> {
+        let Some(own) = extension(sensor) else { return Some(()) };
+        let wrong = |reader: &mut Self, name: &str, what: &str, remedy: &str| {
+            let what = format!("{} {what}", reader.what(name));
+            reader.diagnostics.error(Self::place(Some(own), name, own), what, remedy);
+            None
+        };
+        let written = physics::NAMES.into_iter().find(|name| own.child(name).is_some());
+        if let (Some(name), false) = (written, lidar.is_scanner()) {
+            let remedy = "write a <preset>, or publish it by libgazebo_ros_velodyne_laser.so";
+            return wrong(self, name, "is of a scanner, and this lidar is Gazebo's", remedy);
+        }
+        let is_scan = lidar.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_none());
+        if is_scan && lidar.physics.returns.count() > 1 {
+            let remedy =
+                "write strongest, first, last or mean, or publish clouds by libgazebo_ros_velodyne_laser.so";
+            return wrong(self, "returns", "asks for several returns, and a scan has one a ray", remedy);
+        }
+        let BeamPhysics { receiver, weather, .. } = lidar.physics;
+        if weather != Weather::CLEAR && receiver.is_none() && lidar.ray.range_max_m == f64::INFINITY {
+            let name = ["fog_visibility", "rain_rate", "snow_rate"]
+                .into_iter()
+                .find(|name| own.child(name).is_some());
+            let remedy = "write <receiver_reach> in metres, or a <max> of <range> that is finite";
+            return wrong(
+                self,
+                name.unwrap_or_default(),
+                "is weather, in which no lidar reaches for ever",
+                remedy,
+            );
+        }
+        Some(())
+    }
+
+    /// The `<ray>` or `<lidar>` of a sensor.
+    pub(super) fn ray(&mut self, sensor: &Element) -> Option<RaySensor> {
+        let ray = sensor.child("ray").or_else(|| sensor.child("lidar"));
+        let scan = ray.and_then(|ray| ray.child("scan"));
+        let horizontal = self.axis(scan, "horizontal", 640);
+        let vertical = self.axis(scan, "vertical", 1);
+        let range = ray.and_then(|ray| ray.child("range"));
+        let limits = self.range(range, sensor);
+        let resolution = self.not_negative(range, "resolution");
+        let noise = self.noise(ray);
+
+        let (horizontal, vertical) = (horizontal?, vertical?);
+        let beams = u64::from(horizontal.samples) * u64::from(vertical.samples);
+        if beams > u64::from(MAX_BEAMS) {
+            self.diagnostics.error(
+                Self::place(ray, "scan", sensor),
+                format!(
+                    "sensor '{}' has {} × {} = {beams} beams",
+                    self.sensor, horizontal.samples, vertical.samples
+                ),
+                format!("write fewer <samples>: at most {MAX_BEAMS} beams in all"),
+            );
+            return None;
+        }
+        let (range_min_m, range_max_m) = limits?;
+        Some(RaySensor {
+            sees_visuals: sees_visuals(sensor),
+            horizontal,
+            vertical,
+            range_min_m,
+            range_max_m,
+            range_resolution_m: resolution?,
+            noise: noise?,
+        })
+    }
+
+    fn axis(&mut self, scan: Option<&Element>, name: &str, default_samples: u32) -> Option<ScanAxis> {
+        let axis = scan.and_then(|scan| scan.child(name));
+        let samples = self.truncated(axis, "samples", default_samples, MAX_SAMPLES);
+        let min = self.number(axis, "min_angle", 0.0);
+        let max = self.number(axis, "max_angle", 0.0);
+        let (samples, min_angle_rad, max_angle_rad) = (samples?, min?, max?);
+        if min_angle_rad > max_angle_rad {
+            if let Some(axis) = axis {
+                self.diagnostics.warning(
+                    Self::place(Some(axis), "min_angle", axis),
+                    format!(
+                        "{} is {min_angle_rad} and <max_angle> is {max_angle_rad} (<{name}>): they are exchanged",
+                        self.what("min_angle")
+                    ),
+                    "write <min_angle> not above <max_angle>",
+                );
+            }
+            return Some(ScanAxis { samples, min_angle_rad: max_angle_rad, max_angle_rad: min_angle_rad });
+        }
+        Some(ScanAxis { samples, min_angle_rad, max_angle_rad })
+    }
+
+    /// Smallest and largest range; the largest may be `inf`.
+    fn range(&mut self, range: Option<&Element>, sensor: &Element) -> Option<(f64, f64)> {
+        let min = self.not_negative(range, "min");
+        let is_infinite = range
+            .and_then(|range| child_text(range, "max"))
+            .is_some_and(|text| matches!(text.to_ascii_lowercase().as_str(), "inf" | "+inf" | "infinity"));
+        let max = if is_infinite { Some(f64::INFINITY) } else { self.number(range, "max", 0.0) };
+        let (min, max) = (min?, max?);
+        if min < max {
+            return Some((min, max));
+        }
+        self.diagnostics.error(
+            Self::place(range, "max", sensor),
+            format!("the <range> of sensor '{}' has <min> {min} and <max> {max}", self.sensor),
+            "write <range><min> below <max>, in metres; <max> may be inf",
+        );
+        None
+    }
+
+    /// What it does to what the sensor measures becomes the sensor's.
+    fn laser_plugin(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<LaserPlugin> {
+        let name = plain_name(plugin);
+        if name == "gazebo_ros_ray_sensor" {
+            return self.ray_sensor_plugin(plugin);
+        }
+        let is_velodyne = name.starts_with("gazebo_ros_velodyne");
+        // Hokuyo's plugin leaves noise to the sensor.
+        if !matches!(name, "gazebo_ros_laser" | "gazebo_ros_gpu_laser") {
+            self.add_noise(plugin, ray)?;
+        }
+        let mut cloud = None;
+        if is_velodyne {
+            cloud = Some(CloudLayout {
+                is_organized: child_bool(plugin, "organize_cloud", self.diagnostics).unwrap_or(false),
+                min_intensity: self.number(Some(plugin), "min_intensity", f64::NEG_INFINITY)?,
+            });
+            ray.range_min_m = ray.range_min_m.max(self.not_negative(Some(plugin), "min_range")?);
+            if plugin.child("max_range").is_some() {
+                ray.range_max_m = ray.range_max_m.min(self.number(Some(plugin), "max_range", 0.0)?);
+            }
+            if ray.range_min_m >= ray.range_max_m {
+                self.diagnostics.error(
+                    Self::place(Some(plugin), "min_range", plugin),
+                    format!(
+                        "sensor '{}' and its plugin leave the ranges from {} to {} m",
+                        self.sensor, ray.range_min_m, ray.range_max_m
+                    ),
+                    "write <min_range> below <max_range> and below the sensor's own <max>",
+                );
+                return None;
+            }
+        }
+        if is_velodyne && (plugin.child("ros").is_some() || plugin.child("frame_name").is_some()) {
+            let InstrumentPlugin { topic, frame_name } = ros2_names(plugin);
+            return Some(LaserPlugin { topic, frame_name, cloud });
+        }
+        self.plugin_rate_hz = self.rate(plugin, "updateRate")?;
+        Some(LaserPlugin {
+            topic: topic(plugin, "", "topicName", if is_velodyne { "/points" } else { "/world" }),
+            frame_name: child_text(plugin, "frameName").unwrap_or_else(|| "/world".into()),
+            cloud,
+        })
+    }
+
+    /// `gaussianNoise` of a plugin: both noises are drawn, each for itself.
+    pub(super) fn add_noise(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<()> {
+        let stddev = self.not_negative(Some(plugin), "gaussianNoise")?;
+        ray.noise.stddev = libm::hypot(ray.noise.stddev, stddev);
+        Some(())
+    }
+}
+
+/// That a preset has the columns and the rate that the file says; as it comes, if it says none.
+pub(super) fn turn(read: &mut Sensor, sensor: &Element, diagnostics: &mut Diagnostics) -> Option<()> {
+    let rate_hz = read.effective_rate_hz();
+    let SensorKind::Ray(Lidar { preset: Some(preset), ray, .. }) = &mut read.kind else { return Some(()) };
+    let own = extension(sensor);
+    let columns = own.and_then(|own| child_text(own, "columns"));
+    // There are never 0.
+    let count = columns.as_ref().map(|columns| columns.parse().unwrap_or(0));
+    if let Some(chosen) = preset.in_mode(count, rate_hz) {
+        ray.horizontal = horizontal_of(&chosen);
+        if rate_hz.is_none() {
+            read.update_rate_hz = Some(chosen.rate_hz);
+        }
+        *preset = chosen;
+        return Some(());
+    }
+    let place = match columns {
+        Some(_) => Reader::place(own, "columns", sensor),
+        None => Reader::place(Some(sensor), "update_rate", sensor),
+    };
+    let written =
+        [columns.map(|columns| ("columns", columns)), rate_hz.map(|rate| ("update_rate", rate.to_string()))];
+    let what = written
+        .into_iter()
+        .flatten()
+        .map(|(name, value)| format!("<{name}> of sensor '{}' is {value}", read.name));
+    let what = what.collect::<Vec<_>>().join(", ");
+    let remedy = match preset.modes {
+        [] => format!(
+            "write a rate from {} Hz, or none for {} Hz, and no <columns>",
+            choices(preset),
+            preset.rate_hz
+        ),
+        _ => format!("there are {}", choices(preset)),
+    };
+    diagnostics.error(place, format!("{what}, and it is a {}", preset.name), remedy);
+    None
+}
+
+/// How many turns a second a preset may make, with how many columns.
+pub fn choices(preset: &Preset) -> String {
+    let [slowest, fastest] = preset.rates_hz;
+    if preset.modes.is_empty() {
+        return format!("{slowest} to {fastest}");
+    }
+    let mode = |mode: &Mode| format!("{} columns at {} Hz", mode.columns.at_angles(), mode.rate_hz);
+    preset.modes.iter().map(mode).collect::<Vec<_>>().join(", ")
+}
+
+/// Whether it is one of Gazebo's GPU kinds.
+fn sees_visuals(sensor: &Element) -> bool {
+    matches!(sensor.attribute("type"), Some("gpu_ray" | "gpu_lidar"))
+}
+
+/// What publishes a sensor of gz-sim: its cloud has a topic of its own there.
+fn gz_plugin(sensor: &Element, is_cloud: bool) -> Option<LaserPlugin> {
+    let topic = gz_topic(sensor)?;
+    let topic = if is_cloud { format!("{topic}/points") } else { topic };
+    Some(LaserPlugin { topic, frame_name: frame_name(sensor), cloud: None })
+}
+
+/// Whether a preset measures in space, not in a plane.
+fn is_cloud(preset: &Preset) -> bool {
+    !matches!(preset.pattern, Pattern::Spinning(head) if head.lasers.len() == 1)
+}
+
+/// Where a preset measures in a turn.
+fn horizontal_of(preset: &Preset) -> ScanAxis {
+    let whole = |samples| ScanAxis { samples, min_angle_rad: -PI, max_angle_rad: PI };
+    let head = match preset.pattern {
+        Pattern::Spinning(head) => head,
+        Pattern::Raster(raster) => return pixels_of(&raster, 0),
+        Pattern::Rosette(rosette) => {
+            let most = rosette.half_angle_rad().unwrap_or(0.0);
+            let samples = (1e9 / preset.rate_hz / rosette.firing_time_ns as f64) as u32;
+            return ScanAxis { samples, min_angle_rad: -most, max_angle_rad: most };
+        }
+        Pattern::Prisms(prisms) => {
+            let samples = (1e9 / preset.rate_hz / f64::from(prisms.volley_time_ns)) as u32;
+            if prisms.axis == Axis::Up {
+                return whole(samples);
+            }
+            let most = prisms.half_angle_rad();
+            return ScanAxis { samples, min_angle_rad: -most, max_angle_rad: most };
+        }
+        _ => return whole(1),
+    };
+    match head.columns {
+        Columns::Every { time_ns } => whole((1e9 / preset.rate_hz / time_ns as f64) as u32),
+        Columns::Turn { per_turn, count, .. } if per_turn == count => whole(count),
+        Columns::Turn { per_turn, first, count } => {
+            let step = TAU / f64::from(per_turn);
+            let min_angle_rad = head.first_azimuth_rad + f64::from(first) * step;
+            let max_angle_rad = min_angle_rad + f64::from(count - 1) * step;
+            ScanAxis { samples: count, min_angle_rad, max_angle_rad }
+        }
+    }
+}
+
+/// The middles of pixels, across or up.
+fn pixels_of(raster: &Raster, axis: usize) -> ScanAxis {
+    let [most, _] = raster.angles(axis);
+    ScanAxis { samples: raster.pixels[axis], min_angle_rad: -most, max_angle_rad: most }
+}
+
+/// The beams, ranges and noise of a preset.
+fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
+    let mut vertical = ScanAxis { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
+    if let Pattern::Spinning(head) = preset.pattern {
+        let elevations = || head.lasers.iter().map(|laser| laser.elevation_rad);
+        vertical.samples = head.lasers.len() as u32;
+        vertical.min_angle_rad = elevations().fold(f64::INFINITY, f64::min);
+        vertical.max_angle_rad = elevations().fold(f64::NEG_INFINITY, f64::max);
+    }
+    if let Pattern::Raster(raster) = &preset.pattern {
+        vertical = pixels_of(raster, 1);
+    }
+    let [range_min_m, range_max_m] = preset.range_m;
+    RaySensor {
+        sees_visuals: sees_visuals(sensor),
+        horizontal: horizontal_of(preset),
+        vertical,
+        range_min_m,
+        range_max_m,
+        range_resolution_m: 0.0,
+        noise: Noise {
+            stddev: preset.stddev_m,
+            bias_stddev: preset.bias_stddev_m,
+            precision: preset.resolution_m,
+            ..Noise::default()
+        },
+    }
+}

@@ -1,0 +1,49 @@
+//! Magnetometers: `<magnetometer>`, in the `<magnetic_field>` of the world.
+
+use super::instrument::InstrumentPlugin;
+use super::noise::instrument;
+use super::reader::Reader;
+use super::{Kind, SensorKind};
+use crate::xml::Element;
+use belvedere_sensors::noise::InstrumentConfig;
+use glam::DVec3;
+
+/// A magnetometer of three axes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Magnetometer {
+    /// Its errors, in the unit of the field.
+    pub axes: InstrumentConfig<3>,
+    /// The field, if the plugin has one of its own, in a unit of its own.
+    pub field: Option<PluginField>,
+    /// What publishes it.
+    pub plugin: Option<InstrumentPlugin>,
+}
+
+/// The field that Team Hector's plugin is told.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct PluginField {
+    /// Along the world's axes.
+    pub in_world: DVec3,
+    /// It is sent as a vector, and not as a magnetic field, of which it need not have the unit.
+    pub is_vector: bool,
+}
+
+pub(super) const KIND: Kind = Kind {
+    types: &["magnetometer"],
+    plugins: &[],
+    is_extended: false,
+    read: |reader, sensor| Some(SensorKind::Magnetometer(reader.magnetometer(sensor)?.into())),
+};
+
+impl Reader<'_> {
+    fn magnetometer(&mut self, sensor: &Element) -> Option<Magnetometer> {
+        let element = sensor.child("magnetometer");
+        let names = ["x", "y", "z"];
+        let [x, y, z] = names.map(|name| self.noise_in(element, name));
+        if let Some(element) = element {
+            self.left_out(element, |name| names.contains(&name), "take it out: a magnetometer has x, y, z");
+        }
+        let plugin = self.instrument_plugin(sensor, &KIND);
+        Some(Magnetometer { axes: instrument([x?, y?, z?]), field: None, plugin })
+    }
+}

@@ -1,0 +1,141 @@
+//! The files that a robot names.
+
+use super::Loader;
+use crate::diagnostics::Diagnostics;
+use crate::package::{Found, PackagePath};
+use crate::xml::{Element, Node};
+use percent_encoding::{AsciiSet, CONTROLS, percent_decode_str, utf8_percent_encode};
+use std::path::{Path, PathBuf};
+
+/// What cannot stand in the path of a URL as it is.
+const NOT_IN_PATHS: &AsciiSet = &CONTROLS
+    .add(b' ')
+    .add(b'"')
+    .add(b'#')
+    .add(b'%')
+    .add(b'<')
+    .add(b'>')
+    .add(b'?')
+    .add(b'[')
+    .add(b'\\')
+    .add(b']')
+    .add(b'^')
+    .add(b'`')
+    .add(b'{')
+    .add(b'|')
+    .add(b'}');
+
+/// What the name of a file means.
+enum Named<'n> {
+    /// `package://PACKAGE/…` and `model://PACKAGE/…`.
+    InPackage { package: &'n str, relative: &'n str },
+    /// `file:///…`, or relative to the file that names it.
+    At(PathBuf),
+    /// A scheme that is not read.
+    Elsewhere(&'n str),
+}
+
+impl<'n> Named<'n> {
+    fn of(name: &'n str, named_in: &Element) -> Self {
+        match name.split_once("://") {
+            Some(("package" | "model", rest)) => {
+                let (package, relative) = rest.split_once('/').unwrap_or((rest, ""));
+                Self::InPackage { package, relative }
+            }
+            Some(("file", rest)) => {
+                Self::At(percent_decode_str(rest).decode_utf8_lossy().into_owned().into())
+            }
+            Some((scheme, _)) => Self::Elsewhere(scheme),
+            None => Self::At(named_in.source.file.parent().unwrap_or(Path::new("")).join(name)),
+        }
+    }
+}
+
+/// Has every mesh and texture of an expanded robot named by a `file:///` URL, which ROS finds without knowing of our
+/// package path and of the files that the robot was made of. Those that do not exist keep their names, with a warning.
+pub(super) fn name_files_absolutely(
+    robot: &mut Element,
+    packages: &PackagePath,
+    diagnostics: &mut Diagnostics,
+) {
+    let is_named = matches!(robot.name.as_str(), "mesh" | "texture");
+    if let Some(name) = robot.attribute("filename").filter(|_| is_named) {
+        let path = match Named::of(name, robot) {
+            Named::InPackage { package, relative } => {
+                packages.find_file(package, relative).map(|found| found.path)
+            }
+            Named::At(path) => Some(path),
+            Named::Elsewhere(_) => None,
+        };
+        match path.filter(|path| path.is_file()).and_then(|path| file_url(&path)) {
+            Some(url) => robot.attributes.iter_mut().filter(|(key, _)| key == "filename").for_each(|(_, value)| {
+                value.clone_from(&url);
+            }),
+            None => diagnostics.warning(
+                &robot.source,
+                format!("there is no {} '{name}'", robot.name),
+                "the name is left as it is; correct it, or add the folder that holds the package with --package-path or ROS_PACKAGE_PATH",
+            ),
+        }
+    }
+    for child in &mut robot.children {
+        // What is meant for Gazebo names no files of the robot.
+        if let Node::Element(child) = child
+            && child.name != "gazebo"
+        {
+            name_files_absolutely(child, packages, diagnostics);
+        }
+    }
+}
+
+fn file_url(path: &Path) -> Option<String> {
+    let path = std::path::absolute(path).ok()?;
+    Some(format!("file://{}", utf8_percent_encode(path.to_str()?, NOT_IN_PATHS)))
+}
+
+impl Loader<'_> {
+    /// The existing file that `name` means: `package://PACKAGE/…` and `model://PACKAGE/…` in a package,
+    /// `file:///…` as it stands, everything else relative to the file that `element` was written in. `what`
+    /// names it in errors.
+    pub(super) fn file(&mut self, element: &Element, name: &str, what: &str) -> Option<PathBuf> {
+        let (path, looked_for) = match Named::of(name, element) {
+            Named::InPackage { package, relative } => {
+                let found = self.packages.find_file(package, relative);
+                if let Some(Found { missing_in: Some(lacking), .. }) = &found {
+                    self.diagnostics.note(
+                        &element.source,
+                        format!("{} has no {relative}: it is taken from our package", lacking.display()),
+                        "",
+                    );
+                }
+                let folders: Vec<String> = self
+                    .packages
+                    .folders()
+                    .map(|folder| folder.join(package).join(relative).display().to_string())
+                    .collect();
+                (found.map(|found| found.path), folders.join(", "))
+            }
+            Named::At(path) => {
+                let shown = path.display().to_string();
+                (Some(path), shown)
+            }
+            Named::Elsewhere(scheme) => {
+                self.missing(
+                    &element.source,
+                    format!("the {what} '{name}' cannot be fetched: '{scheme}://' is not read"),
+                    "download it and write package://PACKAGE/FILE",
+                );
+                return None;
+            }
+        };
+        let found = path.filter(|path| path.is_file());
+        if found.is_none() {
+            self.missing(
+                &element.source,
+                format!("there is no {what} '{name}': looked for {looked_for}"),
+                "correct the path, or add the folder that holds the package with --package-path or ROS_PACKAGE_PATH",
+            );
+        }
+        found
+    }
+}

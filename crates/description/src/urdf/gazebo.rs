@@ -1,0 +1,193 @@
+//! `<gazebo>`: sensors, and what Gazebo overrides of a link.
+//!
+//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, the plugin `Label` and
+//! our own `<visual><fiducial>`; for the whole robot: `static`, `self_collide` and its plugins. The rest is accepted: contact
+//! parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which another physics engine does not have, extensions
+//! of joints.
+
+use super::{Loader, nearest_link};
+use crate::diagnostics::Diagnostics;
+use crate::fiducial::fiducials;
+use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
+use crate::label::label;
+use crate::model::{LinkIndex, Model};
+use crate::optics::optics;
+use crate::plugin;
+use crate::sensor::parse_sensor;
+use crate::suggestion::{closest, did_you_mean_or};
+use crate::values::{child_bool, child_text, friction_coefficient, number};
+use crate::xml::Element;
+
+/// What an extension is set to: its attribute `value`, or else its text, as libsdformat reads it.
+fn value(extension: &Element) -> String {
+    extension.attribute("value").map_or_else(|| extension.text(), |value| value.trim().to_owned())
+}
+
+/// The number that an extension is set to, if it is there.
+fn number_of(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<f64> {
+    let child = parent.child(name)?;
+    number(&value(child), &format!("<{name}>"), &child.source, diagnostics)
+}
+
+impl Loader<'_> {
+    pub(super) fn extensions(&mut self, robot: &Element, model: &mut Model) {
+        let mut of_robot = None;
+        for element in robot.elements_named("gazebo") {
+            for light in element.elements_named("light") {
+                let what = format!(
+                    "the light '{}' of a robot is left out",
+                    light.attribute("name").unwrap_or_default()
+                );
+                self.diagnostics.warning(&light.source, what, "put it into the world");
+            }
+            match element.attribute("reference").filter(|name| !name.is_empty()) {
+                None => {
+                    if let Some(is_static) = child_bool(element, "static", self.diagnostics) {
+                        model.is_static = is_static;
+                    }
+                    if child_bool(element, "self_collide", self.diagnostics) == Some(true) {
+                        model.links.iter_mut().for_each(|link| link.self_collide = true);
+                    }
+                    of_robot = label(element, self.diagnostics).or(of_robot);
+                    plugin::read(element, model, self.rules, self.diagnostics);
+                }
+                Some(name) => match model.link_named(name) {
+                    Some(link) => self.extend_link(element, link, model),
+                    None => self.unknown_reference(element, name, model),
+                },
+            }
+        }
+        // A link's own label holds, wherever in the file it stands.
+        if let Some(label) = of_robot {
+            for visual in model.links.iter_mut().flat_map(|link| &mut link.visuals) {
+                visual.label.get_or_insert(label);
+            }
+        }
+    }
+
+    fn extend_link(&mut self, element: &Element, index: LinkIndex, model: &mut Model) {
+        for sensor in element.elements_named("sensor") {
+            model.sensors.extend(parse_sensor(sensor, index, self.rules, self.diagnostics));
+        }
+        let link = &mut model.links[index];
+        // Gazebo puts what stands in <visual> into each visual of the link.
+        for element in std::iter::once(element).chain(element.elements_named("visual")) {
+            if let Some(label) = label(element, self.diagnostics) {
+                link.visuals.iter_mut().for_each(|visual| visual.label = Some(label));
+            }
+        }
+        for element in element.elements_named("visual") {
+            let tags = fiducials(element, self.diagnostics);
+            // Those of a mesh of several materials are one.
+            let mut places = link.visuals.iter().map(|visual| visual.link_from_visual);
+            let first = places.next();
+            let is_one = first.is_some() && places.all(|place| Some(place) == first);
+            if is_one {
+                link.visuals[0].fiducials.extend(tags);
+            } else if !tags.is_empty() {
+                self.diagnostics.error(
+                    &element.source,
+                    format!("a <fiducial> is on the link '{}', which has not one visual", link.name),
+                    "give the tag a link of its own, with one <visual>",
+                );
+            }
+        }
+        // As libsdformat: whatever does not say no says yes.
+        if let Some(off) = element.child("turnGravityOff").map(value) {
+            link.gravity = matches!(off.to_ascii_lowercase().as_str(), "false" | "no" | "0");
+        }
+        // As libsdformat: only these say yes.
+        if let Some(collides) = element.child("selfCollide").map(value) {
+            link.self_collide = matches!(collides.to_ascii_lowercase().as_str(), "true" | "yes" | "1");
+        }
+        if let Some(optics) = optics(element, self.diagnostics) {
+            link.collisions.iter_mut().for_each(|collision| collision.optics = optics);
+            link.visuals.iter_mut().for_each(|visual| visual.optics = optics);
+        }
+        if let Some(retro) = number_of(element, "laserRetro", self.diagnostics) {
+            for collision in &mut link.collisions {
+                collision.laser_retro = retro as f32;
+            }
+            for visual in &mut link.visuals {
+                visual.laser_retro = retro as f32;
+            }
+        }
+        if let (Some(friction), Some(child)) =
+            (number_of(element, "mu1", self.diagnostics), element.child("mu1"))
+        {
+            let what = format!("<mu1> of link '{}'", link.name);
+            let friction = friction_coefficient(friction, &what, &child.source, self.diagnostics);
+            for collision in &mut link.collisions {
+                collision.friction = Some(friction);
+            }
+        }
+        if let Some(material) = element.child("material") {
+            let name = material
+                .child("script")
+                .and_then(|script| child_text(script, "name"))
+                .unwrap_or_else(|| value(material));
+            if let Some(look) = gazebo_material(&name) {
+                for visual in &mut link.visuals {
+                    visual.material = look.clone();
+                }
+            } else {
+                let names: Vec<String> = gazebo_material_names().collect();
+                self.diagnostics.warning(
+                    &material.source,
+                    format!("Gazebo has no material '{name}': link '{}' keeps its look", link.name),
+                    did_you_mean_or(
+                        &name,
+                        names.iter().map(String::as_str),
+                        "Name one as Gazebo/Red, or write <color> in the visual's <material>",
+                    ),
+                );
+            }
+        }
+    }
+
+    /// A reference to something that is no link: a joint, or a mistake.
+    fn unknown_reference(&mut self, element: &Element, name: &str, model: &Model) {
+        let near = nearest_link(name, &model.links);
+        let mut has_sensor = false;
+        for sensor in element.elements_named("sensor") {
+            has_sensor = true;
+            let near = mount_for(sensor, name, model).unwrap_or_else(|| near.clone());
+            let what = format!(
+                "the sensor '{}' is on the link '{name}', which does not exist",
+                sensor.attribute("name").unwrap_or_default()
+            );
+            if self.rules.gazebo_compat {
+                self.diagnostics.warning(
+                    &element.source,
+                    format!("{what}: it is left out, as in Gazebo"),
+                    near,
+                );
+            } else {
+                let remedy = format!(
+                    "{near} Correct the reference, or leave the sensor out as Gazebo does with --gazebo-compat"
+                );
+                self.diagnostics.error(&element.source, what, remedy.trim_start());
+            }
+        }
+        if !has_sensor && !model.joints.iter().any(|joint| joint.name == name) {
+            self.diagnostics.warning(
+                &element.source,
+                format!("<gazebo reference=\"{name}\"> names no link and no joint: it is left out"),
+                near,
+            );
+        }
+    }
+}
+
+/// "did you mean …" for a sensor: the likeliest of the links that are called as what carries such a sensor is.
+fn mount_for(sensor: &Element, name: &str, model: &Model) -> Option<String> {
+    let words: &[&str] = match sensor.attribute("type").unwrap_or_default() {
+        "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => &["laser", "lidar", "scan", "hokuyo", "velodyne"],
+        "camera" | "wideanglecamera" | "depth" | "depth_camera" => &["camera", "rgb", "depth", "optical"],
+        "imu" => &["imu", "gyro"],
+        _ => return None,
+    };
+    let links = model.links.iter().map(|link| link.name.as_str());
+    let mounts = links.filter(|link| words.iter().any(|word| link.contains(word)));
+    closest(name, mounts).map(|near| format!("did you mean '{near}'?"))
+}

@@ -1,0 +1,62 @@
+//! Definitions of properties: a value, a default, or a block of elements.
+
+use super::super::fault::Fault;
+use super::super::scope::{Block, Property};
+use super::Expander;
+use crate::xml::{Element, Weight};
+
+impl Expander<'_> {
+    pub(super) fn define_property(&mut self, element: &Element) -> Result<(), Fault> {
+        let source = &element.source;
+        let name = self.string(element.attribute("name").unwrap_or_default(), source)?;
+        let is_identifier = name.chars().next().is_some_and(|c| c.is_alphabetic() || c == '_')
+            && name.chars().all(|c| c.is_alphanumeric() || c == '_');
+        if !is_identifier || name.starts_with("__") {
+            return Err(Fault::new(
+                format!("a property cannot be named '{name}'"),
+                "use letters, digits and underscores, a letter first",
+            ));
+        }
+        if element.attribute("remove").is_some() && self.condition(element, "remove")? {
+            for scope in &mut self.scopes {
+                scope.properties.remove(&name);
+            }
+            return Ok(());
+        }
+        let text = match (element.attribute("value"), element.attribute("default")) {
+            (Some(text), _) => text,
+            (None, Some(default)) => {
+                if self.scopes.iter().any(|scope| scope.properties.contains_key(&name)) {
+                    return Ok(());
+                }
+                default
+            }
+            (None, None) => {
+                self.copied(element)?;
+                let block = Block {
+                    weight: Weight::of(&element.children),
+                    nodes: element.children.clone().into(),
+                    expanded: false,
+                };
+                self.top().blocks.insert(format!("**{name}"), block);
+                return Ok(());
+            }
+        };
+        let top = self.scopes.len() - 1;
+        let target = match element.attribute("scope") {
+            Some("global") => 0,
+            Some("parent") => top.saturating_sub(1),
+            // `local`, which files write: as in xacro, whatever is none of the two is the scope here.
+            _ => top,
+        };
+        let lazy = !matches!(element.attribute("scope"), Some("global" | "parent"))
+            && (element.attribute("lazy_eval").is_none() || self.condition(element, "lazy_eval")?);
+        let property = if lazy && text.contains('$') {
+            Property::Lazy { text: text.to_owned(), source: source.clone() }
+        } else {
+            Property::Known(self.value(text, source)?.into_literal())
+        };
+        self.scopes[target].properties.insert(name, property);
+        Ok(())
+    }
+}

@@ -24,6 +24,7 @@ pub mod replay;
 pub mod robots;
 pub mod run;
 mod sensor_models;
+mod shown;
 mod shown_scene;
 pub mod snapshot;
 pub mod statistics;

@@ -1,18 +1,15 @@
 //! `belvedere view`: a page in the browser.
 
-use super::attachments::robot_urdf;
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, stop_wanted};
 use super::robots::{RobotArgs, argument};
+use super::shown::Shown;
 use super::terminal;
 use super::view_recording::RecordingToView;
 use crate::description::load::{default_world, load_world};
-use crate::description::model::Model;
 use crate::description::models::package_path;
 use crate::description::package::PackagePath;
 use crate::description::{Diagnostics, Rules};
-use crate::gltf::{self, Thing};
-use crate::simulation::SpawnOptions;
 use crate::view::{DEFAULT_PORT, ViewOptions, ViewServer, token};
 use belvedere_bridge::Node;
 use clap::builder::{OsStringValueParser, TypedValueParser as _};
@@ -156,43 +153,6 @@ fn view_recording(file: &Path, args: &ViewArgs) -> Result<(), CliError> {
 fn packages(args: &ViewArgs) -> PackagePath {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
     package_path(args.package_path.iter().cloned(), ros_package_path.as_deref())
-}
-
-/// What a page shows besides what it is sent.
-pub(super) struct Shown {
-    /// A binary glTF file.
-    scene: Vec<u8>,
-    /// Their namespaces, and each as a plain URDF.
-    robots: Vec<(String, String)>,
-}
-
-impl Shown {
-    pub(super) fn new(
-        world: &[Model],
-        robots: &[(Model, SpawnOptions)],
-        packages: &PackagePath,
-        xacro_args: &[(String, String)],
-    ) -> Self {
-        let urdf = |(model, options): &(Model, SpawnOptions)| {
-            Some((options.namespace.clone(), robot_urdf(model, packages, xacro_args)?))
-        };
-        Self::with(world, robots, robots.iter().filter_map(urdf).collect())
-    }
-
-    /// With the robots' descriptions, by their namespaces.
-    pub(super) fn with(
-        world: &[Model],
-        robots: &[(Model, SpawnOptions)],
-        descriptions: Vec<(String, String)>,
-    ) -> Self {
-        let thing = |model, world_from_model, is_robot| -> Thing<'_> {
-            let model: &Model = model;
-            Thing { name: &model.name, model, world_from_model, is_robot }
-        };
-        let things = world.iter().map(|model| thing(model, model.world_from_model, false));
-        let moving = robots.iter().map(|(model, options)| thing(model, options.world_from_model, true));
-        Self { scene: gltf::write(things.chain(moving)), robots: descriptions }
-    }
 }
 
 /// The models of a simulator that runs elsewhere, as its arguments name them.

@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::follow::stop_wanted;
 use super::replay::open;
-use super::view::Shown;
+use super::shown::Shown;
 use crate::description::load::{load_model_text, load_world_text};
 use crate::description::package::PackagePath;
 use crate::description::{Diagnostics, Rules};

@@ -2,7 +2,7 @@
 
 use super::plan::{Identity, Plan, hex};
 use super::shard::{sweep, write_whole};
-use super::{DatasetError, make::Making};
+use super::{DatasetError, making::Making};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest as _, Sha256};
 use std::fs::{self, File};

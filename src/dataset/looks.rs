@@ -1,26 +1,12 @@
 //! What a sample looks like, where the plan leaves it to chance: lamps, materials, light from everywhere.
 
-use super::plan::{Plan, Sample};
+use super::plan::{Plan, Ranges, Sample};
 use crate::entities::EntityId;
 use crate::randomize::{Draws, LightRanges, Limits, MaterialRanges, Thing};
 use crate::simulation::Simulation;
 use crate::world::scene::Looks;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
-
-/// Tables of a plan: for what they are, by name, or for all; and what is in them. Of several for a thing the last counts.
-pub(super) type Ranges<T> = Vec<(Option<Vec<String>>, T)>;
-
-/// Between what limits looks are drawn.
-#[derive(Debug, Clone)]
-pub(super) struct Randomization {
-    /// Factor of light from everywhere.
-    pub(super) ambient: Limits,
-    /// By the names of lamps.
-    pub(super) lights: Ranges<LightRanges>,
-    /// By the names of models, or of bodies as `model::link`; all are those of the world, not the robot's.
-    pub(super) materials: Ranges<MaterialRanges>,
-}
 
 /// How a sample looks, in its JSON: what is drawn, and nothing else.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -1,5 +1,6 @@
 //! Shards are made, several at a time.
 
+use super::making::Making;
 use super::shard::ShardWriter;
 use super::studio::Studio;
 use super::{DatasetError, Folder, Plan};
@@ -7,17 +8,6 @@ use belvedere_sensors::Execution;
 use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-
-/// Who wants to know how far it is, and may end it.
-pub trait Making: Sync {
-    /// A sample is done.
-    fn sample_done(&self) {}
-
-    /// Whether it is to end, at the next sample.
-    fn is_stopped(&self) -> bool {
-        false
-    }
-}
 
 /// Makes shards that are not there yet, up to `workers` of them at a time. The bytes depend neither on that number nor on
 /// the order of the shards.

@@ -10,6 +10,7 @@
 //! | `plan` | what a plan's file says, each mistake with its line |
 //! | `poses` | where the robot stands for each sample |
 //! | `looks` | what lamps and materials look like in each sample |
+//! | `make`, `making` | shards, several at a time, and progress |
 //! | `studio` | a world with the robot in it, and its sensors' frames |
 //! | `fields` | frames as files: PNG, npy |
 //! | `labels` | what is known of a sample, as JSON |
@@ -25,6 +26,7 @@ mod folder;
 mod labels;
 mod looks;
 mod make;
+mod making;
 mod plan;
 mod poses;
 mod shard;
@@ -34,6 +36,7 @@ mod studio;
 pub use error::DatasetError;
 pub use export::{check_coco, check_kitti, export_coco, export_kitti};
 pub use folder::{Folder, Manifest, ShardEntry};
-pub use make::{Making, make};
+pub use make::make;
+pub use making::Making;
 pub use plan::{Plan, Sample, SensorPlan};
 pub use sheet::contact_sheet;

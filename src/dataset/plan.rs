@@ -1,25 +1,28 @@
 //! A plan: what its file says, checked, each mistake with its line.
 
 mod identity;
+mod placement;
 mod randomize;
 mod tables;
+mod text;
 
 pub(super) use identity::{Identity, hex};
+pub(super) use randomize::{Randomization, Ranges};
 
 use super::DatasetError;
-use super::looks::Randomization;
-use super::poses::{Random, Route};
 use crate::description::diagnostics::Source;
 use crate::description::load::{LoadOptions, load_robot, load_world};
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
+use placement::{Random, Route};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use tables::{PlanFile, Text, classes, listed, random, route, sensors};
+use tables::{PlanFile, classes, listed, random, route, sensors};
+use text::Text;
 
 /// Samples of a shard, if the plan does not say.
 const SAMPLES_PER_SHARD: u64 = 100;

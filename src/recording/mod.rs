@@ -25,6 +25,7 @@ mod player_options;
 mod reader;
 mod recorder;
 pub mod ros1;
+mod seeking;
 mod send_order;
 mod skip;
 mod stream;

@@ -153,6 +153,33 @@ impl Player {
         }
     }
 
+    /// Sends the last frame of each stream before the start.
+    pub(super) fn send_before(&mut self) -> Result<(), RecordingError> {
+        let mut frames: Vec<_> = std::mem::take(&mut self.before).into_values().collect();
+        frames.sort_by_key(|frame| frame.log_time_ns);
+        frames.iter().try_for_each(|frame| self.send(frame))
+    }
+
+    /// Publishes the position on the timeline.
+    pub(super) fn tell(&self, position: Duration) {
+        if let Some(timeline) = &self.timeline {
+            timeline.set_position(position, self.paused);
+        }
+    }
+
+    /// Returns true if another position was sought.
+    pub(super) fn is_sought(&self) -> bool {
+        self.timeline.as_ref().is_some_and(|timeline| timeline.is_sought())
+    }
+
+    /// Takes over the rate that was set on the timeline.
+    pub(super) fn take_rate(&mut self) {
+        if let Some(timeline) = &self.timeline {
+            self.options.pace = Pace::Rate(timeline.now().rate);
+            timeline.set_paused(self.paused);
+        }
+    }
+
     /// Whether the caller wants more; asked from time to time, when late consumers are given their frames, too.
     fn is_wanted(
         &mut self,

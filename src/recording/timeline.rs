@@ -1,12 +1,10 @@
 //! [`Timeline`]: where a replay is in its recording, and where somebody wants it to be.
 
 use super::RecordingError;
-use super::player::{Ending, NAP, Player};
-use super::player_options::Pace;
 use super::reader::{Item, RecordingReader};
 use super::skip::summary;
 use std::io::{Read, Seek};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
 /// Recorded seconds in a second that may be asked for.
@@ -91,6 +89,26 @@ impl Timeline {
         Ok(())
     }
 
+    /// Takes the position that was sought, if one was.
+    pub(super) fn take_sought(&self) -> Option<Duration> {
+        self.with(|state| state.sought.take())
+    }
+
+    /// Returns true if a position was sought that playing has not gone to yet.
+    pub(super) fn is_sought(&self) -> bool {
+        self.with(|state| state.sought.is_some())
+    }
+
+    /// Publishes how far playing has come.
+    pub(super) fn set_position(&self, position: Duration, is_paused: bool) {
+        self.with(|state| state.now = Playhead { position, is_paused, ..state.now });
+    }
+
+    /// Publishes whether playing is paused.
+    pub(super) fn set_paused(&self, is_paused: bool) {
+        self.with(|state| state.now.is_paused = is_paused);
+    }
+
     fn with<T>(&self, body: impl FnOnce(&mut State) -> T) -> T {
         body(&mut self.state.lock().unwrap_or_else(PoisonError::into_inner))
     }
@@ -112,78 +130,4 @@ fn times<R: Read>(mut recording: RecordingReader<R>) -> Result<[u64; 2], Recordi
         times = Some([times.map_or(time_ns, |[first, _]| first), time_ns]);
     }
     times.ok_or_else(|| RecordingError::Foreign { library: recording.library().to_owned() })
-}
-
-impl Player {
-    /// Plays a recording along a time line until `go_on` ends it. At its end it stands, and resumed there it begins again.
-    /// Wherever it goes on, the last frame of each stream until then is sent first, so that all is seen as it was then.
-    /// `open` gives the file, anew after each seek.
-    ///
-    /// # Errors
-    /// As [`Player::play`], and those of `open`.
-    pub fn play_along<R: Read + Seek>(
-        &mut self,
-        timeline: &Arc<Timeline>,
-        mut open: impl FnMut() -> std::io::Result<R>,
-        mut go_on: impl FnMut() -> bool,
-    ) -> Result<(), RecordingError> {
-        self.timeline = Some(timeline.clone());
-        loop {
-            let sought = timeline.with(|state| state.sought.take());
-            // What is at the very time that was sought is seen, too.
-            let start = sought.map_or(Duration::ZERO, |sought| sought + Duration::from_nanos(1));
-            self.options.start = start;
-            self.before.clear();
-            self.tell(sought.unwrap_or(Duration::ZERO));
-            let recording = RecordingReader::resuming_at(open()?, start)?;
-            match self.play(recording, |_| go_on()) {
-                Ok(Ending::Stopped) if self.is_sought() => continue,
-                Ok(Ending::Stopped) => return Ok(()),
-                // All that is whole was played.
-                Ok(Ending::Played) | Err(RecordingError::Cut | RecordingError::TooShort { .. }) => {}
-                Err(error) => return Err(error),
-            }
-            self.send_before()?;
-            self.paused = true;
-            self.tell(timeline.duration);
-            while !self.is_sought() {
-                if !go_on() {
-                    return Ok(());
-                }
-                self.look_after(NAP)?;
-                self.refuse_steps("the recording is at its end");
-                if !self.paused {
-                    timeline.seek(Duration::ZERO);
-                }
-            }
-        }
-    }
-
-    /// Sends what comes before the start.
-    pub(super) fn send_before(&mut self) -> Result<(), RecordingError> {
-        let mut frames: Vec<_> = std::mem::take(&mut self.before).into_values().collect();
-        frames.sort_by_key(|frame| frame.log_time_ns);
-        frames.iter().try_for_each(|frame| self.send(frame))
-    }
-
-    /// Tells whoever looks where this is.
-    pub(super) fn tell(&self, position: Duration) {
-        if let Some(timeline) = &self.timeline {
-            let is_paused = self.paused;
-            timeline.with(|state| state.now = Playhead { position, is_paused, ..state.now });
-        }
-    }
-
-    /// Whether it is to go on elsewhere.
-    pub(super) fn is_sought(&self) -> bool {
-        self.timeline.as_ref().is_some_and(|timeline| timeline.with(|state| state.sought.is_some()))
-    }
-
-    /// Takes the pace that somebody wants.
-    pub(super) fn take_rate(&mut self) {
-        if let Some(timeline) = &self.timeline {
-            self.options.pace = Pace::Rate(timeline.now().rate);
-            timeline.with(|state| state.now.is_paused = self.paused);
-        }
-    }
 }

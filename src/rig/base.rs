@@ -5,10 +5,10 @@ use super::channel::Channel;
 use super::outlet::Outlet;
 use super::{Opening, RigContext, RigError};
 use crate::entities::EntityId;
-use crate::robot::Robot;
 use crate::robot::contact::Contact;
 use crate::robot::imu::{Imu as ImuUnit, ImuReading};
 use crate::robot::kobuki::Report;
+use crate::robot::{Kobuki, Robot};
 use belvedere_bridge::payload::{CoreSensors, Imu, RobotEvent};
 use belvedere_bridge::{Kind, StreamSpec};
 
@@ -93,8 +93,11 @@ impl Channel for BaseChannel {
     }
 
     fn publish(&mut self, context: &mut RigContext<'_>, _frame: u64) {
-        let Some(base) =
-            context.entities.robot(self.id).and_then(Robot::base).and_then(|base| base.as_kobuki())
+        let Some(base) = context
+            .entities
+            .robot(self.id)
+            .and_then(Robot::base)
+            .and_then(|base| base.downcast_ref::<Kobuki>())
         else {
             return;
         };

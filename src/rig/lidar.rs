@@ -10,13 +10,12 @@ use super::outlet::Outlet;
 use super::pictures::noise;
 use super::report::Say;
 use super::scanner::ScannerChannel;
+use super::sight::sight;
 use super::truth::TruthOutlets;
 use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
-use belvedere_sensors::scene::visibility;
-use belvedere_sensors::trace::Faces;
 use belvedere_sensors::{ParameterError, Shutter};
 use std::time::Instant;
 
@@ -175,10 +174,4 @@ pub(super) fn lidar_config(ray: &RaySensor, opening: &Opening<'_>) -> Result<Lid
 /// The beams of an axis.
 pub(super) fn beams(axis: &ScanAxis) -> Beams {
     Beams { samples: axis.samples, min_angle_rad: axis.min_angle_rad, max_angle_rad: axis.max_angle_rad }
-}
-
-/// What it sees, and which sides of that.
-pub(super) fn sight(ray: &RaySensor) -> (u32, Faces) {
-    // Gazebo renders on a GPU without back faces.
-    if ray.sees_visuals { (visibility::VISUAL, Faces::Front) } else { (visibility::COLLISION, Faces::Both) }
 }

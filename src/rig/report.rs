@@ -1,26 +1,13 @@
-//! A sensor with all its parameters after defaults and plugins, for people.
+//! Parameters of sensors and streams in words, for `check`.
 
-use super::behaviour::behaviour;
 use super::outlet::Outlet;
-use crate::description::model::{Model, Noise, Sensor};
-use crate::description::text::{number, pose};
+use crate::description::model::Noise;
+use crate::description::text::number;
 use belvedere_bridge::Encoding;
 use belvedere_sensors::noise::InstrumentConfig;
 
 /// Takes what is told: what it is, and its value.
 pub(super) type Say<'a> = &'a mut dyn FnMut(&str, String);
-
-/// What is told of a sensor, in lines: everything that it will do, but for its streams.
-pub fn sensor_report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec<String> {
-    let kind = behaviour(sensor);
-    let mut lines = vec![format!("{} {} ({})", kind.name(), sensor.name, sensor.source)];
-    let mut say = |what: &str, value: String| lines.push(format!("  {what:12} {value}"));
-    let link = &model.links[sensor.link].name;
-    say("link", format!("{link} {}", pose(&sensor.link_from_sensor)));
-    say("rate", rate(sensor));
-    kind.report(gazebo_compat, &mut say);
-    lines
-}
 
 /// The streams of a part of a model, a line each.
 pub fn stream_lines<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> Vec<String> {
@@ -38,16 +25,6 @@ pub fn stream_lines<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> Vec<St
     });
     let lines: Vec<String> = lines.collect();
     if lines.is_empty() { vec!["  publishes    nothing".into()] } else { lines }
-}
-
-fn rate(sensor: &Sensor) -> String {
-    let Some(effective) = sensor.effective_rate_hz() else { return "every step of physics".into() };
-    match sensor.update_rate_hz {
-        Some(own) if own > effective => {
-            format!("{} Hz (the sensor's own {} Hz, limited by its plugin)", number(effective), number(own))
-        }
-        _ => format!("{} Hz", number(effective)),
-    }
 }
 
 /// Of a value in this unit.

@@ -4,12 +4,12 @@ mod cloud;
 mod head;
 
 use super::channel::{Channel, is_any_wanted};
-use super::lidar::sight;
 use super::motion::Motion;
 use super::mount::Mount;
 use super::outlet::Outlet;
 use super::packets::{Column, PacketTarget, Packets};
 use super::pictures::noise;
+use super::sight::sight;
 use super::sink::Frame;
 use super::truth::TruthOutlets;
 use super::whole::rounded;

@@ -215,8 +215,4 @@ impl Base for Kobuki {
     fn odometry_at(&self, _physics: &Physics, stamp_ns: u64) -> Odometry {
         self.report_at(stamp_ns).odometry
     }
-
-    fn as_kobuki(&self) -> Option<&Kobuki> {
-        Some(self)
-    }
 }

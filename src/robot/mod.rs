@@ -10,6 +10,7 @@ pub mod base;
 mod command;
 pub mod contact;
 mod differential;
+pub mod drives;
 mod grip;
 pub mod imu;
 mod inertial;
@@ -35,12 +36,12 @@ use transforms::{Transform, Transforms};
 
 /// Whether a model has a base that drives.
 pub fn has_base(model: &Model) -> bool {
-    base::check(model).is_ok()
+    drives::check(model).is_ok()
 }
 
 /// How a robot takes part in physics, its model's frame at a pose: the wheels of its base are carried, and it stays awake.
 pub fn placement(model: &Model, world_from_model: Pose) -> Placement<'_> {
-    Placement { model, world_from_model, carried: base::carried_joints(model), stays_awake: true }
+    Placement { model, world_from_model, carried: drives::carried_joints(model), stays_awake: true }
 }
 
 /// A robot in the world, with or without a base that drives.
@@ -64,7 +65,7 @@ impl Robot {
         index: ModelIndex,
         physics: &mut Physics,
     ) -> (Self, Option<Problem>) {
-        let (base, problem) = match base::of_model(model, index, physics) {
+        let (base, problem) = match drives::of_model(model, index, physics) {
             Ok(base) => (Some(base), None),
             Err(problem) => (None, Some(problem)),
         };

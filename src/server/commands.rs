@@ -1,7 +1,7 @@
 //! What a robot is told: velocities, and what a Kobuki's driver takes besides.
 
 use crate::entities::{Entity, EntityId};
-use crate::robot::{Command, Robot};
+use crate::robot::{Command, Kobuki, Robot};
 use crate::world::physics::Physics;
 use belvedere_bridge::payload::{Message, MotorPower, ResetOdometry, VelocityCommand};
 use belvedere_bridge::{Error, Kind, Node, StreamSpec, Subscriber};
@@ -33,7 +33,7 @@ impl RobotCommands {
         let velocity = plugin.map(|plugin| StreamSpec::velocity_command(entity.topic(&plugin.command_topic)));
         let velocity = velocity.map(|spec| node.command_subscriber(&spec)).transpose()?;
         let command = |topic, kind| node.command_subscriber(&StreamSpec::command(entity.topic(topic), kind));
-        let is_kobuki = base.is_some_and(|base| base.as_kobuki().is_some());
+        let is_kobuki = base.is_some_and(|base| base.downcast_ref::<Kobuki>().is_some());
         let base = is_kobuki.then(|| -> Result<_, Error> {
             Ok(BaseCommands {
                 reset_odometry: command(RESET_ODOMETRY_TOPIC, Kind::ResetOdometry)?,

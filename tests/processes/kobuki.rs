@@ -9,7 +9,7 @@ use belvedere::description::model::{Geometry, Model};
 use belvedere::robot::contact::{CLIFF_M, Contact, cliff_reading};
 use belvedere::robot::kobuki::Report;
 use belvedere::robot::odometry::GYRO_STEP_RAD_S;
-use belvedere::robot::{Command, Robot, placement};
+use belvedere::robot::{Command, Kobuki, Robot, placement};
 use belvedere::world::physics::Physics;
 use belvedere_bridge::payload::{
     CoreSensors, Imu, Message, MotorPower, Odometry, ResetOdometry, RobotEvent, VelocityCommand,
@@ -55,7 +55,7 @@ impl Bench {
     }
 
     fn report(&self) -> Report {
-        *self.robot.base().unwrap().as_kobuki().unwrap().report_at(self.physics.time_ns())
+        *self.robot.base().unwrap().downcast_ref::<Kobuki>().unwrap().report_at(self.physics.time_ns())
     }
 
     fn step(&mut self) -> Report {

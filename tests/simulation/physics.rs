@@ -6,7 +6,7 @@ use crate::robot_models::{ground, kobuki, world, xyz};
 use crate::sdf::{Folder, good};
 use belvedere::description::Severity;
 use belvedere::description::model::{Geometry, JointKind, Mesh, Model, World};
-use belvedere::robot::{Robot, placement};
+use belvedere::robot::{Kobuki, Robot, placement};
 use belvedere::world::physics::Physics;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -237,7 +237,7 @@ fn a_wheel_of_triangles_has_their_radius() {
         let mut physics = Physics::new(&world(0.001, vec![ground()])).unwrap();
         let index = physics.insert_model(&placement(&robot, xyz(0.0, 0.0, 0.1))).unwrap();
         let base = Robot::new(&robot, "", index, &mut physics).0;
-        let found = base.base().and_then(|base| base.as_kobuki()).unwrap().radius_m();
+        let found = base.base().and_then(|base| base.downcast_ref::<Kobuki>()).unwrap().radius_m();
         assert!((found - f64::from(radius)).abs() < 1e-6, "{found}");
     }
 }

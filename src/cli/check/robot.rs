@@ -7,8 +7,8 @@ use crate::description::model::{
 };
 use crate::description::text::{number, pose, vector};
 use crate::rig::Part;
-use crate::rig::report::sensor_report;
-use crate::robot::base as drives;
+use crate::rig::sensor_report::sensor_report;
+use crate::robot::drives;
 use crate::server::commands;
 
 pub(super) fn report(robot: &Model, streams: &Streams, gazebo_compat: bool) -> Vec<String> {

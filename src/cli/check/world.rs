@@ -6,7 +6,7 @@ use super::streams::Streams;
 use crate::description::model::{Geometry, Light, LightKind, World};
 use crate::description::text::{angle, number, pose, vector};
 use crate::rig::Part;
-use crate::rig::report::sensor_report;
+use crate::rig::sensor_report::sensor_report;
 
 pub(super) fn report(world: &World, streams: &Streams, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("world {} ({})", world.name, world.source)];

@@ -1,7 +1,6 @@
 //! The table `[randomize]` of a plan: between what limits looks are drawn, of what.
 
-use super::tables::Text;
-use crate::dataset::looks::{Randomization, Ranges};
+use super::text::Text;
 use crate::description::Diagnostics;
 use crate::description::model::{Model, World};
 use crate::description::suggestion::did_you_mean;
@@ -10,6 +9,20 @@ use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 use toml::Spanned;
+
+/// Tables of a plan: for what they are, by name, or for all; and what is in them. Of several for a thing the last counts.
+pub(in crate::dataset) type Ranges<T> = Vec<(Option<Vec<String>>, T)>;
+
+/// Between what limits looks are drawn.
+#[derive(Debug, Clone)]
+pub(in crate::dataset) struct Randomization {
+    /// Factor of light from everywhere.
+    pub(in crate::dataset) ambient: Limits,
+    /// By the names of lamps.
+    pub(in crate::dataset) lights: Ranges<LightRanges>,
+    /// By the names of models, or of bodies as `model::link`; all are those of the world, not the robot's.
+    pub(in crate::dataset) materials: Ranges<MaterialRanges>,
+}
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -1,16 +1,15 @@
 //! The tables of a plan's file, and what is wrong with them.
 
 use super::SensorPlan;
+use super::placement::{Random, Route};
 use super::randomize::RandomizeTable;
-use crate::dataset::poses::{Random, Route};
+use super::text::Text;
 use crate::description::Diagnostics;
 use crate::description::diagnostics::Source;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use serde::Deserialize;
 use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Range;
-use std::path::Path;
 use toml::Spanned;
 
 #[derive(Deserialize)]
@@ -75,19 +74,6 @@ pub(super) struct RandomTable {
 
 fn all_round() -> [f64; 2] {
     [-180.0, 180.0]
-}
-
-/// The text of a plan, in which a place is a line.
-pub(super) struct Text<'a> {
-    pub(super) path: &'a Path,
-    pub(super) text: &'a str,
-}
-
-impl Text<'_> {
-    pub(super) fn source(&self, span: &Range<usize>) -> Source {
-        let before = self.text.get(..span.start).unwrap_or_default();
-        Source::new(self.path, 1 + before.matches('\n').count() as u32)
-    }
 }
 
 pub(super) fn sensors(

@@ -1,0 +1,43 @@
+//! The models that a page shows, in addition to the streams.
+
+use super::attachments::robot_urdf;
+use crate::description::model::Model;
+use crate::description::package::PackagePath;
+use crate::gltf::{self, Thing};
+use crate::simulation::SpawnOptions;
+/// The models that a page shows.
+pub(super) struct Shown {
+    /// A binary glTF file.
+    pub(super) scene: Vec<u8>,
+    /// The robots: namespace and plain URDF of each.
+    pub(super) robots: Vec<(String, String)>,
+}
+
+impl Shown {
+    pub(super) fn new(
+        world: &[Model],
+        robots: &[(Model, SpawnOptions)],
+        packages: &PackagePath,
+        xacro_args: &[(String, String)],
+    ) -> Self {
+        let urdf = |(model, options): &(Model, SpawnOptions)| {
+            Some((options.namespace.clone(), robot_urdf(model, packages, xacro_args)?))
+        };
+        Self::with(world, robots, robots.iter().filter_map(urdf).collect())
+    }
+
+    /// Takes the robots' descriptions as (namespace, URDF).
+    pub(super) fn with(
+        world: &[Model],
+        robots: &[(Model, SpawnOptions)],
+        descriptions: Vec<(String, String)>,
+    ) -> Self {
+        let thing = |model, world_from_model, is_robot| -> Thing<'_> {
+            let model: &Model = model;
+            Thing { name: &model.name, model, world_from_model, is_robot }
+        };
+        let things = world.iter().map(|model| thing(model, model.world_from_model, false));
+        let moving = robots.iter().map(|(model, options)| thing(model, options.world_from_model, true));
+        Self { scene: gltf::write(things.chain(moving)), robots: descriptions }
+    }
+}

@@ -1,0 +1,18 @@
+//! The text of a plan, in which places are lines.
+
+use crate::description::diagnostics::Source;
+use std::ops::Range;
+use std::path::Path;
+
+/// The text of a plan, in which a place is a line.
+pub(super) struct Text<'a> {
+    pub(super) path: &'a Path,
+    pub(super) text: &'a str,
+}
+
+impl Text<'_> {
+    pub(super) fn source(&self, span: &Range<usize>) -> Source {
+        let before = self.text.get(..span.start).unwrap_or_default();
+        Source::new(self.path, 1 + before.matches('\n').count() as u32)
+    }
+}

@@ -4,12 +4,13 @@ use belvedere::description::model::{LensModel, Sensor, SensorKind};
 use belvedere::description::sensor::{Camera, DepthCamera, Lidar, parse_sensor};
 use belvedere::description::xml::Element;
 use belvedere::description::{Diagnostics, Rules};
+use belvedere::sensors::Pose;
 use std::path::Path;
 
 fn parse_with(text: &str, rules: Rules) -> (Option<Sensor>, Vec<String>) {
     let element = Element::parse(text, Path::new("s.sdf")).unwrap();
     let mut diagnostics = Diagnostics::default();
-    let sensor = parse_sensor(&element, 0, rules, &mut diagnostics);
+    let sensor = parse_sensor(&element, 0, Pose::IDENTITY, rules, &mut diagnostics);
     (sensor, diagnostics.problems().iter().map(ToString::to_string).collect())
 }
 
@@ -82,7 +83,7 @@ fn cameras_are_named_in_small_letters() {
         (p.depth_camera_info_topic.as_str(), p.point_cloud_topic.as_str()),
         ("/s/depth/camera_info", "/s/points")
     );
-    assert_eq!((p.cutoff_m, p.cutoff_max_m), (0.001, 10.0));
+    assert_eq!((p.cutoff_m, p.cutoff_max_m), (0.001, 100.0));
 }
 
 #[test]

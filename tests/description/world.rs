@@ -447,3 +447,33 @@ fn models_are_found_by_their_names_alone() {
         assert_eq!(world.unwrap().models[0].name, "crate");
     }
 }
+
+#[test]
+fn poses_are_relative_to_frames_and_joints_of_nested_models() {
+    let model = |name: &str, inside: &str| {
+        format!("<model name='{name}'><static>1</static>{inside}<link name='L'/></model>")
+    };
+    let arm = "<model name='arm'><pose>1 0 0 0 1.5707963267948966 0</pose><link name='b'><pose>0 0 1 0 0 0</pose></link>\
+               <link name='c'/><joint name='J' type='fixed'><pose>0 2 0 0 0 0</pose><parent>b</parent><child>c</child></joint>\
+               <frame name='F'><pose relative_to='b'>1 0 0 0 0 0</pose></frame>\
+               <frame name='G' attached_to='J'/></model>";
+    let world = format!(
+        "{}{}{}{}",
+        model("p", arm),
+        model("by_frame", "<pose relative_to='p::arm::F'>5 0 0 0 0 0</pose>"),
+        model("by_joint", "<pose relative_to='p::arm::J'>0 0 0 0 0 0</pose>"),
+        "<model name='outer' placement_frame='in::G'><pose>9 9 9 0 0 0</pose><static>1</static><model name='in'>\
+         <link name='c'/><link name='d'/><joint name='J' type='fixed'><pose>0 0 3 0 0 0</pose><parent>d</parent>\
+         <child>c</child></joint><frame name='G' attached_to='J'/></model></model>",
+    );
+    let world = good("1.8", &world);
+    let at = |name: &str| world.models.iter().find(|model| model.name == name).unwrap().world_from_model;
+    // The arm is pitched by a quarter turn: its x points down, its z along the world's x.
+    for (name, expected) in [
+        ("by_frame", DVec3::new(2.0, 0.0, -6.0)),
+        ("by_joint", DVec3::new(1.0, 2.0, 0.0)),
+        ("outer", DVec3::new(9.0, 9.0, 6.0)),
+    ] {
+        assert!((at(name).translation() - expected).length() < 1e-12, "{name}: {:?}", at(name));
+    }
+}

@@ -164,9 +164,9 @@ fn bad_models() {
     assert_bad("1.6", &joint("<joint name='j' type='fixed'><parent>b</parent></joint>"), 2, &["no <child>"]);
     assert_bad(
         "1.6",
-        &joint("<joint name='j' type='screw'><parent>left</parent><child>b</child></joint>"),
+        &joint("<joint name='j' type='hinge'><parent>left</parent><child>b</child></joint>"),
         2,
-        &["'screw'", "revolute"],
+        &["'hinge'", "revolute"],
     );
     assert_bad(
         "1.6",

@@ -46,7 +46,7 @@ fn fiducial(element: &Element, diagnostics: &mut Diagnostics) -> Option<Fiducial
     if let (Some(family), Some(id)) = (&family, id) {
         warn_of_unknown(element, family, id, diagnostics);
     }
-    let visual_from_fiducial = child_pose(element, diagnostics);
+    let visual_from_fiducial = child_pose(element, false, diagnostics);
     Some(Fiducial { family: family?, id: id? as u32, size_m: size_m?, visual_from_fiducial })
 }
 

@@ -96,6 +96,8 @@ pub struct Model {
     pub is_static: bool,
     /// Links in the order of the file. A parent may come after its child.
     pub links: Vec<Link>,
+    /// The link to which the model frame is attached: the pose of the model follows it.
+    pub canonical_link: LinkIndex,
     /// Joints in the order of the file.
     pub joints: Vec<Joint>,
     /// Sensors in the order of the file.
@@ -116,6 +118,7 @@ impl Model {
             world_from_model: Pose::IDENTITY,
             is_static: false,
             links: Vec::new(),
+            canonical_link: 0,
             joints: Vec::new(),
             sensors: Vec::new(),
             plugins: Vec::new(),

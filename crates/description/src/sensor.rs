@@ -41,7 +41,7 @@ pub use range::Rangefinder;
 use super::diagnostics::{Diagnostics, Source};
 use super::model::{LinkIndex, RaySensor};
 use super::rules::Rules;
-use super::values::{child_bool, child_pose};
+use super::values::child_bool;
 use super::xml::Element;
 use belvedere_sensors::Pose;
 use plugin::plain_name;
@@ -147,10 +147,11 @@ static KINDS: [Kind; 9] = [
 ];
 
 /// Reads a `<sensor>` with its plugin. A sensor of a type that is not simulated gives none and a warning; one
-/// with a wrong value gives none and an error for each.
+/// with a wrong value gives none and an error for each. `link_from_sensor` is what its `<pose>` says.
 pub fn parse_sensor(
     sensor: &Element,
     link: LinkIndex,
+    link_from_sensor: Pose,
     rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<Sensor> {
@@ -177,7 +178,7 @@ pub fn parse_sensor(
     let mut read = Sensor {
         name,
         link,
-        link_from_sensor: child_pose(sensor, diagnostics),
+        link_from_sensor,
         always_on: child_bool(sensor, "always_on", diagnostics).unwrap_or(false),
         update_rate_hz: update_rate_hz?,
         plugin_rate_hz,

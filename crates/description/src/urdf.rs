@@ -26,6 +26,7 @@ mod tree;
 pub(super) use plain::{add_optical_frames, make_plain};
 
 use super::diagnostics::{Diagnostics, Source};
+use super::elements;
 use super::housing;
 use super::model::{Link, Material, Mesh, Model};
 use super::package::PackagePath;
@@ -68,6 +69,7 @@ pub(super) fn load_urdf(
     loader.joints(robot, &mut model);
     let is_tree = loader.build_tree(robot, &mut model);
     loader.extensions(robot, &mut model);
+    loader.compare_elements(robot, &model);
     if is_tree {
         housing::report(&model, rules.gazebo_compat, loader.diagnostics);
     }
@@ -94,6 +96,20 @@ impl Loader<'_> {
         } else {
             self.diagnostics.error(source, what, remedy);
         }
+    }
+
+    /// Says what is not simulated or not known.
+    fn compare_elements(&mut self, robot: &Element, model: &Model) {
+        let extensions = robot.elements_named("gazebo").map(|extension| {
+            let reference = extension.attribute("reference").filter(|name| !name.is_empty());
+            let context = match reference {
+                None => "gazebo_robot",
+                Some(name) if model.link_named(name).is_some() => "gazebo_link",
+                Some(_) => "gazebo_joint",
+            };
+            (extension, context)
+        });
+        elements::report(std::iter::once((robot, "urdf_robot")).chain(extensions), self.diagnostics);
     }
 
     /// The name of a link or joint; an error if it has none or one that is taken.

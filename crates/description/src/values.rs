@@ -3,7 +3,7 @@
 use super::diagnostics::{Diagnostics, Source};
 use super::xml::Element;
 use belvedere_sensors::Pose;
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use std::str::FromStr;
 
 /// Parses `text` into N finite numbers separated by white space. `what` names the value in the error, for
@@ -78,17 +78,65 @@ pub fn child_bool(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -
     }
 }
 
-/// SDF `<pose>x y z roll pitch yaw</pose>` inside `parent`; identity if there is none.
-pub fn child_pose(parent: &Element, diagnostics: &mut Diagnostics) -> Pose {
-    let Some(child) = parent.child("pose") else { return Pose::IDENTITY };
-    let text = child.text();
+/// Reads SDF's `<pose>` inside `parent`; the identity if there is none.
+pub fn child_pose(parent: &Element, gazebo_compat: bool, diagnostics: &mut Diagnostics) -> Pose {
+    parent
+        .child("pose")
+        .and_then(|pose| parse_pose(pose, gazebo_compat, diagnostics))
+        .unwrap_or(Pose::IDENTITY)
+}
+
+/// Reads `x y z roll pitch yaw`, and from SDF 1.9 on `degrees` and `rotation_format="quat_xyzw"`.
+pub(crate) fn parse_pose(
+    element: &Element,
+    gazebo_compat: bool,
+    diagnostics: &mut Diagnostics,
+) -> Option<Pose> {
+    let mut text = element.text();
     if text.is_empty() {
-        return Pose::IDENTITY;
+        return Some(Pose::IDENTITY);
     }
-    numbers::<6>(&text, "<pose>", &child.source, diagnostics)
-        .map_or(Pose::IDENTITY, |[x, y, z, roll, pitch, yaw]| {
-            Pose::from_xyz_rpy(DVec3::new(x, y, z), DVec3::new(roll, pitch, yaw))
-        })
+    let count = text.split_whitespace().count();
+    if gazebo_compat && element.attribute("rotation_format").is_none() && count != 6 {
+        let what = if count < 6 {
+            format!("<pose> is '{text}', which has {count} numbers: those that are missing are taken as 0")
+        } else {
+            format!("<pose> is '{text}', which has {count} numbers: only the first 6 are read")
+        };
+        diagnostics.warning(&element.source, what, "write x y z roll pitch yaw");
+        text = text.split_whitespace().chain(["0"; 6]).take(6).collect::<Vec<_>>().join(" ");
+    }
+    match element.attribute("rotation_format").unwrap_or("euler_rpy") {
+        "euler_rpy" => {
+            let [x, y, z, roll, pitch, yaw] = numbers(&text, "<pose>", &element.source, diagnostics)?;
+            let unit = match element.attribute("degrees") {
+                Some("true" | "1") => std::f64::consts::PI / 180.0,
+                _ => 1.0,
+            };
+            Some(Pose::from_xyz_rpy(DVec3::new(x, y, z), DVec3::new(roll, pitch, yaw) * unit))
+        }
+        "quat_xyzw" => {
+            let [x, y, z, qx, qy, qz, qw] = numbers(&text, "<pose>", &element.source, diagnostics)?;
+            let rotation = DQuat::from_xyzw(qx, qy, qz, qw);
+            if rotation.length_squared() < 1e-12 {
+                diagnostics.error(
+                    &element.source,
+                    format!("<pose> is '{text}': its quaternion is zero"),
+                    "write a unit quaternion x y z w",
+                );
+                return None;
+            }
+            Some(Pose::new(DVec3::new(x, y, z), rotation))
+        }
+        other => {
+            diagnostics.error(
+                &element.source,
+                format!("rotation_format '{other}' is not known"),
+                "write euler_rpy or quat_xyzw",
+            );
+            None
+        }
+    }
 }
 
 /// URDF `<origin xyz="…" rpy="…"/>` inside `parent`; identity if there is none.

@@ -84,7 +84,7 @@ impl Physics {
                 let joint = &model.joints[number];
                 joints[number] = self.join(joint, &links, carried.contains(&number));
             }
-            leading = root_above(model, 0)
+            leading = root_above(model, model.canonical_link)
                 .and_then(|root| links[root].body)
                 .or_else(|| (first_body..self.bodies.len()).find(|body| !self.bodies[*body].is_carried()));
         }

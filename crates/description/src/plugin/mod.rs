@@ -28,7 +28,17 @@ fn plain_name(file: &str) -> String {
     let name = file.rsplit('/').next().unwrap_or(file);
     let name = name.strip_prefix("lib").unwrap_or(name);
     let name = name.strip_suffix(".so").unwrap_or(name);
-    name.replace("ignition-gazebo", "gz-sim").trim_end_matches(|c: char| c.is_ascii_digit()).to_owned()
+    let name = name.trim_end_matches(|c: char| c.is_ascii_digit());
+    // Releases before Jetty have their number in the name: gz-sim8-diff-drive-system, ignition-gazebo6-….
+    for release in ["ignition-gazebo", "gz-sim"] {
+        if let Some(rest) = name.strip_prefix(release) {
+            let rest = rest.trim_start_matches(|c: char| c.is_ascii_digit());
+            if rest.is_empty() || rest.starts_with('-') {
+                return format!("gz-sim{rest}");
+            }
+        }
+    }
+    name.to_owned()
 }
 
 /// Reads the plugins in an element into a model whose links and joints are all there.

@@ -1,5 +1,6 @@
 //! `<actor>`: a model that follows its script instead of physics.
 
+use super::frames::Frames;
 use super::model::ParsedModel;
 use super::{Loader, Scope, name_of};
 use crate::model::{Geometry, Leg, Link, Model, Optics, Trajectory, Visual, Waypoint};
@@ -55,6 +56,7 @@ impl Loader<'_> {
             pose: self.pose(element, scope.version),
             lights: Vec::new(),
             is_merged: false,
+            frames: Frames::new("__model__"),
         })
     }
 

@@ -6,10 +6,9 @@
 use super::{Loader, Version};
 use crate::diagnostics::{Diagnostics, Source};
 use crate::suggestion::did_you_mean;
-use crate::values::numbers;
+use crate::values::parse_pose;
 use crate::xml::Element;
 use belvedere_sensors::Pose;
-use glam::{DQuat, DVec3};
 use std::collections::HashMap;
 
 /// A pose as written.
@@ -65,55 +64,6 @@ impl Loader<'_> {
     }
 }
 
-/// Reads `x y z roll pitch yaw`, and from SDF 1.9 on `degrees` and `rotation_format="quat_xyzw"`.
-fn parse_pose(element: &Element, gazebo_compat: bool, diagnostics: &mut Diagnostics) -> Option<Pose> {
-    let mut text = element.text();
-    if text.is_empty() {
-        return Some(Pose::IDENTITY);
-    }
-    let count = text.split_whitespace().count();
-    if gazebo_compat && element.attribute("rotation_format").is_none() && count != 6 {
-        let what = if count < 6 {
-            format!("<pose> is '{text}', which has {count} numbers: those that are missing are taken as 0")
-        } else {
-            format!("<pose> is '{text}', which has {count} numbers: only the first 6 are read")
-        };
-        diagnostics.warning(&element.source, what, "write x y z roll pitch yaw");
-        text = text.split_whitespace().chain(["0"; 6]).take(6).collect::<Vec<_>>().join(" ");
-    }
-    match element.attribute("rotation_format").unwrap_or("euler_rpy") {
-        "euler_rpy" => {
-            let [x, y, z, roll, pitch, yaw] = numbers(&text, "<pose>", &element.source, diagnostics)?;
-            let unit = match element.attribute("degrees") {
-                Some("true" | "1") => std::f64::consts::PI / 180.0,
-                _ => 1.0,
-            };
-            Some(Pose::from_xyz_rpy(DVec3::new(x, y, z), DVec3::new(roll, pitch, yaw) * unit))
-        }
-        "quat_xyzw" => {
-            let [x, y, z, qx, qy, qz, qw] = numbers(&text, "<pose>", &element.source, diagnostics)?;
-            let rotation = DQuat::from_xyzw(qx, qy, qz, qw);
-            if rotation.length_squared() < 1e-12 {
-                diagnostics.error(
-                    &element.source,
-                    format!("<pose> is '{text}': its quaternion is zero"),
-                    "write a unit quaternion x y z w",
-                );
-                return None;
-            }
-            Some(Pose::new(DVec3::new(x, y, z), rotation))
-        }
-        other => {
-            diagnostics.error(
-                &element.source,
-                format!("rotation_format '{other}' is not known"),
-                "write euler_rpy or quat_xyzw",
-            );
-            None
-        }
-    }
-}
-
 struct Frame {
     parent: String,
     /// What it moves with.
@@ -134,12 +84,14 @@ fn joint_key(name: &str) -> String {
 pub(super) struct Frames {
     root: &'static str,
     frames: HashMap<String, Frame>,
+    /// Those of nested models, by the models' names.
+    nested: HashMap<String, Frames>,
 }
 
 impl Frames {
     /// `root` is the name of the frame that everything hangs on: `__model__` or `world`.
     pub(super) fn new(root: &'static str) -> Self {
-        Self { root, frames: HashMap::new() }
+        Self { root, frames: HashMap::new(), nested: HashMap::new() }
     }
 
     /// Adds a frame whose pose was written in `written`, relative to `default_parent` if it does not say.
@@ -148,6 +100,17 @@ impl Frames {
         let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
         let frame = Frame { parent, attached_to, pose: written.pose, source: written.source.clone() };
         self.frames.insert(name.to_owned(), frame);
+    }
+
+    /// Adds the frames of a nested model, which `model::frame` names.
+    pub(super) fn add_nested(&mut self, model: &str, frames: Frames) {
+        self.nested.insert(model.to_owned(), frames);
+    }
+
+    /// The frames of the nested model that a name begins with, its name, and the rest of the name.
+    fn nested<'n>(&self, name: &'n str) -> Option<(&Frames, &'n str, &'n str)> {
+        let (model, rest) = name.split_once("::")?;
+        Some((self.nested.get(model)?, model, rest))
     }
 
     /// Adds a joint's frame. A name that a link or frame has already means that one, as in libsdformat; the joint's own
@@ -184,14 +147,19 @@ impl Frames {
     }
 
     /// The link that a frame moves with: the first of what it is attached to that `link` knows as one.
-    pub(super) fn link_of<T>(&self, name: &str, link: impl Fn(&str) -> Option<T>) -> Option<T> {
+    pub(super) fn link_of<T>(&self, name: &str, link: &dyn Fn(&str) -> Option<T>) -> Option<T> {
         let mut name = name;
         // A chain longer than there are frames goes in a circle.
         for _ in 0..=self.frames.len() {
             if let Some(found) = link(name) {
                 return Some(found);
             }
-            name = &self.frames.get(name)?.attached_to;
+            if let Some(frame) = self.frames.get(name) {
+                name = &frame.attached_to;
+                continue;
+            }
+            let (inner, model, rest) = self.nested(name)?;
+            return inner.link_of(rest, &|name: &str| link(&format!("{model}::{name}")));
         }
         None
     }
@@ -210,6 +178,13 @@ impl Frames {
         for _ in 0..=self.frames.len() {
             if name == self.root {
                 return Some(root_from_frame);
+            }
+            if !self.frames.contains_key(name)
+                && let Some((inner, model, rest)) = self.nested(name)
+            {
+                root_from_frame = inner.resolve(rest, source, diagnostics)? * root_from_frame;
+                name = model;
+                continue;
             }
             let Some(frame) = self.frames.get(name) else {
                 let known = self.frames.keys().map(String::as_str).filter(|key| !key.starts_with(JOINT));

@@ -10,6 +10,10 @@ use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 
+/// Lengths of shapes that the file does not give, in metres (sdf/1.12).
+const DEFAULT_LENGTH_M: f64 = 1.0;
+const CAPSULE_RADIUS_M: f64 = 0.5;
+
 impl Geometry {
     /// What the geometry's own file says of its look.
     pub(super) fn own_material(&self) -> Option<Material> {
@@ -56,7 +60,7 @@ impl Loader<'_> {
                 length: self.length(shape, "length")?,
             },
             "capsule" => Geometry::Capsule {
-                radius: self.length(shape, "radius")?,
+                radius: self.length_or(shape, "radius", CAPSULE_RADIUS_M)?,
                 length: self.length(shape, "length")?,
             },
             "sphere" => Geometry::Sphere { radius: self.length(shape, "radius")? },
@@ -187,18 +191,32 @@ impl Loader<'_> {
     }
 
     fn length(&mut self, shape: &Element, name: &str) -> Option<f64> {
-        self.lengths(shape, name).map(|[length]| length)
+        self.length_or(shape, name, DEFAULT_LENGTH_M)
     }
 
-    /// Lengths above 0. Those that are not there are 1, as the format has it.
+    /// A length above 0, or the default of the format if it is absent.
+    fn length_or(&mut self, shape: &Element, name: &str, default: f64) -> Option<f64> {
+        self.lengths_or(shape, name, [default]).map(|[length]| length)
+    }
+
     fn lengths<const N: usize>(&mut self, shape: &Element, name: &str) -> Option<[f64; N]> {
+        self.lengths_or(shape, name, [DEFAULT_LENGTH_M; N])
+    }
+
+    fn lengths_or<const N: usize>(
+        &mut self,
+        shape: &Element,
+        name: &str,
+        defaults: [f64; N],
+    ) -> Option<[f64; N]> {
         let Some(child) = shape.child(name) else {
+            let taken = defaults.map(|length| length.to_string()).join(" ");
             self.diagnostics.warning(
                 &shape.source,
-                format!("<{}> has no <{name}>: it is {}", shape.name, ["1"; N].join(" ")),
+                format!("<{}> has no <{name}>: it is {taken}", shape.name),
                 format!("write <{name}> in metres"),
             );
-            return Some([1.0; N]);
+            return Some(defaults);
         };
         let values = numbers(&child.text(), &format!("<{name}>"), &child.source, self.diagnostics)?;
         self.positive(shape, name, values)

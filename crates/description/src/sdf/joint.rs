@@ -77,7 +77,7 @@ impl Loader<'_> {
             );
             return None;
         };
-        let found = frames.link_of(&name, |name| link_called(name, links));
+        let found = frames.link_of(&name, &|name: &str| link_called(name, links));
         if found.is_none() && parts.lacks {
             let what = format!("the joint '{}' is left out with its {end} '{name}'", name_of(joint));
             self.diagnostics.warning(&joint.source, what, "get the models that are missing");
@@ -119,16 +119,38 @@ impl Loader<'_> {
             "revolute" => Some(JointKind::Revolute { lower, upper }),
             "ball" => Some(JointKind::Ball),
             "prismatic" => Some(JointKind::Prismatic { lower, upper }),
+            "universal" | "revolute2" => {
+                self.other_kind(element, "the link turns about any axis, as on a ball joint");
+                Some(JointKind::Ball)
+            }
+            "screw" => {
+                self.other_kind(element, "the link turns, and does not move along the axis");
+                Some(JointKind::Revolute { lower, upper })
+            }
+            "gearbox" => {
+                self.other_kind(element, "it is left out, and both joints that it couples move freely");
+                None
+            }
             other => {
                 self.missing(
                     &element.source,
-                    format!("joints of type '{other}' are not simulated"),
-                    "use fixed, revolute, continuous, prismatic or ball",
+                    format!("joints of type '{other}' are not known"),
+                    "use fixed, revolute, continuous, prismatic, ball, universal, revolute2, screw or gearbox",
                 );
                 // With --gazebo-compat the link stays where it is.
                 self.rules.gazebo_compat.then_some(JointKind::Fixed)
             }
         }
+    }
+
+    /// A warning for a joint of a kind that is not simulated as such.
+    fn other_kind(&mut self, joint: &Element, difference: &str) {
+        let kind = joint.attribute("type").unwrap_or_default();
+        let what = format!(
+            "the joint '{}' is of type '{kind}', which is not simulated: {difference}",
+            name_of(joint)
+        );
+        self.diagnostics.warning(&joint.source, what, "");
     }
 
     /// The unit axis of a joint in the model frame. It is written in the joint's frame, up to SDF 1.4 in the

@@ -68,10 +68,8 @@ impl Loader<'_> {
                 "visual" => self.visual(child, scope, frames, &mut link),
                 "collision" => self.collision(child, scope, frames, &mut link),
                 "sensor" => {
-                    if let Some(mut sensor) = parse_sensor(child, index, self.rules, self.diagnostics) {
-                        sensor.link_from_sensor = self.pose_in_link(child, scope.version, &name, frames);
-                        parts.sensors.push(sensor);
-                    }
+                    let pose = self.pose_in_link(child, scope.version, &name, frames);
+                    parts.sensors.extend(parse_sensor(child, index, pose, self.rules, self.diagnostics));
                 }
                 "light" => {
                     let model_from_light =

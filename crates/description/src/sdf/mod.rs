@@ -33,6 +33,7 @@ mod world;
 
 use super::budget::{Budget, Spent};
 use super::diagnostics::{Diagnostics, Source};
+use super::elements;
 use super::mesh::Submesh;
 use super::model::{Heights, Mesh, Model, World};
 use super::ogre_material::OgreMaterial;
@@ -41,7 +42,7 @@ use super::rules::Rules;
 use super::values::{child_number, numbers};
 use super::xml::Element;
 use resources::Resources;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -67,6 +68,8 @@ struct Loader<'a> {
     /// Height maps already read, by file and size.
     heights: HashMap<(PathBuf, [u64; 3]), Option<Arc<Heights>>>,
     material_scripts: HashMap<PathBuf, Arc<Vec<OgreMaterial>>>,
+    /// Files whose elements were compared with the table.
+    compared: HashSet<PathBuf>,
 }
 
 /// What an element needs to know of the file it stands in.
@@ -170,6 +173,7 @@ impl<'a> Loader<'a> {
             meshes: HashMap::new(),
             heights: HashMap::new(),
             material_scripts: HashMap::new(),
+            compared: HashSet::new(),
         }
     }
 }
@@ -221,6 +225,9 @@ impl Loader<'_> {
                 version
             }
         };
+        if self.compared.insert(root.source.file.to_path_buf()) {
+            elements::report([(root, "root")], self.diagnostics);
+        }
         Some(version)
     }
 

@@ -7,9 +7,9 @@ use super::resources::Resolved;
 use super::{Loader, Scope, Version, canonical, name_of, resources};
 use crate::diagnostics::Source;
 use crate::label::label;
-use crate::model::{Joint, JointKind, Light, Link, Model, ModelPlugin, Sensor};
+use crate::model::{Joint, JointKind, Light, Link, LinkIndex, Model, ModelPlugin, Sensor};
 use crate::plugin;
-use crate::suggestion::nearest;
+use crate::suggestion::{did_you_mean, nearest};
 use crate::values::{child_bool, child_text};
 use crate::xml::{Element, Weight};
 use std::path::{Path, PathBuf};
@@ -22,6 +22,8 @@ pub(super) struct ParsedModel {
     pub(super) lights: Vec<Light>,
     /// `<include merge="true">`: its links and joints become the outer model's own, and keep their names.
     pub(super) is_merged: bool,
+    /// What poses in the model, and of what it stands in, can be relative to.
+    pub(super) frames: Frames,
 }
 
 /// What an `<include>` brought.
@@ -96,7 +98,8 @@ impl Loader<'_> {
             parts.links.iter_mut().for_each(|link| link.self_collide = true);
         }
         for inner in nested {
-            self.dissolve(inner, &frames, &mut parts);
+            let (name, inner_frames) = self.dissolve(inner, &frames, &mut parts);
+            frames.add_nested(&name, inner_frames);
         }
         if parts.links.is_empty() && parts.lacks {
             // What it would consist of was left out, and that was told.
@@ -125,8 +128,10 @@ impl Loader<'_> {
                 visual.label.get_or_insert(label);
             }
         }
+        let canonical_link = self.canonical_link(element, &parts.links);
         let source = element.source.clone();
         let mut model = Model {
+            canonical_link,
             is_static: is_static || stands,
             links: parts.links,
             joints: parts.joints,
@@ -135,7 +140,24 @@ impl Loader<'_> {
             ..Model::empty(name, source)
         };
         plugin::read(element, &mut model, self.rules, self.diagnostics);
-        Some(ParsedModel { model, pose, lights: parts.lights, is_merged: false })
+        Some(ParsedModel { model, pose, lights: parts.lights, is_merged: false, frames })
+    }
+
+    /// The link that `canonical_link` names, or the first one.
+    fn canonical_link(&mut self, element: &Element, links: &[Link]) -> LinkIndex {
+        let Some(name) = element.attribute("canonical_link").filter(|name| !name.is_empty()) else {
+            return 0;
+        };
+        let found = links.iter().position(|link| link.name == name);
+        if found.is_none() {
+            let meant = did_you_mean(name, links.iter().map(|link| link.name.as_str()));
+            self.missing(
+                &element.source,
+                format!("canonical_link is '{name}', which is no link of this model"),
+                meant.unwrap_or_else(|| "name one of its links".to_owned()),
+            );
+        }
+        found.unwrap_or(0)
     }
 
     /// `placement_frame`: the pose is that of this frame of the model, not of the model's own.
@@ -243,17 +265,8 @@ impl Loader<'_> {
             }
             if let Some(pose) = pose {
                 parsed.pose = pose;
-                if let Some(frame) = child_text(element, "placement_frame") {
-                    let model_from_frame = parsed.model.link_named(&frame);
-                    match model_from_frame.map(|link| parsed.model.links[link].model_from_link) {
-                        Some(pose) => parsed.pose.pose = parsed.pose.pose * pose.inverse(),
-                        None => self.diagnostics.error(
-                            &element.source,
-                            format!("<placement_frame> '{frame}' is not a link of the model"),
-                            "name one of its links",
-                        ),
-                    }
-                }
+                let placement = child_text(element, "placement_frame");
+                self.place_by(placement.as_deref(), &parsed.frames, &mut parsed.pose, &element.source);
             }
         } else if let Some((light, light_pose)) = included.lights.first_mut() {
             if let Some(name) = name {

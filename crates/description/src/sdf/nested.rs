@@ -33,12 +33,19 @@ impl Loader<'_> {
     }
 
     /// Makes the links, joints and sensors of a nested model those of the outer one.
-    pub(super) fn dissolve(&mut self, inner: ParsedModel, frames: &Frames, parts: &mut Parts) {
+    /// Returns its name and its frames.
+    pub(super) fn dissolve(
+        &mut self,
+        inner: ParsedModel,
+        frames: &Frames,
+        parts: &mut Parts,
+    ) -> (String, Frames) {
         let outer_from_inner = frames
             .resolve(&inner.model.name, &inner.pose.source, self.diagnostics)
             .unwrap_or(inner.pose.pose);
         let outer_name = inner.naming();
-        let ParsedModel { model, lights, .. } = inner;
+        let ParsedModel { model, lights, frames: inner_frames, .. } = inner;
+        let name = model.name;
         let (first, first_joint) = (parts.links.len(), parts.joints.len());
         parts.links.extend(model.links.into_iter().map(|mut link| {
             link.name = outer_name(&link.name);
@@ -62,5 +69,6 @@ impl Loader<'_> {
             light.world_from_light = outer_from_inner * light.world_from_light;
             light
         }));
+        (name, inner_frames)
     }
 }

@@ -60,7 +60,12 @@ impl Loader<'_> {
             );
         }
         let mut placed: Vec<(Model, Vec<_>)> = Vec::new();
-        for ParsedModel { mut model, pose, lights, .. } in models {
+        let mut parsed = Vec::new();
+        for ParsedModel { model, pose, lights, frames: inner, .. } in models {
+            frames.add_nested(&model.name, inner);
+            parsed.push((model, pose, lights));
+        }
+        for (mut model, pose, lights) in parsed {
             model.world_from_model =
                 frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
             placed.push((model, lights));

@@ -12,7 +12,7 @@ use crate::xml::Element;
 use belvedere_sensors::device::depth::presets::{self, DepthPreset};
 
 /// Far clip distance in metres if none is given.
-const FAR_M: f64 = 10.0;
+const FAR_M: f64 = 100.0;
 
 /// What the Kinect's is told besides.
 const DEPTH_PARAMETERS: [&str; 6] = [

@@ -12,6 +12,7 @@ use crate::model::{
     LensProjection, Mosaic, Noise, PixelFormat, Radiation, ScanAxis, Sensor, SensorKind,
 };
 use crate::rules::Rules;
+use crate::values::child_pose;
 use crate::xml::Element;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -23,7 +24,8 @@ fn parse(text: &str) -> (Option<Sensor>, Vec<String>) {
 fn parse_with(text: &str, rules: Rules) -> (Option<Sensor>, Vec<String>) {
     let element = Element::parse(text, Path::new("s.sdf")).unwrap();
     let mut diagnostics = Diagnostics::default();
-    let sensor = parse_sensor(&element, 7, rules, &mut diagnostics);
+    let pose = child_pose(&element, rules.gazebo_compat, &mut diagnostics);
+    let sensor = parse_sensor(&element, 7, pose, rules, &mut diagnostics);
     (sensor, diagnostics.problems().iter().map(ToString::to_string).collect())
 }
 
@@ -61,7 +63,7 @@ fn defaults_are_those_of_sdf() {
     assert_eq!((camera.update_rate_hz, camera.always_on, camera.link), (None, false, 7));
 
     let depth = accepted("<sensor name='d' type='depth'/>");
-    assert!(matches!(&depth.kind, SensorKind::Depth(d) if d.camera.far_m == 10.0));
+    assert!(matches!(&depth.kind, SensorKind::Depth(d) if d.camera.far_m == 100.0));
 
     let ray = accepted("<sensor name='r' type='gpu_ray'><ray><range><max>inf</max></range></ray></sensor>");
     let SensorKind::Ray(Lidar { ray: r, .. }) = &ray.kind else { panic!() };

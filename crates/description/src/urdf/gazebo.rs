@@ -15,7 +15,7 @@ use crate::optics::optics;
 use crate::plugin;
 use crate::sensor::parse_sensor;
 use crate::suggestion::{closest, did_you_mean_or};
-use crate::values::{child_bool, child_text, friction_coefficient, number};
+use crate::values::{child_bool, child_pose, child_text, friction_coefficient, number};
 use crate::xml::Element;
 
 /// What an extension is set to: its attribute `value`, or else its text, as libsdformat reads it.
@@ -67,7 +67,8 @@ impl Loader<'_> {
 
     fn extend_link(&mut self, element: &Element, index: LinkIndex, model: &mut Model) {
         for sensor in element.elements_named("sensor") {
-            model.sensors.extend(parse_sensor(sensor, index, self.rules, self.diagnostics));
+            let pose = child_pose(sensor, self.rules.gazebo_compat, self.diagnostics);
+            model.sensors.extend(parse_sensor(sensor, index, pose, self.rules, self.diagnostics));
         }
         let link = &mut model.links[index];
         // Gazebo puts what stands in <visual> into each visual of the link.
@@ -148,6 +149,16 @@ impl Loader<'_> {
     /// A reference to something that is no link: a joint, or a mistake.
     fn unknown_reference(&mut self, element: &Element, name: &str, model: &Model) {
         let near = nearest_link(name, &model.links);
+        if model.joints.iter().any(|joint| joint.name == name) {
+            for sensor in element.elements_named("sensor") {
+                let what = format!(
+                    "the sensor '{}' is on the joint '{name}': sensors of joints are not simulated, and it is left out",
+                    sensor.attribute("name").unwrap_or_default()
+                );
+                self.diagnostics.warning(&sensor.source, what, "put sensors of other kinds on a link");
+            }
+            return;
+        }
         let mut has_sensor = false;
         for sensor in element.elements_named("sensor") {
             has_sensor = true;
@@ -169,7 +180,7 @@ impl Loader<'_> {
                 self.diagnostics.error(&element.source, what, remedy.trim_start());
             }
         }
-        if !has_sensor && !model.joints.iter().any(|joint| joint.name == name) {
+        if !has_sensor {
             self.diagnostics.warning(
                 &element.source,
                 format!("<gazebo reference=\"{name}\"> names no link and no joint: it is left out"),

@@ -50,8 +50,9 @@ impl Loader<'_> {
         if !is_definition(element) {
             return None;
         }
+        // urdfdom writes an empty <texture/> beside a colour.
         let texture = element.child("texture").and_then(|texture| {
-            let name = self.required(texture, "filename")?;
+            let name = texture.attribute("filename").filter(|name| !name.is_empty())?;
             self.file(texture, name, "texture")
         });
         // A picture without a colour is shown as it is.
@@ -80,5 +81,8 @@ impl Loader<'_> {
 
 /// Whether it says more than a name.
 pub(super) fn is_definition(material: &Element) -> bool {
-    material.child("color").is_some() || material.child("texture").is_some()
+    material.child("color").is_some()
+        || material
+            .child("texture")
+            .is_some_and(|texture| texture.attribute("filename").is_some_and(|name| !name.is_empty()))
 }

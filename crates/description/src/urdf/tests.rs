@@ -75,7 +75,7 @@ fn links_have_mass_shapes_and_looks() {
          <visual><geometry><sphere radius='1'/></geometry><material name='Own'><color rgba='0 0 1 0.5'/></material></visual>\
          <visual><geometry><capsule radius='1' length='2'/></geometry><material name='Own'/></visual>\
          <collision name='c'><origin xyz='0 1 0'/><geometry><cylinder radius='0.5' length='2'/></geometry></collision></link>\
-         <gazebo reference='base'><mu1>0.3</mu1><mu2>9</mu2><kp>1e6</kp><laserRetro>7</laserRetro>\
+         <gazebo reference='base'><mu1>0.3</mu1><mu2>0.3</mu2><laserRetro>7</laserRetro>\
          <turnGravityOff>true</turnGravityOff></gazebo>",
     );
     let base = &model.links[0];
@@ -111,7 +111,7 @@ fn gazebo_materials_override_those_of_urdf() {
 fn sensors_sit_on_their_links() {
     let model = accepted(
         "<link name='a'/><link name='b'/><joint name='j' type='fixed'><parent link='a'/><child link='b'/></joint>\
-         <gazebo reference='j'><implicitSpringDamper>1</implicitSpringDamper></gazebo>\
+         <gazebo reference='j'><implicitSpringDamper>0</implicitSpringDamper></gazebo>\
          <gazebo reference='b'><sensor name='eye' type='camera'><pose>1 2 3 0 0 0</pose></sensor></gazebo>",
     );
     assert_eq!((model.sensors[0].name.as_str(), model.sensors[0].link), ("eye", 1));

@@ -1,0 +1,305 @@
+//! What becomes of every element and attribute of SDF and URDF.
+//!
+//! The tables `elements/sdf.txt` and `elements/urdf.txt` list what a file can hold, and what becomes of it: it is read, it
+//! is harmless, or it would change what happens and is not simulated. [`report`] compares a file with them, and says once
+//! for each kind of element what is not simulated, and what is not known at all.
+//!
+//! A table is a list of contexts. A line that is not indented begins a context; the lines below are its elements, and, with
+//! a dot, its attributes:
+//!
+//! | line | meaning |
+//! |---|---|
+//! | `name` | read; the elements inside it follow, indented further |
+//! | `name = context` | read; the elements inside it are those of that context |
+//! | `name *` | its parser looks at everything in it, and says itself what it leaves out |
+//! | `name ~` | harmless: it changes neither what moves nor what is measured |
+//! | `name ! values: difference` | not simulated, with that difference, unless it has one of the values; a warning |
+//! | `name ? values: difference` | the same for what rarely matters; a note |
+//!
+//! The row `* *` stands for all other elements there, of which the parser tells itself.
+//!
+//! A value is a text, numbers, `*` for none, or `=NAME` for that of the element beside it.
+
+use crate::diagnostics::{Diagnostics, Problem, Severity, Source};
+use crate::suggestion::did_you_mean;
+use crate::xml::Element;
+use std::collections::BTreeMap;
+use std::sync::LazyLock;
+
+const TABLES: [&str; 2] = [include_str!("elements/sdf.txt"), include_str!("elements/urdf.txt")];
+
+static CONTEXTS: LazyLock<BTreeMap<&'static str, Vec<Row>>> = LazyLock::new(|| {
+    let contexts = TABLES.iter().flat_map(|table| rows(&mut table.lines().peekable(), 0));
+    contexts.map(|context| (context.name, context.inside)).collect()
+});
+
+/// A line of a table.
+struct Row {
+    /// The name of an element, or of an attribute with a dot before it.
+    name: &'static str,
+    fate: Fate,
+    inside: Vec<Row>,
+}
+
+/// What becomes of an element or attribute.
+enum Fate {
+    Read,
+    Context(&'static str),
+    /// Nothing that is inside it is looked at here.
+    Passed,
+    NotSimulated {
+        severity: Severity,
+        unless: Vec<&'static str>,
+        difference: &'static str,
+    },
+}
+
+/// Reads the lines that are indented to one depth, each with those below it that are indented further.
+fn rows(lines: &mut std::iter::Peekable<std::str::Lines<'static>>, depth: usize) -> Vec<Row> {
+    let mut found = Vec::new();
+    while let Some(line) = lines.peek() {
+        let text = line.trim_start();
+        if line.len() - text.len() < depth {
+            break;
+        }
+        lines.next();
+        let (name, rest) = text.split_once(' ').unwrap_or((text, ""));
+        let fate = match (rest.chars().next(), rest.get(2..).unwrap_or_default()) {
+            (None, _) => Fate::Read,
+            (Some('='), context) => Fate::Context(context),
+            (Some(mark @ ('!' | '?')), rest) => {
+                let severity = if mark == '!' { Severity::Warning } else { Severity::Note };
+                let (values, difference) = rest.split_once(": ").unwrap_or_default();
+                Fate::NotSimulated { severity, unless: values.split(',').collect(), difference }
+            }
+            (Some(_), _) => Fate::Passed,
+        };
+        found.push(Row { name, fate, inside: rows(lines, depth + 2) });
+    }
+    found
+}
+
+/// Adds to `diagnostics` what is not simulated or not known in the elements of one file. Each element comes with its
+/// context in the tables, such as `root` for `<sdf>`.
+pub(crate) fn report<'e>(
+    elements: impl IntoIterator<Item = (&'e Element, &'e str)>,
+    diagnostics: &mut Diagnostics,
+) {
+    let mut report = Report::default();
+    for (element, context) in elements {
+        report.inside(element, inside(&CONTEXTS, context));
+    }
+    for (first, count) in report.found.into_values() {
+        let Problem { severity, source, mut what, remedy } = first;
+        if count > 1 {
+            what = format!("{what} ({count} times in this file)");
+        }
+        diagnostics.add(Problem { severity, source, what, remedy });
+    }
+}
+
+fn inside<'t>(contexts: &'t BTreeMap<&'static str, Vec<Row>>, context: &str) -> &'t [Row] {
+    contexts.get(context).map_or(&[], Vec::as_slice)
+}
+
+/// The problems of one file: the first of each kind, and how many there are of it.
+#[derive(Default)]
+struct Report {
+    found: BTreeMap<(String, String), (Problem, usize)>,
+}
+
+impl Report {
+    fn inside(&mut self, element: &Element, rows: &'static [Row]) {
+        for (name, value) in &element.attributes {
+            // Names with a prefix belong to other programs; a value may stand in an attribute instead of the element.
+            if name.contains(':') || name == "xmlns" || name == "value" {
+                continue;
+            }
+            match rows.iter().find(|row| row.name.strip_prefix('.') == Some(name)) {
+                Some(row) => {
+                    self.not_simulated(row, element, &format!("attribute '{name}'"), value, &element.source)
+                }
+                None => {
+                    let known = rows.iter().filter_map(|row| row.name.strip_prefix('.'));
+                    self.unknown(
+                        element,
+                        &format!("attribute '{name}'"),
+                        did_you_mean(name, known),
+                        &element.source,
+                    );
+                }
+            }
+        }
+        for child in element.elements() {
+            let what = format!("<{}>", child.name);
+            match rows.iter().find(|row| row.name == child.name) {
+                Some(row) => match row.fate {
+                    Fate::Read => self.inside(child, &row.inside),
+                    Fate::Context(context) => self.inside(child, inside(&CONTEXTS, context)),
+                    Fate::Passed => {}
+                    Fate::NotSimulated { .. } => {
+                        let value = child.attribute("value").map_or_else(|| child.text(), str::to_owned);
+                        self.not_simulated(row, element, &what, &value, &child.source);
+                    }
+                },
+                None if child.name.contains(':') || rows.iter().any(|row| row.name == "*") => {}
+                None => {
+                    let known = rows.iter().map(|row| row.name).filter(|name| !name.starts_with('.'));
+                    self.unknown(element, &what, did_you_mean(&child.name, known), &child.source);
+                }
+            }
+        }
+    }
+
+    fn not_simulated(&mut self, row: &Row, parent: &Element, what: &str, value: &str, source: &Source) {
+        let Fate::NotSimulated { severity, unless, difference } = &row.fate else { return };
+        if unless.iter().any(|usual| is_value(value, usual, parent)) {
+            return;
+        }
+        let value = value.trim();
+        let written = if value.is_empty() { String::new() } else { format!("is '{value}' and ") };
+        let what = format!("{what} of <{}> {written}is not simulated: {difference}", parent.name);
+        self.add(parent, row.name, *severity, source, what, String::new());
+    }
+
+    fn unknown(&mut self, parent: &Element, what: &str, meant: Option<String>, source: &Source) {
+        let text = format!("{what} of <{}> is not known, and is left out", parent.name);
+        let remedy = meant.unwrap_or_else(|| "check its spelling, and where it belongs".to_owned());
+        self.add(parent, what, Severity::Warning, source, text, remedy);
+    }
+
+    fn add(
+        &mut self,
+        parent: &Element,
+        name: &str,
+        severity: Severity,
+        source: &Source,
+        what: String,
+        remedy: String,
+    ) {
+        let problem = Problem { severity, source: source.clone(), what, remedy };
+        self.found.entry((parent.name.clone(), name.to_owned())).or_insert((problem, 0)).1 += 1;
+    }
+}
+
+/// Whether a text is the value that a table names.
+fn is_value(text: &str, value: &str, parent: &Element) -> bool {
+    if value == "*" {
+        return false;
+    }
+    let beside = value.strip_prefix('=').and_then(|name| parent.child(name)).map(Element::text);
+    let value = beside.as_deref().unwrap_or(value);
+    let numbers =
+        |text: &str| -> Option<Vec<f64>> { text.split_whitespace().map(|word| word.parse().ok()).collect() };
+    text.trim().eq_ignore_ascii_case(value)
+        || numbers(text).zip(numbers(value)).is_some_and(|(text, value)| text == value)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    fn told(text: &str, context: &str) -> Vec<String> {
+        let element = Element::parse(text, Path::new("f")).unwrap();
+        let mut diagnostics = Diagnostics::default();
+        report([(&element, context)], &mut diagnostics);
+        diagnostics.problems().iter().map(ToString::to_string).collect()
+    }
+
+    #[test]
+    fn what_is_not_simulated_is_told_once_with_its_difference() {
+        let joint = |damping: &str| {
+            format!(
+                "<joint name='j' type='revolute'>\n<axis><dynamics><damping>{damping}</damping></dynamics></axis></joint>"
+            )
+        };
+        let model = format!("<model name='m'>{}{}{}</model>", joint("0.5"), joint("0.0"), joint("2"));
+        assert_eq!(
+            told(&model, "model"),
+            [
+                "f:2: warning: <damping> of <dynamics> is '0.5' and is not simulated: the joint moves without damping \
+              (2 times in this file)"
+            ]
+        );
+        let surface = |mu2: &str| {
+            format!("<surface><friction><ode><mu>0.8</mu><mu2>{mu2}</mu2></ode></friction></surface>")
+        };
+        assert_eq!(told(&surface("0.80"), "surface"), [""; 0]);
+        assert!(
+            told(&surface("0.1"), "surface")[0].starts_with("f:1: note: <mu2> of <ode> is '0.1' and is not")
+        );
+        assert_eq!(told("<link name='l'><kinematic>False</kinematic></link>", "link"), [""; 0]);
+    }
+
+    #[test]
+    fn what_is_not_known_is_told_with_what_may_be_meant() {
+        let told = |text: &str| told(text, "root").join("\n");
+        assert_eq!(
+            told("<sdf version='1.9'><model name='m'><link name='l'><inertail/></link></model></sdf>"),
+            "f:1: warning: <inertail> of <link> is not known, and is left out; did you mean 'inertial'?"
+        );
+        assert!(told("<sdf version='1.9' vers='2'/>").contains("attribute 'vers' of <sdf> is not known"));
+        // Elements with a prefix belong to other programs; a plugin and a camera have readers of their own.
+        let own = "<sdf version='1.9' xmlns:gz='x'><world name='w'><gz:policies><a/></gz:policies><plugin><any/></plugin>\
+                   <model name='m'><link name='l'><sensor name='s' type='camera'><camera><x/></camera></sensor></link></model>\
+                   </world></sdf>";
+        assert_eq!(told(own), "");
+    }
+
+    #[test]
+    fn each_row_is_well_formed_and_each_context_is_there() {
+        fn check(row: &Row, at: &str) {
+            let at = format!("{at}/{}", row.name);
+            match &row.fate {
+                Fate::Context(context) => assert!(CONTEXTS.contains_key(context), "{at}: {context}"),
+                Fate::NotSimulated { difference, .. } => assert!(difference.len() > 5, "{at}"),
+                Fate::Read | Fate::Passed => {}
+            }
+            let rows = &row.inside;
+            for (place, inside) in rows.iter().enumerate() {
+                assert!(
+                    rows[..place].iter().all(|other| other.name != inside.name),
+                    "{at}/{} twice",
+                    inside.name
+                );
+                check(inside, &at);
+            }
+        }
+        assert!(CONTEXTS.len() > 40);
+        for (context, rows) in CONTEXTS.iter() {
+            rows.iter().for_each(|row| check(row, context));
+        }
+    }
+
+    /// A row that says that an element is read names one that a parser asks for.
+    #[test]
+    fn what_is_read_is_asked_for() {
+        fn sources(folder: &Path, text: &mut String) {
+            for entry in std::fs::read_dir(folder).unwrap() {
+                let path = entry.unwrap().path();
+                if path.is_dir() {
+                    sources(&path, text);
+                } else if path.extension().is_some_and(|end| end == "rs") && !path.ends_with("elements.rs") {
+                    text.push_str(&std::fs::read_to_string(path).unwrap());
+                }
+            }
+        }
+        fn check(row: &Row, sources: &str, missing: &mut Vec<String>) {
+            let name = row.name.trim_start_matches('.');
+            let holds = |fate: fn(&Fate) -> bool| row.inside.iter().any(|row| fate(&row.fate));
+            let is_read = |fate: &Fate| matches!(fate, Fate::Read | Fate::Context(_));
+            // What holds nothing that is read need not be asked for.
+            let is_asked = matches!(row.fate, Fate::Read) && (row.inside.is_empty() || holds(is_read));
+            if is_asked && !sources.contains(&format!("\"{name}\"")) {
+                missing.push(name.to_owned());
+            }
+            row.inside.iter().for_each(|row| check(row, sources, missing));
+        }
+        let mut text = String::new();
+        sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut text);
+        let mut missing = Vec::new();
+        CONTEXTS.values().flatten().for_each(|row| check(row, &text, &mut missing));
+        assert_eq!(missing, [""; 0]);
+    }
+}

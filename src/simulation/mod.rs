@@ -89,10 +89,12 @@ impl SimulationBuilder {
             let robot = (!model.plugins.is_empty()).then(|| Robot::new(model, "", index, &mut physics));
             let (robot, problem) = robot.unzip();
             notes.extend(problem.flatten().filter(|problem| problem.severity >= Severity::Warning));
+            let mut named = model.clone();
+            named.name_sensor_topics(&world.name);
             let entity = Entity {
                 name: model.name.clone(),
                 namespace: String::new(),
-                model: model.clone(),
+                model: named,
                 start: model.world_from_model,
                 origin: Origin::World,
                 noise_name: model.name.clone(),

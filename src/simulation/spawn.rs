@@ -61,7 +61,8 @@ impl Simulation {
         }
         let namespace = namespace(&given).map_err(SimulationError::Refused)?;
         let start = world_from_model * model.world_from_model;
-        let model = Model { name: name.clone(), ..model.clone() };
+        let mut model = Model { name: name.clone(), ..model.clone() };
+        model.name_sensor_topics(&self.world.name);
         let is_robot = is_robot.unwrap_or_else(|| has_base(&model) || !model.plugins.is_empty());
         let mut placement = robot::placement(&model, start);
         if !is_robot {

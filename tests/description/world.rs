@@ -5,7 +5,7 @@ use crate::sdf;
 use crate::sdf::*;
 use belvedere::description::Severity;
 use belvedere::description::load::{load_world, world_names};
-use belvedere::description::model::{Geometry, JointKind, LightKind};
+use belvedere::description::model::{Geometry, JointKind, LightKind, SensorKind};
 use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
@@ -476,4 +476,41 @@ fn poses_are_relative_to_frames_and_joints_of_nested_models() {
     ] {
         assert!((at(name).translation() - expected).length() < 1e-12, "{name}: {:?}", at(name));
     }
+}
+
+#[test]
+fn sensors_without_a_topic_publish_under_gz_sims_names() {
+    let sensor = |kind: &str, inside: &str| format!("<sensor name='s' type='{kind}'>{inside}</sensor>");
+    let lidar = sensor("gpu_lidar", "<lidar><range><min>0.1</min><max>9</max></range></lidar>");
+    let world = good(
+        "1.9",
+        &format!(
+            "<model name='m m'><static>1</static><link name='l'>{lidar}{}{}</link><model name='inner'><link name='k'>{}{}\
+             </link></model></model>",
+            sensor("camera", "<camera/>"),
+            sensor("rgbd_camera", "<camera/>"),
+            sensor("imu", ""),
+            sensor("air_pressure", "<topic>p</topic>"),
+        ),
+    );
+    let mut model = world.models[0].clone();
+    model.name_sensor_topics(&world.name);
+    let topics = model.sensors.iter().map(|sensor| match &sensor.kind {
+        SensorKind::Ray(lidar) => lidar.plugin.as_ref().unwrap().topic.clone(),
+        SensorKind::Camera(camera) => camera.plugin.as_ref().unwrap().camera_info_topic.clone(),
+        SensorKind::Depth(depth) => depth.plugin.as_ref().unwrap().depth_image_topic.clone(),
+        SensorKind::Imu(imu) => imu.plugin.as_ref().unwrap().topic.clone(),
+        SensorKind::AirPressure(barometer) => barometer.plugin.as_ref().unwrap().topic.clone(),
+        _ => panic!("{sensor:?}"),
+    });
+    assert_eq!(
+        topics.collect::<Vec<_>>(),
+        [
+            "/world/w/model/m_m/link/l/sensor/s/scan",
+            "/world/w/model/m_m/link/l/sensor/s/camera_info",
+            "/world/w/model/m_m/link/l/sensor/s/depth_image",
+            "/world/w/model/m_m/model/inner/link/k/sensor/s/imu",
+            "/p",
+        ]
+    );
 }

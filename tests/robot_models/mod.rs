@@ -54,6 +54,7 @@ pub(crate) fn empty_model(name: &str) -> Model {
         world_from_model: Pose::IDENTITY,
         is_static: false,
         links: Vec::new(),
+        canonical_link: 0,
         joints: Vec::new(),
         sensors: Vec::new(),
         plugins: Vec::new(),

@@ -132,6 +132,14 @@ impl Model {
         self.links.iter().position(|link| link.name == name)
     }
 
+    /// Names the topics of sensors for which the file names none, as gz-sim does:
+    /// `/world/WORLD/model/NAME/link/LINK/sensor/SENSOR/scan`. A simulation calls it when the model comes into a world.
+    pub fn name_sensor_topics(&mut self, world: &str) {
+        for sensor in &mut self.sensors {
+            super::sensor::gz::name_topics(sensor, world, &self.name, &self.links[sensor.link].name);
+        }
+    }
+
     /// What drives it, if anything does.
     pub fn base(&self) -> Option<&BasePlugin> {
         self.plugins.iter().find_map(|plugin| match plugin {

@@ -9,7 +9,7 @@ mod camera;
 mod camera_plugin;
 mod depth;
 mod device;
-mod gz;
+pub(crate) mod gz;
 mod imu;
 mod imu_profile;
 mod instrument;

@@ -1,21 +1,97 @@
-//! Sensors of gz-sim: they have a `<topic>` and no plugin, and publish under the names that gz-sim's bridge to ROS sees.
+//! Sensors without a plugin that is simulated: they publish as gz-sim's do, under the names that its bridge to ROS sees.
 
-use super::plugin::{absolute, is_ours};
+use super::KINDS;
+use super::plugin::{absolute, is_ours, plain_name};
+use super::{Sensor, SensorKind};
 use crate::values::child_text;
 use crate::xml::Element;
 
-/// Whether a sensor publishes as those of gz-sim do: no plugin but ours.
+/// Begins the topics of sensors without a `<topic>` until it is known in which world and model they are. No topic of a file
+/// can hold it.
+const SCOPE: &str = "/{sensor}";
+
+/// Returns true if a sensor publishes as those of gz-sim do: it has no plugin that publishes it.
 pub(super) fn is_gz(sensor: &Element) -> bool {
-    sensor.elements_named("plugin").all(is_ours) && child_text(sensor, "topic").is_some()
+    let publishes = |plugin: &Element| KINDS.iter().any(|kind| kind.plugins.contains(&plain_name(plugin)));
+    sensor.elements_named("plugin").all(|plugin| is_ours(plugin) || !publishes(plugin))
 }
 
-/// The absolute topic of such a sensor.
+/// Returns the absolute topic of such a sensor: its `<topic>`, or gz-sim's name for its type.
 pub(super) fn gz_topic(sensor: &Element) -> Option<String> {
-    Some(absolute(&[&child_text(sensor, "topic")?]))
+    if !is_gz(sensor) {
+        return None;
+    }
+    let written = child_text(sensor, "topic").map(|topic| absolute(&[&topic]));
+    written.or_else(|| {
+        let end = match sensor.attribute("type")? {
+            "camera" | "wideanglecamera" | "wide_angle_camera" => "image",
+            "depth" | "depth_camera" => "depth_image",
+            "rgbd" | "rgbd_camera" => "",
+            "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => "scan",
+            "gps" => "navsat",
+            kind => kind,
+        };
+        Some(absolute(&[SCOPE, end]))
+    })
 }
 
-/// The frame that its messages name; the sensor's link if this is empty.
+/// Returns the frame that its messages name; empty for the sensor's link.
 pub(super) fn frame_name(sensor: &Element) -> String {
     let names = ["gz_frame_id", "ignition_frame_id", "frame_id"];
     names.into_iter().find_map(|name| child_text(sensor, name)).unwrap_or_default()
+}
+
+/// Names the topics of a sensor without a `<topic>` as gz-sim does: `/world/W/model/M/link/L/sensor/S/…`. `link` is the
+/// name of its link, `inner::link` for one of a nested model.
+pub(crate) fn name_topics(sensor: &mut Sensor, world: &str, model: &str, link: &str) {
+    let (inner, link) = link.rsplit_once("::").unwrap_or(("", link));
+    let models: String = std::iter::once(model)
+        .chain(inner.split("::"))
+        .filter(|name| !name.is_empty())
+        .map(|name| format!("/model/{name}"))
+        .collect();
+    // What cannot be in a topic of ROS becomes an underscore.
+    let scope: String =
+        format!("/world/{world}{models}/link/{link}/sensor/{}", sensor.name)
+            .chars()
+            .map(|character| {
+                if character.is_ascii_alphanumeric() || "_/-.~".contains(character) { character } else { '_' }
+            })
+            .collect();
+    for topic in topics(&mut sensor.kind) {
+        if let Some(end) = topic.strip_prefix(SCOPE) {
+            *topic = format!("{scope}{end}");
+        }
+    }
+}
+
+/// Returns the topics of whatever publishes a sensor.
+fn topics(kind: &mut SensorKind) -> Vec<&mut String> {
+    match kind {
+        SensorKind::Camera(camera) => camera
+            .plugin
+            .iter_mut()
+            .flat_map(|plugin| [&mut plugin.image_topic, &mut plugin.camera_info_topic])
+            .collect(),
+        SensorKind::Depth(depth) => depth
+            .plugin
+            .iter_mut()
+            .flat_map(|plugin| {
+                [
+                    &mut plugin.camera.image_topic,
+                    &mut plugin.camera.camera_info_topic,
+                    &mut plugin.depth_image_topic,
+                    &mut plugin.depth_camera_info_topic,
+                    &mut plugin.point_cloud_topic,
+                ]
+            })
+            .collect(),
+        SensorKind::Ray(lidar) => lidar.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::Range(range) => range.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::Imu(imu) => imu.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::NavSat(receiver) => receiver.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::Magnetometer(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::Altimeter(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::AirPressure(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+    }
 }

@@ -269,7 +269,9 @@ fn what_is_not_simulated_gives_a_warning() {
     assert!(problems[0].contains(&format!("{}: the sensor 's' has the type 'contact'", Severity::Warning)));
     let (sensor, problems) =
         parse("<sensor name='s' type='camera'><plugin name='p' filename='libother.so'/></sensor>");
-    assert!(matches!(sensor.unwrap().kind, SensorKind::Camera(Camera { plugin: None, .. })));
+    assert!(
+        matches!(sensor.unwrap().kind, SensorKind::Camera(Camera { plugin: Some(p), .. }) if p.image_topic == "/{sensor}/image")
+    );
     assert!(problems.len() == 1 && problems[0].contains("libgazebo_ros_openni_kinect.so"), "{problems:?}");
     assert_eq!(problems[0].matches("libgazebo_ros_camera.so").count(), 1, "{problems:?}");
     let (_, problems) = parse(

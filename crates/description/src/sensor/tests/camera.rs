@@ -9,7 +9,6 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         ("camera", "<depth_camera><output>points</output></depth_camera>", "<depth_camera> of sensor 'c'"),
         ("camera", "<visibility_mask>1</visibility_mask>", "a camera sees every visual"),
         ("camera", "<pose>0 0 1 0 0 0</pose>", "write it in <sensor>"),
-        ("camera", "<optical_frame_id>o</optical_frame_id>", "write <frameName> in the plugin"),
         ("camera", "<segmentation_type>semantic</segmentation_type>", "<segmentation_type> of sensor 'c'"),
         ("camera", "<clip><near>.1</near><fog>1</fog></clip>", "<fog> of sensor 'c' is not simulated"),
         ("camera", "<distortion><k7>1</k7></distortion>", "<k7> of sensor 'c' is not simulated"),
@@ -162,4 +161,15 @@ fn mosaics_and_words_are_formats() {
         };
         assert_eq!(camera.format, expected);
     }
+}
+
+#[test]
+fn the_optical_frame_is_that_of_a_camera_without_a_plugin() {
+    let camera = "<camera><optical_frame_id>o</optical_frame_id></camera>";
+    let (sensor, problems) = parse(&format!("<sensor name='c' type='camera'>{camera}</sensor>"));
+    let SensorKind::Camera(Camera { plugin: Some(plugin), .. }) = sensor.unwrap().kind else { panic!() };
+    assert_eq!((plugin.frame_name.as_str(), problems.len()), ("o", 0));
+    let plugin = "<plugin filename='libgazebo_ros_camera.so'><frameName>f</frameName></plugin>";
+    let (_, problems) = parse(&format!("<sensor name='c' type='camera'>{camera}{plugin}</sensor>"));
+    assert!(problems.len() == 1 && problems[0].contains("write <frameName> in the plugin"), "{problems:?}");
 }

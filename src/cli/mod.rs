@@ -25,6 +25,7 @@ pub mod robots;
 pub mod run;
 mod sensor_models;
 mod shown_scene;
+mod simulated;
 pub mod snapshot;
 pub mod statistics;
 mod status;

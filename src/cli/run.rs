@@ -226,7 +226,7 @@ struct Displays<'a> {
 impl Displays<'_> {
     fn refresh(&mut self, server: &Server<'_>) {
         self.status.show(|status| status.refresh(server.rig(), server.simulated_ns()));
-        self.scene.show(|scene| scene.refresh(server.simulation()));
+        self.scene.show(|scene| scene.refresh(server));
     }
 }
 

@@ -158,7 +158,7 @@ fn run(world: &str, options: &[&str]) -> (String, Option<i32>, Vec<String>) {
 /// What `run` says with these options, and the topics that it publishes.
 fn run_of(options: &[&str]) -> (String, Option<i32>, Vec<String>) {
     let domain = own_domain();
-    let start = ["run", "--domain", &domain, "--rate", "max", "--duration", "0.01", "--hash"];
+    let start = ["run", "--domain", &domain, "--rate", "max", "--duration", "0.001", "--hash"];
     let done = output(&[&start[..], options].concat());
     let topics = String::from_utf8(done.stdout).unwrap();
     let topics = topics.lines().filter_map(|line| line.split_whitespace().nth(1));

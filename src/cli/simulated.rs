@@ -16,6 +16,7 @@ use std::path::PathBuf;
 /// The robots, the world, and how their files are read.
 #[derive(Clone, Debug, clap::Args)]
 #[group(skip)]
+#[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub(super) struct SimulatedArgs {
     #[command(flatten)]
     pub(super) robots: RobotArgs,

@@ -82,10 +82,25 @@ impl SimulationControl {
         text: &str,
         timeout: Duration,
     ) -> Result<Option<SimulationResult>, Error> {
+        self.call_while(command, text, timeout, || true)
+    }
+
+    /// Does the same as [`call`](Self::call), and stops waiting, with `None`, as soon as `go_on` returns false. It is called
+    /// at least every 100 ms, so that a program that has to end need not wait for a simulator that does not answer.
+    ///
+    /// # Errors
+    /// As [`call`](Self::call).
+    pub fn call_while(
+        &mut self,
+        command: &SimulationCommand,
+        text: &str,
+        timeout: Duration,
+        mut go_on: impl FnMut() -> bool,
+    ) -> Result<Option<SimulationResult>, Error> {
         let deadline = clock::deadline(timeout);
         // Without a simulator a sender would make the stream, and talk to itself. Old results are cleared away.
         while !self.is_connected()? {
-            if Instant::now() >= deadline {
+            if Instant::now() >= deadline || !go_on() {
                 return Ok(None);
             }
             self.results.wait(Duration::from_millis(5))?;
@@ -104,7 +119,7 @@ impl SimulationControl {
                 }
             }
             let left = deadline.saturating_duration_since(Instant::now());
-            if left.is_zero() || self.results.publishers() == 0 {
+            if left.is_zero() || self.results.publishers() == 0 || !go_on() {
                 return Ok(None);
             }
             self.results.wait(left.min(PATIENCE))?;

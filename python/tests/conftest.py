@@ -13,13 +13,42 @@ import pytest
 import belvedere
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Generator, Iterator
 
 ROOT = Path(__file__).parents[2]
 
 # A shell without job control starts what it runs in the background with SIGINT ignored, which Python then leaves so: the
 # tests of Ctrl-C would wait for an exception that never comes.
 signal.signal(signal.SIGINT, signal.default_int_handler)
+
+
+# As for the tests in Rust: with this, a test that would be skipped fails.
+NO_SKIP = os.environ.get("BELVEDERE_NO_SKIP") == "1"
+FORBIDDEN = "this would be skipped, which BELVEDERE_NO_SKIP forbids: {}"
+
+
+def reason(report: pytest.CollectReport | pytest.TestReport) -> str:
+    """Return why something was skipped."""
+    where_and_why = report.longrepr
+    return str(where_and_why[2] if isinstance(where_and_why, tuple) else where_and_why)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Let a skipped test fail where none may be skipped; an expected failure is none."""
+    report = yield
+    if NO_SKIP and report.skipped and not hasattr(report, "wasxfail"):
+        report.outcome, report.longrepr = "failed", FORBIDDEN.format(reason(report))
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest.CollectReport]:
+    """Let a file fail whose tests would all be skipped, where none may be skipped."""
+    report = yield
+    if NO_SKIP and report.skipped:
+        report.outcome, report.longrepr = "failed", FORBIDDEN.format(reason(report))
+    return report
 
 
 class Simulator:

@@ -7,83 +7,50 @@ mod world;
 
 use super::error::CliError;
 use super::follow::print_line;
-use super::sensor_models::Devices;
-use crate::description::load::{self, Described, LoadOptions, default_robot_name, xacro_argument};
-use crate::description::mesh::UpAxis;
+use super::simulated::SimulatedArgs;
+use crate::description::load::{self, LoadOptions, is_world, robot_names, world_names};
 use crate::description::model::{Model, World};
-use crate::description::models::package_path;
-use crate::description::{Diagnostics, Problem, Rules, Severity, Source};
+use crate::description::package::PackagePath;
+use crate::description::{Diagnostics, Problem, Severity, Source};
 use crate::rig::RigError;
 use crate::simulation::{Simulation, SimulationError, SpawnOptions};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use streams::Streams;
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
-/// Show what a robot or world file is understood to be, and everything that is wrong with it.
+/// Show what `belvedere run` makes of its robots and its world, and everything that is wrong with their files.
 ///
-/// Prints the tree of links with their joints, the sensors with all their parameters after defaults and plugins, the
-/// streams that `belvedere run` publishes of them, and every problem as `file:line: severity: what; remedy`. Of a world
-/// it prints models, lights and physics. The exit code is 1 if there are errors.
+/// Takes the arguments of `run` that say what is simulated, and opens the streams that it opens. Prints the world's models,
+/// lights and physics; of each robot the tree of links with their joints; the sensors with all their parameters after
+/// defaults and plugins, the streams of each, and every problem as `file:line: severity: what; remedy`. The exit code is 1
+/// if there are errors.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere check
   belvedere check kobuki_hexagons_kinect
   belvedere check my_robot.urdf.xacro --package-path ~/catkin_ws/src
   belvedere check my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
-  belvedere check my.world")]
+  belvedere check my.world
+  belvedere check my.world --robot none            (a world that has its own robot)
+  belvedere check my_robot.urdf.xacro --world my.world")]
 pub struct CheckArgs {
-    /// A .urdf, .xacro, .world or .sdf file, or the name of a robot or world of ours
-    /// [default: the robot that `belvedere run` takes]
+    /// A .urdf, .xacro, .world or .sdf file, or the name of a robot or world of ours: a world is taken as by --world, a
+    /// robot as by --robot
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<PathBuf>,
-    /// Arguments of the robot's xacro, for its $(arg NAME)
-    #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
-    pub xacro_args: Vec<(String, String)>,
-    /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
-    #[arg(long, value_name = "FOLDER")]
-    pub package_path: Vec<PathBuf>,
-    /// Go on as Gazebo classic does where something is missing, with a warning in place of the error
-    #[arg(long)]
-    pub gazebo_compat: bool,
-    /// Leave out models, meshes and textures that the world names and nobody has, with a warning for each, as Gazebo does
-    #[arg(long)]
-    pub skip_missing: bool,
-    /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
-    #[arg(long)]
-    pub apply_up_axis: bool,
-    /// What sensors are whose files ask for no preset: as their elements say, or the devices that they stand for
-    #[arg(long, value_enum, default_value_t)]
-    pub sensor_models: Devices,
-}
-
-impl CheckArgs {
-    fn rules(&self) -> Rules {
-        let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
-        let sensor_models = self.sensor_models.into();
-        Rules { gazebo_compat: self.gazebo_compat, skip_missing: self.skip_missing, up_axis, sensor_models }
-    }
+    #[command(flatten)]
+    simulated: SimulatedArgs,
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::Description`] with every error in the file; failures of standard output.
+/// [`CliError::Description`] with every error in the files; failures of standard output.
 pub fn run(args: &CheckArgs) -> Result<(), CliError> {
-    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    let packages = package_path(args.package_path.iter().cloned(), ros_package_path.as_deref());
-    let file = args.file.clone().unwrap_or_else(|| default_robot_name().into());
     let mut diagnostics = Diagnostics::default();
-    let options = LoadOptions { packages, rules: args.rules(), xacro_args: args.xacro_args.clone() };
-    let report = load::load(&file, &options, &mut diagnostics).map(|read| match read {
-        Described::World(world) => {
-            let streams = rehearse(&world, None, args.gazebo_compat, &mut diagnostics);
-            world::report(&world, &streams, args.gazebo_compat)
-        }
-        Described::Model(robot) => {
-            let streams = rehearse(&World::empty(), Some(&robot), args.gazebo_compat, &mut diagnostics);
-            robot::report(&robot, &streams, args.gazebo_compat)
-        }
-    });
+    let packages = args.simulated.packages();
+    let simulated = args.simulated(&packages, &mut diagnostics);
+    let report = simulated.map(|simulated| report(&simulated, &packages, &mut diagnostics));
     for line in report.into_iter().flatten() {
         print_line(&line)?;
     }
@@ -102,36 +69,89 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     })
 }
 
-/// Makes the simulation that `belvedere run` makes of a world, or of a robot in an empty one, and opens its streams as a
-/// server does. What is wrong, and what is decided on the way, is added to `diagnostics`. A file with errors has none.
-fn rehearse(
-    world: &World,
-    robot: Option<&Model>,
-    gazebo_compat: bool,
-    diagnostics: &mut Diagnostics,
-) -> Streams {
-    if diagnostics.has_errors() {
-        return Streams::unknown();
+impl CheckArgs {
+    /// Returns the arguments of the run that is checked: the file is its world or its robot.
+    fn simulated(&self, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<SimulatedArgs> {
+        let mut simulated = self.simulated.clone();
+        let Some(file) = &self.file else { return Some(simulated) };
+        let options = LoadOptions {
+            packages: packages.clone(),
+            rules: simulated.rules(),
+            xacro_args: simulated.robots.xacro_args().to_vec(),
+        };
+        if is_unknown_name(file, packages) {
+            // This says so, and which names of both kinds are near.
+            let _ = load::load(file, &options, diagnostics);
+            return None;
+        }
+        let (option, is_given) = if is_world(file, &options) {
+            ("--world", simulated.world.replace(file.clone()).is_some())
+        } else {
+            ("--robot", !simulated.robots.are_ours())
+        };
+        if is_given {
+            diagnostics.error(
+                &Source::new("the command line", 0),
+                format!("'{}' stands beside {option}", file.display()),
+                format!("leave one of them out, or give all by {option}"),
+            );
+            return None;
+        }
+        if option == "--robot" {
+            simulated.robots.add(file.clone());
+        }
+        Some(simulated)
     }
+}
+
+/// Whether it is a name, and none that a robot or world of ours has.
+fn is_unknown_name(file_or_name: &Path, packages: &PackagePath) -> bool {
+    let Some(name) = file_or_name.to_str().filter(|name| !name.contains(['/', '.'])) else { return false };
+    let has = |names: Vec<String>| names.iter().any(|known| known == name);
+    !file_or_name.is_file() && !has(robot_names(packages)) && !has(world_names(packages))
+}
+
+/// Returns the lines about the world and each robot.
+fn report(args: &SimulatedArgs, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Vec<String> {
+    let (world, robots) = args.load(packages, diagnostics);
+    let (streams, numbers) = rehearse(args, world.as_ref(), &robots, diagnostics);
+    let mut lines =
+        world.map(|world| world::report(&world, &streams, args.gazebo_compat)).unwrap_or_default();
+    for (index, (model, options)) in robots.iter().enumerate() {
+        let number = numbers.get(index).copied().unwrap_or_default();
+        lines.extend(robot::report(model, &options.namespace, number, &streams, args.gazebo_compat));
+    }
+    lines
+}
+
+/// Makes the simulation that `belvedere run` makes, opens its streams as a server does, and returns them with the robots'
+/// numbers. What is wrong, and what is decided on the way, is added to `diagnostics`. Files with errors have no streams.
+fn rehearse(
+    args: &SimulatedArgs,
+    world: Option<&World>,
+    robots: &[(Model, SpawnOptions)],
+    diagnostics: &mut Diagnostics,
+) -> (Streams, Vec<usize>) {
+    let Some(world) = world.filter(|_| !diagnostics.has_errors()) else {
+        return (Streams::unknown(), Vec::new());
+    };
     let mut notes = Vec::new();
     let opened = (|| {
-        let mut simulation = Simulation::builder(world.clone()).gazebo_compat(gazebo_compat).build()?;
-        let spawned = robot.map(|robot| {
-            simulation.spawn(robot, SpawnOptions { is_robot: Some(true), ..SpawnOptions::default() })
-        });
-        let rig = spawned.transpose().and_then(|_| simulation.streams());
+        let mut simulation = Simulation::builder(world.clone()).gazebo_compat(args.gazebo_compat).build()?;
+        let spawned = args.spawn(&mut simulation, robots);
+        let opened = spawned.and_then(|ids| Ok((simulation.streams(args.truth)?, ids)));
         notes.extend_from_slice(simulation.notes());
-        rig
+        opened
     })();
     for note in notes {
         diagnostics.add(note);
     }
     match opened {
-        Ok(rig) => Streams::of(rig),
+        Ok((rig, ids)) => (Streams::of(rig), ids.iter().map(|id| id.index()).collect()),
         Err(error) => {
-            let source = robot.map_or(&world.source, |robot| &robot.source);
+            let source = robots.first().map_or(&world.source, |(robot, _)| &robot.source);
             diagnostics.add(problem(error, source));
-            Streams::unknown()
+            (Streams::unknown(), Vec::new())
         }
     }
 }

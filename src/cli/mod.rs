@@ -26,6 +26,7 @@ pub mod run;
 mod sensor_models;
 mod shown;
 mod shown_scene;
+mod simulated;
 pub mod snapshot;
 pub mod statistics;
 mod status;

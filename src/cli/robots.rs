@@ -64,6 +64,11 @@ impl RobotArgs {
         self.xacro_args.insert(0, argument);
     }
 
+    /// Takes a file or name as `--robot` does.
+    pub(super) fn add(&mut self, robot: PathBuf) {
+        self.robot.push(robot);
+    }
+
     /// Whether our own robot runs, because none was asked for.
     pub(super) fn are_ours(&self) -> bool {
         self.robot.is_empty()

@@ -7,22 +7,17 @@ use super::isolated::Isolated;
 use super::pacer::Pacer;
 use super::record::RECORDER;
 use super::recording_thread::RecordingThread;
-use super::robots::RobotArgs;
-use super::sensor_models::Devices;
 use super::shown::Shown;
 use super::shown_scene::ShownScene;
+use super::simulated::SimulatedArgs;
 use super::status::Status;
 use super::view::{PageArgs, open_page};
-use crate::description::load::{default_world, load_world};
-use crate::description::mesh::UpAxis;
 use crate::description::model::{Model, World};
-use crate::description::models::package_path;
 use crate::description::package::PackagePath;
-use crate::description::{Diagnostics, Rules, Severity};
+use crate::description::{Diagnostics, Severity};
 use crate::entities::Origin;
 use crate::rig::Rig;
 use crate::rig::packets::{Feed, PacketTarget};
-use crate::robot::Autopilot;
 use crate::server::attendance::{Attendance, Awaited, START_PATIENCE};
 use crate::server::post::Post;
 use crate::server::{ModelFiles, Server, ServerOptions, SharedMemory};
@@ -57,11 +52,7 @@ use xxhash_rust::xxh3::Xxh3;
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
     #[command(flatten)]
-    robots: RobotArgs,
-    /// The world: an SDF file, or the name of one of ours
-    /// [default: tag_ceiling, or TURTLEBOT_GAZEBO_WORLD_FILE]
-    #[arg(long, value_name = "FILE|NAME")]
-    world: Option<PathBuf>,
+    simulated: SimulatedArgs,
     /// Name under which consumers find this simulation; several run side by side under different names
     #[arg(long, value_name = "NAME", env = "BELVEDERE_DOMAIN", default_value_t)]
     domain: Domain,
@@ -77,31 +68,6 @@ pub struct RunArgs {
     /// Begin with simulated time standing, until `belvedere control resume` or `step`
     #[arg(long)]
     paused: bool,
-    /// What robots do when nobody sends them velocity commands [default: loop, round the room of our own robot in our
-    /// own world; still, with a robot or a world of yours]
-    #[arg(long, value_enum)]
-    drive: Option<Autopilot>,
-    /// Behave as Gazebo classic where it differs from what is right: its principal point, NaN for depths out of
-    /// range, ranges that begin at the minimum, sensors on missing links left out
-    #[arg(long)]
-    gazebo_compat: bool,
-    /// Leave out models, meshes and textures that the world names and nobody has, with a warning for each, as Gazebo does
-    #[arg(long)]
-    skip_missing: bool,
-    /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
-    #[arg(long)]
-    apply_up_axis: bool,
-    /// What sensors are whose files ask for no preset: as their elements say, or the devices that they stand for, with
-    /// their noise, shadows and range: a Kinect's plugin is a Kinect
-    #[arg(long, value_enum, default_value_t)]
-    sensor_models: Devices,
-    /// Publish what is true of every pixel and beam as well: TOPIC/truth/depth, range, normal, instance, class,
-    /// incidence, flow_back, flow_forward
-    #[arg(long)]
-    truth: bool,
-    /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
-    #[arg(long, value_name = "FOLDER")]
-    package_path: Vec<PathBuf>,
     /// Print at the end a hash of every byte published, per stream and over all
     #[arg(long)]
     hash: bool,
@@ -166,12 +132,6 @@ impl RunArgs {
         let recorder = self.record.as_ref().map(|_| Awaited { name: RECORDER.into(), streams: Awaited::ALL });
         self.wait_for.iter().cloned().chain(recorder).collect()
     }
-
-    fn rules(&self) -> Rules {
-        let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
-        let sensor_models = self.sensor_models.into();
-        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis, sensor_models }
-    }
 }
 
 /// How simulated time runs.
@@ -191,23 +151,16 @@ pub enum Pace {
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     args.check_files()?;
     render_on_this_thread();
-    let packages = packages(args);
+    let packages = args.simulated.packages();
     let (world, robots) = load(args, &packages)?;
     listen_for_stop()?;
-    let kept =
-        args.record.as_ref().map(|_| attachments(&world, &robots, &packages, args.robots.xacro_args()));
-    let shown = args.view.then(|| Shown::new(&world.models, &robots, &packages, args.robots.xacro_args()));
+    let xacro_args = args.simulated.robots.xacro_args();
+    let kept = args.record.as_ref().map(|_| attachments(&world, &robots, &packages, xacro_args));
+    let shown = args.view.then(|| Shown::new(&world.models, &robots, &packages, xacro_args));
     let node = Node::open(&args.domain, "belvedere")?;
     let mut simulation =
-        Simulation::builder(world).seed(args.seed).gazebo_compat(args.gazebo_compat).build()?;
-    let drive = args.drive();
-    for (model, options) in robots {
-        let start = drive.start_pose();
-        let options = SpawnOptions { world_from_model: options.world_from_model * start, ..options };
-        let id = simulation.spawn(&model, options)?;
-        // A robot without a base stays where it is; a note says so.
-        let _ = simulation.set_autopilot(id, drive);
-    }
+        Simulation::builder(world).seed(args.seed).gazebo_compat(args.simulated.gazebo_compat).build()?;
+    args.simulated.spawn(&mut simulation, &robots)?;
     // Who is waited for sets the pace himself.
     let awaited = args.awaited();
     let holds_frames = args.rate == Pace::Realtime && awaited.is_empty();
@@ -220,8 +173,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         post: post.clone(),
         ..SharedMemory::new(node.clone())
     };
-    let files = ModelFiles { packages, rules: args.rules() };
-    let options = ServerOptions { truth: args.truth, hashed: args.hash, files };
+    let files = ModelFiles { packages, rules: args.simulated.rules() };
+    let options = ServerOptions { truth: args.simulated.truth, hashed: args.hash, files };
     for note in simulation.notes() {
         tracing::info!("{note}");
     }
@@ -274,13 +227,13 @@ struct Displays<'a> {
 impl Displays<'_> {
     fn refresh(&mut self, server: &Server<'_>) {
         self.status.show(|status| status.refresh(server.rig(), server.simulated_ns()));
-        self.scene.show(|scene| scene.refresh(server.simulation()));
+        self.scene.show(|scene| scene.refresh(server));
     }
 }
 
 /// What a recording says of the run, besides what every recording says.
 fn words(args: &RunArgs) -> BTreeMap<String, String> {
-    let world = args.world.clone().unwrap_or_else(default_world);
+    let world = args.simulated.world();
     BTreeMap::from([
         ("seed".to_owned(), args.seed.to_string()),
         ("world".to_owned(), world.to_string_lossy().into_owned()),
@@ -303,14 +256,6 @@ fn headline(simulation: &Simulation, args: &RunArgs) -> String {
     )
 }
 
-impl RunArgs {
-    /// Only our own robot in our own world drives by itself.
-    fn drive(&self) -> Autopilot {
-        let is_ours = self.world.is_none() && self.robots.are_ours();
-        self.drive.unwrap_or(if is_ours { Autopilot::Loop } else { Autopilot::Still })
-    }
-}
-
 /// Makes this thread one of those that render. Beside a pool of its own it would be one more to wake, before and after
 /// each frame: consumers got one picture in three 0.2 ms later.
 fn render_on_this_thread() {
@@ -319,18 +264,9 @@ fn render_on_this_thread() {
     }
 }
 
-fn packages(args: &RunArgs) -> PackagePath {
-    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-    package_path(args.package_path.iter().cloned(), ros_package_path.as_deref())
-}
-
 fn load(args: &RunArgs, packages: &PackagePath) -> Result<(World, Vec<(Model, SpawnOptions)>), CliError> {
     let mut diagnostics = Diagnostics::default();
-    let world = args.world.clone().unwrap_or_else(default_world);
-    let rules = Rules { skip_missing: args.skip_missing, ..args.rules() };
-    let world = load_world(&world, packages, rules, &mut diagnostics);
-    let taken = world.iter().flat_map(|world| &world.models).map(|model| model.name.as_str());
-    let robots = args.robots.load(packages, args.rules(), &taken.collect(), &mut diagnostics);
+    let (world, robots) = args.simulated.load(packages, &mut diagnostics);
     for problem in diagnostics.problems() {
         match problem.severity {
             Severity::Error => {}

@@ -66,6 +66,13 @@ pub enum RecordingError {
     Bridge(#[from] belvedere_bridge::Error),
 }
 
+impl RecordingError {
+    /// Whether shared memory has no room for a stream.
+    pub(super) fn lacks_memory(&self) -> bool {
+        matches!(self, Self::Bridge(belvedere_bridge::Error::SharedMemoryTooSmall { .. }))
+    }
+}
+
 impl From<mcap::McapError> for RecordingError {
     fn from(error: mcap::McapError) -> Self {
         use mcap::McapError as E;

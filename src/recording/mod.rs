@@ -15,6 +15,7 @@
 //! `belvedere.stream` for each stream, `belvedere.hashes` at the end. Attachments: the robots and the world as they were read.
 
 mod attachment;
+mod chunk_sizes;
 mod error;
 mod file;
 mod lengths;

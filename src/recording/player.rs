@@ -7,6 +7,7 @@ use super::timeline::Timeline;
 use super::{RecordedStream, RecordingError};
 use crate::server::attendance::{Awaited, START_PATIENCE};
 use crate::server::inbox::{Inbox, Request};
+use crate::server::room::Room;
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{FrameHeader, Kind, Lossless, Node, Operation, Publisher, StreamSpec};
 use std::collections::{BTreeMap, HashMap};
@@ -27,7 +28,12 @@ pub struct Player {
     inbox: Inbox,
     pub(super) options: PlayerOptions,
     streams: HashMap<String, Publisher>,
-    specs: HashMap<String, RecordedStream>,
+    specs: BTreeMap<String, RecordedStream>,
+    /// How large the pools of streams may be, and what those that are open were made with.
+    room: Room,
+    made: HashMap<String, StreamSpec>,
+    /// Whether a stream is described that is not open yet.
+    has_new: bool,
     pub(super) paused: bool,
     /// Whoever seeks, and sees where it is.
     pub(super) timeline: Option<Arc<Timeline>>,
@@ -63,7 +69,10 @@ impl Player {
             paused: options.paused,
             options,
             streams: HashMap::new(),
-            specs: HashMap::new(),
+            specs: BTreeMap::new(),
+            room: Room::default(),
+            made: HashMap::new(),
+            has_new: false,
             timeline: None,
             before: BTreeMap::new(),
             steps: None,
@@ -102,13 +111,14 @@ impl Player {
             let frame = match recording.next_item() {
                 Ok(Some(Item::Frame(frame))) => frame,
                 Ok(Some(Item::Stream(stream))) => {
-                    self.add(&stream)?;
+                    self.add(stream);
                     continue;
                 }
                 Ok(Some(_)) => continue,
                 Ok(None) => break Ok(Ending::Played),
                 Err(error) => break Err(error),
             };
+            self.open_new()?;
             last_ns = frame.log_time_ns;
             let clock = clock.get_or_insert_with(|| PlayClock::new(frame.log_time_ns));
             let since_start = Duration::from_nanos(frame.log_time_ns.saturating_sub(clock.first_ns));
@@ -194,21 +204,52 @@ impl Player {
         Ok(go_on(self))
     }
 
-    fn add(&mut self, stream: &RecordedStream) -> Result<(), RecordingError> {
-        if !self.streams.contains_key(&stream.topic) {
-            let publisher = self.publisher(stream)?;
-            self.streams.insert(stream.topic.clone(), publisher);
-            self.specs.insert(stream.topic.clone(), stream.clone());
+    /// Takes note of a stream, which is opened before the next frame: those that are described together share the room that
+    /// there is.
+    fn add(&mut self, stream: RecordedStream) {
+        if !self.specs.contains_key(&stream.topic) {
+            self.specs.insert(stream.topic.clone(), stream);
+            self.has_new = true;
+        }
+    }
+
+    /// Opens the streams that are not open yet, with pools as large as fit beside each other. Where there is too little
+    /// room beside those that are open, these are opened again with smaller pools: consumers see another publisher.
+    fn open_new(&mut self) -> Result<(), RecordingError> {
+        if !std::mem::take(&mut self.has_new) {
+            return Ok(());
+        }
+        let room = std::mem::take(&mut self.room);
+        let opened = room.fit(RecordingError::lacks_memory, || self.open_within(&room));
+        self.room = room;
+        opened
+    }
+
+    /// Opens all streams with what there is room for; those that have that already stay as they are.
+    fn open_within(&mut self, room: &Room) -> Result<(), RecordingError> {
+        let wanted: Vec<_> = self.specs.values().map(|stream| room.cut(&stream.spec())).collect();
+        // First, as they make room for others.
+        for spec in &wanted {
+            if self.made.get(&spec.topic).is_some_and(|made| made != spec) {
+                self.made.remove(&spec.topic);
+                self.streams.remove(&spec.topic);
+            }
+        }
+        for spec in wanted {
+            if !self.streams.contains_key(&spec.topic) {
+                self.streams.insert(spec.topic.clone(), self.publisher(&spec)?);
+                self.made.insert(spec.topic.clone(), spec);
+            }
         }
         Ok(())
     }
 
-    fn publisher(&self, stream: &RecordedStream) -> Result<Publisher, RecordingError> {
+    fn publisher(&self, spec: &StreamSpec) -> Result<Publisher, RecordingError> {
         let lossless = (!self.options.wait_for.is_empty()).then(|| Lossless {
             consumers: self.options.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
             patience: self.patience(),
         });
-        Ok(self.node.publisher(&StreamSpec { lossless, ..stream.spec() })?)
+        Ok(self.node.publisher(&StreamSpec { lossless, ..spec.clone() })?)
     }
 
     /// Makes room for a larger frame than the stream was described with: the simulator was started again, with another
@@ -216,7 +257,7 @@ impl Player {
     fn enlarge(&mut self, topic: &str, len: usize) -> Result<(), RecordingError> {
         let Some(stream) = self.specs.get_mut(topic) else { return Ok(()) };
         stream.max_payload_len = len;
-        let stream = stream.clone();
+        self.made.remove(topic);
         // One publisher a stream: the old one goes first, and consumers let go of it.
         let awaited = |name: &String| self.options.wait_for.iter().any(|awaited| awaited.name == *name);
         let old = self.streams.remove(topic);
@@ -229,14 +270,14 @@ impl Player {
             Ok::<_, RecordingError>(names.is_empty() || !followed)
         };
         self.until(|| is_left(&self.node))?;
-        let publisher = self.publisher(&stream)?;
+        self.has_new = true;
+        self.open_new()?;
         self.until(|| {
+            let Some(publisher) = self.streams.get(topic) else { return Ok(true) };
             publisher.update()?;
             let there = publisher.consumers();
             Ok(names.iter().all(|name| there.iter().any(|consumer| consumer.name == *name)))
-        })?;
-        self.streams.insert(stream.topic, publisher);
-        Ok(())
+        })
     }
 
     /// How long a frame waits for a consumer.

@@ -1,5 +1,6 @@
 //! [`RecordingReader`]: what is in an MCAP file, in the order in which it was written.
 
+use super::chunk_sizes::CheckedChunks;
 use super::lengths;
 use super::ros1;
 use super::skip::{Before, Skipping, chunks_before, summary};
@@ -11,7 +12,7 @@ use belvedere_bridge::{FrameHeader, FrameView};
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::{BTreeMap, HashMap};
-use std::io::{ErrorKind, Read, Seek};
+use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::sync::Arc;
 use std::time::Duration;
 
@@ -74,7 +75,7 @@ impl PartialEq for RecordedFrame {
 
 /// Reads a recording from its beginning, a chunk at a time.
 pub struct RecordingReader<R: Read> {
-    source: R,
+    source: CheckedChunks<R>,
     reader: LinearReader,
     library: String,
     schemas: HashMap<u16, String>,
@@ -114,7 +115,8 @@ impl<R: Read + Seek> RecordingReader<Skipping<R>> {
         let index = (start > Duration::ZERO).then(|| summary(&mut source)).flatten();
         let left_out = index.as_ref().map_or_else(Vec::new, |index| chunks_before(index, start, wanted));
         let is_whole = left_out.is_empty();
-        let mut reader = Self::checking(Skipping::new(source, left_out)?, is_whole);
+        let file_len = source.seek(SeekFrom::End(0))?;
+        let mut reader = Self::checking(Skipping::new(source, left_out)?, file_len, is_whole);
         if let Some(index) = index.filter(|_| !is_whole) {
             // Their descriptions may be in what is left out.
             for channel in index.channels.values() {
@@ -131,11 +133,11 @@ impl<R: Read + Seek> RecordingReader<Skipping<R>> {
 impl<R: Read> RecordingReader<R> {
     /// Reads from here.
     pub fn new(source: R) -> Self {
-        Self::checking(source, true)
+        Self::checking(source, u64::MAX, true)
     }
 
-    /// With the sum over all that is before the index, or without.
-    fn checking(source: R, is_whole: bool) -> Self {
+    /// Reads a file of at most so many bytes, with the sum over all that is before the index, or without.
+    fn checking(source: R, file_len: u64, is_whole: bool) -> Self {
         // Checked before anything of a chunk is given: what is given is whole.
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
@@ -146,7 +148,7 @@ impl<R: Read> RecordingReader<R> {
         // Refused would be one without a name.
         let _ = reader.add_decompressor(Zstd::new());
         Self {
-            source,
+            source: CheckedChunks::new(source, file_len),
             reader,
             library: String::new(),
             schemas: HashMap::new(),
@@ -196,6 +198,9 @@ impl<R: Read> RecordingReader<R> {
                     // Piece by piece: what a damaged length asks for is not there.
                     match self.source.read(self.reader.insert(need.min(PIECE))) {
                         Err(error) if error.kind() == ErrorKind::Interrupted => {}
+                        Err(error) if error.kind() == ErrorKind::InvalidData => {
+                            return Err(RecordingError::Broken(error.to_string()));
+                        }
                         read => break read?,
                     }
                 };

@@ -45,8 +45,7 @@ impl Timeline {
         let [first_ns, last_ns] = if let Some(stats) = stats {
             [stats.message_start_time, stats.message_end_time]
         } else {
-            source.rewind()?;
-            times(RecordingReader::new(source))?
+            times(RecordingReader::starting_at(source, Duration::ZERO)?)?
         };
         let now = Playhead { position: Duration::ZERO, rate: 1.0, is_paused: false };
         let duration = Duration::from_nanos(last_ns.saturating_sub(first_ns));

@@ -10,7 +10,7 @@ use super::rate::Rate;
 use super::settings::Settings;
 use super::sink::Sink;
 use crate::description::model::{Earth, Sensor as DescribedSensor};
-use crate::description::optical::{OpticalFrame, optical_frames};
+use crate::description::optical::OpticalFrame;
 use crate::entities::{Entities, Entity, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -43,6 +43,8 @@ pub(super) struct Opening<'a> {
     pub(super) owner: Owner,
     /// Topics of streams that are open.
     pub(super) names: &'a Names,
+    /// Optical frames of the model's cameras; none where Gazebo's habits are asked for.
+    pub(super) optical: &'a [OpticalFrame],
 }
 
 impl Opening<'_> {
@@ -88,11 +90,10 @@ impl Opening<'_> {
     /// The frame that a sensor's messages name: the plugin's, or its link; for pictures an optical one beside it, unless
     /// Gazebo's habits are asked for.
     pub(super) fn frame_id(&self, sensor: &DescribedSensor, frame_name: &str) -> String {
-        let optical = optical_frames(&self.entity.model).into_iter();
         let is_of_it =
-            |frame: &OpticalFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
-        if let Some(frame) = optical.filter(|_| !self.gazebo_compat).find(is_of_it) {
-            return frame.name;
+            |frame: &&OpticalFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
+        if let Some(frame) = self.optical.iter().find(is_of_it) {
+            return frame.name.clone();
         }
         let link = &self.entity.model.links[sensor.link].name;
         if frame_name.is_empty() { link.clone() } else { frame_name.to_owned() }

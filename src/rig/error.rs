@@ -33,6 +33,11 @@ pub enum RigError {
 }
 
 impl RigError {
+    /// Whether shared memory has no room for a stream.
+    pub(crate) fn lacks_memory(&self) -> bool {
+        matches!(self, Self::Bridge(BridgeError::SharedMemoryTooSmall { .. }))
+    }
+
     pub(super) fn sensor(sensor: &Sensor, error: &dyn std::error::Error) -> Self {
         Self::Description(Problem {
             severity: Severity::Error,

@@ -59,6 +59,7 @@ pub use sink::{FrameBuf, Sink};
 
 use crate::description::housing::{ShapeIndex, housings};
 use crate::description::model::{Drive, Earth, ModelPlugin, Sensor};
+use crate::description::optical::optical_frames;
 use crate::description::{Problem, Severity};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
@@ -131,6 +132,14 @@ struct Scheduled {
     housing: Vec<ShapeIndex>,
 }
 
+/// What is known of the streams of all models while some are opened: made once for all of them, since it takes a look at
+/// each.
+struct Mounting {
+    names: Names,
+    numbers: Numbers,
+    census: Census,
+}
+
 /// All channels of a simulation.
 pub struct Rig {
     options: RigOptions,
@@ -186,9 +195,11 @@ impl Rig {
             edition: 0,
             gone: Tally::default(),
         };
+        let mut mounting = rig.mounting(stage);
         for (id, _) in stage.entities.iter() {
-            rig.open_channels(sink, stage, id)?;
+            rig.open_channels(sink, stage, id, &mut mounting)?;
         }
+        rig.notes.extend(mounting.names.into_notes());
         rig.tell_settings(stage.physics.time_ns());
         Ok(rig)
     }
@@ -199,11 +210,13 @@ impl Rig {
     /// As [`Rig::open`].
     pub fn mount(&mut self, sink: &dyn Sink, stage: Stage<'_>, id: EntityId) -> Result<(), RigError> {
         let before = self.channels.len();
-        let mounted = self.open_channels(sink, stage, id);
+        let mut mounting = self.mounting(stage);
+        let mounted = self.open_channels(sink, stage, id, &mut mounting);
         if mounted.is_err() {
             self.channels.truncate(before);
             return mounted;
         }
+        self.notes.extend(mounting.names.into_notes());
         self.edition += 1;
         if self.channels[before..].iter().any(|channel| channel.tuning.is_some()) {
             self.tell_settings(stage.physics.time_ns());
@@ -224,12 +237,28 @@ impl Rig {
         self.tell_settings(now_ns);
     }
 
-    fn open_channels(&mut self, sink: &dyn Sink, stage: Stage<'_>, id: EntityId) -> Result<(), RigError> {
+    /// Returns what streams that are opened now have to know of those that are open.
+    fn mounting(&self, stage: Stage<'_>) -> Mounting {
+        Mounting {
+            names: Names::of(self.outlets()),
+            numbers: Numbers::of(self.channels.iter().map(|channel| channel.number)),
+            census: Census::of(stage.entities),
+        }
+    }
+
+    fn open_channels(
+        &mut self,
+        sink: &dyn Sink,
+        stage: Stage<'_>,
+        id: EntityId,
+        mounting: &mut Mounting,
+    ) -> Result<(), RigError> {
         let Some(entity) = stage.entities.get(id) else { return Ok(()) };
         let physics = stage.physics;
         let options = self.options;
-        let names = Names::of(self.outlets());
-        let mut numbers = Numbers::of(self.channels.iter().map(|channel| channel.number));
+        let Mounting { names, numbers, census } = mounting;
+        let (names, census) = (&*names, *census);
+        let optical = if options.gazebo_compat { Vec::new() } else { optical_frames(&entity.model) };
         let opening = |rate, sensor, owner| Opening {
             sink,
             physics,
@@ -241,10 +270,11 @@ impl Rig {
             sensor,
             gazebo_compat: options.gazebo_compat,
             truth: options.truth,
-            census: Census::of(stage.entities),
+            census,
             hashed: options.hashed,
             owner,
-            names: &names,
+            names,
+            optical: &optical,
         };
         let mut add = |rate, channel: Box<dyn Channel>, number, tuning, housing| {
             let schedule = Schedule::starting(rate, physics.time_ns());
@@ -309,7 +339,6 @@ impl Rig {
                 names.note(Severity::Warning, &sensor.source, what, remedy);
             }
         }
-        self.notes.extend(names.into_notes());
         let sensors = self.channels.iter().filter(|channel| channel.tuning.is_some()).count();
         if sensors > self.most_sensors {
             return Err(RigError::TooManySensors { most: self.most_sensors });

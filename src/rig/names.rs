@@ -11,6 +11,9 @@ use std::collections::HashMap;
 /// The topics of a rig while streams are opened, and what was decided about them.
 pub(super) struct Names {
     taken: RefCell<HashMap<String, (Kind, Owner)>>,
+    /// By topics that several streams have asked for: the number that the next of them gets, unless that topic is taken, so
+    /// that numbers which were given are not tried again.
+    next: RefCell<HashMap<String, u32>>,
     notes: RefCell<Vec<Problem>>,
 }
 
@@ -21,7 +24,7 @@ impl Names {
             let owner = outlet.owner().clone();
             (outlet.topic().to_owned(), (outlet.kind(), owner))
         });
-        Self { taken: RefCell::new(taken.collect()), notes: RefCell::default() }
+        Self { taken: RefCell::new(taken.collect()), next: RefCell::default(), notes: RefCell::default() }
     }
 
     /// Notes a decision.
@@ -55,8 +58,14 @@ impl Names {
         };
         let is_info = kind == Kind::CameraInfo && spec.kind == Kind::CameraInfo;
         let beside = picture.filter(|_| is_info).map(|picture| format!("{picture}/camera_info"));
-        let numbered = (2..).map(|number| format!("{topic}_{number}")).take_while(|_| gazebo_compat);
-        for free in beside.into_iter().chain(numbered) {
+        let mut next = self.next.borrow_mut();
+        let next = next.entry(topic.clone()).or_insert(2);
+        let numbered = std::iter::from_fn(|| {
+            let number = *next;
+            *next += 1;
+            Some(format!("{topic}_{number}"))
+        });
+        for free in beside.into_iter().chain(numbered.take_while(|_| gazebo_compat)) {
             let spec = StreamSpec { topic: free, ..spec.clone() };
             let free = with_slash(&spec)?;
             if taken.contains_key(&free) {
@@ -82,4 +91,27 @@ impl Names {
 
 fn with_slash(spec: &StreamSpec) -> Result<String, Error> {
     Ok(format!("/{}", spec.name()?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The topics of so many streams that ask for the same one, and how many numbers were tried for them.
+    fn settled(count: usize) -> (Vec<String>, u32) {
+        let names = Names::of([]);
+        let asked = StreamSpec::structs("/scan", Kind::Clock, 1);
+        let settle = |_| names.settle(asked.clone(), None, &Owner::simulation(), true).unwrap().topic;
+        let topics = (0..count).map(settle).collect();
+        let tried = names.next.borrow().values().map(|next| next - 2).sum();
+        (topics, tried)
+    }
+
+    #[test]
+    fn each_number_is_tried_once() {
+        let (topics, tried) = settled(5000);
+        assert_eq!(topics[..4], ["/scan", "/scan_2", "/scan_3", "/scan_4"]);
+        assert_eq!(topics[4999], "/scan_5000");
+        assert_eq!(tried, 4999);
+    }
 }

@@ -1,15 +1,19 @@
 //! The numbers by which the noises of sensors differ.
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 /// Numbers that are taken: no two sensors have the same.
-pub(super) struct Numbers(HashSet<u32>);
+pub(super) struct Numbers {
+    taken: HashSet<u32>,
+    /// By hashes of names: the attempts that gave numbers which are taken, and are not made again for the same name.
+    attempts: HashMap<u64, u64>,
+}
 
 impl Numbers {
     /// Those of the sensors that are there.
     pub(super) fn of(taken: impl IntoIterator<Item = u32>) -> Self {
-        Self(taken.into_iter().collect())
+        Self { taken: taken.into_iter().collect(), attempts: HashMap::new() }
     }
 
     /// A number for what has this name, part by part. It is a hash of the name, so that it does not depend on what else
@@ -17,9 +21,15 @@ impl Numbers {
     pub(super) fn take(&mut self, name: [&str; 3]) -> u32 {
         // No part has a zero byte: XML has none.
         let name = name.join("\0");
-        let mut numbers = (0..).map(|attempt| xxh3_64_with_seed(name.as_bytes(), attempt) as u32);
-        let is_free = |number: &u32| self.0.insert(*number);
-        numbers.find(is_free).unwrap_or_default()
+        let first = xxh3_64_with_seed(name.as_bytes(), 0);
+        let attempt = self.attempts.entry(first).or_default();
+        loop {
+            let number = xxh3_64_with_seed(name.as_bytes(), *attempt) as u32;
+            *attempt += 1;
+            if self.taken.insert(number) {
+                return number;
+            }
+        }
     }
 }
 
@@ -40,5 +50,19 @@ mod tests {
         let again: Vec<u32> = (0..100).map(|_| both.take(["", "base", "eye"])).collect();
         let all: HashSet<u32> = again.iter().copied().chain([eye]).collect();
         assert_eq!(all.len(), 101);
+    }
+
+    #[test]
+    fn each_attempt_is_made_once() {
+        let mut numbers = Numbers::of([]);
+        for _ in 0..5000 {
+            numbers.take(["", "base", "eye"]);
+        }
+        // A few more than there are numbers, where hashes happen to be alike.
+        let made: u64 = numbers.attempts.values().sum();
+        assert!((5000..5010).contains(&made), "{made}");
+        // What they are does not depend on that: a later start finds the next one, too.
+        let mut later = Numbers::of(numbers.taken.iter().copied());
+        assert_eq!(later.take(["", "base", "eye"]), numbers.take(["", "base", "eye"]));
     }
 }

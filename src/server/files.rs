@@ -4,7 +4,9 @@ use crate::description::load::load_model_text;
 use crate::description::model::Model;
 use crate::description::models::package_path;
 use crate::description::package::PackagePath;
+use crate::description::xml::{Element, Node};
 use crate::description::{Diagnostics, Rules};
+use std::path::Path;
 
 /// Where the files are that spawned models name, and how these are read.
 #[derive(Debug, Clone)]
@@ -39,5 +41,33 @@ impl ModelFiles {
         }
         let model = model.ok_or("there is no model in its text")?;
         Ok(model)
+    }
+
+    /// Returns the text of a URDF with the files of packages by their paths, as the description of the robot; none of a text
+    /// that is no URDF.
+    pub fn description(&self, text: &str) -> Option<String> {
+        let mut robot = Element::parse(text, Path::new("text")).ok()?;
+        (robot.name == "robot").then(|| {
+            self.name_files(&mut robot);
+            robot.to_string()
+        })
+    }
+
+    fn name_files(&self, element: &mut Element) {
+        if matches!(element.name.as_str(), "mesh" | "texture") {
+            for (_, value) in element.attributes.iter_mut().filter(|(name, _)| name == "filename") {
+                if let Some((package, file)) =
+                    value.strip_prefix("package://").and_then(|rest| rest.split_once('/'))
+                    && let Some(found) = self.packages.find_file(package, file)
+                {
+                    *value = format!("file://{}", found.path.to_string_lossy().replace('%', "%25"));
+                }
+            }
+        }
+        for child in &mut element.children {
+            if let Node::Element(child) = child {
+                self.name_files(child);
+            }
+        }
     }
 }

@@ -22,7 +22,7 @@ mod files;
 pub(crate) mod inbox;
 mod operations;
 pub mod post;
-mod room;
+pub(crate) mod room;
 mod shared_memory;
 mod states;
 mod values;
@@ -41,6 +41,7 @@ use belvedere_bridge::payload::SimulationCommand;
 use commands::RobotCommands;
 use inbox::Inbox;
 use states::StateStreams;
+use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 /// How a simulation is served.
@@ -63,6 +64,8 @@ pub struct Server<'a> {
     inbox: Inbox,
     states: StateStreams,
     files: ModelFiles,
+    /// Of robots that were spawned by a URDF.
+    descriptions: HashMap<EntityId, String>,
     paused: bool,
     steps: Option<Steps>,
     /// Of a physics step.
@@ -118,7 +121,7 @@ impl<'a> Server<'a> {
         for id in ids {
             commands.extend(robot_commands(simulation, &sink.node, id)?);
         }
-        let (mut rig, states) = sink.room.fit(|| {
+        let (mut rig, states) = sink.room.fit(RigError::lacks_memory, || {
             let rig = Rig::open(&sink, simulation.stage().0, options)?;
             Ok((rig, StateStreams::open(&sink, simulation.entities(), simulation.physics())?))
         })?;
@@ -132,6 +135,7 @@ impl<'a> Server<'a> {
             rig,
             commands,
             files,
+            descriptions: HashMap::new(),
             paused: false,
             steps: None,
             step_cost: Cost::default(),
@@ -142,6 +146,11 @@ impl<'a> Server<'a> {
     /// The simulation.
     pub fn simulation(&self) -> &Simulation {
         self.simulation
+    }
+
+    /// Returns the URDF of a model that was spawned by one.
+    pub fn description(&self, id: EntityId) -> Option<&str> {
+        self.descriptions.get(&id).map(String::as_str)
     }
 
     /// Sends the data packets of a lidar, named or told by a topic that it sends, to somebody as well.
@@ -156,7 +165,7 @@ impl<'a> Server<'a> {
     fn mount(&mut self, id: EntityId) -> Result<(), RigError> {
         let commands = robot_commands(self.simulation, &self.sink.node, id)?;
         let (rig, simulation, sink) = (&mut self.rig, &mut self.simulation, &self.sink);
-        sink.room.fit(|| rig.mount(sink, simulation.stage().0, id))?;
+        sink.room.fit(RigError::lacks_memory, || rig.mount(sink, simulation.stage().0, id))?;
         tell(&mut self.rig);
         self.commands.extend(commands);
         self.simulation.remember(self.rig.window_ns());
@@ -170,6 +179,7 @@ impl<'a> Server<'a> {
             post.flush();
         }
         self.commands.retain(|commands| commands.id() != id);
+        self.descriptions.remove(&id);
         self.rig.unmount(id, self.simulation.time_ns());
     }
 

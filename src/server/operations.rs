@@ -213,6 +213,7 @@ impl Server<'_> {
         for note in &self.simulation.notes()[noted..] {
             tracing::info!("{note}");
         }
+        self.descriptions.extend(self.files.description(text).map(|urdf| (id, urdf)));
         Ok(())
     }
 

@@ -4,8 +4,7 @@
 //! has 64 MiB. So whoever is mounted is opened with whole pools; if they do not fit, again with pools of at most 128 MiB,
 //! 64, 32 and so on: the largest are cut first, and all streams fit beside each other or none is opened.
 
-use crate::rig::RigError;
-use belvedere_bridge::{Error, StreamSpec};
+use belvedere_bridge::StreamSpec;
 use std::cell::{Cell, RefCell};
 
 /// The largest pool of the second attempt, bytes.
@@ -18,10 +17,12 @@ const LAST: u64 = 64 << 10;
 pub struct Room {
     most_bytes: Cell<Option<u64>>,
     cut: RefCell<Vec<Cut>>,
+    /// Those that were warned of already.
+    told: RefCell<Vec<Cut>>,
 }
 
 /// A stream with less than it asked for.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 struct Cut {
     asked: StreamSpec,
     given: StreamSpec,
@@ -29,19 +30,21 @@ struct Cut {
 
 impl Room {
     /// Opens streams with `open`, which asks [`Room::cut`] for each, with pools as large as fit beside each other, and
-    /// warns of those that are smaller than usual.
+    /// warns of those that are smaller than usual. `lacks_memory` tells which errors mean that they do not fit.
     ///
     /// # Errors
     /// What `open` says when they do not fit in the least size, and anything else that it says.
-    pub(super) fn fit<T>(&self, mut open: impl FnMut() -> Result<T, RigError>) -> Result<T, RigError> {
+    pub(crate) fn fit<T, E>(
+        &self,
+        lacks_memory: impl Fn(&E) -> bool,
+        mut open: impl FnMut() -> Result<T, E>,
+    ) -> Result<T, E> {
         let before = self.most_bytes.get();
         loop {
             self.cut.borrow_mut().clear();
             let most_bytes = self.most_bytes.get();
             match open() {
-                Err(RigError::Bridge(Error::SharedMemoryTooSmall { .. }))
-                    if most_bytes.is_none_or(|bytes| bytes > LAST) =>
-                {
+                Err(error) if lacks_memory(&error) && most_bytes.is_none_or(|bytes| bytes > LAST) => {
                     self.most_bytes.set(Some(most_bytes.map_or(FIRST, |bytes| bytes / 2)));
                 }
                 Err(error) => {
@@ -57,7 +60,7 @@ impl Room {
     }
 
     /// What a stream is made with.
-    pub(super) fn cut(&self, spec: &StreamSpec) -> StreamSpec {
+    pub(crate) fn cut(&self, spec: &StreamSpec) -> StreamSpec {
         let Some(bytes) = self.most_bytes.get() else { return spec.clone() };
         let given = spec.within(bytes);
         if given != *spec {
@@ -67,7 +70,9 @@ impl Room {
     }
 
     fn warn(&self) {
-        let cut = self.cut.borrow();
+        let mut told = self.told.borrow_mut();
+        let mut cut = self.cut.take();
+        cut.retain(|cut| !told.contains(cut));
         if cut.is_empty() {
             return;
         }
@@ -79,6 +84,7 @@ impl Room {
             streams.join("; "),
             missing.div_ceil(1 << 20)
         );
+        told.extend(cut);
     }
 }
 
@@ -104,7 +110,8 @@ impl Cut {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use belvedere_bridge::{Encoding, Kind};
+    use crate::rig::RigError;
+    use belvedere_bridge::{Encoding, Error, Kind};
 
     /// Opens streams of these sizes in a memory of so many bytes.
     fn open(room: &Room, free: u64, sizes: &[usize]) -> Result<Vec<StreamSpec>, RigError> {
@@ -126,20 +133,21 @@ mod tests {
     fn the_largest_pools_are_cut_first() {
         let room = Room::default();
         let sizes = [100, 1_000_000, 10_000_000];
-        let all = room.fit(|| open(&room, 1 << 30, &sizes)).unwrap();
+        let all = room.fit(RigError::lacks_memory, || open(&room, 1 << 30, &sizes)).unwrap();
         assert!(all.iter().all(|spec| spec.max_subscribers == 8 && spec.buffer == 2));
         let room = Room::default();
-        let some = room.fit(|| open(&room, 90_000_000, &sizes)).unwrap();
+        let some = room.fit(RigError::lacks_memory, || open(&room, 90_000_000, &sizes)).unwrap();
         assert_eq!(some.iter().map(|spec| spec.max_subscribers).collect::<Vec<_>>(), [8, 7, 1]);
         // Who comes later is cut as much, or more.
-        let late = room.fit(|| open(&room, 20_000_000, &[1_000_000])).unwrap();
+        let late = room.fit(RigError::lacks_memory, || open(&room, 20_000_000, &[1_000_000])).unwrap();
         assert!(late[0].max_subscribers < 7);
     }
 
     #[test]
     fn what_does_not_fit_at_all_is_told_and_forgotten() {
         let room = Room::default();
-        let refused = room.fit(|| open(&room, 30_000_000, &[10_000_000])).unwrap_err();
+        let refused =
+            room.fit(RigError::lacks_memory, || open(&room, 30_000_000, &[10_000_000])).unwrap_err();
         assert!(matches!(refused, RigError::Bridge(Error::SharedMemoryTooSmall { .. })), "{refused}");
         assert_eq!(room.cut(&StreamSpec::structs("clock", Kind::Clock, 1)).max_subscribers, 8);
         assert_eq!(room.most_bytes.get(), None);

@@ -18,13 +18,13 @@ impl Simulation {
         Ok(self.open_studio()?.topics())
     }
 
-    /// The streams that a server of this simulation publishes, opened as it opens them, and ending nowhere. What is decided
-    /// for the user while they are opened is among the [notes](Self::notes).
+    /// Opens the streams that a server of this simulation publishes as it opens them, with those of the truth if `truth` is
+    /// set, but ending nowhere. What is decided for the user while they are opened is among the [notes](Self::notes).
     ///
     /// # Errors
     /// As of a server: when two streams have one topic, or a sensor's description cannot be used.
-    pub fn streams(&mut self) -> Result<Rig, SimulationError> {
-        let options = self.options;
+    pub fn streams(&mut self, truth: bool) -> Result<Rig, SimulationError> {
+        let options = RigOptions { truth, ..self.options };
         let mut rig = Rig::open(&Slot::default(), self.stage().0, options)?;
         self.note(rig.take_notes());
         Ok(rig)

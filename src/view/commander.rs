@@ -36,13 +36,18 @@ pub(super) struct Commander {
     /// None once this is being dropped, which ends the thread.
     orders: Option<SyncSender<Order>>,
     answers: Receiver<Value>,
-    /// Whether commands that still wait are left out.
+    /// Whether commands that still wait are left out, and the answer of the one that was sent is not waited for.
     is_ending: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Commander {
     pub(super) fn start(node: &Node) -> std::io::Result<Self> {
+        Self::with_patience(node, PATIENCE)
+    }
+
+    /// Starts one that waits so long for each answer.
+    fn with_patience(node: &Node, patience: Duration) -> std::io::Result<Self> {
         let (orders, given) = mpsc::sync_channel::<Order>(MOST_WAITING);
         let (answer, answers) = mpsc::channel();
         let node = node.clone();
@@ -54,7 +59,8 @@ impl Commander {
                 if ends.load(Ordering::Relaxed) {
                     break;
                 }
-                let (done, reason) = match carry_out(&node, &mut control, &order) {
+                let go_on = || !ends.load(Ordering::Relaxed);
+                let (done, reason) = match carry_out(&node, &mut control, &order, patience, go_on) {
                     Ok(()) => (true, String::new()),
                     Err(reason) => (false, reason),
                 };
@@ -93,7 +99,13 @@ impl Drop for Commander {
     }
 }
 
-fn carry_out(node: &Node, control: &mut Option<SimulationControl>, order: &Order) -> Result<(), String> {
+fn carry_out(
+    node: &Node,
+    control: &mut Option<SimulationControl>,
+    order: &Order,
+    patience: Duration,
+    go_on: impl FnMut() -> bool,
+) -> Result<(), String> {
     let operation: Operation =
         order.operation.parse().map_err(|()| format!("there is no operation '{}'", order.operation))?;
     let mut command = SimulationCommand::new(operation);
@@ -107,10 +119,44 @@ fn carry_out(node: &Node, control: &mut Option<SimulationControl>, order: &Order
         Some(control) => control,
         None => control.insert(SimulationControl::open(node).map_err(|error| error.to_string())?),
     };
-    match control.call(&command, &order.text, PATIENCE) {
+    match control.call_while(&command, &order.text, patience, go_on) {
         Ok(Some(result)) if result.done == 1 => Ok(()),
         Ok(Some(result)) => Err(result.reason.as_str().to_owned()),
         Ok(None) => Err("no simulator answers; is it running?".to_owned()),
         Err(error) => Err(error.to_string()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::server::inbox::Inbox;
+    use belvedere_bridge::Domain;
+
+    /// How long a test waits for what must come.
+    const WATCHDOG: Duration = Duration::from_secs(60);
+
+    #[test]
+    fn it_ends_while_a_command_is_unanswered() {
+        let domain = Domain::new(&format!("commander-{}", std::process::id())).unwrap();
+        let node = Node::open(&domain, "belvedere").unwrap();
+        let mut inbox = Inbox::open(&node).unwrap();
+        let commander = Commander::with_patience(&node, 60 * WATCHDOG).unwrap();
+        let order = || Order { operation: "pause".into(), ..Order::default() };
+        // One that is sent and never answered, and one that waits behind it.
+        commander.send(order()).unwrap();
+        commander.send(order()).unwrap();
+        let began = std::time::Instant::now();
+        while inbox.take().is_none() {
+            assert!(began.elapsed() < WATCHDOG, "no command comes");
+            inbox.wait(Duration::from_millis(10));
+        }
+        let (ended, end) = mpsc::channel();
+        std::thread::spawn(move || {
+            drop(commander);
+            let _ = ended.send(());
+        });
+        end.recv_timeout(WATCHDOG).expect("the commander ends");
+        assert!(inbox.take().is_none(), "the command that waited is left out");
     }
 }

@@ -11,6 +11,7 @@ use super::advertisement::Advertiser;
 use super::assets;
 use super::channels::{Channel, Channels};
 use super::drivers::Drivers;
+use super::parameters::Followed;
 use super::socket::{Said, Socket};
 use super::twist::Twist;
 use super::waiting::wait;
@@ -43,8 +44,8 @@ enum Request {
     Unadvertise { channel_ids: Vec<u32> },
     GetParameters { parameter_names: Vec<String>, id: Option<String> },
     SetParameters { id: Option<String> },
-    SubscribeParameterUpdates {},
-    UnsubscribeParameterUpdates {},
+    SubscribeParameterUpdates { parameter_names: Vec<String> },
+    UnsubscribeParameterUpdates { parameter_names: Vec<String> },
     FetchAsset { uri: String, request_id: u32 },
 }
 
@@ -105,6 +106,7 @@ pub(super) struct Foxglove<'a> {
     told_ns: Option<u64>,
     published: BTreeMap<u32, ClientChannel>,
     drivers: Drivers,
+    parameters: Followed,
     lost: u64,
     next_status: Instant,
     message: Vec<u8>,
@@ -124,6 +126,7 @@ impl<'a> Foxglove<'a> {
             told_ns: None,
             published: BTreeMap::new(),
             drivers: Drivers::default(),
+            parameters: Followed::default(),
             lost: 0,
             next_status: Instant::now(),
             message: Vec::new(),
@@ -138,7 +141,7 @@ impl<'a> Foxglove<'a> {
         self.say(&json!({
             "op": "serverInfo",
             "name": format!("belvedere {}", self.shared.node.domain()),
-            "capabilities": ["time", "parameters", "clientPublish", "assets"],
+            "capabilities": ["time", "parameters", "parametersSubscribe", "clientPublish", "assets"],
             "supportedEncodings": ["ros1", "json"],
             "metadata": { "ROS_DISTRO": "noetic" },
             "sessionId": self.shared.session,
@@ -147,6 +150,9 @@ impl<'a> Foxglove<'a> {
             self.socket.keep_alive(Instant::now())?;
             if !self.socket.has_unsent() {
                 self.tell_of_channels()?;
+            }
+            if !self.socket.has_unsent() {
+                self.tell_of_parameters()?;
             }
             let followed = self.subscriptions.iter_mut().flat_map(|known| &mut known.subscribers);
             wait(&self.socket, None, followed.chain(self.clock.as_mut()), NAP);
@@ -190,6 +196,15 @@ impl<'a> Foxglove<'a> {
         refused.map_or(Ok(()), |reason| self.status(1, &reason))
     }
 
+    /// Sends the values of followed parameters that have changed.
+    fn tell_of_parameters(&mut self) -> Result<(), Error> {
+        let changes = self.shared.parameters.changes(&mut self.parameters);
+        if changes.is_empty() {
+            return Ok(());
+        }
+        self.say(&json!({ "op": "parameterValues", "parameters": changes }))
+    }
+
     fn take(&mut self, said: &Said) -> Result<(), Error> {
         let done = match said {
             Said::Binary(bytes) => self.take_message(bytes),
@@ -226,11 +241,11 @@ impl<'a> Foxglove<'a> {
                 self.published.retain(|id, _| !channel_ids.contains(id));
             }
             Request::GetParameters { parameter_names, id } => {
-                let values = self.shared.parameters(&parameter_names);
+                let values = self.shared.parameters.values(&parameter_names);
                 self.say(&json!({ "op": "parameterValues", "parameters": values, "id": id }))?;
             }
             Request::SetParameters { id } => {
-                let values = self.shared.parameters(&[]);
+                let values = self.shared.parameters.values(&[]);
                 self.say(&json!({ "op": "parameterValues", "parameters": values, "id": id }))?;
                 return Ok(Err(
                     "parameters cannot be set; settings of sensors can: belvedere control configure".into(),
@@ -240,8 +255,10 @@ impl<'a> Foxglove<'a> {
                 let file = self.shared.asset(&uri);
                 self.socket.send(Message::binary(assets::response(request_id, file)))?;
             }
-            // They never change.
-            Request::SubscribeParameterUpdates {} | Request::UnsubscribeParameterUpdates {} => {}
+            Request::SubscribeParameterUpdates { parameter_names } => self.parameters.follow(parameter_names),
+            Request::UnsubscribeParameterUpdates { parameter_names } => {
+                self.parameters.leave(&parameter_names);
+            }
         }
         Ok(Ok(()))
     }

@@ -11,6 +11,7 @@
 //! | `waiting` | how a client's thread sleeps |
 //! | `foxglove`, `twist` | Foxglove's protocol, for whoever speaks it |
 //! | `channels`, `advertisement` | the topics of its clients, and how its versions make them known |
+//! | `parameters` | parameters of ROS, for its clients |
 //! | `assets` | files that robots name, for its clients |
 //! | `page` | what a page of ours says and is told |
 //! | `payload`, `pipe` | frames as that page takes them, and the way that they go |
@@ -33,6 +34,7 @@ mod foxglove;
 mod http;
 mod listing;
 mod page;
+mod parameters;
 mod payload;
 mod peer;
 mod pipe;
@@ -50,10 +52,10 @@ use assets::{Assets, is_collada};
 use belvedere_bridge::Node;
 use connections::Connections;
 use listing::Listing;
+use parameters::Parameters;
 use pipe::Pipes;
 use scene::Scene;
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use serde_json::Value;
 use std::io;
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -108,8 +110,7 @@ struct Shared {
     access: Access,
     listing: Listing,
     scene: Scene,
-    /// For Foxglove's clients: what parameters of ROS are.
-    parameters: Mutex<BTreeMap<String, Value>>,
+    parameters: Parameters,
     assets: Mutex<Assets>,
     pipes: Pipes,
     /// Of a recording that is played.
@@ -133,13 +134,6 @@ impl Shared {
         };
         let bytes = assets::read(&path, name)?;
         Ok(if is_collada(&path) { assets().rename_pictures(name, &path, bytes) } else { bytes })
-    }
-
-    /// Parameters of these names, or all.
-    fn parameters(&self, names: &[String]) -> Vec<Value> {
-        let parameters = self.parameters.lock().unwrap_or_else(PoisonError::into_inner);
-        let wanted = parameters.iter().filter(|(name, _)| names.is_empty() || names.contains(name));
-        wanted.map(|(name, value)| json!({ "name": name, "value": value })).collect()
     }
 }
 
@@ -170,14 +164,13 @@ impl ViewServer {
         let base = format!("http://{}/", SocketAddr::new(shown, address.port()));
         let code = random_token().map_err(failed)?;
         let (url, opening_url) = (format!("{base}?token={token}"), format!("{base}?code={code}"));
-        let parameters = BTreeMap::from([("/use_sim_time".to_owned(), Value::Bool(true))]);
         let session = random_token().map_err(failed)?;
         let shared = Arc::new(Shared {
             listing: Listing::new(node.clone()),
             node,
             access: Access::new(token, code, address, options.origins),
             scene: Scene::default(),
-            parameters: Mutex::new(parameters),
+            parameters: Parameters::new(),
             assets: Mutex::default(),
             pipes: Pipes::default(),
             timeline: OnceLock::new(),
@@ -220,9 +213,17 @@ impl ViewServer {
     /// They are given its meshes when they ask for them by the names that they find in it.
     pub fn set_robot_description(&self, namespace: &str, urdf: &str) {
         let urdf = self.shared.assets.lock().unwrap_or_else(PoisonError::into_inner).rename(urdf);
-        let scope = if namespace.is_empty() { String::new() } else { format!("/{namespace}") };
-        let mut parameters = self.shared.parameters.lock().unwrap_or_else(PoisonError::into_inner);
-        parameters.insert(format!("{scope}/robot_description"), Value::String(urdf));
+        self.shared.parameters.set(robot_description(namespace), Some(Value::String(urdf)));
+    }
+
+    /// Whether the robot of a namespace is described.
+    pub fn has_robot_description(&self, namespace: &str) -> bool {
+        self.shared.parameters.has(&robot_description(namespace))
+    }
+
+    /// Takes back the description of a robot that is gone.
+    pub fn remove_robot_description(&self, namespace: &str) {
+        self.shared.parameters.set(robot_description(namespace), None);
     }
 
     /// Shows where a recording is that is played, and has pages seek in it. A second one is not taken.
@@ -244,6 +245,12 @@ impl Drop for ViewServer {
             let _ = thread.join();
         }
     }
+}
+
+/// Returns the name of the parameter that describes the robot of a namespace.
+fn robot_description(namespace: &str) -> String {
+    let scope = if namespace.is_empty() { String::new() } else { format!("/{namespace}") };
+    format!("{scope}/robot_description")
 }
 
 fn look(shared: &Shared) {

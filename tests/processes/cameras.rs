@@ -40,7 +40,7 @@ fn camera(name: &str, sensor: &str, inside: &str) -> String {
 }
 
 fn check(path: &Path) -> String {
-    let output = output(&["check", path.to_str().unwrap()]);
+    let output = output(&["check", path.to_str().unwrap(), "--world", "empty"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     String::from_utf8(output.stdout).unwrap()
 }

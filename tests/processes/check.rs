@@ -1,8 +1,7 @@
 //! What `check` says is what `run` does.
 
 use crate::live::{output, own_domain};
-use belvedere::description::load::{Described, LoadOptions, load, robot_names, world_names};
-use belvedere::description::model::World;
+use belvedere::description::load::{Described, LoadOptions, load, load_world, robot_names, world_names};
 use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere::server::{Server, ServerOptions};
@@ -14,6 +13,12 @@ use tempfile::TempDir;
 
 /// Kind, rate in Hz and frame of streams by their topics.
 type Streams = BTreeMap<String, (String, Option<String>, String)>;
+
+/// Options that leave a world to itself, and a robot.
+const NO_ROBOT: [&str; 2] = ["--robot", "none"];
+const NO_WORLD: [&str; 2] = ["--world", "empty"];
+/// A robot beside the models of a world.
+const BESIDE: [&str; 4] = ["--robot", "kobuki_nostack_rplidar", "--pose", "50,50"];
 
 fn checked(file: &str, options: &[&str]) -> (String, Option<i32>) {
     let done = output(&[&["check", file][..], options].concat());
@@ -35,12 +40,15 @@ fn told(said: &str) -> Streams {
     lines.filter_map(stream).collect()
 }
 
-/// The streams that a server of it publishes, as `belvedere list` shows them.
+/// Returns the streams that a server of a world, or of a robot in the empty world, publishes, as `belvedere list` shows them.
 fn published(described: Option<Described>) -> Streams {
     let mut simulation = match described {
         Some(Described::World(world)) => Simulation::builder(world).build().unwrap(),
         other => {
-            let mut simulation = Simulation::builder(World::empty()).build().unwrap();
+            let packages = package_path([], None);
+            let empty =
+                load_world("empty", &packages, Rules::default(), &mut Diagnostics::default()).unwrap();
+            let mut simulation = Simulation::builder(empty).build().unwrap();
             if let Some(Described::Model(robot)) = other {
                 let options = SpawnOptions { is_robot: Some(true), ..SpawnOptions::default() };
                 simulation.spawn(&robot, options).unwrap();
@@ -87,9 +95,10 @@ fn the_streams_that_check_tells_are_those_that_are_published() {
     for file in files.chain([moving]) {
         let mut diagnostics = Diagnostics::default();
         let described = load(&file, &options, &mut diagnostics).unwrap();
+        let alone = if matches!(described, Described::World(_)) { NO_ROBOT } else { NO_WORLD };
         let mut streams = published(Some(described));
         streams.retain(|topic, _| !own.contains_key(topic));
-        let (said, code) = checked(&file, &[]);
+        let (said, code) = checked(&file, &alone);
         assert_eq!(code, Some(0), "{file}: {said}");
         assert_eq!(told(&said), streams, "{file}:\n{said}");
         count += streams.len();
@@ -141,15 +150,63 @@ fn world(folder: &TempDir, inside: &str) -> String {
 
 /// What `run` says of a world, and the topics that it publishes.
 fn run(world: &str, options: &[&str]) -> (String, Option<i32>, Vec<String>) {
+    run_of(&[&["--world", world][..], &BESIDE, options].concat())
+}
+
+/// What `run` says with these options, and the topics that it publishes.
+fn run_of(options: &[&str]) -> (String, Option<i32>, Vec<String>) {
     let domain = own_domain();
-    let robot = ["--robot", "kobuki_nostack_rplidar", "--pose", "50,50"];
-    let start =
-        ["run", "--domain", &domain, "--world", world, "--rate", "max", "--duration", "0.2", "--hash"];
-    let done = output(&[&start[..], &robot, options].concat());
+    let start = ["run", "--domain", &domain, "--rate", "max", "--duration", "0.001", "--hash"];
+    let done = output(&[&start[..], options].concat());
     let topics = String::from_utf8(done.stdout).unwrap();
-    let topics =
-        topics.lines().filter_map(|line| line.split_whitespace().nth(1)).map(str::to_owned).collect();
+    let topics = topics.lines().filter_map(|line| line.split_whitespace().nth(1));
+    let topics = topics.filter(|topic| topic.starts_with('/')).map(str::to_owned).collect();
     (String::from_utf8(done.stderr).unwrap(), done.status.code(), topics)
+}
+
+/// The robot that is added to a world, several robots with their namespaces, and the truth are checked as they are run.
+#[test]
+fn check_and_run_take_the_same_arguments_for_the_same_streams() {
+    let folder = TempDir::new().unwrap();
+    let file = world(&folder, &cameras("left", "right"));
+    let robots = ["--robot", "kobuki_nostack_rplidar", "--robot", "kobuki_hexagons_kinect"];
+    let names = ["--world", "empty", "--name", "b", "--name", "a"];
+    let (_, _, own) = run_of(&[NO_ROBOT, NO_WORLD].concat());
+    let run = |options: &[&str]| {
+        let (warned, code, mut topics) = run_of(options);
+        assert_eq!(code, Some(0), "{warned}");
+        topics.retain(|topic| !own.contains(topic));
+        topics
+    };
+    let two = [&robots[..], &names].concat();
+    for (given, options) in [
+        (&[][..], &[][..]) as (&[&str], &[&str]),
+        (&[file.as_str()], &["--world", &file]),
+        (&[&file, "--robot", "none"], &["--world", &file, "--robot", "none"]),
+        (&["kobuki_nostack_camera", "--truth"], &["--robot", "kobuki_nostack_camera", "--truth"]),
+        (&two, &two),
+    ] {
+        let done = output(&[&["check"][..], given].concat());
+        let said = String::from_utf8(done.stdout).unwrap();
+        assert!(done.status.success(), "{given:?}: {}", String::from_utf8_lossy(&done.stderr));
+        let mut topics = run(options);
+        topics.sort();
+        assert!(topics.len() > 3, "{topics:?}");
+        assert_eq!(told(&said).into_keys().collect::<Vec<_>>(), topics, "{given:?}:\n{said}");
+    }
+    // What `run` refuses, `check` refuses in the same words.
+    let robot = "<model name='kobuki_nostack_camera'><static>true</static><link name='l'/></model>";
+    let taken = world(&folder, &robot.replace("kobuki_nostack_camera", "turtlebot"));
+    let (said, code) = checked(&taken, &[]);
+    let (refused, run_code, _) = run_of(&["--world", &taken]);
+    assert_eq!((code, run_code), (Some(1), Some(1)), "{said}\n{refused}");
+    let words = "a model of the world is called 'turtlebot'";
+    assert!(said.contains(words) && refused.contains(words), "{said}\n{refused}");
+    for (file, option) in [("playground", "--world"), ("kobuki_nostack_camera", "--robot")] {
+        let (said, code) = checked(file, &[option, file]);
+        assert_eq!(code, Some(1), "{said}");
+        assert!(said.contains(&format!("'{file}' stands beside {option}")), "{said}");
+    }
 }
 
 #[test]
@@ -168,7 +225,7 @@ fn two_streams_of_one_name_are_an_error_that_names_both_before_and_in_a_run() {
         "w.world:2)",
         "give one of them another topic",
     ];
-    let (said, code) = checked(&file, &[]);
+    let (said, code) = checked(&file, &BESIDE);
     let (refused, run_code, _) = run(&file, &[]);
     assert_eq!((code, run_code), (Some(1), Some(1)), "{said}\n{refused}");
     for words in words {
@@ -176,7 +233,7 @@ fn two_streams_of_one_name_are_an_error_that_names_both_before_and_in_a_run() {
     }
     // As with Gazebo it goes on, under another name.
     let compat = ["--gazebo-compat"];
-    let (said, code) = checked(&file, &compat);
+    let (said, code) = checked(&file, &[&BESIDE[..], &compat].concat());
     let (warned, run_code, topics) = run(&file, &compat);
     assert_eq!((code, run_code), (Some(0), Some(0)), "{said}\n{warned}");
     let words = "sensor 'eye' of model 'other' has the topic /taken, which is that of sensor 'scanner' of model 'one'";
@@ -194,7 +251,7 @@ fn two_streams_of_one_name_are_an_error_that_names_both_before_and_in_a_run() {
         )
     };
     let file = world(&folder, &[planar("a", 0), planar("b", 9)].concat());
-    let (said, code) = checked(&file, &[]);
+    let (said, code) = checked(&file, &BESIDE);
     assert_eq!(code, Some(1), "{said}");
     let words = "two streams are called /odom: that of the planar move base of model 'b' and, before it, that of the planar \
                  move base of model 'a' (";
@@ -206,7 +263,7 @@ fn the_second_camera_info_of_a_topic_lies_beside_its_picture() {
     let folder = TempDir::new().unwrap();
     let file = world(&folder, &cameras("left", "right"));
     for options in [&[][..], &["--gazebo-compat"]] {
-        let (said, code) = checked(&file, options);
+        let (said, code) = checked(&file, &[&BESIDE[..], options].concat());
         let (warned, run_code, topics) = run(&file, options);
         assert_eq!((code, run_code), (Some(0), Some(0)), "{said}\n{warned}");
         let words = "warning: sensor 'eye_right' of model 'eyes' has the topic /camera_info, which is that of sensor 'eye_left'";
@@ -220,7 +277,7 @@ fn the_second_camera_info_of_a_topic_lies_beside_its_picture() {
     }
     // In a folder of its own each has its own.
     let file = world(&folder, &cameras("left/image", "right/image"));
-    let (said, _) = checked(&file, &[]);
+    let (said, _) = checked(&file, &BESIDE);
     assert!(!said.contains("which is that of") && said.contains("publishes    /right/camera_info"), "{said}");
 }
 
@@ -244,7 +301,7 @@ fn check_tells_what_a_sensor_will_do() {
             lines.find_map(|line| line.strip_prefix(name)).unwrap_or_else(|| panic!("no {name}:\n{said}"));
         line.trim_start().to_owned()
     };
-    let of = |kind: &str, inside: &str| checked(&sensor(&folder, kind, inside), &[]).0;
+    let of = |kind: &str, inside: &str| checked(&sensor(&folder, kind, inside), &NO_WORLD).0;
     // The noise of a preset.
     let noise = |preset: &str| line(&of("gpu_lidar", &own(&format!("<preset>{preset}</preset>"))), "noise ");
     assert_eq!(noise("rplidar_a1"), "stddev 0.00033·r² m, r the range in m, rounded to 0.00025 m");
@@ -286,10 +343,10 @@ fn check_tells_what_a_sensor_will_do() {
     let plugin =
         "<plugin name='p' filename='libgazebo_ros_camera.so'><distortionK1>-0.1</distortionK1></plugin>";
     let file = sensor(&folder, "camera", &format!("{distortion}{plugin}"));
-    let (said, _) = checked(&file, &[]);
+    let (said, _) = checked(&file, &NO_WORLD);
     assert!(line(&said, "lens ").contains("= -0.1,"), "{said}");
     assert!(line(&said, "edges ").contains("smoothed"), "{said}");
-    let (said, _) = checked(&file, &["--gazebo-compat"]);
+    let (said, _) = checked(&file, &["--gazebo-compat", "--world", "empty"]);
     assert!(line(&said, "lens ").contains("= -0.2"), "{said}");
     assert!(line(&said, "camera_info ").contains("= -0.1,"), "{said}");
     assert!(said.contains("are those of camera_info, while the picture has those in <distortion>"), "{said}");
@@ -300,7 +357,7 @@ fn check_tells_what_a_sensor_will_do() {
     sensor(&folder, "camera", "");
     let path = folder.path().join("s.sdf");
     std::fs::write(&path, std::fs::read_to_string(&path).unwrap().replace("<topic>t</topic>", "")).unwrap();
-    let (said, _) = checked(path.to_str().unwrap(), &[]);
+    let (said, _) = checked(path.to_str().unwrap(), &NO_WORLD);
     assert!(
         said.contains("sensor 's' publishes nothing") && said.contains("a <topic> as in gz-sim"),
         "{said}"
@@ -318,7 +375,7 @@ fn check_counts_tags_and_tells_of_lights_and_numbers_that_are_left_out() {
 <light name='lamp' type='point'/></gazebo><gazebo><light name='other' type='point'/></gazebo></robot>"
         );
         std::fs::write(&path, text).unwrap();
-        checked(path.to_str().unwrap(), &[]).0
+        checked(path.to_str().unwrap(), &NO_WORLD).0
     };
     let said = robot("tag36h11", 7);
     assert!(said.contains("\nfiducials: tag36h11\n"), "{said}");
@@ -335,7 +392,7 @@ fn check_counts_tags_and_tells_of_lights_and_numbers_that_are_left_out() {
             format!("<sdf version='1.6'><model name='m'><pose>{pose}</pose><link name='l'/></model></sdf>");
         let path = folder.path().join("m.sdf");
         std::fs::write(&path, text).unwrap();
-        checked(path.to_str().unwrap(), &["--gazebo-compat"]).0
+        checked(path.to_str().unwrap(), &["--gazebo-compat", "--world", "empty"]).0
     };
     assert!(model("1 2 3 4 5").contains("which has 5 numbers: those that are missing are taken as 0"));
     assert!(model("1 2 3 4 5 6 7").contains("which has 7 numbers: only the first 6 are read"));

@@ -86,6 +86,60 @@ fn the_transforms_of_a_robot_that_comes_later_are_sent() {
     client.binary(1);
 }
 
+/// The description of a robot comes with it, with meshes that can be fetched, and goes with it.
+#[test]
+fn a_robot_that_is_spawned_is_described_until_it_is_deleted() {
+    const PARAMETER: &str = "/guest/robot_description";
+    let domain = own_domain();
+    let folder = tempfile::tempdir().unwrap();
+    let package = folder.path().join("shapes");
+    std::fs::create_dir_all(&package).unwrap();
+    std::fs::write(package.join("package.xml"), "<package><name>shapes</name></package>").unwrap();
+    let facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet";
+    std::fs::write(package.join("one.stl"), format!("solid one\n{facet}\nendsolid one\n")).unwrap();
+    let path = folder.path().to_str().unwrap();
+    let server = Server::run(&domain, &["--robot", "none", "--world", "empty", "--package-path", path]);
+    let mut client = server.connect(PROTOCOL);
+    client.say(&json!({ "op": "subscribeParameterUpdates", "parameterNames": [PARAMETER] }));
+    let value = |client: &mut Page, id: &str| {
+        client.say(&json!({ "op": "getParameters", "parameterNames": [PARAMETER], "id": id }));
+        loop {
+            let told = client.told("parameterValues");
+            if told["id"] == id {
+                return told["parameters"][0]["value"].clone();
+            }
+        }
+    };
+    assert!(value(&mut client, "before").is_null());
+    // As others write it, with a mesh in a package.
+    let mesh = "package://shapes/one.stl";
+    let urdf = format!(
+        "<robot name='r'><link name='base'><visual><geometry><mesh filename='{mesh}'/></geometry></visual>
+         <inertial><mass value='1'/><inertia ixx='1' ixy='0' ixz='0' iyy='1' iyz='0' izz='1'/></inertial></link>
+         <gazebo><plugin name='p' filename='libgazebo_ros_planar_move.so'/></gazebo></robot>"
+    );
+    let mut control = SimulationControl::open(&node(&domain)).unwrap();
+    let spawn = SimulationCommand {
+        robot_namespace: Text::new("guest").unwrap(),
+        ..named(Operation::Spawn, "guest")
+    };
+    done_with(&mut control, &spawn, &urdf);
+    let told = client.told("parameterValues")["parameters"][0].clone();
+    assert_eq!(told["name"], PARAMETER);
+    let described = told["value"].as_str().unwrap();
+    assert!(described.contains("<robot name=\"r\"") && !described.contains(mesh), "{described}");
+    let (_, asset) = described.split_once("filename=\"").unwrap();
+    let (asset, _) = asset.split_once('"').unwrap();
+    client.say(&json!({ "op": "fetchAsset", "uri": asset, "requestId": 5 }));
+    let answer = client.binary(4);
+    assert_eq!((&answer[1..5], answer[5]), (&5_u32.to_le_bytes()[..], 0), "{asset} is given");
+    assert_eq!(value(&mut client, "with"), told["value"]);
+    done_with(&mut control, &named(Operation::Delete, "guest"), "");
+    let told = client.told("parameterValues")["parameters"][0].clone();
+    assert_eq!(told, json!({ "name": PARAMETER }));
+    assert!(value(&mut client, "after").is_null());
+}
+
 #[test]
 fn foxglove_is_spoken_on_the_same_port() {
     let server = Server::run(&own_domain(), &KINECT);

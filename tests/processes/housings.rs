@@ -145,7 +145,7 @@ fn a_check_tells_of_sensors_inside_shapes() {
     let check = |text: &str| {
         let path = folder.path().join("robot.urdf");
         std::fs::write(&path, text).unwrap();
-        let done = belvedere().arg("check").arg(&path).output().unwrap();
+        let done = belvedere().arg("check").arg(&path).args(["--world", "empty"]).output().unwrap();
         String::from_utf8(done.stdout).unwrap()
     };
     let own = check(&robot(&shape("<box size='.1 .1 .1'/>"), ""));

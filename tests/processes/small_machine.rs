@@ -7,13 +7,14 @@ use std::process::{Command, Output};
 /// Runs the simulator by a shell that sets something up before.
 fn run_after(set_up: &str, arguments: &[&str]) -> Output {
     let domain = own_domain();
+    after(set_up, &[&["run", "--domain", &domain], arguments].concat())
+}
+
+/// Runs a command by a shell that sets something up before.
+fn after(set_up: &str, arguments: &[&str]) -> Output {
     let plain = belvedere();
     let mut command = Command::new("sh");
-    command
-        .args(["-c", &format!("{set_up} && exec \"$0\" \"$@\"")])
-        .arg(plain.get_program())
-        .args(["run", "--domain", &domain])
-        .args(arguments);
+    command.args(["-c", &format!("{set_up} && exec \"$0\" \"$@\"")]).arg(plain.get_program()).args(arguments);
     for (name, value) in plain.get_envs() {
         match value {
             Some(value) => command.env(name, value),
@@ -65,6 +66,29 @@ fn a_limit_of_address_space_is_named() {
     assert!(words.contains("MiB of address space") && words.contains("ulimit -v"), "{words}");
 }
 
+/// A chunk that names a size of a gigabyte, in a file of some kilobytes, is found to be wrong before memory is reserved.
+#[test]
+fn a_damaged_size_in_a_recording_asks_for_no_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("run.mcap");
+    let path = file.to_str().unwrap();
+    let arguments = ["--robot", "none", "--world", "empty", "--rate", "max", "--duration", "0.1", "--record"];
+    let output = run_after("true", &[&arguments[..], &[path]].concat());
+    assert!(output.status.success(), "{}", words(&output));
+    let mut bytes = std::fs::read(&file).unwrap();
+    // Records by their opcodes and lengths, after the magic bytes; a chunk's size is behind its two times.
+    let mut at = 8;
+    while bytes[at] != 6 {
+        at += 9 + u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
+    }
+    bytes[at + 25..at + 33].copy_from_slice(&((1_u64 << 30) - 1).to_le_bytes());
+    std::fs::write(&file, bytes).unwrap();
+    let output = after("ulimit -v 700000", &["info", path]);
+    let words = words(&output);
+    assert_eq!(output.status.code(), Some(1), "{words}");
+    assert!(words.contains("it is broken: a chunk names a size of 1073741823 bytes"), "{words}");
+}
+
 #[test]
 fn a_small_stack_is_enough() {
     let output = run_after("ulimit -s 128", &["--rate", "max", "--duration", "0.1"]);
@@ -91,7 +115,7 @@ fn every_robot_runs_in_a_containers_shared_memory_with_a_consumer_of_each_stream
         let set_up = format!(
             "exec unshare {unshare} sh -c 'mount -t tmpfs -o size=64m tmpfs /dev/shm && exec \"$0\" \"$@\"' \"$0\" \"$@\""
         );
-        let arguments = ["--robot", &name, "--rate", "max", "--duration", "0.3", "--record"];
+        let arguments = ["--robot", &name, "--rate", "max", "--duration", "0.2", "--record"];
         let output = run_after(&set_up, &[&arguments[..], &[file.to_str().unwrap()]].concat());
         let words = words(&output);
         if !is_root && words.contains("unshare") {
@@ -108,6 +132,14 @@ fn every_robot_runs_in_a_containers_shared_memory_with_a_consumer_of_each_stream
             for topic in ["camera/depth/points", "camera/depth/image_raw", "camera/rgb/image_raw", "odom"] {
                 assert!(info.contains(topic), "{topic} is not in {info}");
             }
+            // A replay needs no more than the run did.
+            let domain = own_domain();
+            let arguments = ["replay", file.to_str().unwrap(), "--domain", &domain, "--rate", "max"];
+            let output = after(&set_up, &arguments);
+            let words = String::from_utf8_lossy(&output.stderr).into_owned();
+            assert!(output.status.success(), "{name}: {words}");
+            assert!(words.contains("room for 1 consumer instead of 8"), "{name}: {words}");
+            assert_eq!(words.matches("/dev/shm is too small").count(), 1, "told once: {words}");
         }
     }
     std::fs::remove_dir_all(folder).unwrap();

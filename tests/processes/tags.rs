@@ -2,14 +2,16 @@
 //! on the ceiling, and the robot's place from them.
 
 use crate::eyes::{Seen, april_tags, listed, qr_codes};
-use crate::live::{PATIENCE, Simulator, next_frame};
+use crate::live::control::step;
+use crate::live::{PATIENCE, Simulator};
 use belvedere_bridge::payload::{BoundingBox, TagDetection};
-use belvedere_bridge::{Frame, Intrinsics, Synchronizer};
+use belvedere_bridge::{Frame, Intrinsics, SimulationControl, Synchronizer};
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 use image::GrayImage;
 use nalgebra::{Matrix6, Vector6};
 use std::collections::{BTreeMap, HashMap};
+use std::time::Instant;
 
 const POSES: usize = 20;
 /// The same, where truth is looked at.
@@ -21,22 +23,58 @@ const ANGLE_TOLERANCE_DEG: f64 = 0.3;
 /// A corner nearer to the edge of the picture has lost part of the white that the detector finds it by.
 const CLEAR_OF_EDGE_PX: f64 = 4.0;
 
+/// A robot that drives its round in steps, so that no picture is made but those that are looked at.
+struct Drive {
+    simulator: Simulator,
+    control: SimulationControl,
+    step_ns: u64,
+}
+
+impl Drive {
+    fn start(arguments: &[&str]) -> Self {
+        let simulator = Simulator::start(&[&["--rate", "max", "--paused"], arguments].concat());
+        let mut control = SimulationControl::open(&simulator.node()).unwrap();
+        let first_ns = step(&mut control, 1);
+        let step_ns = step(&mut control, 1) - first_ns;
+        Self { simulator, control, step_ns }
+    }
+
+    /// Drives on for half a second.
+    fn on(&mut self) {
+        step(&mut self.control, 500_000_000 / self.step_ns);
+    }
+
+    /// Drives on frame by frame until there is something to be taken.
+    fn until<T>(&mut self, mut take: impl FnMut() -> Option<T>) -> T {
+        let started = Instant::now();
+        loop {
+            step(&mut self.control, 40_000_000 / self.step_ns);
+            if let Some(taken) = take() {
+                return taken;
+            }
+            assert!(started.elapsed() < PATIENCE, "nothing comes");
+        }
+    }
+}
+
 #[test]
 fn every_code_is_found_and_tells_where_the_camera_is() {
     let codes = listed();
-    // In real time, so that this process gets every frame and the same ones are picked in each run. Noise is on.
-    let simulator = Simulator::start(&[]);
-    let mut subscriber = simulator.subscribe("/image_raw");
+    // Noise is on.
+    let mut drive = Drive::start(&[]);
     let mut views = Vec::new();
     while views.len() < POSES {
-        let frame = next_frame(&mut subscriber);
+        let mut subscriber = drive.simulator.subscribe("/image_raw");
+        let frame = drive.until(|| subscriber.take().unwrap());
         let truth = true_pose(&frame);
         let last: Option<&(Pose, Intrinsics, GrayImage)> = views.last();
         if last.is_none_or(|(last, ..)| last.translation().distance(truth.translation()) >= APART_M) {
             views.push((truth, *frame.header().intrinsics().unwrap(), grey(&frame)));
         }
+        drop((frame, subscriber));
+        drive.on();
     }
-    drop(simulator);
+    drop(drive);
 
     let (mut tags, mut qrs) = (0, 0);
     for (pose, (truth, intrinsics, picture)) in (1..).zip(views) {
@@ -85,13 +123,12 @@ struct Known {
 #[test]
 fn truth_has_the_corners_that_detectors_find_and_the_boxes_of_the_pixels() {
     let codes = listed();
-    let simulator = Simulator::start(&["--truth"]);
+    let mut drive = Drive::start(&["--truth"]);
     let streams = ["image_raw", "image_raw/truth/tags", "image_raw/truth/boxes", "image_raw/truth/instance"];
-    let mut frames = Synchronizer::exact(&simulator.node(), streams).unwrap();
     let mut views: Vec<Known> = Vec::new();
     while views.len() < TRUE_POSES {
-        assert!(frames.wait(PATIENCE).unwrap(), "no frames of one stamp");
-        let Some(set) = frames.take().unwrap() else { continue };
+        let mut frames = Synchronizer::exact(&drive.simulator.node(), streams).unwrap();
+        let set = drive.until(|| frames.take().unwrap());
         let camera = true_pose(&set[0]);
         let moved = |last: &Known| last.camera.translation().distance(camera.translation());
         if views.last().is_none_or(|last| moved(last) >= APART_M) {
@@ -111,8 +148,10 @@ fn truth_has_the_corners_that_detectors_find_and_the_boxes_of_the_pixels() {
                     .collect(),
             });
         }
+        drop((set, frames));
+        drive.on();
     }
-    drop(simulator);
+    drop(drive);
 
     let (mut off_px, mut qr_off_px, mut listed_off_px) = (Vec::new(), Vec::new(), 0.0_f64);
     let (mut hidden, mut boxes_seen) = (0, 0);

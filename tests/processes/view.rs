@@ -113,7 +113,7 @@ fn pictures_come_time_stands_and_the_robot_is_driven() {
 fn ctrl_c_leaves_nothing_of_a_run_that_a_page_commanded() {
     for round in 0..5 {
         let domain = own_domain();
-        let mut server = Server::run(&domain, &["--drive", "still"]);
+        let mut server = Server::run(&domain, &["--drive", "still", "--world", "empty"]);
         let mut page = server.page();
         for operation in ["pause", "step", "resume", "reset_simulation"] {
             assert_eq!(page.control(operation)["done"], true, "{operation}");

@@ -82,7 +82,7 @@ fn no_frame_within_a_namespace_begins_with_a_slash() {
         let mut simulation = Simulation::builder(World::empty()).build().unwrap();
         let options = SpawnOptions { namespace: namespace.into(), ..SpawnOptions::default() };
         simulation.spawn(&model, options).unwrap();
-        let rig = simulation.streams().unwrap();
+        let rig = simulation.streams(false).unwrap();
         let outlets = rig.outlets();
         let scan = outlets.iter().find(|outlet| outlet.topic() == topic).unwrap();
         assert_eq!(scan.frame_id(), frame);
@@ -101,7 +101,7 @@ fn notes_tell_what_is_decided_when_streams_are_opened() {
     simulation.spawn(&model, SpawnOptions::default()).unwrap();
     for _ in 0..2 {
         simulation.topics().unwrap();
-        simulation.streams().unwrap();
+        simulation.streams(false).unwrap();
     }
     let notes: Vec<String> = simulation.notes().iter().map(ToString::to_string).collect();
     for words in ["sensor 'mute' publishes nothing", "the world has no <spherical_coordinates>"] {

@@ -11,26 +11,33 @@ use crate::rig::sensor_report::sensor_report;
 use crate::robot::drives;
 use crate::server::commands;
 
-pub(super) fn report(robot: &Model, streams: &Streams, gazebo_compat: bool) -> Vec<String> {
+/// Reports a robot with this number in the simulation and this namespace.
+pub(super) fn report(
+    robot: &Model,
+    namespace: &str,
+    number: usize,
+    streams: &Streams,
+    gazebo_compat: bool,
+) -> Vec<String> {
     let mut lines = vec![format!("robot {} ({})", robot.name, robot.source)];
+    if !namespace.is_empty() {
+        lines.push(format!("namespace /{namespace}"));
+    }
     lines.extend(tree(robot));
     let tags = fiducials(robot).map(|line| format!("fiducials: {line}"));
     lines.extend(tags.into_iter().flat_map(|line| [String::new(), line]));
-    for (number, sensor) in robot.sensors.iter().enumerate() {
+    for (index, sensor) in robot.sensors.iter().enumerate() {
         lines.push(String::new());
         lines.extend(sensor_report(robot, sensor, gazebo_compat));
-        lines.extend(streams.of_part(ALONE, Part::Sensor(number)));
+        lines.extend(streams.of_part(number, Part::Sensor(index)));
     }
     lines.push(String::new());
     lines.push("robot state".to_owned());
-    lines.extend(streams.of_part(ALONE, Part::Robot));
-    lines.extend(parts(robot, ALONE, streams));
+    lines.extend(streams.of_part(number, Part::Robot));
+    lines.extend(parts(robot, number, streams));
     lines.push(String::new());
     lines
 }
-
-/// The number of a robot that is alone in an empty world.
-const ALONE: usize = 0;
 
 /// What the plugins of a model drive, tell and are told: its base, then all others.
 pub(super) fn parts(model: &Model, number: usize, streams: &Streams) -> Vec<String> {

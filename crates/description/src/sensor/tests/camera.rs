@@ -87,7 +87,6 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
             "<topic>t</topic><plugin name='p' filename='F'/>",
             "<topic> of sensor 'c' is not simulated and left out; write <imageTopicName>",
         ),
-        ("<gz_frame_id>f</gz_frame_id>", "write <frameName> in the plugin"),
         ("<enable_metrics>true</enable_metrics>", "measure with `belvedere hz`"),
         ("<ray/>", "<ray> of sensor 'c' is not simulated"),
         ("<plugin name='p' filename='F'>\n<borderCrop>true</borderCrop></plugin>", "in black; write false"),

@@ -1,0 +1,184 @@
+//! Whether the sizes that chunks of an MCAP file name can be true: memory for what is in a chunk is reserved before it is
+//! read, and damaged sizes ask for any amount.
+
+use mcap::records::op;
+use std::io::{Error, ErrorKind, Read, Result};
+
+/// Bytes before the first record.
+const MAGIC: u64 = 8;
+/// Bytes of a record's opcode and length.
+const RECORD_HEAD: usize = 9;
+/// Bytes of a chunk before the name of its compression: two times, its size, its checksum, and the name's length.
+const BEFORE_NAME: usize = 32;
+/// Longest name of a compression that is looked at; there is none of more than four letters.
+const LONGEST_NAME: usize = 32;
+
+/// Most bytes that a byte of LZ4 stands for.
+const LZ4_RATIO: u64 = 255;
+/// Most bytes that a byte of Zstandard stands for: a block of 128 KiB that repeats one byte takes four.
+const ZSTD_RATIO: u64 = 32 << 10;
+/// Bytes that a chunk may always have.
+const SLACK: u64 = 64 << 10;
+
+/// A source of an MCAP file that fails where a chunk cannot have the size that it names.
+#[derive(Debug)]
+pub(super) struct CheckedChunks<R> {
+    source: R,
+    /// Bytes of the whole file.
+    file_len: u64,
+    /// Bytes until the next head of a record.
+    skip: u64,
+    /// The beginning of a record, as far as it is needed.
+    head: Vec<u8>,
+}
+
+impl<R> CheckedChunks<R> {
+    /// Checks a file of at most so many bytes from its beginning.
+    pub(super) fn new(source: R, file_len: u64) -> Self {
+        Self { source, file_len, skip: MAGIC, head: Vec::new() }
+    }
+
+    /// Follows the records through these bytes.
+    fn follow(&mut self, mut bytes: &[u8]) -> Result<()> {
+        while !bytes.is_empty() {
+            if self.skip > 0 {
+                let skipped = bytes.len().min(usize::try_from(self.skip).unwrap_or(usize::MAX));
+                self.skip -= skipped as u64;
+                bytes = &bytes[skipped..];
+                continue;
+            }
+            let missing = self.wanted() - self.head.len();
+            let (taken, rest) = bytes.split_at(missing.min(bytes.len()));
+            self.head.extend_from_slice(taken);
+            bytes = rest;
+            if self.head.len() == self.wanted() {
+                self.check()?;
+                let record = number(&self.head, 1).saturating_add(RECORD_HEAD as u64);
+                self.skip = record.saturating_sub(self.head.len() as u64);
+                self.head.clear();
+            }
+        }
+        Ok(())
+    }
+
+    /// Returns how many bytes of the record are needed, by those that are there.
+    fn wanted(&self) -> usize {
+        let is_chunk = self.head.first() == Some(&op::CHUNK);
+        if self.head.len() < RECORD_HEAD || !is_chunk || number(&self.head, 1) < BEFORE_NAME as u64 {
+            return RECORD_HEAD;
+        }
+        let before_name = RECORD_HEAD + BEFORE_NAME;
+        match self.name_len() {
+            // One that is too long is refused by the reader, before it asks for memory.
+            Some(len) if len <= LONGEST_NAME && self.has(before_name + len + 8) => before_name + len + 8,
+            _ => before_name,
+        }
+    }
+
+    /// Whether the record has so many bytes, its head included.
+    fn has(&self, len: usize) -> bool {
+        number(&self.head, 1) >= (len - RECORD_HEAD) as u64
+    }
+
+    /// Returns the length of the name of a chunk's compression, once that is there.
+    fn name_len(&self) -> Option<usize> {
+        let len = self.head.get(RECORD_HEAD + BEFORE_NAME - 4..)?.first_chunk()?;
+        Some(u32::from_le_bytes(*len) as usize)
+    }
+
+    /// Checks a chunk whose sizes are there.
+    fn check(&self) -> Result<()> {
+        let after_name = self.head.get(RECORD_HEAD + BEFORE_NAME..).unwrap_or_default();
+        let Some((name, compressed)) = after_name.split_last_chunk::<8>() else { return Ok(()) };
+        let uncompressed = number(&self.head, RECORD_HEAD + 16);
+        let ratio = match name {
+            b"" => 1,
+            b"lz4" => LZ4_RATIO,
+            _ => ZSTD_RATIO,
+        };
+        let compressed = u64::from_le_bytes(*compressed).min(self.file_len);
+        if uncompressed > compressed.saturating_mul(ratio).saturating_add(SLACK) {
+            return Err(Error::new(
+                ErrorKind::InvalidData,
+                format!(
+                    "a chunk names a size of {uncompressed} bytes, which its {compressed} bytes cannot hold"
+                ),
+            ));
+        }
+        Ok(())
+    }
+}
+
+/// Returns the number at this place, or 0 if it is cut.
+fn number(bytes: &[u8], at: usize) -> u64 {
+    bytes.get(at..).and_then(<[u8]>::first_chunk).map_or(0, |bytes| u64::from_le_bytes(*bytes))
+}
+
+impl<R: Read> Read for CheckedChunks<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> Result<usize> {
+        let read = self.source.read(buffer)?;
+        self.follow(&buffer[..read])?;
+        Ok(read)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Cursor, copy, sink};
+
+    fn record(opcode: u8, body: &[u8]) -> Vec<u8> {
+        [&[opcode][..], &(body.len() as u64).to_le_bytes(), body].concat()
+    }
+
+    fn chunk(uncompressed: u64, compression: &str, content: &[u8]) -> Vec<u8> {
+        let name = compression.as_bytes();
+        let body = [
+            &[0; 16][..],
+            &uncompressed.to_le_bytes(),
+            &[0; 4],
+            &(name.len() as u32).to_le_bytes(),
+            name,
+            &(content.len() as u64).to_le_bytes(),
+            content,
+        ];
+        record(op::CHUNK, &body.concat())
+    }
+
+    /// Reads a file of these records in pieces of so many bytes.
+    fn read(records: &[Vec<u8>], piece: usize) -> Result<()> {
+        let file = [&[0; MAGIC as usize][..], &records.concat()].concat();
+        let mut checked = CheckedChunks::new(Cursor::new(file), u64::MAX);
+        let mut buffer = vec![0; piece];
+        while checked.read(&mut buffer)? > 0 {}
+        Ok(())
+    }
+
+    #[test]
+    fn a_size_that_a_chunk_cannot_hold_is_found_in_pieces_of_any_length() {
+        let before =
+            [record(op::HEADER, &[1; 50]), chunk(60_000, "lz4", &[7; 1000]), record(op::CHANNEL, &[])];
+        let after = record(op::DATA_END, &[0; 4]);
+        for piece in [1, 2, 7, 64, 10_000] {
+            let with = |last: Vec<u8>| read(&[&before[..], &[last, after.clone()]].concat(), piece);
+            with(chunk(300_000, "lz4", &[7; 1000])).unwrap();
+            with(chunk(30 << 20, "zstd", &[7; 1000])).unwrap();
+            with(chunk(1000, "", &[7; 1000])).unwrap();
+            for (size, compression) in [(1 << 29, "lz4"), (1 << 29, ""), (u64::MAX, "zstd")] {
+                let error = with(chunk(size, compression, &[7; 1000])).unwrap_err();
+                assert!(error.to_string().contains("which its 1000 bytes cannot hold"), "{error}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_size_of_the_compressed_content_is_bounded_by_the_file() {
+        let mut lies = chunk(1 << 29, "lz4", &[7; 1000]);
+        let at = RECORD_HEAD + BEFORE_NAME + 3;
+        lies[at..at + 8].copy_from_slice(&(1_u64 << 29).to_le_bytes());
+        let file = [&[0; MAGIC as usize][..], &lies].concat();
+        let len = file.len() as u64;
+        let mut checked = CheckedChunks::new(Cursor::new(file), len);
+        assert_eq!(copy(&mut checked, &mut sink()).unwrap_err().kind(), ErrorKind::InvalidData);
+    }
+}

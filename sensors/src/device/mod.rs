@@ -19,13 +19,17 @@
 
 mod auto_exposure;
 mod config;
-pub mod depth;
+pub mod depth_model;
 mod format;
 mod mosaic;
 mod poisson;
 pub mod presets;
 mod signal;
 mod vignetting;
+
+/// The former name of [`depth_model`].
+#[doc(hidden)]
+pub use depth_model as depth;
 
 use crate::ParameterError;
 use crate::noise::Stream;

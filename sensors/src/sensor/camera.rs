@@ -74,7 +74,7 @@ impl<'a> Camera<'a> {
         ParameterError::require("camera", "near_m", near_m, in_order, rule)?;
         let is_factor = config.exposure.is_finite() && config.exposure >= 0.0;
         let rule = "a finite number, 0 or more";
-        ParameterError::require("camera", "exposure", config.exposure.into(), is_factor, rule)?;
+        ParameterError::require_f32("camera", "exposure", config.exposure, is_factor, rule)?;
         Ok(Self {
             config,
             bias: config.noise.bias(config.seed, config.sensor, 0),
@@ -250,7 +250,7 @@ impl Sensor for Camera<'_> {
         let Picture { mut colour, truth } = output;
         let marks = memory.take(self.marks(&capture.shutter));
         let drawn = (colour.as_deref_mut(), &mut *marks);
-        let rows = Rows {
+        let rows = PictureRows {
             wants_colour: drawn.0.is_some(),
             colour: ColourRows::new(self, frame.ray_grid(), &capture.shutter, drawn, &mut memory),
             truth,
@@ -259,7 +259,7 @@ impl Sensor for Camera<'_> {
         frame.trace(&self.sight(), &mut memory, rows, &Painter { camera: self, capture });
         if let Some(pixels) = colour {
             let canvas =
-                Retouched { camera: self, frame: capture.frame, space: scene.colour_space(), pixels };
+                RetouchedPicture { camera: self, frame: capture.frame, space: scene.colour_space(), pixels };
             smooth((&frame, optics), self.sight(), marks, execution, canvas);
         }
         Ok(())
@@ -272,9 +272,9 @@ struct Painter<'a> {
     capture: &'a Capture<'a>,
 }
 
-impl BandWork<Rows<'_>> for Painter<'_> {
+impl BandWork<PictureRows<'_>> for Painter<'_> {
     #[inline(always)]
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut PictureRows<'_>) {
         if let Some(truth) = &mut output.truth {
             truth.write(simd, band, &self.camera.sight(), self.capture);
         }
@@ -303,14 +303,14 @@ impl BandWork<Rows<'_>> for Painter<'_> {
 }
 
 /// The outputs of a picture, split between rows of blocks.
-struct Rows<'a> {
+struct PictureRows<'a> {
     wants_colour: bool,
     colour: ColourRows<'a>,
     truth: Option<Truth<'a>>,
     rays_in_row: usize,
 }
 
-impl SplitRows for Rows<'_> {
+impl SplitRows for PictureRows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { wants_colour, rays_in_row, .. } = self;
         let (colour, colour_below) = self.colour.split_rows(rows);
@@ -323,14 +323,14 @@ impl SplitRows for Rows<'_> {
 }
 
 /// The rest of a picture from some row of tiles on, whose edges are painted over.
-struct Retouched<'a> {
+struct RetouchedPicture<'a> {
     camera: &'a Camera<'a>,
     frame: u64,
     space: ColourSpace,
     pixels: &'a mut [u8],
 }
 
-impl SplitRows for Retouched<'_> {
+impl SplitRows for RetouchedPicture<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { camera, frame, space, pixels } = self;
         let (pixels, below) = pixels.split_at_mut(rows * TILE_HEIGHT * camera.row_stride());
@@ -338,7 +338,7 @@ impl SplitRows for Retouched<'_> {
     }
 }
 
-impl Canvas for Retouched<'_> {
+impl Canvas for RetouchedPicture<'_> {
     #[inline(always)]
     fn paint<S: Simd>(
         &mut self,

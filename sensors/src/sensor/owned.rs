@@ -5,7 +5,7 @@ use super::camera::{Camera, Picture};
 use super::depth::{DepthCamera, DepthFrame};
 use super::scanner::{
     Echoes, Face, Firing, Laser, MAX_WHEELS, Mems, MirrorAxis, Pattern, Prisms, Scanner, Spinning, Spread,
-    Swing, Wheel,
+    Swing, Wheel, Wheels,
 };
 use crate::moment::Capture;
 use crate::optics::{Optics, RayTableBuf, SphericalGrid};
@@ -58,7 +58,7 @@ pub struct DepthCameraBuf {
 ///     let head = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.0, clockwise: false };
 ///     Ok(Scanner::new(ScannerConfig::new(Pattern::Spinning(head)))?.to_buf())
 /// }
-/// assert_eq!(head(16)?.with(|scanner| scanner.firings(0)), 16 * 360);
+/// assert_eq!(head(16)?.scanner().firings(0), 16 * 360);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug, Clone)]
@@ -191,9 +191,15 @@ impl PatternBuf {
                     (Wheel { speed_rpm, phase_rad, swing, faces: &[] }, faces.to_vec())
                 };
                 Self::Prisms {
-                    prisms: Prisms { volley_time_ns, laser_time_ns, axis, lasers_rad: &[], wheels: &[] },
+                    prisms: Prisms {
+                        volley_time_ns,
+                        laser_time_ns,
+                        axis,
+                        lasers_rad: &[],
+                        wheels: Wheels::new(&[]),
+                    },
                     lasers_rad: lasers_rad.to_vec(),
-                    wheels: wheels.iter().map(own_wheel).collect(),
+                    wheels: wheels.as_slice().iter().map(own_wheel).collect(),
                 }
             }
             Pattern::Mems(Mems { firing_time_ns, incidence_rad, axes }) => {
@@ -203,20 +209,22 @@ impl PatternBuf {
         }
     }
 
-    fn with<R>(&self, work: impl FnOnce(Pattern<'_>) -> R) -> R {
+    /// Returns the pattern with its tables.
+    fn lend(&self) -> Pattern<'_> {
         match self {
-            Self::Plain(pattern) => work(*pattern),
-            Self::Spinning(spinning, lasers) => work(Pattern::Spinning(Spinning { lasers, ..*spinning })),
+            Self::Plain(pattern) => *pattern,
+            Self::Spinning(spinning, lasers) => Pattern::Spinning(Spinning { lasers, ..*spinning }),
             Self::Prisms { prisms, lasers_rad, wheels } => {
                 let none = Wheel { speed_rpm: 0, phase_rad: 0.0, swing: Swing::NONE, faces: &[] };
                 let mut all = [none; MAX_WHEELS];
                 for (place, (wheel, faces)) in all.iter_mut().zip(wheels) {
                     *place = Wheel { faces, ..*wheel };
                 }
-                work(Pattern::Prisms(Prisms { lasers_rad, wheels: &all[..wheels.len()], ..*prisms }))
+                let wheels = Wheels::new(&all[..wheels.len()]);
+                Pattern::Prisms(Prisms { lasers_rad, wheels, ..*prisms })
             }
-            Self::Mems(mems, axes) => work(Pattern::Mems(Mems { axes, ..*mems })),
-            Self::Table(firings) => work(Pattern::Table(firings)),
+            Self::Mems(mems, axes) => Pattern::Mems(Mems { axes, ..*mems }),
+            Self::Table(firings) => Pattern::Table(firings),
         }
     }
 }
@@ -234,9 +242,9 @@ impl Scanner<'_> {
 }
 
 impl ScannerBuf {
-    /// Calls `work` with the scanner. This copies some hundred bytes, but checks and allocates nothing.
-    pub fn with<R>(&self, work: impl FnOnce(&Scanner<'_>) -> R) -> R {
-        self.pattern.with(|pattern| work(&self.scanner.with_tables(pattern, &self.spreads)))
+    /// Returns the scanner. This copies some hundred bytes, but checks and allocates nothing.
+    pub fn scanner(&self) -> Scanner<'_> {
+        self.scanner.with_tables(self.pattern.lend(), &self.spreads)
     }
 }
 
@@ -244,7 +252,7 @@ impl Sensor for ScannerBuf {
     type Output<'a> = Echoes<'a>;
 
     fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
-        self.with(|scanner| scanner.workspace_len(scene, capture))
+        self.scanner().workspace_len(scene, capture)
     }
 
     fn sense(
@@ -254,6 +262,6 @@ impl Sensor for ScannerBuf {
         workspace: &mut Workspace<'_>,
         output: Echoes<'_>,
     ) -> Result<(), SenseError> {
-        self.with(|scanner| scanner.sense(scene, capture, workspace, output))
+        self.scanner().sense(scene, capture, workspace, output)
     }
 }

@@ -88,7 +88,37 @@ pub struct Prisms<'a> {
     /// towards +y if it is [`Axis::Up`].
     pub lasers_rad: &'a [f64],
     /// The wheels in the order in which light meets them.
-    pub wheels: &'a [Wheel<'a>],
+    pub wheels: Wheels<'a>,
+}
+
+/// The wheels of a scanner, 1 to [`MAX_WHEELS`] of them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Wheels<'a> {
+    wheels: [Wheel<'a>; MAX_WHEELS],
+    /// The number of wheels that were given, which may be more than there is room for. A scanner refuses that.
+    count: usize,
+}
+
+impl<'a> Wheels<'a> {
+    /// Creates a list of wheels, in the order in which light meets them. [`Scanner::new`](super::Scanner::new) refuses
+    /// a scanner with none of them, or with more than [`MAX_WHEELS`].
+    #[must_use]
+    pub const fn new(wheels: &[Wheel<'a>]) -> Self {
+        let none = Wheel { speed_rpm: 0, phase_rad: 0.0, swing: Swing::NONE, faces: &[] };
+        let mut all = Self { wheels: [none; MAX_WHEELS], count: wheels.len() };
+        let mut index = 0;
+        while index < wheels.len() && index < MAX_WHEELS {
+            all.wheels[index] = wheels[index];
+            index += 1;
+        }
+        all
+    }
+
+    /// Returns the wheels; the first [`MAX_WHEELS`] of them if more were given.
+    #[must_use]
+    pub fn as_slice(&self) -> &[Wheel<'a>] {
+        &self.wheels[..self.count.min(MAX_WHEELS)]
+    }
 }
 
 /// Directions of up to 64 rays: components along the axis and along the two axes across it.
@@ -96,13 +126,14 @@ type Rays = [Lanes<f64>; 3];
 
 impl Prisms<'_> {
     pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
-        let wrong = |parameter, index, value, rule| {
+        let wrong = |parameter, index: Option<usize>, value, rule| {
             let error = ParameterError::new("scanner", parameter, value, rule);
-            Err(ParameterError { index, ..error })
+            Err(match index {
+                Some(index) => error.at(index),
+                None => error,
+            })
         };
-        if self.volley_time_ns == 0 || u64::from(self.volley_time_ns) > frame_time_ns {
-            return wrong("volley_time_ns", None, f64::from(self.volley_time_ns), "1 up to the frame's time");
-        }
+        self.clock().check("volley_time_ns", frame_time_ns)?;
         let lasers = self.lasers_rad.len();
         if !(1..=LANES).contains(&lasers) {
             return wrong("number of lasers_rad", None, lasers as f64, "1 to 64");
@@ -117,10 +148,10 @@ impl Prisms<'_> {
                 return wrong("lasers_rad", Some(index), *angle, "-1 to 1");
             }
         }
-        if !(1..=MAX_WHEELS).contains(&self.wheels.len()) {
-            return wrong("number of wheels", None, self.wheels.len() as f64, "1 to 4");
+        if !(1..=MAX_WHEELS).contains(&self.wheels.count) {
+            return wrong("number of wheels", None, self.wheels.count as f64, "1 to 4");
         }
-        for (index, wheel) in self.wheels.iter().enumerate() {
+        for (index, wheel) in self.wheels.as_slice().iter().enumerate() {
             if let Err((parameter, value, rule)) = wheel.check() {
                 return wrong(parameter, Some(index), value, rule);
             }
@@ -171,7 +202,7 @@ impl Prisms<'_> {
     /// Sends rays through all wheels.
     #[inline(always)]
     fn bend(&self, at_ns: &Lanes<i128>, rays: &mut Rays) {
-        for wheel in self.wheels {
+        for wheel in self.wheels.as_slice() {
             let mut turned = [0.0; LANES];
             for lane in 0..LANES {
                 turned[lane] = wheel.turned(at_ns[lane]);

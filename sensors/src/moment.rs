@@ -37,8 +37,8 @@ pub struct Moment<'a> {
 /// the columns of a rotating lidar, starting at the first beam of the scan lines, or the scan lines themselves.
 ///
 /// Each slice places all instances of the scene anew and walks its trees once, and rays are traced in blocks of sixteen
-/// columns. A [`Lidar`](crate::lidar::Lidar) is therefore fast with slices of sixteen columns or more. In a hall with 48
-/// things, a scan took this many times as long as at one moment (x86-64 with AVX2):
+/// columns. A [`Lidar`](crate::lidar::Lidar) is therefore fast with slices of sixteen columns or more. In a hall with
+/// 48 things, a scan took this many times as long as at one moment (x86-64 with AVX2):
 ///
 /// | columns in a slice | 720 × 1 beams | 1800 × 16 beams | 1024 × 128 beams |
 /// |---:|---:|---:|---:|
@@ -47,8 +47,8 @@ pub struct Moment<'a> {
 /// | 16 | 6 | 3 | 1.4 |
 /// | 64 | 2.4 | 1.6 | 1.1 |
 ///
-/// A [`Scanner`](crate::scanner::Scanner) with a [moving](Shutter::Moving) shutter gives each firing a time of its own without
-/// slices.
+/// A [`Scanner`](crate::scanner::Scanner) with a [moving](Shutter::Moving) shutter gives each firing a time of its own
+/// without slices.
 #[derive(Debug, Clone)]
 pub struct Slice<'a> {
     /// The range of lines.

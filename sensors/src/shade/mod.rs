@@ -71,8 +71,8 @@ struct Gloss {
 }
 
 impl Shader {
-    /// A shader that does not tell what is [seen](Shader::seen). A constant, since what a function returns and is then put
-    /// into a struct takes twice its room on the stack.
+    /// A shader that does not tell what is [seen](Shader::seen). A constant, since what a function returns and is then
+    /// put into a struct takes twice its room on the stack.
     pub(crate) const NEW: Self = Self {
         surfaces: Surfaces::new(),
         known_faces: KnownFaces::new(),

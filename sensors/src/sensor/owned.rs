@@ -4,8 +4,7 @@ use super::Sensor;
 use super::camera::{Camera, Picture};
 use super::depth::{DepthCamera, DepthFrame};
 use super::scanner::{
-    Echoes, Face, Firing, Laser, MAX_WHEELS, Mems, MirrorAxis, Pattern, Prisms, Scanner, Spinning, Spread,
-    Swing, Wheel, Wheels,
+    Echoes, Firing, Laser, Mems, MirrorAxis, Pattern, Prisms, Scanner, Spinning, Spread, Wheels, WheelsBuf,
 };
 use crate::moment::Capture;
 use crate::optics::{Optics, RayTableBuf, SphericalGrid};
@@ -168,7 +167,7 @@ enum PatternBuf {
     Prisms {
         prisms: Prisms<'static>,
         lasers_rad: Vec<f64>,
-        wheels: Vec<(Wheel<'static>, Vec<Face>)>,
+        wheels: WheelsBuf,
     },
     Mems(Mems<'static>, [MirrorAxis; 2]),
     Table(Vec<Firing>),
@@ -186,10 +185,6 @@ impl PatternBuf {
                 lasers.to_vec(),
             ),
             Pattern::Prisms(Prisms { volley_time_ns, laser_time_ns, axis, lasers_rad, wheels }) => {
-                let own_wheel = |wheel: &Wheel<'_>| {
-                    let Wheel { speed_rpm, phase_rad, swing, faces } = *wheel;
-                    (Wheel { speed_rpm, phase_rad, swing, faces: &[] }, faces.to_vec())
-                };
                 Self::Prisms {
                     prisms: Prisms {
                         volley_time_ns,
@@ -199,7 +194,7 @@ impl PatternBuf {
                         wheels: Wheels::new(&[]),
                     },
                     lasers_rad: lasers_rad.to_vec(),
-                    wheels: wheels.as_slice().iter().map(own_wheel).collect(),
+                    wheels: WheelsBuf::copy_of(&wheels),
                 }
             }
             Pattern::Mems(Mems { firing_time_ns, incidence_rad, axes }) => {
@@ -215,13 +210,7 @@ impl PatternBuf {
             Self::Plain(pattern) => *pattern,
             Self::Spinning(spinning, lasers) => Pattern::Spinning(Spinning { lasers, ..*spinning }),
             Self::Prisms { prisms, lasers_rad, wheels } => {
-                let none = Wheel { speed_rpm: 0, phase_rad: 0.0, swing: Swing::NONE, faces: &[] };
-                let mut all = [none; MAX_WHEELS];
-                for (place, (wheel, faces)) in all.iter_mut().zip(wheels) {
-                    *place = Wheel { faces, ..*wheel };
-                }
-                let wheels = Wheels::new(&all[..wheels.len()]);
-                Pattern::Prisms(Prisms { lasers_rad, wheels, ..*prisms })
+                Pattern::Prisms(Prisms { lasers_rad, wheels: Wheels::owned(wheels), ..*prisms })
             }
             Self::Mems(mems, axes) => Pattern::Mems(Mems { axes, ..*mems }),
             Self::Table(firings) => Pattern::Table(firings),

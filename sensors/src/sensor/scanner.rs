@@ -74,6 +74,8 @@ pub use mems::{Mems, MirrorAxis, Wave};
 use motions::Motions;
 use pattern::FrameFirings;
 pub use pattern::{MAX_FIRINGS, Pattern};
+#[cfg(feature = "alloc")]
+pub(super) use prisms::WheelsBuf;
 pub use prisms::{Axis, Face, MAX_WHEELS, Prisms, Swing, Wheel, Wheels};
 pub use raster::Raster;
 use returns::Echo;

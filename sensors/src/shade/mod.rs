@@ -112,7 +112,7 @@ impl Shader {
     }
 
     /// Computes the colours of a traced tile, with the background where nothing was hit. What lies behind clear
-    /// surfaces is added by [`Transparency`](transparency::Transparency).
+    /// surfaces is added by [`transparency`](mod@transparency).
     pub(crate) fn shade<S: Simd>(
         &mut self,
         simd: S,

@@ -32,10 +32,10 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// Builds the tree of a mesh like [`build`](super::build), into allocated memory.
+    /// Builds the tree of a mesh like [`build`](super::plan::build), into allocated memory.
     ///
     /// # Errors
-    /// Those of [`build`](super::build).
+    /// Those of [`build`](super::plan::build).
     pub fn build(
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],

@@ -91,33 +91,83 @@ pub struct Prisms<'a> {
     pub wheels: Wheels<'a>,
 }
 
-/// The wheels of a scanner, 1 to [`MAX_WHEELS`] of them.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Wheels<'a> {
-    wheels: [Wheel<'a>; MAX_WHEELS],
-    /// The number of wheels that were given, which may be more than there is room for. A scanner refuses that.
-    count: usize,
+/// The wheels of a scanner, 1 to [`MAX_WHEELS`] of them, in the order in which light meets them.
+#[derive(Debug, Clone, Copy)]
+pub struct Wheels<'a>(WheelList<'a>);
+
+/// Where wheels are stored.
+#[derive(Debug, Clone, Copy)]
+enum WheelList<'a> {
+    Borrowed(&'a [Wheel<'a>]),
+    /// A thin reference, so that the list is no larger than a slice.
+    #[cfg(feature = "alloc")]
+    Owned(&'a WheelsBuf),
+}
+
+/// Wheels that own their faces.
+#[cfg(feature = "alloc")]
+#[derive(Debug, Clone)]
+pub(in crate::sensor) struct WheelsBuf(alloc::vec::Vec<WheelBuf>);
+
+/// A [`Wheel`] that owns its faces.
+#[cfg(feature = "alloc")]
+#[derive(Debug, Clone)]
+struct WheelBuf {
+    /// The wheel without its faces.
+    wheel: Wheel<'static>,
+    faces: alloc::vec::Vec<Face>,
+}
+
+#[cfg(feature = "alloc")]
+impl WheelsBuf {
+    pub(in crate::sensor) fn copy_of(wheels: &Wheels<'_>) -> Self {
+        let own = |Wheel { speed_rpm, phase_rad, swing, faces }: Wheel<'_>| WheelBuf {
+            wheel: Wheel { speed_rpm, phase_rad, swing, faces: &[] },
+            faces: faces.to_vec(),
+        };
+        Self(wheels.iter().map(own).collect())
+    }
 }
 
 impl<'a> Wheels<'a> {
-    /// Creates a list of wheels, in the order in which light meets them. [`Scanner::new`](super::Scanner::new) refuses
-    /// a scanner with none of them, or with more than [`MAX_WHEELS`].
+    /// Creates a list of wheels. [`Scanner::new`](super::Scanner::new) refuses a scanner with none of them, or with more
+    /// than [`MAX_WHEELS`].
     #[must_use]
-    pub const fn new(wheels: &[Wheel<'a>]) -> Self {
-        let none = Wheel { speed_rpm: 0, phase_rad: 0.0, swing: Swing::NONE, faces: &[] };
-        let mut all = Self { wheels: [none; MAX_WHEELS], count: wheels.len() };
-        let mut index = 0;
-        while index < wheels.len() && index < MAX_WHEELS {
-            all.wheels[index] = wheels[index];
-            index += 1;
-        }
-        all
+    pub const fn new(wheels: &'a [Wheel<'a>]) -> Self {
+        Self(WheelList::Borrowed(wheels))
     }
 
-    /// Returns the wheels; the first [`MAX_WHEELS`] of them if more were given.
+    #[cfg(feature = "alloc")]
+    pub(in crate::sensor) const fn owned(wheels: &'a WheelsBuf) -> Self {
+        Self(WheelList::Owned(wheels))
+    }
+
+    /// Returns the number of wheels.
     #[must_use]
-    pub fn as_slice(&self) -> &[Wheel<'a>] {
-        &self.wheels[..self.count.min(MAX_WHEELS)]
+    pub const fn count(&self) -> usize {
+        match self.0 {
+            WheelList::Borrowed(wheels) => wheels.len(),
+            #[cfg(feature = "alloc")]
+            WheelList::Owned(wheels) => wheels.0.len(),
+        }
+    }
+
+    /// Returns the wheels, one after the other.
+    #[inline(always)]
+    pub fn iter(&self) -> impl Iterator<Item = Wheel<'a>> + use<'a> {
+        let list = self.0;
+        (0..self.count()).map(move |index| match list {
+            WheelList::Borrowed(wheels) => wheels[index],
+            #[cfg(feature = "alloc")]
+            WheelList::Owned(wheels) => Wheel { faces: &wheels.0[index].faces, ..wheels.0[index].wheel },
+        })
+    }
+}
+
+/// Lists with the same wheels are equal.
+impl PartialEq for Wheels<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.iter().eq(other.iter())
     }
 }
 
@@ -148,10 +198,10 @@ impl Prisms<'_> {
                 return wrong("lasers_rad", Some(index), *angle, "-1 to 1");
             }
         }
-        if !(1..=MAX_WHEELS).contains(&self.wheels.count) {
-            return wrong("number of wheels", None, self.wheels.count as f64, "1 to 4");
+        if !(1..=MAX_WHEELS).contains(&self.wheels.count()) {
+            return wrong("number of wheels", None, self.wheels.count() as f64, "1 to 4");
         }
-        for (index, wheel) in self.wheels.as_slice().iter().enumerate() {
+        for (index, wheel) in self.wheels.iter().enumerate() {
             if let Err((parameter, value, rule)) = wheel.check() {
                 return wrong(parameter, Some(index), value, rule);
             }
@@ -202,7 +252,7 @@ impl Prisms<'_> {
     /// Sends rays through all wheels.
     #[inline(always)]
     fn bend(&self, at_ns: &Lanes<i128>, rays: &mut Rays) {
-        for wheel in self.wheels.as_slice() {
+        for wheel in self.wheels.iter() {
             let mut turned = [0.0; LANES];
             for lane in 0..LANES {
                 turned[lane] = wheel.turned(at_ns[lane]);

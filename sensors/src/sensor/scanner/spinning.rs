@@ -100,7 +100,7 @@ impl Spinning<'_> {
                 return wrong("first + count", f64::from(first) + f64::from(count), "no more than per_turn");
             }
             Columns::Every { time_ns } => {
-                Clock { tick_ns: time_ns }.check("time_ns of columns", frame_time_ns)?
+                Clock { tick_ns: time_ns }.check("time_ns of columns", frame_time_ns)?;
             }
             Columns::Turn { .. } => {}
         }

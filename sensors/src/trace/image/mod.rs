@@ -3,7 +3,7 @@
 //! Not "for each ray walk the tree", but "walk the tree once, front to back, and find the rays": hierarchical
 //! rasterisation with an exact test for every ray. The rays lie in blocks of sixteen; sixteen boxes at
 //! a time are projected onto the grid of rays, and dropped where no ray passes or where all
-//! that do have already hit something nearer ([`walk`]); where few rays pass, each is asked by itself ([`single`]).
+//! that do have already hit something nearer ([`walk`](mod@walk)); where few rays pass, each is asked by itself ([`single`]).
 //! Sixteen triangles at a time become edge planes through the origin ([`triangles`]), which a ray tests with four dot
 //! products, and are drawn by one of three loops, depending on how many rays they cover.
 //!

@@ -16,7 +16,7 @@ const fn wheel(speed_rpm: i32, faces: &[Face]) -> Wheel<'_> {
     Wheel { speed_rpm, phase_rad: 0.0, swing: Swing::NONE, faces }
 }
 
-fn ahead<'a>(wheels: &[Wheel<'a>]) -> Prisms<'a> {
+fn ahead<'a>(wheels: &'a [Wheel<'a>]) -> Prisms<'a> {
     let wheels = Wheels::new(wheels);
     Prisms { volley_time_ns: 10_000, laser_time_ns: 0, axis: Axis::Ahead, lasers_rad: &[0.0], wheels }
 }

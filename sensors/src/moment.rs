@@ -157,12 +157,12 @@ impl<'a> Shutter<'a> {
 /// A frame to be captured: its number and its shutter.
 ///
 /// ```
-/// use belvedere_sensors::{Capture, Moment, Pose, Shutter, Slice};
+/// use belvedere_sensors::{Capture, Moment, Pose, Shutter, Slice, glam::DVec3};
 /// let still = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &[] };
 /// assert_eq!(Capture::new(7, still).frame, 7);
 ///
 /// // A rolling shutter: the sensor turns by 1 mrad from each of 480 rows to the next.
-/// let turned = |row: u32| Pose::from_xyz_rpy(belvedere_sensors::glam::DVec3::ZERO, belvedere_sensors::glam::DVec3::Z * (1e-3 * f64::from(row)));
+/// let turned = |row: u32| Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * (1e-3 * f64::from(row)));
 /// let rows: Vec<_> = (0..480)
 ///     .map(|row| Slice { lines: row..row + 1, at: Moment { world_from_sensor: turned(row), ..still } })
 ///     .collect();

@@ -37,7 +37,8 @@ pub(super) use marks::{TILE_HEIGHT, TILE_WIDTH};
 /// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
 /// let mut builder = SceneBuilder::new();
 /// builder.set_environment(Environment { background: [0.0; 3], ..Default::default() });
-/// let white = builder.add_material(&MaterialConfig { emissive: [1.0; 3], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
+/// let black = MaterialConfig { diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() };
+/// let white = builder.add_material(&MaterialConfig { emissive: [1.0; 3], ..black })?;
 /// builder.add_instance(&InstanceConfig {
 ///     shape: Shape::Sphere { radius: 0.5 },
 ///     world_from_instance: Pose::from_translation(belvedere_sensors::glam::DVec3::X * 2.0),

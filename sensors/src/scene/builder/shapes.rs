@@ -18,8 +18,9 @@ impl SceneBuilder {
     /// coordinate per vertex, or is empty.
     ///
     /// # Errors
-    /// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the element,
-    /// [`SceneError::TooMany`] if 32 bits cannot count the elements, [`SceneError::UvCount`], [`SceneError::BadUv`].
+    /// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the
+    /// element, [`SceneError::TooMany`] if 32 bits cannot count the elements, [`SceneError::UvCount`],
+    /// [`SceneError::BadUv`].
     pub fn add_mesh(
         &mut self,
         positions: &[[f32; 3]],

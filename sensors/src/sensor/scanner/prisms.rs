@@ -130,8 +130,8 @@ impl WheelsBuf {
 }
 
 impl<'a> Wheels<'a> {
-    /// Creates a list of wheels. [`Scanner::new`](super::Scanner::new) refuses a scanner with none of them, or with more
-    /// than [`MAX_WHEELS`].
+    /// Creates a list of wheels. [`Scanner::new`](super::Scanner::new) refuses a scanner with none of them, or with
+    /// more than [`MAX_WHEELS`].
     #[must_use]
     pub const fn new(wheels: &'a [Wheel<'a>]) -> Self {
         Self(WheelList::Borrowed(wheels))

@@ -40,8 +40,8 @@ impl InstanceMotion {
     }
 }
 
-/// A [`InstanceMotion`] between the pixels of a pinhole: those of a point's ray, together with 1/t, are taken to those of its
-/// ray at the other moment by one linear map, in homogeneous coordinates.
+/// An [`InstanceMotion`] between the pixels of a pinhole: those of a point's ray, together with 1/t, are taken to those
+/// of its ray at the other moment by one linear map, in homogeneous coordinates.
 #[derive(Debug, Clone, Copy)]
 struct PixelMotion {
     /// How far ahead, column and row times that; of column, row and 1 each.

@@ -6,7 +6,7 @@ use super::moments::{Stage, depths, sensor, stage};
 use crate::scenes::ours;
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::DepthCameraConfig;
-use belvedere_sensors::device::depth::{DepthModel, presets as depth_presets};
+use belvedere_sensors::device::depth_model::{DepthModel, presets as depth_presets};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scanner::{Beam, Echoes, Returns, Scanner, ScannerConfig, presets};
@@ -25,13 +25,13 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
     let entry = |name, peer| Entry { group: GROUP, name, unit: Unit::Time, peer, clock: Clock::Thread };
     let stage = stage(30);
     if gate.options.wants(GROUP, "scan_moving") {
-        let ouster = presets::OS1_128.config(FRAME_NS);
+        let ouster = presets::OS1_128.config();
         let sides = [true, false].map(|moves| scans(&stage, ouster, moves, level));
         let [mut moving, mut standing] = sides;
         gate.run(entry("scan_moving", "while all stands"), (&mut moving, 1.0), (&mut standing, 1.0));
     }
     if gate.options.wants(GROUP, "scan_beams") {
-        let single = presets::VLP_16.config(FRAME_NS);
+        let single = presets::VLP_16.config();
         let beam = Beam { divergence_rad: [3e-3, 1.5e-3], aperture_m: [0.0127, 0.0095], rays: 8 };
         let dual = single.beam(beam).returns(Returns::Dual);
         let [mut dual, mut single] = [dual, single].map(|config| scans(&stage, config, true, level));

@@ -2,7 +2,7 @@
 
 #![allow(unreachable_pub, reason = "the modules of a program, which exports nothing")]
 
-#[path = "../budgets.rs"]
+#[path = "../budgets/mod.rs"]
 mod budgets;
 mod casts;
 mod clock;

@@ -44,7 +44,7 @@ impl Eye {
             (None, fov) => Rays::from_fov(width, height, fov.unwrap_or_default())?,
         };
         let device = device.map(|name| {
-            presets::named(name).ok_or_else(|| {
+            presets::named(name).map(|preset| preset.config()).ok_or_else(|| {
                 of(
                     "device",
                     format_args!("there is no preset {name:?}; there are {}", presets::NAMES.join(", ")),

@@ -8,7 +8,7 @@ use crate::shots::{GivenEach, Shots};
 use crate::world::World;
 use belvedere_sensors::Sensor;
 use belvedere_sensors::depth::{self, DepthCameraConfig, DepthFrame};
-use belvedere_sensors::device::depth::{DepthModel, presets};
+use belvedere_sensors::device::depth_model::{DepthModel, presets};
 use belvedere_sensors::trace::Faces;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
@@ -92,7 +92,7 @@ impl DepthCamera {
     /// The presets: name, size, horizontal field of view in degrees, range in metres.
     #[staticmethod]
     fn presets() -> Vec<(&'static str, [u32; 2], f64, [f64; 2])> {
-        let all = presets::PRESETS.iter();
+        let all = presets::ALL.iter();
         all.map(|preset| (preset.name, preset.size, preset.horizontal_fov_deg, preset.range_m)).collect()
     }
 

@@ -72,7 +72,7 @@ impl Scanner {
         })?;
         let mode = found.in_mode(columns, rate_hz).ok_or_else(|| no_mode(&found, columns, rate_hz))?;
         let config = mode
-            .config((1e9 / mode.rate_hz).round() as u64)
+            .config()
             .returns(match returns {
                 "strongest" => Returns::Strongest,
                 "first" => Returns::First,

@@ -108,7 +108,7 @@ fn hall() -> Result<SceneBuilder, Box<dyn Error>> {
 
 fn main() -> Result<(), Box<dyn Error>> {
     let builder = hall()?;
-    let plain = presets::VLP_16.config(100_000_000);
+    let plain = presets::VLP_16.config();
     let beam = Beam { divergence_rad: [3e-3, 1.5e-3], aperture_m: [0.0127, 0.0095], rays: 8 };
     let dual = plain.beam(beam).returns(Returns::Dual);
     let lit = dual.intensity(Intensity::Reflectivity).receiver(Some(Receiver::new(100.0)));
@@ -138,7 +138,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let share = 100.0 * seconds / FRAME_S;
             println!("{level_name:7} {name:13} {share:5.1} % of a core {:5.2} ×", seconds / single);
         }
-        let ouster = presets::OS1_128.config(100_000_000);
+        let ouster = presets::OS1_128.config();
         let [moving, standing] = [true, false].map(|moves| fastest(ouster, &builder, level, FRAMES, moves));
         let (moving, standing) = (moving?, standing?);
         let share = 100.0 * moving / FRAME_S;

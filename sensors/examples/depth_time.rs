@@ -10,7 +10,7 @@
 
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
-use belvedere_sensors::device::depth::{DepthModel, presets, published};
+use belvedere_sensors::device::depth_model::{DepthModel, presets, published};
 use belvedere_sensors::noise::GaussianNoise;
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};

@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let preset = presets::named(name).ok_or_else(|| format!("`{name}` is none of {:?}", presets::NAMES))?;
     let (rate, seconds): (f64, f64) = (rate.parse()?, seconds.parse()?);
-    let unit = Imu::new(preset, 1, 0)?;
+    let unit = Imu::new(preset.config(), 1, 0)?;
     let mut state = unit.start();
     let mut out = BufWriter::new(std::io::stdout().lock());
     for frame in 0..(rate * seconds) as u64 {

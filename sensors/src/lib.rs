@@ -2,16 +2,16 @@
 //!
 //! # How the crate is built
 //!
-//! A configuration is checked once and makes a [`Sensor`], which fills slices of the caller's. A [`scene`] holds shapes and
-//! looks; a [`Moment`] says where the sensor and every instance are, so one scene can be seen at many moments. Cameras see
-//! what is [`VISUAL`](scene::visibility::VISUAL), lidars hit what is [`COLLISION`](scene::visibility::COLLISION), unless
-//! they are configured otherwise.
+//! A configuration is checked once and makes a [`Sensor`], which fills slices of the caller's. A [`scene`] holds shapes
+//! and looks; a [`Moment`] says where the sensor and every instance are, so one scene can be seen at many moments.
+//! Cameras see what is [`VISUAL`](scene::visibility::VISUAL), lidars hit what is
+//! [`COLLISION`](scene::visibility::COLLISION), unless they are configured otherwise.
 //!
 //! # Stack
 //!
-//! Every function that senses, casts rays or builds a scene needs less than 60 KiB of stack, and so runs on a thread with
-//! 64 KiB. (Measured on x86-64 at SSE2 and AVX2, in the dev and release profiles.) With `rayon`, a thread that waits for
-//! others may begin other work on the same stack, and needs more.
+//! Every function that senses, casts rays or builds a scene needs less than 60 KiB of stack, and so runs on a thread
+//! with 64 KiB. (Measured on x86-64 at SSE2 and AVX2, in the dev and release profiles.) With `rayon`, a thread that
+//! waits for others may begin other work on the same stack, and needs more.
 //!
 //! # Layers
 //!
@@ -28,6 +28,8 @@
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
+// Some items have no user in the crate without `raw`. With it, the compiler finds those that have none at all.
+#![cfg_attr(not(feature = "raw"), allow(dead_code, unreachable_pub, unused_imports))]
 // Kernels must be inlined into the `vectorize` closure that compiles them for an instruction set, and their plain
 // indexed loops over lanes are what the compiler vectorises.
 #![allow(clippy::inline_always, clippy::needless_range_loop)]
@@ -61,6 +63,29 @@ macro_rules! outputs {
             self.$field = Some($field);
             self
         })*
+    };
+}
+
+/// The names of a module's presets, and the look-up by name. All modules of presets have the same three items: `ALL`,
+/// `NAMES` and `named`.
+macro_rules! preset_names {
+    ($all:ident: $preset:ty) => {
+        /// The names of all presets, by which configuration files refer to them.
+        pub const NAMES: [&str; $all.len()] = {
+            let mut names = [""; $all.len()];
+            let mut index = 0;
+            while index < names.len() {
+                names[index] = $all[index].name;
+                index += 1;
+            }
+            names
+        };
+
+        /// Returns the preset with the given name, or `None` if there is none.
+        #[must_use]
+        pub fn named(name: &str) -> Option<$preset> {
+            $all.iter().find(|preset| preset.name == name).copied()
+        }
     };
 }
 

@@ -37,8 +37,8 @@ pub struct Moment<'a> {
 /// the columns of a rotating lidar, starting at the first beam of the scan lines, or the scan lines themselves.
 ///
 /// Each slice places all instances of the scene anew and walks its trees once, and rays are traced in blocks of sixteen
-/// columns. A [`Lidar`](crate::lidar::Lidar) is therefore fast with slices of sixteen columns or more. In a hall with 48
-/// things, a scan took this many times as long as at one moment (x86-64 with AVX2):
+/// columns. A [`Lidar`](crate::lidar::Lidar) is therefore fast with slices of sixteen columns or more. In a hall with
+/// 48 things, a scan took this many times as long as at one moment (x86-64 with AVX2):
 ///
 /// | columns in a slice | 720 × 1 beams | 1800 × 16 beams | 1024 × 128 beams |
 /// |---:|---:|---:|---:|
@@ -47,8 +47,8 @@ pub struct Moment<'a> {
 /// | 16 | 6 | 3 | 1.4 |
 /// | 64 | 2.4 | 1.6 | 1.1 |
 ///
-/// A [`Scanner`](crate::scanner::Scanner) with a [moving](Shutter::Moving) shutter gives each firing a time of its own without
-/// slices.
+/// A [`Scanner`](crate::scanner::Scanner) with a [moving](Shutter::Moving) shutter gives each firing a time of its own
+/// without slices.
 #[derive(Debug, Clone)]
 pub struct Slice<'a> {
     /// The range of lines.
@@ -157,12 +157,12 @@ impl<'a> Shutter<'a> {
 /// A frame to be captured: its number and its shutter.
 ///
 /// ```
-/// use belvedere_sensors::{Capture, Moment, Pose, Shutter, Slice};
+/// use belvedere_sensors::{Capture, Moment, Pose, Shutter, Slice, glam::DVec3};
 /// let still = Moment { world_from_sensor: Pose::IDENTITY, world_from_instance: &[] };
 /// assert_eq!(Capture::new(7, still).frame, 7);
 ///
 /// // A rolling shutter: the sensor turns by 1 mrad from each of 480 rows to the next.
-/// let turned = |row: u32| Pose::from_xyz_rpy(belvedere_sensors::glam::DVec3::ZERO, belvedere_sensors::glam::DVec3::Z * (1e-3 * f64::from(row)));
+/// let turned = |row: u32| Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * (1e-3 * f64::from(row)));
 /// let rows: Vec<_> = (0..480)
 ///     .map(|row| Slice { lines: row..row + 1, at: Moment { world_from_sensor: turned(row), ..still } })
 ///     .collect();

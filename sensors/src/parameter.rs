@@ -1,6 +1,7 @@
 //! Why a configuration is refused.
 
-/// A parameter of a configuration is out of its range. It is the error of all sensors, lenses, devices and noise models.
+/// A parameter of a configuration is out of its range. It is the error of all sensors, lenses, devices and noise
+/// models.
 ///
 /// ```
 /// use belvedere_sensors::{camera::*, optics::PinholeGrid, Rule};
@@ -24,6 +25,8 @@ pub struct ParameterError {
     pub value: f64,
     /// What the value must be.
     pub rule: Rule,
+    /// Whether the parameter is an `f32`, whose value is displayed with as few digits as an `f32` needs.
+    is_f32: bool,
 }
 
 /// What the value of a parameter must be.
@@ -42,7 +45,7 @@ impl ParameterError {
         value: f64,
         rule: &'static str,
     ) -> Self {
-        Self { of, parameter, index: None, value, rule: Rule::Text(rule) }
+        Self { of, parameter, index: None, value, rule: Rule::Text(rule), is_f32: false }
     }
 
     /// The same for one of a list.
@@ -62,6 +65,18 @@ impl ParameterError {
         if holds { Ok(()) } else { Err(Self::new(of, parameter, value, rule)) }
     }
 
+    /// Refuses a single-precision value for which `holds` is not true.
+    pub(crate) fn require_f32(
+        of: &'static str,
+        parameter: &'static str,
+        value: f32,
+        holds: bool,
+        rule: &'static str,
+    ) -> Result<(), Self> {
+        let error = Self { is_f32: true, ..Self::new(of, parameter, value.into(), rule) };
+        if holds { Ok(()) } else { Err(error) }
+    }
+
     /// Refuses a value outside a range, of which both ends are allowed.
     pub(crate) fn require_in(
         of: &'static str,
@@ -72,19 +87,25 @@ impl ParameterError {
         if value >= range[0] && value <= range[1] {
             Ok(())
         } else {
-            Err(Self { of, parameter, index: None, value, rule: Rule::Range(range) })
+            Err(Self { of, parameter, index: None, value, rule: Rule::Range(range), is_f32: false })
         }
     }
 }
 
 impl core::fmt::Display for ParameterError {
     fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        let Self { of, parameter, index, value, rule } = self;
+        let Self { of, parameter, index, value, rule, is_f32 } = self;
         f.write_str(parameter)?;
         if let Some(index) = index {
             write!(f, " {index}")?;
         }
-        write!(f, " of the {of} is {value}; it must be ")?;
+        write!(f, " of the {of} is ")?;
+        if *is_f32 {
+            write!(f, "{}", *value as f32)?;
+        } else {
+            write!(f, "{value}")?;
+        }
+        f.write_str("; it must be ")?;
         match rule {
             Rule::Text(text) => f.write_str(text),
             Rule::Range([least, most]) => write!(f, "from {least} to {most}"),

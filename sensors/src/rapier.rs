@@ -13,7 +13,7 @@ use std::collections::hash_map::Entry;
 
 /// An instance of a collider, and its pose in the collider's frame.
 #[derive(Debug, Clone, Copy)]
-struct Placed {
+struct PlacedPart {
     instance: InstanceId,
     collider_from_instance: Pose,
 }
@@ -23,7 +23,7 @@ struct Placed {
 struct Mirrored {
     /// Address of its shape.
     address: usize,
-    instances: Vec<Placed>,
+    instances: Vec<PlacedPart>,
 }
 
 /// A shape that is in the scene.
@@ -111,7 +111,7 @@ impl ColliderScene {
                 Ok(instance) => {
                     mirrored
                         .instances
-                        .push(Placed { instance, collider_from_instance: part.shape_from_part });
+                        .push(PlacedPart { instance, collider_from_instance: part.shape_from_part });
                 }
                 Err(error) => {
                     self.remove(builder, handle);
@@ -126,7 +126,7 @@ impl ColliderScene {
     /// contain it.
     pub fn remove(&mut self, builder: &mut SceneBuilder, collider: ColliderHandle) -> bool {
         let Some(mirrored) = self.placed.remove(&collider) else { return false };
-        for Placed { instance, .. } in mirrored.instances {
+        for PlacedPart { instance, .. } in mirrored.instances {
             let removed = builder.remove_instance(instance);
             debug_assert!(removed.is_ok(), "the instances of a collider are its mirror's alone");
         }

@@ -4,7 +4,7 @@ mod common;
 
 use belvedere_sensors::camera::{Mosaic, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::device::depth::{DisparityNoise, SecondEye, published};
+use belvedere_sensors::device::depth_model::{DisparityNoise, SecondEye, published};
 use belvedere_sensors::device::{DeviceConfig, Exposure, Tone, Vignetting};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};

@@ -17,7 +17,7 @@ use crate::description::text::number;
 use belvedere_bridge::payload::CameraInfo;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, StreamSpec};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
-use belvedere_sensors::device::depth::{DepthModel, DepthNoise};
+use belvedere_sensors::device::depth_model::{DepthModel, DepthNoise};
 use belvedere_sensors::trace::Faces;
 use belvedere_sensors::{ParameterError, Shutter};
 use std::time::Instant;

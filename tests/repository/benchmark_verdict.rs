@@ -1,7 +1,7 @@
 //! The gate of the benchmarks opens and shuts where it says.
 
 #[allow(dead_code, unreachable_pub, reason = "parts of another target")]
-#[path = "../../benches/budgets.rs"]
+#[path = "../../benches/budgets/mod.rs"]
 pub(super) mod budgets;
 #[allow(unreachable_pub, reason = "part of another target")]
 #[path = "../../benches/gate/verdict.rs"]

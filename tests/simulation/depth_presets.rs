@@ -6,7 +6,7 @@ use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules, SensorModels, load};
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
-use belvedere_sensors::device::depth::presets;
+use belvedere_sensors::device::depth_model::presets;
 
 /// A box of 0.4 m a side, 1 m ahead, and a wall 2 m ahead of the sensor.
 const ROOM: &str = "<sdf version='1.6'><model name='room'><static>true</static><link name='l'>

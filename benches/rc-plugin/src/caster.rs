@@ -8,7 +8,7 @@ use belvedere_sensors::scene::build::{self, Quality, Scratch};
 use belvedere_sensors::scene::tree::{Facet, TriangleBlock, WideNode};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::simd::WIDTH;
-use belvedere_sensors::trace::rays::{Rays, Tree, cast_mesh};
+use belvedere_sensors::trace::rays::{MeshTree, Rays, cast_mesh};
 use belvedere_sensors::trace::{CacheLine, Faces, Hits, Workspace, cast_grid, grid_workspace_len};
 
 /// A mesh and its tree.
@@ -169,7 +169,7 @@ impl Caster {
             );
             return;
         }
-        let tree = Tree {
+        let tree = MeshTree {
             nodes: &self.nodes.as_slice()[..self.size.nodes],
             blocks: &self.blocks.as_slice()[..self.size.blocks],
         };

@@ -27,13 +27,14 @@ pub struct FrameStatistics {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct AutoExposureConfig {
-    /// The target for the mean ([`FrameStatistics::mean`]); 0.18 is a middle grey.
+    /// The target for the mean ([`FrameStatistics::mean`]); 0.18 is a middle grey. The default is 0.18.
     pub target: f64,
-    /// Tolerance as a fraction of the target: while the mean is within it, the exposure does not change.
+    /// Tolerance as a fraction of the target: while the mean is within it, the exposure does not change. The default is
+    /// 0.05.
     pub tolerance: f64,
-    /// Shortest and longest exposure time in seconds.
+    /// Shortest and longest exposure time in seconds. The default is 20 µs to 33 ms.
     pub time_range_s: [f64; 2],
-    /// Largest gain. The gain rises above 1 only if the longest time is not enough.
+    /// Largest gain. The gain rises above 1 only if the longest time is not enough. The default is 16.
     pub most_gain: f64,
 }
 

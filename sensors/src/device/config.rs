@@ -32,40 +32,45 @@ pub struct Exposure {
 #[non_exhaustive]
 pub struct DeviceConfig {
     /// Exposure time and gain. Automatic exposure changes them from frame to frame
-    /// ([`Camera::set_device_exposure`](crate::camera::Camera::set_device_exposure)).
+    /// ([`Camera::set_device_exposure`](crate::camera::Camera::set_device_exposure)). The default is 10 ms at a gain of
+    /// 1.
     pub exposure: Exposure,
-    /// Radiance of a colour of 1, in W/(m²·sr). 0.233 is white paper in an office, at 500 lx of 555 nm.
+    /// Radiance of a colour of 1, in W/(m²·sr). 0.233 is white paper in an office, at 500 lx of 555 nm. The default is
+    /// 0.233.
     pub white_radiance_w_m2_sr: f64,
-    /// Wavelength of the light in nanometres.
+    /// Wavelength of the light in nanometres. The default is 555.
     pub wavelength_nm: f64,
-    /// Focal length divided by the diameter of the aperture.
+    /// Focal length divided by the diameter of the aperture. The default is 2.8.
     pub f_number: f64,
-    /// Vignetting of the lens.
+    /// Vignetting of the lens. The default is [`Vignetting::NONE`].
     pub vignetting: Vignetting,
-    /// Side length of a pixel in micrometres.
+    /// Side length of a pixel in micrometres. The default is 5.
     pub pixel_pitch_um: f64,
-    /// Quantum efficiency in electrons per photon for red, green and blue, including the colour filter.
+    /// Quantum efficiency in electrons per photon for red, green and blue, including the colour filter. The default is
+    /// 0.5 for each.
     pub quantum_efficiency: [f64; 3],
-    /// Full-well capacity in electrons.
+    /// Full-well capacity in electrons. The default is 16,000.
     pub full_well_e: f64,
-    /// Mean dark current in electrons per second.
+    /// Mean dark current in electrons per second. The default is 0.
     pub dark_current_e_per_s: f64,
-    /// Read noise before the gain: standard deviation in electrons.
+    /// Read noise before the gain: standard deviation in electrons. The default is 0.
     pub read_noise_e: f64,
     /// Read noise after the gain: standard deviation in DN. Expressed in electrons, it decreases as the gain increases.
+    /// The default is 0.
     pub converter_noise_dn: f64,
-    /// Dark signal non-uniformity (DSNU₁₂₈₈): standard deviation of the pixels' dark signal, in electrons.
+    /// Dark signal non-uniformity (DSNU₁₂₈₈): standard deviation of the pixels' dark signal, in electrons. The default
+    /// is 0.
     pub dsnu_e: f64,
     /// Photo-response non-uniformity (PRNU₁₂₈₈): standard deviation of the pixels' response, as a fraction of it; 0.01
-    /// is 1 %.
+    /// is 1 %. The default is 0.
     pub prnu: f64,
-    /// Overall system gain K at a gain of 1, in DN per electron.
+    /// Overall system gain K at a gain of 1, in DN per electron. The default is 0.25.
     pub dn_per_electron: f64,
-    /// Black level: output of the converter without light, in DN.
+    /// Black level: output of the converter without light, in DN. The default is 0.
     pub black_level_dn: f64,
-    /// Bits of the converter, 8 to 16.
+    /// Bits of the converter, 8 to 16. The default is 12.
     pub bits: u32,
-    /// Conversion from DN to image values.
+    /// Conversion from DN to image values. The default is [`Tone::Raw`].
     pub tone: Tone,
 }
 

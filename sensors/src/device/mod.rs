@@ -19,7 +19,7 @@
 
 mod auto_exposure;
 mod config;
-pub mod depth;
+pub mod depth_model;
 mod format;
 mod mosaic;
 mod poisson;

@@ -9,16 +9,16 @@ use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 #[non_exhaustive]
 pub struct GaussianNoiseConfig {
-    /// Mean of the noise of each sample, finite.
+    /// Mean of the noise of each sample, finite. The default is 0.
     pub mean: f32,
-    /// Standard deviation of the noise of each sample, 0 or more.
+    /// Standard deviation of the noise of each sample, 0 or more. The default is 0.
     pub stddev: f32,
-    /// Mean of the bias of a run, finite. The sign of the bias is flipped with probability ½, as in SDF; for a bias of known
-    /// sign, set `mean`.
+    /// Mean of the bias of a run, finite. The sign of the bias is flipped with probability ½, as in SDF; for a bias of
+    /// known sign, set `mean`. The default is 0.
     pub bias_mean: f32,
-    /// Standard deviation of the bias of a run, 0 or more.
+    /// Standard deviation of the bias of a run, 0 or more. The default is 0.
     pub bias_stddev: f32,
-    /// The step to which outputs are rounded; 0 disables rounding.
+    /// The step to which outputs are rounded; 0 disables rounding. The default is 0.
     pub precision: f32,
 }
 
@@ -68,7 +68,7 @@ impl GaussianNoise {
     pub fn new(config: GaussianNoiseConfig) -> Result<Self, ParameterError> {
         let GaussianNoiseConfig { mean, stddev, bias_mean, bias_stddev, precision } = config;
         let require = |parameter, value: f32, holds, rule| {
-            ParameterError::require("noise", parameter, value.into(), holds, rule)
+            ParameterError::require_f32("noise", parameter, value, holds, rule)
         };
         let is_spread = |value: f32| value.is_finite() && value >= 0.0;
         require("mean", mean, mean.is_finite(), "a finite number")?;

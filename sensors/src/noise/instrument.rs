@@ -18,27 +18,27 @@ use crate::simd::best_level;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct InstrumentConfig<const N: usize> {
-    /// Sensitivity matrix, row by row: what each axis reads per unit along each axis.
+    /// Sensitivity matrix, row by row: what each axis reads per unit along each axis. The default is the identity.
     pub sensitivity: [[f64; N]; N],
-    /// Mean of the noise.
+    /// Mean of the noise. The default is 0.
     pub mean: [f64; N],
-    /// Standard deviation of white noise per sample, independent of the rate.
+    /// Standard deviation of white noise per sample, independent of the rate. The default is 0.
     pub stddev: [f64; N],
-    /// White noise density in units/√Hz.
+    /// White noise density in units/√Hz. The default is 0.
     pub density: [f64; N],
-    /// Mean of the bias of a run. The sign of the bias is flipped with probability ½ for each axis, as in SDF; for a bias of
-    /// known sign, set `mean`.
+    /// Mean of the bias of a run. The sign of the bias is flipped with probability ½ for each axis, as in SDF; for a
+    /// bias of known sign, set `mean`. The default is 0.
     pub bias_mean: [f64; N],
-    /// Standard deviation of the bias of a run.
+    /// Standard deviation of the bias of a run. The default is 0.
     pub bias_stddev: [f64; N],
-    /// Density of the white noise that drives the drifting bias, in units/s/√Hz.
+    /// Density of the white noise that drives the drifting bias, in units/s/√Hz. The default is 0.
     pub drift: [f64; N],
-    /// Correlation time of the drifting bias in seconds; infinite for a random walk.
+    /// Correlation time of the drifting bias in seconds; infinite for a random walk. The default is infinity.
     pub drift_time_s: [f64; N],
     /// Quantisation step of the output; 0 for none. A value is left unrounded if its nearest step is not a finite
-    /// number.
+    /// number. The default is 0.
     pub precision: [f64; N],
-    /// Outputs are clamped to ± this value.
+    /// Outputs are clamped to ± this value. The default is infinity.
     pub limit: f64,
 }
 

@@ -94,12 +94,12 @@ impl SceneBuilder {
     /// the shape is to be shown.
     ///
     /// ```
-    /// use belvedere_sensors::{Pose, scene::*};
+    /// use belvedere_sensors::{Pose, glam::DVec3, scene::*};
     /// use parry3d::shape::Cylinder;
     /// let mut builder = SceneBuilder::new();
     /// let material = builder.add_material(&MaterialConfig::default())?;
     /// // Upright in the world: parry3d's y is turned up.
-    /// let upright = Pose::from_xyz_rpy(belvedere_sensors::glam::DVec3::ZERO, belvedere_sensors::glam::DVec3::X * core::f64::consts::FRAC_PI_2);
+    /// let upright = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::X * core::f64::consts::FRAC_PI_2);
     /// let look = InstanceConfig { material, world_from_instance: upright, ..Default::default() };
     /// for part in builder.add_parry_shape(&Cylinder::new(0.5, 0.2), [1.0; 3])? {
     ///     assert_eq!(part.shape, Shape::Cylinder { radius: f64::from(0.2_f32), length: 1.0 });

@@ -6,10 +6,10 @@
 use super::fault::{Element, count};
 use super::texture::{mip_levels, mip_texels};
 use super::tree::{Facet, TriangleBlock};
+use super::validate::{validate_scratch_len, validate_tree};
 use super::vertices::MAX_COORDINATE;
 use super::{
     Form, HeightField, Kind, Mesh, MeshSlices, NO_TEXTURE, Scene, SceneFault, Triangles, build, limits,
-    validate_scratch_len, validate_tree,
 };
 use crate::Execution;
 #[cfg(feature = "alloc")]
@@ -117,7 +117,7 @@ fn facets(meshes: &MeshSlices<'_>) -> Result<(), SceneFault> {
     let execution = Execution::default();
     let mut expected = [Facet::zeroed(); WIDTH];
     for (index, block) in meshes.blocks.iter().enumerate() {
-        build::fill_facets(core::slice::from_ref(block), execution, &mut expected);
+        build::facets::fill_facets(core::slice::from_ref(block), execution, &mut expected);
         let held = &meshes.facets[index * WIDTH..][..WIDTH];
         for (lane, (held, expected)) in held.iter().zip(&expected).enumerate() {
             let element = Element::of("facets", index * WIDTH + lane);

@@ -85,21 +85,24 @@ pub mod visibility {
 /// The configuration of an [`Instance`].
 #[derive(Debug, Clone, Copy)]
 pub struct InstanceConfig {
-    /// The shape.
+    /// The shape. The default is a box with edges of 1 m.
     pub shape: Shape,
     /// Pose at which the instance is added. A [`SceneBuilder`](super::SceneBuilder) stores it next to the instance,
-    /// which itself has no pose.
+    /// which itself has no pose. The default is [`Pose::IDENTITY`].
     pub world_from_instance: Pose,
     /// Scale factors along the instance's axes, applied before rotation and translation. Negative factors mirror the
-    /// shape. The outside of a shape stays its outside, also for a mirrored mesh.
+    /// shape. The outside of a shape stays its outside, also for a mirrored mesh. The default is 1 along each axis.
     pub scale: [f64; 3],
-    /// The material. Lidars ignore it, except for the intensities of a [`Scanner`](crate::scanner::Scanner).
+    /// The material. Lidars ignore it, except for the intensities of a [`Scanner`](crate::scanner::Scanner). The
+    /// default is 0, the scene's first.
     pub material: MaterialId,
-    /// Visibility mask. A sensor sees the instance if the two masks share a bit.
+    /// Visibility mask. A sensor sees the instance if the two masks share a bit. The default is both bits of
+    /// [`visibility`].
     pub visibility: u32,
-    /// The intensity that a lidar reports for the instance.
+    /// The intensity that a lidar reports for the instance. The default is 0.
     pub laser_retro: f32,
-    /// Semantic class, as reported by [`Truth::class`](crate::trace::Truth::class); 0 means unlabelled.
+    /// Semantic class, as reported by [`Truth::class`](crate::trace::Truth::class); 0 means unlabelled. The default is
+    /// 0.
     pub class: u32,
 }
 

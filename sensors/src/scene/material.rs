@@ -7,34 +7,35 @@ use bytemuck::{Pod, Zeroable};
 /// given, without gamma, as in Gazebo classic.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MaterialConfig {
-    /// Diffuse reflectance for the light of lamps, multiplied by the texture.
+    /// Diffuse reflectance for the light of lamps, multiplied by the texture. The default is 0.7 for each colour.
     pub diffuse: [f32; 3],
-    /// Reflectance for ambient light, multiplied by the texture.
+    /// Reflectance for ambient light, multiplied by the texture. The default is 0.7 for each colour.
     pub ambient: [f32; 3],
-    /// Emitted light.
+    /// Emitted light. The default is 0 for each colour.
     pub emissive: [f32; 3],
     /// Specular reflectance: factor of a lamp's [`LightConfig::specular`] at the peak of the highlight, where the
-    /// surface mirrors the lamp towards the sensor. The texture does not change it.
+    /// surface mirrors the lamp towards the sensor. The texture does not change it. The default is 0 for each colour.
     pub specular: [f32; 3],
     /// Sharpness of highlights: the Blinn–Phong exponent, 0 to [`MAX_SHININESS`]. At 0 there are no highlights, as in
-    /// Gazebo classic.
+    /// Gazebo classic. The default is 0.
     pub shininess: f32,
-    /// Opacity from 0 to 1; the rest shows what lies behind the surface. See [`TextureAlpha`].
+    /// Opacity from 0 to 1; the rest shows what lies behind the surface. See [`TextureAlpha`]. The default is 1.
     pub alpha: f32,
-    /// Meaning of the texture's alpha channel.
+    /// Meaning of the texture's alpha channel. The default is [`TextureAlpha::Ignored`].
     pub texture_alpha: TextureAlpha,
     /// Share of the light of lidars and depth cameras that is reflected specularly, 0 to 1. These sensors see what the
-    /// mirror shows, at the length of the whole path of the light. Cameras ignore it.
+    /// mirror shows, at the length of the whole path of the light. Cameras ignore it. The default is 0.
     pub specular_reflectance: f32,
     /// Share of the light of lidars and depth cameras that passes straight through, 0 to 1. Together with
-    /// [`MaterialConfig::specular_reflectance`] it is at most 1; the rest is scattered. By default, all light is
-    /// scattered. Cameras use [`MaterialConfig::alpha`] instead.
+    /// [`MaterialConfig::specular_reflectance`] it is at most 1; the rest is scattered. Cameras use
+    /// [`MaterialConfig::alpha`] instead. The default is 0.
     pub transmittance: f32,
-    /// Normal map, added by [`SceneBuilder::add_normal_map`](super::SceneBuilder::add_normal_map).
+    /// Normal map, added by [`SceneBuilder::add_normal_map`](super::SceneBuilder::add_normal_map). The default is
+    /// `None`.
     pub normal_map: Option<TextureId>,
-    /// Colour texture.
+    /// Colour texture. The default is `None`.
     pub texture: Option<TextureId>,
-    /// Number of repetitions of texture and normal map along u and v.
+    /// Number of repetitions of texture and normal map along u and v. The default is 1 along both.
     pub texture_repeat: [f32; 2],
 }
 
@@ -196,17 +197,19 @@ pub const MAX_FALLOFF: f32 = 1e4;
 /// The configuration of a lamp.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightConfig {
-    /// Kind of the lamp, with its position and direction.
+    /// Kind of the lamp, with its position and direction. The default is a [`LightKind::Point`] at the world's origin.
     pub kind: LightKind,
-    /// Diffuse light: colour times brightness.
+    /// Diffuse light: colour times brightness. The default is 1 for each colour.
     pub diffuse: [f32; 3],
-    /// Light that makes highlights on [glossy](MaterialConfig::specular) materials: colour times brightness.
+    /// Light that makes highlights on [glossy](MaterialConfig::specular) materials: colour times brightness. The
+    /// default is 0 for each colour.
     pub specular: [f32; 3],
-    /// Range in metres, beyond which the lamp gives no light; may be infinite.
+    /// Range in metres, beyond which the lamp gives no light; may be infinite. The default is infinity.
     pub range_m: f32,
-    /// Brightness at distance d is min(1, 1 / (a\[0\] + a\[1\]·d + a\[2\]·d²)). Not used for directional light.
+    /// Brightness at distance d is min(1, 1 / (a\[0\] + a\[1\]·d + a\[2\]·d²)). Not used for directional light. The
+    /// default is \[1, 0, 0\], without any loss.
     pub attenuation: [f32; 3],
-    /// Whether objects cast shadows in the light of this lamp.
+    /// Whether objects cast shadows in the light of this lamp. The default is `false`.
     pub cast_shadows: bool,
 }
 

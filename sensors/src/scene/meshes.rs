@@ -1,6 +1,9 @@
 //! Meshes and their trees in memory that the caller provides, for scenes without a heap.
 
-use super::build::{Quality, Scratch, TreeSize, fill_facets, plan};
+use super::build::facets::fill_facets;
+use super::build::plan::plan;
+use super::build::quality::Quality;
+use super::build::{Scratch, TreeSize};
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{Mesh, MeshId, MeshSlices, SceneError, SceneFault, check, limits};
 use crate::Execution;
@@ -78,9 +81,10 @@ impl<'a> MeshStore<'a> {
     /// per vertex, or is empty.
     ///
     /// # Errors
-    /// Those of [`plan`], [`SceneError::UvCount`], [`SceneError::BadUv`], and [`SceneError::BufferTooSmall`] with the
-    /// name of the slice of [`MeshMemory`] and the number of elements that it must have. After an error, the store
-    /// holds the same meshes as before.
+    /// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the
+    /// element, [`SceneError::TooMany`] if 32 bits cannot count the elements, [`SceneError::UvCount`],
+    /// [`SceneError::BadUv`], and [`SceneError::BufferTooSmall`] with the name of the slice of [`MeshMemory`] and the
+    /// number of elements that it must have. After an error, the store holds the same meshes as before.
     pub fn add(
         &mut self,
         positions: &[[f32; 3]],

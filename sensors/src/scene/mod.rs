@@ -33,6 +33,7 @@ pub(crate) mod limits;
 mod material;
 mod mesh_slices;
 mod meshes;
+#[cfg(feature = "raw")]
 mod single;
 mod slices;
 mod texture;
@@ -59,13 +60,16 @@ pub use material::{
 };
 pub use mesh_slices::MeshSlices;
 pub use meshes::{MeshMemory, MeshStore, Meshes};
+#[cfg(feature = "raw")]
 pub use single::MeshScene;
 pub use slices::SceneSlices;
 pub use texture::{
     ColourSpace, Texture, TextureId, fill_mip_levels, fill_srgb_mip_levels, mip_levels, mip_texels,
 };
 
-pub use validate::{TreeFault, validate_scratch_len, validate_tree};
+pub use validate::TreeFault;
+#[cfg(feature = "raw")]
+pub use validate::{validate_scratch_len, validate_tree};
 pub use vertices::MAX_COORDINATE;
 
 #[cfg(feature = "alloc")]
@@ -245,18 +249,27 @@ pub enum SceneError {
     HeightCount,
     /// The height with this index is not finite, or beyond [`MAX_COORDINATE`].
     BadHeight(usize),
-    /// An instance refers to a height field that the scene does not have.
-    NoSuchHeightField,
-    /// An instance refers to a mesh that the scene does not have.
-    NoSuchMesh,
-    /// An instance refers to a material that the scene does not have.
-    NoSuchMaterial,
-    /// A material refers to a texture that the scene does not have.
-    NoSuchTexture,
-    /// There is no instance with this index.
-    NoSuchInstance,
-    /// There is no lamp with this index.
-    NoSuchLight,
+    /// The scene has no height field with this index, or it was removed.
+    NoSuchHeightField(u32),
+    /// The scene has no mesh with this index, or it was removed.
+    NoSuchMesh(u32),
+    /// The scene has no material with this index, or it was removed.
+    NoSuchMaterial(u32),
+    /// The scene has no texture with this index, or it was removed.
+    NoSuchTexture(u32),
+    /// The scene has no instance with this index, or it was removed.
+    NoSuchInstance(u32),
+    /// The scene has no lamp with this index, or it was removed.
+    NoSuchLight(u32),
+    /// There is not one replacement for each element of the scene.
+    Count {
+        /// The kind of the elements: `materials` or `lights`.
+        elements: &'static str,
+        /// Number of replacements.
+        have: usize,
+        /// Number of elements of the scene.
+        need: usize,
+    },
     /// What is to be removed is still in use.
     InUse {
         /// The kind of the user: `instance` or `material`.
@@ -312,12 +325,15 @@ impl core::fmt::Display for SceneError {
             Self::HeightFieldTooSmall => f.write_str("a height field must have 2 × 2 heights at least"),
             Self::HeightCount => f.write_str("a height field must have rows × columns heights"),
             Self::BadHeight(index) => write!(f, "height {index} is not finite, or beyond 1e12 m"),
-            Self::NoSuchHeightField => f.write_str("no such height field in the scene"),
-            Self::NoSuchMesh => f.write_str("no such mesh in the scene"),
-            Self::NoSuchMaterial => f.write_str("no such material in the scene"),
-            Self::NoSuchTexture => f.write_str("no such texture in the scene"),
-            Self::NoSuchInstance => f.write_str("no such instance in the scene"),
-            Self::NoSuchLight => f.write_str("no such lamp in the scene"),
+            Self::NoSuchHeightField(index) => write!(f, "the scene has no height field {index}"),
+            Self::NoSuchMesh(index) => write!(f, "the scene has no mesh {index}"),
+            Self::NoSuchMaterial(index) => write!(f, "the scene has no material {index}"),
+            Self::NoSuchTexture(index) => write!(f, "the scene has no texture {index}"),
+            Self::NoSuchInstance(index) => write!(f, "the scene has no instance {index}"),
+            Self::NoSuchLight(index) => write!(f, "the scene has no lamp {index}"),
+            Self::Count { elements, have, need } => {
+                write!(f, "there are {have} replacements for the {need} {elements} of the scene")
+            }
             Self::InUse { user, index } => write!(f, "it is still used by {user} {index}: remove that first"),
             Self::TooMany => f.write_str("more elements than 32-bit indices can count"),
         }

@@ -11,6 +11,8 @@ use crate::simd::WIDTH;
 /// A scene of one mesh at the world's origin, visible to all sensors, in the default material. Nothing is copied, so
 /// creating one takes no time. It is meant for code that keeps its own trees and casts rays at one of them.
 ///
+/// It needs the feature `raw`; semantic versioning does not cover it.
+///
 /// ```
 /// use belvedere_sensors::scene::build::{Quality, Tree};
 /// use belvedere_sensors::{Execution, scene::MeshScene};

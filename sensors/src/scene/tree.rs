@@ -2,6 +2,10 @@
 //!
 //! Both are structures of arrays of sixteen, the number of lanes of every kernel at every SIMD level, so the layout
 //! does not depend on the machine. Coordinates are metres in the frame of the mesh.
+//!
+//! A program without a heap makes arrays of [`WideNode`], [`TriangleBlock`] and [`Facet`] for a
+//! [`MeshStore`](super::MeshStore). Only that, and their being plain data, is covered by semantic versioning: fields,
+//! sizes and constants change when the trees do.
 
 use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};

@@ -29,17 +29,19 @@ impl<'a> Scene<'a> {
     /// ```
     ///
     /// # Errors
-    /// [`SceneError::NoSuchMaterial`] if the number of materials differs, and the errors of
+    /// [`SceneError::Count`] if the number of materials differs, and the errors of
     /// [`SceneBuilder::add_material`](super::SceneBuilder::add_material).
     pub fn with_materials(self, materials: &'a [Material]) -> Result<Self, SceneError> {
         if materials.len() != self.materials.len() {
-            return Err(SceneError::NoSuchMaterial);
+            let (have, need) = (materials.len(), self.materials.len());
+            return Err(SceneError::Count { elements: "materials", have, need });
         }
         for material in materials {
             limits::material(material)?;
-            let is_there = |texture: u32| texture == NO_TEXTURE || (texture as usize) < self.textures.len();
-            if !(is_there(material.texture) && is_there(material.normal_map)) {
-                return Err(SceneError::NoSuchTexture);
+            for texture in [material.texture, material.normal_map] {
+                if texture != NO_TEXTURE && texture as usize >= self.textures.len() {
+                    return Err(SceneError::NoSuchTexture(texture));
+                }
             }
         }
         Ok(Self { materials, ..self })

@@ -9,7 +9,8 @@ use crate::moment::Capture;
 use crate::scene::Scene;
 use crate::trace::{SenseError, Workspace};
 
-/// A camera, depth camera, lidar or scanner that owns all it needs. An [`Imu`](crate::imu::Imu) is none: it sees no scene.
+/// A camera, depth camera, lidar or scanner that owns all it needs. An [`Imu`](crate::imu::Imu) is none: it sees no
+/// scene.
 ///
 /// ```
 /// use belvedere_sensors::{camera::*, lidar::*, optics::PinholeGrid, scene::SceneBuilder, trace::WorkspaceBuf};

@@ -2,12 +2,12 @@
 
 pub(super) mod brush;
 mod config;
+#[cfg(feature = "alloc")]
+mod owned;
 
 use super::Sensor;
 pub use super::edges::Edges;
 use super::edges::{Canvas, TILE_HEIGHT, smooth};
-#[cfg(feature = "alloc")]
-pub use super::owned::CameraBuf;
 use super::pixel;
 use crate::ParameterError;
 use crate::device::{Device, Exposure, FrameStatistics, Metering, TileView, meter};
@@ -27,6 +27,10 @@ use crate::trace::{SenseError, Truth, Workspace};
 use brush::{Brush, ColourRows, sums_len};
 pub use config::{CameraConfig, MAX_IMAGE_SIZE};
 use fearless_simd::Simd;
+#[cfg(feature = "alloc")]
+pub use owned::CameraBuf;
+#[cfg(feature = "alloc")]
+pub(super) use owned::{lend_optics, own_optics};
 
 /// A colour camera, with a checked configuration.
 ///
@@ -36,7 +40,8 @@ use fearless_simd::Simd;
 /// ```
 /// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
 /// let mut builder = SceneBuilder::new();
-/// let red = builder.add_material(&MaterialConfig { emissive: [1.0, 0.0, 0.0], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
+/// let black = MaterialConfig { diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() };
+/// let red = builder.add_material(&MaterialConfig { emissive: [1.0, 0.0, 0.0], ..black })?;
 /// builder.add_instance(&InstanceConfig {
 ///     shape: Shape::Sphere { radius: 0.5 },
 ///     world_from_instance: Pose::from_translation(belvedere_sensors::glam::DVec3::X * 2.0),
@@ -74,7 +79,7 @@ impl<'a> Camera<'a> {
         ParameterError::require("camera", "near_m", near_m, in_order, rule)?;
         let is_factor = config.exposure.is_finite() && config.exposure >= 0.0;
         let rule = "a finite number, 0 or more";
-        ParameterError::require("camera", "exposure", config.exposure.into(), is_factor, rule)?;
+        ParameterError::require_f32("camera", "exposure", config.exposure, is_factor, rule)?;
         Ok(Self {
             config,
             bias: config.noise.bias(config.seed, config.sensor, 0),
@@ -250,7 +255,7 @@ impl Sensor for Camera<'_> {
         let Picture { mut colour, truth } = output;
         let marks = memory.take(self.marks(&capture.shutter));
         let drawn = (colour.as_deref_mut(), &mut *marks);
-        let rows = Rows {
+        let rows = PictureRows {
             wants_colour: drawn.0.is_some(),
             colour: ColourRows::new(self, frame.ray_grid(), &capture.shutter, drawn, &mut memory),
             truth,
@@ -259,7 +264,7 @@ impl Sensor for Camera<'_> {
         frame.trace(&self.sight(), &mut memory, rows, &Painter { camera: self, capture });
         if let Some(pixels) = colour {
             let canvas =
-                Retouched { camera: self, frame: capture.frame, space: scene.colour_space(), pixels };
+                RetouchedPicture { camera: self, frame: capture.frame, space: scene.colour_space(), pixels };
             smooth((&frame, optics), self.sight(), marks, execution, canvas);
         }
         Ok(())
@@ -272,9 +277,9 @@ struct Painter<'a> {
     capture: &'a Capture<'a>,
 }
 
-impl BandWork<Rows<'_>> for Painter<'_> {
+impl BandWork<PictureRows<'_>> for Painter<'_> {
     #[inline(always)]
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut PictureRows<'_>) {
         if let Some(truth) = &mut output.truth {
             truth.write(simd, band, &self.camera.sight(), self.capture);
         }
@@ -303,14 +308,14 @@ impl BandWork<Rows<'_>> for Painter<'_> {
 }
 
 /// The outputs of a picture, split between rows of blocks.
-struct Rows<'a> {
+struct PictureRows<'a> {
     wants_colour: bool,
     colour: ColourRows<'a>,
     truth: Option<Truth<'a>>,
     rays_in_row: usize,
 }
 
-impl SplitRows for Rows<'_> {
+impl SplitRows for PictureRows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { wants_colour, rays_in_row, .. } = self;
         let (colour, colour_below) = self.colour.split_rows(rows);
@@ -323,14 +328,14 @@ impl SplitRows for Rows<'_> {
 }
 
 /// The rest of a picture from some row of tiles on, whose edges are painted over.
-struct Retouched<'a> {
+struct RetouchedPicture<'a> {
     camera: &'a Camera<'a>,
     frame: u64,
     space: ColourSpace,
     pixels: &'a mut [u8],
 }
 
-impl SplitRows for Retouched<'_> {
+impl SplitRows for RetouchedPicture<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { camera, frame, space, pixels } = self;
         let (pixels, below) = pixels.split_at_mut(rows * TILE_HEIGHT * camera.row_stride());
@@ -338,7 +343,7 @@ impl SplitRows for Retouched<'_> {
     }
 }
 
-impl Canvas for Retouched<'_> {
+impl Canvas for RetouchedPicture<'_> {
     #[inline(always)]
     fn paint<S: Simd>(
         &mut self,

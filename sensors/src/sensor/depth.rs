@@ -1,4 +1,5 @@
-//! Depth cameras: depth along the optical axis, the registered colour picture, and the point cloud.
+//! Depth cameras: depth along the optical axis, the registered colour picture, and the point cloud. What a device makes
+//! of true depths is a [`depth_model`](crate::device::depth_model).
 
 mod borders;
 mod config;
@@ -6,6 +7,8 @@ mod contrast;
 mod develop;
 mod device_input;
 mod look;
+#[cfg(feature = "alloc")]
+mod owned;
 mod pattern;
 mod rows;
 mod surface;
@@ -15,19 +18,19 @@ use super::Sensor;
 use super::camera::brush::{Brush, ColourRows, sums_len};
 use super::camera::{Camera, CameraConfig};
 use super::edges::smooth;
-#[cfg(feature = "alloc")]
-pub use super::owned::DepthCameraBuf;
 pub use config::{DepthCameraConfig, OutOfRange};
 use contrast::{Brightness, Contrast};
 use develop::{Developer, Measured};
 use device_input::DeviceInput;
 use look::Looker;
-use pattern::Pattern;
-use rows::{Retouched, Rows};
+#[cfg(feature = "alloc")]
+pub use owned::DepthCameraBuf;
+use pattern::DotPattern;
+use rows::{DepthRows, RetouchedFrame};
 use too_near::{Blocked, Blocking, Obstacles};
 
 use crate::ParameterError;
-use crate::device::depth::{DepthDevice, DepthNoise, Look};
+use crate::device::depth_model::{DepthDevice, DepthNoise, Look};
 use crate::memory::{Cutter, lines};
 use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
@@ -204,7 +207,7 @@ impl Sensor for DepthCamera<'_> {
         let blocked = lines(ray_grid.blocks_across() * ray_grid.blocks_down() * size_of::<u16>());
         let seen = self.device.map_or(0, |device| {
             let pattern =
-                matches!(device.look, Look::Dots(_)).then(|| Pattern::workspace_len(self.camera.size()));
+                matches!(device.look, Look::Dots(_)).then(|| DotPattern::workspace_len(self.camera.size()));
             let brightness = device.matcher.map(|_| Brightness::workspace_len(self.pixels()));
             DeviceInput::workspace_len(self.pixels()) + pattern.unwrap_or(0) + brightness.unwrap_or(0)
         });
@@ -252,7 +255,7 @@ impl Sensor for DepthCamera<'_> {
         let wants_colour = colour.is_some() || points.is_some();
         let marks = memory.take(if wants_colour { self.camera.marks(shutter) } else { 0 });
         let drawn = (colour.as_deref_mut(), &mut *marks);
-        let rows = Rows {
+        let rows = DepthRows {
             depth_32fc1: depth_32fc1.as_deref_mut(),
             depth_16uc1: depth_16uc1.as_deref_mut(),
             points: points.as_deref_mut(),
@@ -272,7 +275,7 @@ impl Sensor for DepthCamera<'_> {
             let rays = rays_of(optics, (*frame.ray_grid(), 0), execution, &mut memory);
             let numbers = Stream { seed, sensor, frame: capture.frame, channel: 0 };
             let looker = Looker::new(&rays, self.camera.size(), numbers, seen);
-            let pattern = Pattern::find(&looker, device, execution, &mut memory);
+            let pattern = DotPattern::find(&looker, device, execution, &mut memory);
             let contrast = device.matcher.zip(brightness).map(|(matcher, Brightness(brightness))| Contrast {
                 matcher,
                 brightness,
@@ -283,7 +286,7 @@ impl Sensor for DepthCamera<'_> {
             Developer { camera: self, device, looker, pattern, contrast }.develop(execution, output);
         }
         let (camera, space) = (&self.camera, scene.colour_space());
-        let canvas = Retouched { camera, frame: capture.frame, space, colour, points };
+        let canvas = RetouchedFrame { camera, frame: capture.frame, space, colour, points };
         smooth((&frame, optics), sight, marks, execution, canvas);
         Ok(())
     }
@@ -305,7 +308,7 @@ impl Measurer<'_> {
         band: &Band<'_>,
         (measure, resolver, glazing): (&Measure, &mut Resolver<'_>, Option<Glazing>),
         [column, row]: [usize; 2],
-        output: &mut Rows<'_>,
+        output: &mut DepthRows<'_>,
     ) -> [f32x16<S>; BLOCKS] {
         let ray_grid = band.rays.ray_grid();
         let (tiling, across, first) = (Tiling::of(ray_grid), ray_grid.blocks_across(), column * BLOCKS);
@@ -341,9 +344,9 @@ impl Measurer<'_> {
     }
 }
 
-impl BandWork<Rows<'_>> for Measurer<'_> {
+impl BandWork<DepthRows<'_>> for Measurer<'_> {
     #[inline(always)]
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut DepthRows<'_>) {
         let Self { camera, capture, .. } = self;
         if let Some(truth) = &mut output.truth {
             truth.write(simd, band, &camera.camera.sight(), capture);
@@ -362,7 +365,7 @@ impl BandWork<Rows<'_>> for Measurer<'_> {
 impl Measurer<'_> {
     /// Writes depths and colours of a band. By itself, for the sake of the stack.
     #[inline(never)]
-    fn write_tiles<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+    fn write_tiles<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut DepthRows<'_>) {
         simd.vectorize(
             #[inline(always)]
             || self.write_each_tile(simd, band, output),
@@ -370,7 +373,7 @@ impl Measurer<'_> {
     }
 
     #[inline(always)]
-    fn write_each_tile<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+    fn write_each_tile<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut DepthRows<'_>) {
         let Self { camera, capture, .. } = self;
         let tiling = Tiling::of(band.rays.ray_grid());
         let mut brush = Brush::new(&camera.camera, capture, band);

@@ -37,7 +37,8 @@ pub(super) use marks::{TILE_HEIGHT, TILE_WIDTH};
 /// use belvedere_sensors::{camera::*, optics::PinholeGrid, scene::*, trace::*, Capture, Pose, Sensor};
 /// let mut builder = SceneBuilder::new();
 /// builder.set_environment(Environment { background: [0.0; 3], ..Default::default() });
-/// let white = builder.add_material(&MaterialConfig { emissive: [1.0; 3], diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() })?;
+/// let black = MaterialConfig { diffuse: [0.0; 3], ambient: [0.0; 3], ..Default::default() };
+/// let white = builder.add_material(&MaterialConfig { emissive: [1.0; 3], ..black })?;
 /// builder.add_instance(&InstanceConfig {
 ///     shape: Shape::Sphere { radius: 0.5 },
 ///     world_from_instance: Pose::from_translation(belvedere_sensors::glam::DVec3::X * 2.0),
@@ -160,7 +161,7 @@ impl<'a> Smoothing<'a> {
         across: usize,
         canvas: &mut impl Canvas,
     ) {
-        let mut scratch = Scratch::new(self.view);
+        let mut scratch = EdgeScratch::new(self.view);
         scratch.shader.set(self.sight.faces, false);
         let mut pixels = [Pixel { tile: [0; 2], lane: 0, colour: [0.0; 3] }; QUEUE];
         let (mut waiting, mut sampled) = (0, 0);
@@ -242,8 +243,8 @@ impl<'a> Smoothing<'a> {
     /// Traces the rays of up to sixteen pixels and sets these pixels to their mean colours. Compiled once per SIMD
     /// level, for all canvases.
     #[inline(never)]
-    fn sample<S: Simd>(&self, simd: S, scratch: &mut Scratch<'_>, pixels: &mut [Pixel]) {
-        let Scratch { tile, shader, resolver, colours } = scratch;
+    fn sample<S: Simd>(&self, simd: S, scratch: &mut EdgeScratch<'_>, pixels: &mut [Pixel]) {
+        let EdgeScratch { tile, shader, resolver, colours } = scratch;
         simd.vectorize(
             #[inline(always)]
             || {
@@ -355,14 +356,14 @@ struct Pixel {
 }
 
 /// Working memory that is reused from chunk to chunk.
-struct Scratch<'a> {
+struct EdgeScratch<'a> {
     tile: Tile,
     shader: Shader,
     resolver: Resolver<'a>,
     colours: Colours,
 }
 
-impl<'a> Scratch<'a> {
+impl<'a> EdgeScratch<'a> {
     #[inline(always)]
     fn new(view: &'a View<'a>) -> Self {
         Self {

@@ -9,9 +9,9 @@ use glam::DVec3;
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 #[non_exhaustive]
 pub struct ImuConfig {
-    /// Errors of the angular velocity, in rad/s.
+    /// Errors of the angular velocity, in rad/s. The default is [`InstrumentConfig::default`], without errors.
     pub gyro: InstrumentConfig<3>,
-    /// Errors of the specific force, in m/s².
+    /// Errors of the specific force, in m/s². The default is [`InstrumentConfig::default`], without errors.
     pub accelerometer: InstrumentConfig<3>,
 }
 
@@ -29,14 +29,15 @@ impl ImuConfig {
 pub struct InertialReading {
     /// Angular velocity in rad/s.
     pub angular_velocity: DVec3,
-    /// Specific force in m/s²: acceleration minus gravity. It is (0, 0, 9.81) in a unit that lies level at rest, and 0 in
-    /// free fall. [`InertialReading::of_motion`] works it out.
+    /// Specific force in m/s²: acceleration minus gravity. It is (0, 0, 9.81) in a unit that lies level at rest, and 0
+    /// in free fall. [`InertialReading::of_motion`] works it out.
     pub specific_force: DVec3,
 }
 
 impl InertialReading {
-    /// Returns the true reading of a unit that moves: the angular velocity ω and the specific force f = R⁻¹·(a − g), where
-    /// R turns the axes of the unit to those of the world. Vectors are given in the axes of the world, in rad/s and m/s².
+    /// Returns the true reading of a unit that moves: the angular velocity ω and the specific force f = R⁻¹·(a − g),
+    /// where R turns the axes of the unit to those of the world. Vectors are given in the axes of the world, in rad/s
+    /// and m/s².
     ///
     /// ```
     /// use belvedere_sensors::glam::DVec3;
@@ -175,15 +176,25 @@ pub mod presets {
         ImuConfig { gyro, accelerometer }
     }
 
-    /// The names of the presets, as files refer to them.
-    pub const NAMES: [&str; 1] = ["adis16448"];
+    /// An inertial measurement unit with a name.
+    #[derive(Debug, Clone, Copy)]
+    #[non_exhaustive]
+    pub struct ImuPreset {
+        /// The name by which configuration files refer to the preset.
+        pub name: &'static str,
+        config: fn() -> ImuConfig,
+    }
 
-    /// Returns the preset of that name, or `None` if there is none.
-    #[must_use]
-    pub fn named(name: &str) -> Option<ImuConfig> {
-        match name {
-            "adis16448" => Some(adis16448()),
-            _ => None,
+    impl ImuPreset {
+        /// Returns the errors of the unit.
+        #[must_use]
+        pub fn config(&self) -> ImuConfig {
+            (self.config)()
         }
     }
+
+    /// All presets.
+    pub const ALL: &[ImuPreset] = &[ImuPreset { name: "adis16448", config: adis16448 }];
+
+    preset_names!(ALL: ImuPreset);
 }

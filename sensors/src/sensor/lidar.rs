@@ -1,6 +1,8 @@
-//! Lidars with a regular grid of beams: ranges and intensities, with Gazebo's range noise.
+//! Lidars with a regular grid of beams from one point, as Gazebo's; those that fire beam by beam, as real products do,
+//! are [`scanner`](crate::scanner)s.
 
 mod config;
+mod points;
 mod turning;
 
 use super::Sensor;
@@ -24,7 +26,8 @@ use crate::trace::{SenseError, Truth, Workspace};
 pub use config::{Beams, LidarConfig, MAX_BEAMS, MAX_SAMPLES, Sweep};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16};
 
-/// A lidar with a regular grid of beams from one point, with a checked configuration.
+/// A lidar with a regular grid of beams from one point, as Gazebo's: take it for that or for a simple range finder, and
+/// a [`Scanner`](crate::scanner::Scanner) for a product of a maker. Its configuration is checked.
 #[derive(Debug, Clone, Copy)]
 pub struct Lidar {
     config: LidarConfig,
@@ -136,6 +139,9 @@ pub struct Scan<'a> {
     /// Ranges along the beams in metres, one per beam; +∞ where nothing is in range, −∞ where something is too near
     /// (REP-117).
     pub ranges: Option<&'a mut [f32]>,
+    /// The measured points in metres, in the frame of the sensor at the time of the beam, one per beam; NaN where there
+    /// is no range.
+    pub points: Option<&'a mut [[f32; 3]]>,
     /// The [`laser_retro`](crate::scene::InstanceConfig::laser_retro) of the surface that is hit, one per beam; 0 where
     /// there is no range.
     pub intensities: Option<&'a mut [f32]>,
@@ -147,6 +153,8 @@ impl<'a> Scan<'a> {
     outputs! {
         /// Sets the buffer for ranges.
         ranges: &'a mut [f32],
+        /// Sets the buffer for points.
+        points: &'a mut [[f32; 3]],
         /// Sets the buffer for intensities.
         intensities: &'a mut [f32],
         /// Sets the buffers for ground truth.
@@ -159,6 +167,7 @@ impl Scan<'_> {
     fn reborrow(&mut self) -> Scan<'_> {
         Scan {
             ranges: self.ranges.as_deref_mut(),
+            points: self.points.as_deref_mut(),
             intensities: self.intensities.as_deref_mut(),
             truth: self.truth.as_mut().map(Truth::reborrow),
         }
@@ -167,11 +176,17 @@ impl Scan<'_> {
     /// Splits off the parts of the first beams.
     fn split_at(self, beams: usize) -> (Self, Self) {
         let (ranges, ranges_rest) = split_at(self.ranges, beams);
+        let (points, points_rest) = split_at(self.points, beams);
         let (intensities, intensities_rest) = split_at(self.intensities, beams);
         let (truth, truth_rest) = self.truth.map(|truth| truth.split_at(beams)).unzip();
         (
-            Self { ranges, intensities, truth },
-            Self { ranges: ranges_rest, intensities: intensities_rest, truth: truth_rest },
+            Self { ranges, points, intensities, truth },
+            Self {
+                ranges: ranges_rest,
+                points: points_rest,
+                intensities: intensities_rest,
+                truth: truth_rest,
+            },
         )
     }
 }
@@ -194,8 +209,32 @@ impl Sensor for Lidar {
         output: Scan<'_>,
     ) -> Result<(), SenseError> {
         check_output("ranges", output.ranges.as_ref().map(|ranges| ranges.len()), self.beams())?;
+        check_output("points", output.points.as_ref().map(|points| points.len()), self.beams())?;
         check_output("intensities", output.intensities.as_ref().map(|values| values.len()), self.beams())?;
         self.check_truth(output.truth.as_ref(), scene, capture)?;
+        let Scan { mut ranges, mut points, intensities, truth } = output;
+        let held = match (&mut ranges, &mut points) {
+            (Some(ranges), _) => Some(&mut **ranges),
+            (None, Some(points)) => Some(points::room_for_ranges(points)),
+            (None, None) => None,
+        };
+        self.trace(scene, capture, workspace, Scan { ranges: held, points: None, intensities, truth })?;
+        if let Some(points) = points {
+            points::fill(&self.config, ranges.as_deref(), points);
+        }
+        Ok(())
+    }
+}
+
+impl Lidar {
+    /// Takes a scan without points. The lengths of the outputs must have been checked.
+    fn trace(
+        &self,
+        scene: &Scene<'_>,
+        capture: &Capture<'_>,
+        workspace: &mut Workspace<'_>,
+        output: Scan<'_>,
+    ) -> Result<(), SenseError> {
         let execution = workspace.execution;
         if let Some(slices) = self.slices_of_columns(&capture.shutter) {
             check_shutter(scene, &capture.shutter, self.config.horizontal.samples)?;
@@ -209,13 +248,13 @@ impl Sensor for Lidar {
         let sight = self.sight();
         let samples = self.config.horizontal.samples as usize;
         let lines = Lines { scan: output, samples, rows_in_block: 1 << frame.ray_grid().shift_y };
-        frame.trace(&sight, &mut memory, lines, &Scanner { lidar: self, capture, sight, is_whole: true });
+        frame.trace(&sight, &mut memory, lines, &LidarBeams { lidar: self, capture, sight, is_whole: true });
         Ok(())
     }
 }
 
 /// Measures the beams of a scan.
-struct Scanner<'a> {
+struct LidarBeams<'a> {
     lidar: &'a Lidar,
     capture: &'a Capture<'a>,
     sight: Sight,
@@ -223,7 +262,7 @@ struct Scanner<'a> {
     is_whole: bool,
 }
 
-impl BandWork<Lines<'_>> for Scanner<'_> {
+impl BandWork<Lines<'_>> for LidarBeams<'_> {
     #[inline(always)]
     fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Lines<'_>) {
         if let Some(truth) = &mut output.scan.truth {

@@ -10,8 +10,6 @@ pub mod depth;
 pub(crate) mod edges;
 pub mod imu;
 pub mod lidar;
-#[cfg(feature = "alloc")]
-pub(crate) mod owned;
 pub(crate) mod pixel;
 pub mod scanner;
 

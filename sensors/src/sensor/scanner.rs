@@ -1,8 +1,8 @@
-//! Laser scanners as real devices work: each firing has its own time and origin.
+//! Lidars that fire beam by beam while they move, as real products do; Gazebo's grid of beams is
+//! [`lidar`](crate::lidar).
 //!
-//! A [`Lidar`](crate::lidar::Lidar) is Gazebo's: a regular grid of beams from one point. A [`Scanner`] has a
-//! [`Pattern`] of firings, and traces each of them from the poses that the sensor and all instances have at its time
-//! ([`Shutter::Moving`]).
+//! A [`Scanner`] has a [`Pattern`] of firings, each with its own time and origin, and traces each of them from the
+//! poses that the sensor and all instances have at its time ([`Shutter::Moving`]).
 //!
 //! ```
 //! use belvedere_sensors::{glam::DVec3, scanner::*, scene::*, trace::WorkspaceBuf, Capture, Keyframe, Pose, Sensor};
@@ -13,7 +13,7 @@
 //!     ..Default::default()
 //! })?;
 //! // A VLP-16 that drives at 5 m/s towards the wall, during a turn of 0.1 s.
-//! let config = presets::VLP_16.config(100_000_000).intensity(Intensity::Reflectivity);
+//! let config = presets::VLP_16.config().intensity(Intensity::Reflectivity);
 //! let scanner = Scanner::new(config)?;
 //! let at = |time_s: f64| Keyframe { time_s, at: world.moment(Pose::from_translation(DVec3::X * 5.0 * time_s)) };
 //! let keyframes = [at(0.0), at(0.1)];
@@ -39,6 +39,8 @@ mod frame;
 mod intensity;
 mod mems;
 mod motions;
+#[cfg(feature = "alloc")]
+mod owned;
 mod pattern;
 pub mod presets;
 mod prisms;
@@ -49,8 +51,6 @@ mod spinning;
 mod weather;
 
 use super::Sensor;
-#[cfg(feature = "alloc")]
-pub use super::owned::ScannerBuf;
 use crate::ParameterError;
 use crate::execution::{SplitRows, for_each_row};
 use crate::memory::{CacheLine, Cutter};
@@ -61,20 +61,24 @@ use crate::simd::{LANES, dispatch, sqrt};
 use crate::trace::grid::Sight;
 use crate::trace::placed::memory::view_lines;
 use crate::trace::{SenseError, Workspace};
-use beam::Bundle;
+use beam::BeamRays;
 pub use beam::{Beam, Halo, MAX_BEAM_RAYS};
 pub use config::{ScannerConfig, Spread};
 pub use crosstalk::Crosstalk;
 pub use echoes::Echoes;
 use fearless_simd::Simd;
 pub use firing::Firing;
-use frame::Frame;
+use frame::ScannerFrame;
 pub use intensity::{Intensity, Receiver};
 pub use mems::{Mems, MirrorAxis, Wave};
 use motions::Motions;
+#[cfg(feature = "alloc")]
+pub use owned::ScannerBuf;
 use pattern::FrameFirings;
 pub use pattern::{MAX_FIRINGS, Pattern};
-pub use prisms::{Axis, Face, MAX_WHEELS, Prisms, Swing, Wheel};
+#[cfg(feature = "alloc")]
+pub(super) use prisms::WheelsBuf;
+pub use prisms::{Axis, Face, MAX_WHEELS, Prisms, Swing, Wheel, Wheels};
 pub use raster::Raster;
 use returns::Echo;
 pub use returns::{MAX_RETURNS, Returns};
@@ -85,12 +89,15 @@ pub use weather::{DropSizes, Weather};
 
 /// The largest number of pieces into which a frame is divided. Results do not depend on it.
 const MOST_PIECES: usize = 16;
-/// A laser scanner, with a checked configuration.
+
+/// A lidar that fires beam by beam while it moves, as a real product does: take it for a Velodyne, Ouster, Livox, SICK
+/// or Hokuyo, and a [`Lidar`](crate::lidar::Lidar) for Gazebo's grid of beams. Its configuration is checked;
+/// [`presets`] has those of products.
 #[derive(Debug, Clone, Copy)]
 pub struct Scanner<'a> {
     config: ScannerConfig<'a>,
     bias: f32,
-    bundle: Bundle,
+    bundle: BeamRays,
     air: Air,
     /// The smallest power that the receiver detects.
     least: f64,
@@ -116,7 +123,7 @@ impl<'a> Scanner<'a> {
         let least = config.effective_receiver().map_or(0.0, |receiver| receiver.least());
         Ok(Self {
             bias: config.noise.bias(config.seed, config.sensor, 0),
-            bundle: Bundle::new(&beam, &halo),
+            bundle: BeamRays::new(&beam, &halo),
             air: Air::new(&weather, &beam, least),
             least,
             is_line: beam.rays == 1 && returns.count() == 1 && !is_lit,
@@ -208,7 +215,7 @@ impl Sensor for Scanner<'_> {
 
     fn workspace_len(&self, scene: &Scene<'_>, capture: &Capture<'_>) -> usize {
         let (view, piece) =
-            (view_lines(scene.instances().len(), 1), Frame::piece_len(scene.has_mirrors_or_panes()));
+            (view_lines(scene.instances().len(), 1), ScannerFrame::piece_len(scene.has_mirrors_or_panes()));
         match capture.shutter {
             Shutter::Moving(keyframes) if keyframes.len() > 2 => MOST_PIECES * (piece + view),
             _ => MOST_PIECES * piece + view,
@@ -232,7 +239,7 @@ impl Sensor for Scanner<'_> {
         let in_piece = firings.count.div_ceil(MOST_PIECES).next_multiple_of(LANES).max(LANES);
         let ScannerConfig { seed, sensor, .. } = self.config;
         let noise = Stream { seed, sensor, frame: capture.frame, channel: Stream::RANGE };
-        let mut frame = Frame {
+        let mut frame = ScannerFrame {
             scanner: self,
             scene,
             execution,
@@ -246,7 +253,7 @@ impl Sensor for Scanner<'_> {
         let (echoes, mut none) = output.split_at(firings.count, self.returns());
         none.fill_with_nothing(self.most_firings() - firings.count);
         let view = view_lines(scene.instances().len(), 1);
-        let mut stride = Frame::piece_len(frame.has_mirrors);
+        let mut stride = ScannerFrame::piece_len(frame.has_mirrors);
         let mut memory = memory;
         if motions.count() == 1 {
             let (shared, rest) = memory.split_at_mut(view);
@@ -255,19 +262,24 @@ impl Sensor for Scanner<'_> {
         } else {
             stride += view;
         }
-        let pieces = Pieces { firings: in_piece, returns: self.returns(), stride, memory, echoes };
-        for_each_row(execution, 0..firings.count.div_ceil(in_piece), pieces, &|piece, part: Pieces<'_>| {
-            dispatch!(execution.level, simd => simd.vectorize(
-                #[inline(always)]
-                || frame.take_piece(simd, piece, part.memory, part.echoes),
-            ));
-        });
+        let pieces = FramePieces { firings: in_piece, returns: self.returns(), stride, memory, echoes };
+        for_each_row(
+            execution,
+            0..firings.count.div_ceil(in_piece),
+            pieces,
+            &|piece, part: FramePieces<'_>| {
+                dispatch!(execution.level, simd => simd.vectorize(
+                    #[inline(always)]
+                    || frame.take_piece(simd, piece, part.memory, part.echoes),
+                ));
+            },
+        );
         Ok(())
     }
 }
 
 /// The memory for the views of some pieces, and the outputs of their echoes.
-struct Pieces<'a> {
+struct FramePieces<'a> {
     /// The number of firings of each piece but the last.
     firings: usize,
     returns: usize,
@@ -277,7 +289,7 @@ struct Pieces<'a> {
     echoes: Echoes<'a>,
 }
 
-impl SplitRows for Pieces<'_> {
+impl SplitRows for FramePieces<'_> {
     fn split_rows(self, pieces: usize) -> (Self, Self) {
         let Self { firings, returns, stride, memory, echoes } = self;
         let at = (pieces * stride).min(memory.len());

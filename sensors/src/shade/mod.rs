@@ -71,8 +71,8 @@ struct Gloss {
 }
 
 impl Shader {
-    /// A shader that does not tell what is [seen](Shader::seen). A constant, since what a function returns and is then put
-    /// into a struct takes twice its room on the stack.
+    /// A shader that does not tell what is [seen](Shader::seen). A constant, since what a function returns and is then
+    /// put into a struct takes twice its room on the stack.
     pub(crate) const NEW: Self = Self {
         surfaces: Surfaces::new(),
         known_faces: KnownFaces::new(),
@@ -112,7 +112,7 @@ impl Shader {
     }
 
     /// Computes the colours of a traced tile, with the background where nothing was hit. What lies behind clear
-    /// surfaces is added by [`Transparency`](transparency::Transparency).
+    /// surfaces is added by [`transparency`](mod@transparency).
     pub(crate) fn shade<S: Simd>(
         &mut self,
         simd: S,

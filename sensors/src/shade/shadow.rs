@@ -52,8 +52,8 @@ impl Shadows {
         (&mut self.packet, &mut self.local)
     }
 
-    /// Which of the lanes that are `lit` a lamp does not reach, of which some see the `back` of a surface. The outside of
-    /// things casts shadows: the bulb around a lamp does not keep its light in.
+    /// Which of the lanes that are `lit` a lamp does not reach, of which some see the `back` of a surface. The outside
+    /// of things casts shadows: the bulb around a lamp does not keep its light in.
     #[inline(always)]
     pub(crate) fn of_lamp<S: Simd>(
         &mut self,

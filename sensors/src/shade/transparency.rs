@@ -21,8 +21,8 @@ const GAP: f64 = 1e-5;
 /// If less than this fraction of the light is left, the ray is not continued: a quarter of a step of 8 bits.
 const LEAST: f32 = 1.0 / 1024.0;
 
-/// Adds to the colours of a tile, which `shader` has just worked out, what is seen behind its clear surfaces. Of the tile,
-/// directions and the lanes without a ray stay what they are.
+/// Adds to the colours of a tile, which `shader` has just worked out, what is seen behind its clear surfaces. Of the
+/// tile, directions and the lanes without a ray stay what they are.
 #[inline(never)]
 pub(crate) fn look<S: Simd>(
     simd: S,

@@ -66,7 +66,7 @@ pub fn cast_grid(
     let mut memory = workspace.cut(grid_workspace_len(scene, grid))?;
     let shutter = Shutter::Global(*moment);
     let frame = Frame::new(scene, grid, &shutter, visibility, execution, &mut memory)?;
-    let output = Rows { hits, rays_in_block_row: frame.rays_in_row() };
+    let output = HitRows { hits, rays_in_block_row: frame.rays_in_row() };
     let sight = Sight { faces, range, within: f64::INFINITY };
     frame.trace(&sight, &mut memory, output, &Cast { sight });
     Ok(())
@@ -107,12 +107,12 @@ impl Hits<'_> {
 }
 
 /// Hits, cut between rows of blocks.
-struct Rows<'a> {
+struct HitRows<'a> {
     hits: Hits<'a>,
     rays_in_block_row: usize,
 }
 
-impl SplitRows for Rows<'_> {
+impl SplitRows for HitRows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { hits, rays_in_block_row } = self;
         let (hits, rest) = hits.split_at(rows * rays_in_block_row);
@@ -124,9 +124,9 @@ struct Cast {
     sight: Sight,
 }
 
-impl BandWork<Rows<'_>> for Cast {
+impl BandWork<HitRows<'_>> for Cast {
     #[inline(always)]
-    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut Rows<'_>) {
+    fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut HitRows<'_>) {
         let world_from_sensor = &band.view.world_from_sensor;
         let measure = Measure::new(world_from_sensor);
         write_hits(simd, band, &measure, self.sight.faces, &mut output.hits);
@@ -197,7 +197,7 @@ fn all_same<S: Simd>(simd: S, slots: &[u32; WIDTH]) -> bool {
 
 #[inline(always)]
 fn write_same<S: Simd>(simd: S, resolver: &mut Resolver<'_>, slot: u32, place: &Place, hits: &mut Hits<'_>) {
-    let found = Found::new(resolver, slot);
+    let found = FoundPrimitive::new(resolver, slot);
     if let (Some(output), true) = (hits.normal.as_deref_mut(), slot != NO_HIT) {
         place.write_normal(simd, found.normal, output);
     }
@@ -230,7 +230,7 @@ fn write_each<S: Simd>(
         }
     } else {
         for lane in 0..WIDTH {
-            let found = Found::new(resolver, slots[lane]);
+            let found = FoundPrimitive::new(resolver, slots[lane]);
             missed |= slots[lane] == NO_HIT;
             normals[lane] = found.normal;
             instances[lane] = found.instance;
@@ -254,13 +254,13 @@ fn write_each<S: Simd>(
 
 /// What is answered for a slot.
 #[derive(Clone, Copy)]
-struct Found {
+struct FoundPrimitive {
     normal: [f32; 3],
     instance: u32,
     primitive: u32,
 }
 
-impl Found {
+impl FoundPrimitive {
     #[inline(always)]
     fn new(resolver: &mut Resolver<'_>, slot: u32) -> Self {
         if slot == NO_HIT {

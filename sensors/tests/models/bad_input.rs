@@ -208,7 +208,7 @@ fn every_error_has_its_name() {
     assert_eq!(builder.add_texture(0, 4, &[]), Err(SceneError::BadTexture));
     assert_eq!(builder.add_texture(2, 2, &[[0; 4]; 3]), Err(SceneError::BadTexture));
     let missing = MaterialConfig { texture: Some(TextureId(0)), ..MaterialConfig::default() };
-    assert_eq!(builder.add_material(&missing), Err(SceneError::NoSuchTexture));
+    assert_eq!(builder.add_material(&missing), Err(SceneError::NoSuchTexture(0)));
     assert!(
         builder.add_mesh(&corners[..2], &[], &[]).is_ok(),
         "a mesh of no triangles is there, and not hit"
@@ -225,9 +225,10 @@ fn every_error_has_its_name() {
         ..Default::default()
     };
     let unknown = InstanceConfig { material: MaterialId(1), ..config };
-    assert_eq!(builder.add_instance(&unknown), Err(SceneError::NoSuchMaterial));
+    assert_eq!(builder.add_instance(&unknown), Err(SceneError::NoSuchMaterial(1)));
     let no_mesh = InstanceConfig { shape: Shape::Mesh(MeshId(1)), ..config };
-    assert_eq!(builder.add_instance(&no_mesh), Err(SceneError::NoSuchMesh));
+    assert_eq!(builder.add_instance(&no_mesh), Err(SceneError::NoSuchMesh(1)));
+    assert_eq!(SceneError::NoSuchMesh(1).to_string(), "the scene has no mesh 1");
     for radius in [0.0, -1.0, f64::NAN, f64::INFINITY, 1e13, 1e-13] {
         let bad = InstanceConfig { shape: Shape::Sphere { radius }, ..config };
         assert_eq!(builder.add_instance(&bad), Err(SceneError::BadSize));
@@ -264,7 +265,7 @@ fn every_error_has_its_name() {
     assert_eq!(builder.add_instance(&bad), Err(SceneError::BadPose));
     let ball = builder.add_instance(&config).unwrap();
     assert_eq!(builder.set_pose(ball, nowhere), Err(SceneError::BadPose));
-    assert_eq!(builder.set_pose(InstanceId(1), Pose::IDENTITY), Err(SceneError::NoSuchInstance));
+    assert_eq!(builder.set_pose(InstanceId(1), Pose::IDENTITY), Err(SceneError::NoSuchInstance(1)));
 }
 
 #[test]

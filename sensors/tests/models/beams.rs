@@ -188,7 +188,7 @@ fn beams_start_where_the_sensor_is_at_their_time() {
             at: Moment { world_from_sensor: pose(time_s), world_from_instance: walls.poses() },
         })
         .collect();
-    let config = presets::VLP_16.config(100_000_000).noise(GaussianNoise::NONE).pulse_m(1.0);
+    let config = presets::VLP_16.config().noise(GaussianNoise::NONE).pulse_m(1.0);
     let scanner = Scanner::new(config).unwrap();
     let (ranges, ..) = sense(config.beam(beam(8)), &walls, keyframes.as_slice());
     let (thin, ..) = sense(config, &walls, keyframes.as_slice());

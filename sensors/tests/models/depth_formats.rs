@@ -5,7 +5,7 @@ use crate::common;
 use crate::common::{LIDAR, add, add_grey, depth_camera, glowing, look_at, scan};
 use belvedere_sensors::camera::{CameraConfig, PixelFormat};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, OutOfRange, POINT_STEP, TooNear};
-use belvedere_sensors::device::depth::presets;
+use belvedere_sensors::device::depth_model::presets;
 use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::optics::{
     Intrinsics, KannalaBrandt, Lens, Optics, PinholeGrid, RayTableBuf, SphericalGrid,

@@ -8,7 +8,7 @@ use crate::common::planes::{assert_near, narrow, nguyen_m, plane, rms, take};
 use crate::common::{add_grey, camera_of, depth_camera, depth_frame, scenery};
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
-use belvedere_sensors::device::depth::{
+use belvedere_sensors::device::depth_model::{
     AxialNoise, DepthModel, DisparityNoise, DisparitySteps, LateralNoise, Matching, SecondEye, TimeOfFlight,
     published,
 };

@@ -8,7 +8,7 @@ use crate::common::random::case;
 use crate::common::{add, add_grey, camera_of, depth_camera, depth_frame};
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
-use belvedere_sensors::device::depth::{
+use belvedere_sensors::device::depth_model::{
     AxialNoise, DepthModel, DisparityNoise, Matching, TimeOfFlight, published,
 };
 use belvedere_sensors::scene::{Environment, MaterialConfig, SceneBuilder, Shape};

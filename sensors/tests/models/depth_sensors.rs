@@ -10,8 +10,8 @@ use crate::common::{add_grey, camera_of, depth_camera, depth_frame, scenery};
 use belvedere_sensors::Pose;
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::DepthCameraConfig;
-use belvedere_sensors::device::depth::presets::{self, DepthPreset};
-use belvedere_sensors::device::depth::{
+use belvedere_sensors::device::depth_model::presets::{self, DepthPreset};
+use belvedere_sensors::device::depth_model::{
     DepthModel, DisparityNoise, DotWindow, LateralNoise, SecondEye, TimeOfFlight, published,
 };
 use belvedere_sensors::noise::Stream;
@@ -168,7 +168,7 @@ fn shadows_of_all_shapes_are_what_single_rays_find() {
 fn active_stereo_by_the_white_paper() {
     let d435 = presets::named("d435").unwrap();
     for (depth, rms_mm) in [(1.0, 3.77), (2.0, 15.1), (4.0, 60.4)] {
-        let config = DepthCameraConfig::of_preset(d435).unwrap();
+        let config = DepthCameraConfig::of_preset(&d435).unwrap();
         let frame = take(&plane(depth, 0.0), config, 0);
         // What the left eye alone sees, f·B/z pixels at the left, has no depth.
         let band = 424.0 * 0.05 / depth;
@@ -181,7 +181,7 @@ fn active_stereo_by_the_white_paper() {
     }
     // The others go by f·B.
     for (name, focal, baseline) in [("d415", 1280.0 / (2.0 * 0.637_07), 0.055), ("d455", 446.8, 0.095)] {
-        let config = DepthCameraConfig::of_preset(presets::named(name).unwrap()).unwrap();
+        let config = DepthCameraConfig::of_preset(&presets::named(name).unwrap()).unwrap();
         let frame = take(&plane(2.0, 0.0), config, 0);
         let width = presets::named(name).unwrap().size[0] as usize;
         assert_near(plane_fit_rms(&frame.depth, width), 4.0 * 0.08 / (focal * baseline), 0.02);
@@ -392,16 +392,16 @@ fn presets_are_as_noisy_as_published() {
     for name in ["kinect_v1", "xtion"] {
         let preset = presets::named(name).unwrap();
         for depth in [0.9, 1.5, 2.0, 3.0] {
-            assert_near(error(preset, depth), nguyen_m(depth, 0.05), 0.02);
+            assert_near(error(&preset, depth), nguyen_m(depth, 0.05), 0.02);
         }
     }
     let v2 = presets::named("kinect_v2").unwrap();
     for (depth, expected_mm) in [(1.0, 1.3), (2.0, 1.7), (4.0, 4.3)] {
-        assert_near(error(v2, depth), expected_mm * 1e-3, 0.02);
+        assert_near(error(&v2, depth), expected_mm * 1e-3, 0.02);
     }
     let azure = presets::named("azure_kinect").unwrap();
-    assert!(error(azure, 3.5) < 0.0175 && error(azure, 1.0) < 0.002);
-    for preset in &presets::PRESETS {
+    assert!(error(&azure, 3.5) < 0.0175 && error(&azure, 1.0) < 0.002);
+    for preset in presets::ALL {
         assert!(preset.source.len() > 30 && presets::named(preset.name).is_some());
         let config = DepthCameraConfig::of_preset(preset).unwrap();
         let lens = common::pinhole(&config.camera);
@@ -413,7 +413,7 @@ fn presets_are_as_noisy_as_published() {
 #[test]
 fn kinect_v1_as_a_whole_keeps_its_noise_on_slanted_planes() {
     let preset = presets::named("kinect_v1").unwrap();
-    let config = DepthCameraConfig::of_preset(preset).unwrap().min_depth_m(0.1).max_depth_m(20.0);
+    let config = DepthCameraConfig::of_preset(&preset).unwrap().min_depth_m(0.1).max_depth_m(20.0);
     for depth in [0.6, 1.0, 2.0, 3.5, 5.0] {
         // Not at 0°: of a depth that is the same for all pixels, rounding is no noise.
         for degrees in [2.0, 30.0, 50.0, 65.0, 80.0_f64] {

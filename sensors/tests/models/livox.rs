@@ -31,7 +31,7 @@ fn apart(ours: &[f64], theirs: &[f64]) -> f64 {
 /// Volleys of 4 s, 20 µs apart: first and last laser.
 #[test]
 fn a_mid_360_looks_where_its_table_does() {
-    let scanner = Scanner::new(MID_360.config(1_000_000_000)).unwrap();
+    let scanner = Scanner::new(MID_360.config().frame_time_ns(1_000_000_000)).unwrap();
     assert_eq!(scanner.firings(0), 200_000);
     for (volley, first, last) in [
         (0, [268.99, 52.162], [269.0, 43.848]),
@@ -60,7 +60,7 @@ fn a_mid_360_looks_where_its_table_does() {
 /// Where points of 4 s are, and which share of all cells of 1° has one after 0.1, 0.5, 1 and 4 s.
 #[test]
 fn a_mid_360_covers_what_its_table_does() {
-    let scanner = Scanner::new(MID_360.config(1_000_000_000)).unwrap();
+    let scanner = Scanner::new(MID_360.config().frame_time_ns(1_000_000_000)).unwrap();
     let (mut elevations, mut seen, mut covered) = (Vec::new(), vec![false; 360 * 58], Vec::new());
     for frame in 0..4 {
         for index in 0..200_000 {
@@ -108,7 +108,8 @@ fn a_hap_looks_where_its_table_does() {
     ] {
         let lasers_rad = &hap.lasers_rad[laser..=laser];
         let one = Prisms { volley_time_ns: 1_000_000, laser_time_ns: 0, lasers_rad, ..hap };
-        let scanner = Scanner::new(HAP.config(1_000_000_000).pattern(Pattern::Prisms(one))).unwrap();
+        let scanner =
+            Scanner::new(HAP.config().frame_time_ns(1_000_000_000).pattern(Pattern::Prisms(one))).unwrap();
         let direction = scanner.firing(0, time_ms).direction;
         assert!(off(direction, expected) < 0.02, "{time_ms} ms: {:?}", angles(direction));
     }
@@ -117,7 +118,7 @@ fn a_hap_looks_where_its_table_does() {
 /// Where points of a second are: the table, which has more in the middle, is 2.1 % off at the most.
 #[test]
 fn a_hap_covers_what_its_table_does() {
-    let scanner = Scanner::new(HAP.config(1_000_000_000)).unwrap();
+    let scanner = Scanner::new(HAP.config().frame_time_ns(1_000_000_000)).unwrap();
     assert_eq!(scanner.firing(0, 7).laser, 1);
     assert!((scanner.firing(0, 7).time_s - 15.486e-6).abs() < 1e-12);
     let all: Vec<_> =
@@ -140,7 +141,7 @@ fn a_hap_covers_what_its_table_does() {
 /// A point every 10 µs, the first of the table 10 µs after time 0; and how many are how far from the axis.
 #[test]
 fn a_mid_70_looks_where_its_table_does() {
-    let scanner = Scanner::new(MID_70.config(1_000_000_000)).unwrap();
+    let scanner = Scanner::new(MID_70.config().frame_time_ns(1_000_000_000)).unwrap();
     for (firing, expected) in [
         (1, [-35.2147, -0.0242]),
         (1000, [-7.6466, -34.4679]),

@@ -5,7 +5,7 @@
 use crate::common::random::case;
 use crate::common::{LIDAR, add, add_grey, camera_of, depth_camera, depth_frame, scan};
 use belvedere_sensors::Pose;
-use belvedere_sensors::device::depth::{DepthModel, SecondEye};
+use belvedere_sensors::device::depth_model::{DepthModel, SecondEye};
 use belvedere_sensors::scanner::{
     Echoes, Firing, Intensity, Pattern, Receiver, Returns, Scanner, ScannerConfig,
 };

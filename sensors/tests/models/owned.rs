@@ -83,13 +83,13 @@ fn ranges<S: for<'a> Sensor<Output<'a> = Echoes<'a>>>(
 fn every_scanner_can_be_kept() {
     for name in presets::NAMES {
         let preset = presets::named(name).unwrap();
-        let config = preset.config(20_000_000);
+        let config = preset.config().frame_time_ns(20_000_000);
         // All tables on the heap, so that a kept reference to one of them would be found.
         let spreads: Vec<_> = config.spreads.iter().copied().chain([far_spread()]).collect();
         let borrowing = Scanner::new(config.spreads(&spreads).seed(9)).unwrap();
         let kept: ScannerBuf = borrowing.to_buf();
         let (firings, returns) = (borrowing.most_firings(), borrowing.returns());
-        assert!(kept.with(|scanner| *scanner.config() == *borrowing.config()), "{name}");
+        assert!(*kept.scanner().config() == *borrowing.config(), "{name}");
         let expected = ranges(&borrowing, firings, returns);
         drop(spreads);
         assert!(ranges(&kept, firings, returns) == expected, "{name}: other bytes");
@@ -150,7 +150,7 @@ fn a_scene_for_lidars_needs_no_material() {
     builder.add_instance(&ball).unwrap();
     assert_eq!(builder.scene().materials().len(), 1);
     let unknown = InstanceConfig { material: belvedere_sensors::scene::MaterialId(1), ..ball };
-    assert_eq!(builder.add_instance(&unknown), Err(SceneError::NoSuchMaterial));
+    assert_eq!(builder.add_instance(&unknown), Err(SceneError::NoSuchMaterial(1)));
     // When all is gone, it is as at the beginning, whichever places are free.
     let mut emptied = SceneBuilder::new();
     let materials = [(); 3].map(|()| emptied.add_material(&MaterialConfig::default()).unwrap());

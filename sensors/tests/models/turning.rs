@@ -26,6 +26,7 @@ fn take(
 fn scan(lidar: &Lidar, scene: &Scene<'_>, capture: &Capture<'_>, execution: Execution) -> Vec<Vec<u32>> {
     let count = lidar.beams();
     let (mut ranges, mut intensities) = (vec![7.0_f32; count], vec![7.0_f32; count]);
+    let mut points = vec![[7.0_f32; 3]; count];
     let (mut depth, mut range, mut incidence) =
         (vec![7.0_f32; count], vec![7.0_f32; count], vec![7.0_f32; count]);
     let (mut normal, mut instance, mut class) = (vec![[7.0_f32; 3]; count], vec![7; count], vec![7; count]);
@@ -36,11 +37,13 @@ fn scan(lidar: &Lidar, scene: &Scene<'_>, capture: &Capture<'_>, execution: Exec
         .instance(&mut instance)
         .class(&mut class)
         .incidence(&mut incidence);
-    let output = Scan::new().ranges(&mut ranges).intensities(&mut intensities).truth(truth);
+    let output =
+        Scan::new().ranges(&mut ranges).points(&mut points).intensities(&mut intensities).truth(truth);
     take(lidar, scene, capture, output, execution).unwrap();
     let bits = |values: &[f32]| values.iter().map(|value| value.to_bits()).collect();
     vec![
         bits(&ranges),
+        bits(points.as_flattened()),
         bits(&intensities),
         bits(&depth),
         bits(&range),

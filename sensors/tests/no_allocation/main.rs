@@ -7,7 +7,7 @@ mod small_stack;
 
 use belvedere_sensors::camera::{Camera, Edges, Picture};
 use belvedere_sensors::depth::{DepthCamera, DepthFrame, POINT_STEP};
-use belvedere_sensors::device::depth::published;
+use belvedere_sensors::device::depth_model::published;
 use belvedere_sensors::lidar::{Lidar, Scan};
 use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable};
 use belvedere_sensors::scanner::{

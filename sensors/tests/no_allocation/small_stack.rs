@@ -7,7 +7,7 @@ use crate::common::{LIDAR, add, camera_of, scenery, spot};
 use belvedere_sensors::camera::{Camera, CameraConfig, Edges, Picture};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, POINT_STEP};
 use belvedere_sensors::device::DeviceConfig;
-use belvedere_sensors::device::depth::presets::PRESETS;
+use belvedere_sensors::device::depth_model::presets as depth_presets;
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
 use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, Optics, PinholeGrid, RayTableBuf};
@@ -19,7 +19,7 @@ use belvedere_sensors::scene::{
     InstanceConfig, LightConfig, MaterialConfig, Scene, SceneBuilder, Shape, TextureAlpha, build,
 };
 use belvedere_sensors::trace::rays::{
-    Rays, Tree, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len,
+    MeshTree, Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len,
 };
 use belvedere_sensors::trace::{
     Faces, Hits, Landmark, Sighting, Truth, WorkspaceBuf, cast_grid, grid_workspace_len,
@@ -163,7 +163,8 @@ fn cameras() {
 fn depth_cameras() {
     let camera = camera_of(SIZE, 1.2).noise(noise()).edges(Edges::Smooth);
     let plain = DepthCameraConfig::new(camera);
-    let presets = PRESETS.iter().map(|preset| DepthCameraConfig::of_preset(preset).unwrap().camera(camera));
+    let presets =
+        depth_presets::ALL.iter().map(|preset| DepthCameraConfig::of_preset(preset).unwrap().camera(camera));
     let configs: Vec<_> = presets.chain([plain, plain.model(noise()).faces(Faces::Front)]).collect();
     at_each_level(|level, execution| {
         for builder in [stage(false), stage(true)] {
@@ -217,7 +218,7 @@ fn wide(plain: ScannerConfig<'_>) -> ScannerConfig<'_> {
 #[test]
 fn scanners() {
     let plain = [&presets::VLP_16, &presets::MID_360, &presets::MID_70, &presets::HAP]
-        .map(|preset| preset.config(5_000_000).visibility(u32::MAX));
+        .map(|preset| preset.config().frame_time_ns(5_000_000).visibility(u32::MAX));
     at_each_level(|level, execution| {
         for builder in [stage(false), stage(true)] {
             let there: Vec<_> = builder.poses().iter().map(|at| *at * eye()).collect();
@@ -272,7 +273,7 @@ fn casts() {
         let mut memory = WorkspaceBuf::default();
         memory.execution = execution;
         let tree = build::Tree::build(&corners, &triangles, build::Quality::Fast, execution).unwrap();
-        let tree = Tree { nodes: &tree.nodes, blocks: &tree.blocks };
+        let tree = MeshTree { nodes: &tree.nodes, blocks: &tree.blocks };
         hits(&format!("cast_mesh {level}"), rays.directions.len(), |mut hits| {
             cast_mesh(execution.level, tree, &rays, Faces::Both, &mut hits).unwrap();
         });

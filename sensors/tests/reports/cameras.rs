@@ -88,7 +88,7 @@ fn moments(device: DeviceConfig, electrons: f64) -> [f64; 3] {
 /// The page of a preset.
 pub(crate) fn page(name: &'static str) -> Page {
     let sheet = sheet(name);
-    let device = presets::named(name).unwrap();
+    let device = presets::named(name).unwrap().config();
     let [dark, dark_variance, dark_pattern] = moments(device, 0.0);
     let half = moments(device, 0.5 * sheet.full_well_e);
     let gain = (half[1] - dark_variance) / (half[0] - dark);

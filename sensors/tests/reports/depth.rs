@@ -4,8 +4,8 @@ use super::common::planes::{Frame, narrow, nguyen_m, plane, rms, take};
 use super::page::{Bound, Page, Row, digits};
 use super::plot::{Plot, curve};
 use belvedere_sensors::depth::DepthCameraConfig;
-use belvedere_sensors::device::depth::presets::DepthPreset;
-use belvedere_sensors::device::depth::{DepthModel, DepthNoise, DisparitySteps};
+use belvedere_sensors::device::depth_model::presets::DepthPreset;
+use belvedere_sensors::device::depth_model::{DepthModel, DepthNoise, DisparitySteps};
 use core::f64::consts::FRAC_PI_2;
 
 /// How far planes are turned: nobody sees them all from the front.

@@ -77,7 +77,7 @@ fn allan(series: &[Vec<f64>], m: usize) -> f64 {
 /// The page of a preset.
 pub(crate) fn page(name: &'static str) -> Page {
     let sheet = sheet(name);
-    let config = presets::named(name).unwrap();
+    let config = presets::named(name).unwrap().config();
     let period_s = 1.0 / RATE_HZ as f64;
     let [mut turns, mut forces] = [Vec::new(), Vec::new()];
     for run in 0..RUNS {

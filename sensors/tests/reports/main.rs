@@ -12,7 +12,7 @@ mod plot;
 mod scanners;
 mod sheets;
 
-use belvedere_sensors::device::{depth::presets as depth_presets, presets as camera_presets};
+use belvedere_sensors::device::{depth_model::presets as depth_presets, presets as camera_presets};
 use belvedere_sensors::{imu::presets as imu_presets, scanner::presets as scanner_presets};
 use page::{Page, check, index, summary};
 
@@ -39,7 +39,7 @@ fn scanners_hold() {
 
 #[test]
 fn depth_cameras_hold() {
-    hold(&depth_presets::PRESETS.iter().map(depth::page).collect::<Vec<_>>());
+    hold(&depth_presets::ALL.iter().map(depth::page).collect::<Vec<_>>());
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn cameras_hold() {
 #[test]
 fn the_list_is_of_all() {
     let scanners = scanner_presets::ALL.iter().map(|preset| (preset.name, sheets::sheet(preset.name).device));
-    let depth = depth_presets::PRESETS.iter().map(|preset| (preset.name, device(preset.source)));
+    let depth = depth_presets::ALL.iter().map(|preset| (preset.name, device(preset.source)));
     let cameras = camera_presets::NAMES.into_iter().map(|name| (name, cameras::sheet(name).device));
     let inertial = imu_presets::NAMES.into_iter().map(|name| (name, imu::sheet(name).device));
     let groups = [

@@ -48,7 +48,7 @@ fn take(config: ScannerConfig<'_>, radius: f64, frame: u64) -> Taken {
 }
 
 fn without_noise(preset: &Preset) -> ScannerConfig<'static> {
-    preset.config(frame_time_ns(preset)).noise(GaussianNoise::NONE).spreads(&[])
+    preset.config().noise(GaussianNoise::NONE).spreads(&[])
 }
 
 /// The radius of a ball beyond which, or within which, there is no range.
@@ -68,7 +68,7 @@ fn limit(preset: &Preset, about: f64, is_upper: bool) -> f64 {
 fn stddev(preset: &Preset, radius: f64) -> f64 {
     let (mut count, mut sum, mut squares, mut frame) = (0, 0.0, 0.0, 0);
     while count < SAMPLES || frame < PLACES {
-        let config = preset.config(frame_time_ns(preset));
+        let config = preset.config();
         // All places between two steps of the ranges.
         let radius = radius + preset.resolution_m * (frame % PLACES) as f64 / PLACES as f64;
         let exact = take(without_noise(preset), radius, frame).ranges;

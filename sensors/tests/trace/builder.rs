@@ -180,16 +180,19 @@ fn what_is_used_stays() {
     assert_eq!(builder.remove_texture(thing.texture), by("material"));
     remove_thing(&mut builder, &thing);
     // What is gone is not there.
-    assert_eq!(builder.remove_instance(thing.instance), Err(SceneError::NoSuchInstance));
-    assert_eq!(builder.set_pose(thing.instance, Pose::IDENTITY), Err(SceneError::NoSuchInstance));
+    assert_eq!(builder.remove_instance(thing.instance), Err(SceneError::NoSuchInstance(thing.instance.0)));
+    assert_eq!(
+        builder.set_pose(thing.instance, Pose::IDENTITY),
+        Err(SceneError::NoSuchInstance(thing.instance.0))
+    );
     assert_eq!(builder.pose(thing.instance), None);
-    assert_eq!(builder.remove_mesh(mesh), Err(SceneError::NoSuchMesh));
+    assert_eq!(builder.remove_mesh(mesh), Err(SceneError::NoSuchMesh(mesh.0)));
     let config = InstanceConfig { shape: thing.shape, material: unused, ..Default::default() };
-    assert_eq!(builder.add_instance(&config), Err(SceneError::NoSuchMesh));
+    assert_eq!(builder.add_instance(&config), Err(SceneError::NoSuchMesh(mesh.0)));
     let config = InstanceConfig { material: thing.material, ..Default::default() };
-    assert_eq!(builder.add_instance(&config), Err(SceneError::NoSuchMaterial));
-    assert_eq!(builder.remove_light(thing.light), Err(SceneError::NoSuchLight));
-    assert_eq!(builder.set_light(thing.light, &lamp(DVec3::X)), Err(SceneError::NoSuchLight));
+    assert_eq!(builder.add_instance(&config), Err(SceneError::NoSuchMaterial(thing.material.0)));
+    assert_eq!(builder.remove_light(thing.light), Err(SceneError::NoSuchLight(thing.light.0)));
+    assert_eq!(builder.set_light(thing.light, &lamp(DVec3::X)), Err(SceneError::NoSuchLight(thing.light.0)));
     // Its ids are the next one's.
     let next = add_thing(&mut builder, 3, 1, DVec3::X);
     assert_eq!((next.instance, next.material, next.light), (thing.instance, thing.material, thing.light));

@@ -1,10 +1,10 @@
 //! A mesh without a scene is told of as a scene with nothing else is.
 
-use belvedere_sensors::scene::build::{Quality, Tree as OwnedTree};
+use belvedere_sensors::scene::build::{Quality, Tree};
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
-use belvedere_sensors::trace::rays::{Rays, Tree, cast_mesh, cast_rays, workspace_len};
+use belvedere_sensors::trace::rays::{MeshTree, Rays, cast_mesh, cast_rays, workspace_len};
 use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf};
 use belvedere_sensors::{Execution, Pose};
 use glam::DVec3;
@@ -54,8 +54,8 @@ fn everything_that_is_asked_for_is_written() {
         .unwrap();
     let scene = builder.scene();
     let mut workspace = WorkspaceBuf::default();
-    let tree = OwnedTree::build(&corners, &triangles, Quality::High, Execution::default()).unwrap();
-    let tree = Tree { nodes: &tree.nodes, blocks: &tree.blocks };
+    let tree = Tree::build(&corners, &triangles, Quality::High, Execution::default()).unwrap();
+    let tree = MeshTree { nodes: &tree.nodes, blocks: &tree.blocks };
     for faces in [Faces::Front, Faces::Both] {
         let (mut of_scene, mut of_mesh) = (unwritten.clone(), unwritten.clone());
         let mut workspace = workspace.lend(workspace_len(&scene));

@@ -365,7 +365,7 @@ fn faulty_height_fields() {
     assert!(builder.add_instance(&there).is_ok());
     let missing = Shape::HeightField(belvedere_sensors::scene::HeightFieldId(1));
     let missing = InstanceConfig { shape: missing, ..there };
-    assert_eq!(builder.add_instance(&missing), Err(SceneError::NoSuchHeightField));
+    assert_eq!(builder.add_instance(&missing), Err(SceneError::NoSuchHeightField(1)));
     let second = builder.add_height_field(3, 2, size, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]).unwrap();
     let scene = builder.scene();
     assert_eq!(scene.height_field(second).unwrap().bounds(), [[-0.5, -1.0, 1.0], [0.5, 1.0, 6.0]]);

@@ -26,7 +26,8 @@ impl Looks {
     /// The same shapes in these looks.
     pub(super) fn on<'a>(&'a self, scene: Scene<'a>) -> Result<Scene<'a>, SceneError> {
         if self.lights.len() != scene.lights().len() {
-            return Err(SceneError::NoSuchLight);
+            let (have, need) = (self.lights.len(), scene.lights().len());
+            return Err(SceneError::Count { elements: "lights", have, need });
         }
         let scene = scene.with_materials(&self.materials)?.with_lights(&self.lights)?;
         Ok(scene.with_environment(self.environment))

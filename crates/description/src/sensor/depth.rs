@@ -9,7 +9,7 @@ use crate::model::{CameraSensor, DepthCameraPlugin};
 use crate::rules::SensorModels;
 use crate::values::child_bool;
 use crate::xml::Element;
-use belvedere_sensors::device::depth::presets::{self, DepthPreset};
+use belvedere_sensors::device::depth_model::presets::{self, DepthPreset};
 
 /// Far clip distance in metres if none is given.
 const FAR_M: f64 = 100.0;
@@ -32,7 +32,7 @@ pub struct DepthCamera {
     /// What publishes it.
     pub plugin: Option<DepthCameraPlugin>,
     /// Which device it is; without one its depths are true.
-    pub preset: Option<&'static DepthPreset>,
+    pub preset: Option<DepthPreset>,
     /// Whether the device's projector is on.
     pub has_projector_on: bool,
 }
@@ -84,7 +84,7 @@ impl Reader<'_> {
         };
         let preset = written.or_else(|| self.known(sensor, plugin.as_ref()?)).and_then(presets::named);
         let has_projector_on = match (extension(sensor), preset) {
-            (Some(own), Some(preset)) => self.projector(own, preset)?,
+            (Some(own), Some(preset)) => self.projector(own, &preset)?,
             _ => true,
         };
         let depth = DepthCamera { camera, plugin, preset, has_projector_on };
@@ -113,8 +113,7 @@ impl Reader<'_> {
         if is_on || measures_without(preset) {
             return Some(is_on);
         }
-        let others =
-            presets::NAMES.iter().copied().filter(|name| presets::named(name).is_some_and(measures_without));
+        let others = presets::ALL.iter().filter(|preset| measures_without(preset)).map(|preset| preset.name);
         self.diagnostics.error(
             Self::place(Some(own), "projector", own),
             format!("{} is off, and a {} measures by its light", self.what("projector"), preset.name),

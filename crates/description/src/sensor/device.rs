@@ -110,7 +110,7 @@ impl Reader<'_> {
     fn preset(&mut self, element: &Element) -> Option<(DeviceConfig, f64)> {
         let name = self.preset_name(element, &presets::NAMES)?;
         let readout = READOUT_TIMES_S.iter().find(|(preset, _)| *preset == name);
-        Some((presets::named(name)?, readout.map_or(0.0, |(_, time_s)| *time_s)))
+        Some((presets::named(name)?.config(), readout.map_or(0.0, |(_, time_s)| *time_s)))
     }
 
     fn auto_exposure(

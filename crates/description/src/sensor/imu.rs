@@ -246,7 +246,7 @@ impl Reader<'_> {
         let remedy = format!("take it out: there are {}, {}", others.join(", "), words.join(", "));
         self.left_out(own, |name| others.contains(&name) || words.iter().any(|word| word == name), &remedy);
         if own.child("preset").is_some() {
-            config = presets::named(self.preset_name(own, &presets::NAMES)?)?;
+            config = presets::named(self.preset_name(own, &presets::NAMES)?)?.config();
         }
         config.gyro = self.figures(own, "gyroscope", config.gyro)?;
         config.accelerometer = self.figures(own, "accelerometer", config.accelerometer)?;

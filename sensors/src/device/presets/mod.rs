@@ -9,22 +9,28 @@ pub use machine_vision::machine_vision;
 pub use raspberry_pi::raspberry_pi_hq;
 pub use webcam::webcam;
 
-/// The names of the presets, by which configuration files refer to them.
-pub const NAMES: [&str; 3] = ["webcam", "machine_vision", "raspberry_pi_hq"];
+/// A camera device with a name.
+#[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
+pub struct DevicePreset {
+    /// The name by which configuration files refer to the preset.
+    pub name: &'static str,
+    config: fn() -> DeviceConfig,
+}
 
-/// Returns the preset with the given name, or `None` if there is none.
-///
-/// ```
-/// use belvedere_sensors::device::presets;
-/// assert!(presets::NAMES.iter().all(|name| presets::named(name).is_some()));
-/// assert_eq!(presets::named("raspberry_pi_hq").map(|device| device.bits), Some(12));
-/// ```
-#[must_use]
-pub fn named(name: &str) -> Option<DeviceConfig> {
-    match name {
-        "webcam" => Some(webcam()),
-        "machine_vision" => Some(machine_vision()),
-        "raspberry_pi_hq" => Some(raspberry_pi_hq()),
-        _ => None,
+impl DevicePreset {
+    /// Returns the configuration of the device.
+    #[must_use]
+    pub fn config(&self) -> DeviceConfig {
+        (self.config)()
     }
 }
+
+/// All presets.
+pub const ALL: &[DevicePreset] = &[
+    DevicePreset { name: "webcam", config: webcam },
+    DevicePreset { name: "machine_vision", config: machine_vision },
+    DevicePreset { name: "raspberry_pi_hq", config: raspberry_pi_hq },
+];
+
+preset_names!(ALL: DevicePreset);

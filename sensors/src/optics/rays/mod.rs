@@ -16,7 +16,7 @@ pub(crate) use pinhole::PinholeRays;
 pub(crate) use projection::{Planes, Points, Projection, Rectangles, dot, max, min};
 pub(crate) use ray_grid::RayGrid;
 pub use spherical::SphericalGrid;
-pub(crate) use spherical::{SphericalRays, Steps};
+pub(crate) use spherical::{AngleSteps, SphericalRays};
 #[cfg(feature = "alloc")]
 pub use table::RayTableBuf;
 pub(crate) use table::TableRays;

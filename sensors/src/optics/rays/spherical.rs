@@ -7,7 +7,7 @@ mod tables;
 mod windows;
 
 pub use grid::SphericalGrid;
-pub(crate) use tables::Steps;
+pub(crate) use tables::AngleSteps;
 
 use super::projection::{
     Planes, Points, Projection, Rectangles, bounds_of, dot, inverse_distance, max, min, of_length_one,

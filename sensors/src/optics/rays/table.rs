@@ -23,7 +23,7 @@ use super::projection::{
 };
 use super::ray_grid::RayGrid;
 use crate::simd::{WIDTH, sqrt_f32};
-use chart::{Kind, Windows};
+use chart::{ChartKind, Windows};
 use fearless_simd::{
     Select, Simd, SimdBase, SimdCombine, SimdWiden, f32x4, f32x16, f64x8, i32x16, mask32x16,
 };
@@ -100,7 +100,7 @@ impl<'a> TableRays<'a> {
     #[inline(always)]
     fn rectangles<S: Simd>(&self, simd: S, windows: &Windows<S>) -> Rectangles<S> {
         let table = &self.table;
-        let [first_column, last_column] = if table.chart.kind == Kind::Cylindrical {
+        let [first_column, last_column] = if table.chart.kind == ChartKind::Cylindrical {
             table.columns.look_up_round(simd, windows.u, self.ray_grid.width, table.ring)
         } else {
             table.columns.look_up(simd, windows.u)

@@ -1,9 +1,9 @@
 //! The binary tree from which the wide tree is made.
 
-use super::Quality;
 use super::bins::{blocks, find_cut};
 use super::bounds::{Scratch, centre};
 use super::cost::Power;
+use super::quality::Quality;
 use super::sweep::{SWEEP, sweep};
 use crate::Execution;
 use crate::simd::WIDTH;

@@ -63,9 +63,9 @@ fn blocks<S: Simd>(counts: u32x16<S>) -> u32x16<S> {
 ///
 /// The surface area heuristic treats a set as a leaf that is not split any further. But each of its blocks will have
 /// only a part of its surface, so an exponent of 1 overrates large sets. Measured at
-/// [`Quality::High`](super::Quality::High), a random ray meets 11, 4, 1 and 1 % fewer boxes in a room, a warehouse, a
-/// noisy ball and a terrain with ¾ than with 1. With ½ it meets another 12 % fewer in the room but 9 % more in the
-/// warehouse, and leaves are emptier.
+/// [`Quality::High`](super::quality::Quality::High), a random ray meets 11, 4, 1 and 1 % fewer boxes in a room, a
+/// warehouse, a noisy ball and a terrain with ¾ than with 1. With ½ it meets another 12 % fewer in the room but 9 %
+/// more in the warehouse, and leaves are emptier.
 #[derive(Debug, Clone, Copy)]
 pub(super) enum Power {
     Half,

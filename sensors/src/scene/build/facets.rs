@@ -5,8 +5,9 @@ use crate::scene::tree::{Facet, TriangleBlock};
 use crate::simd::{WIDTH, dispatch};
 use fearless_simd::{Simd, SimdBase, f32x16, f64x8, prelude::*};
 
-/// Computes the facets of blocks, sixteen per block. (Computing them block by block within [`refit`](super::refit) is
-/// not faster: refitting is limited by memory latency, and this would delay its loads.)
+/// Computes the facets of blocks, sixteen per block. (Computing them block by block within
+/// [`refit`](super::refit::refit) is not faster: refitting is limited by memory latency, and this would delay its
+/// loads.)
 ///
 /// # Panics
 /// If there are not sixteen facets per block.

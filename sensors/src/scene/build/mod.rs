@@ -7,6 +7,9 @@
 //!    ([`TriangleBlock`]). Nodes and blocks are stored depth first, so what is visited together is adjacent in memory.
 //!
 //! The same input gives the same bytes on every machine, at every SIMD level and with any number of threads.
+//!
+//! Without the feature `raw`, this module has only the sizes of the memory for a [`MeshStore`](super::MeshStore). With
+//! it, trees can be built without a scene; semantic versioning does not cover these items.
 
 mod binary;
 mod bins;
@@ -14,39 +17,29 @@ mod bounds;
 mod collapse;
 mod cost;
 mod cut;
-mod facets;
+pub(super) mod facets;
 #[cfg(feature = "alloc")]
-mod owned;
+pub(super) mod owned;
+pub(super) mod plan;
+pub(super) mod quality;
 mod refit;
 mod sweep;
 
 pub use bounds::Scratch;
+#[cfg(feature = "raw")]
 pub use facets::fill_facets;
-#[cfg(feature = "alloc")]
+#[cfg(all(feature = "raw", feature = "alloc"))]
 pub use owned::Tree;
+#[cfg(feature = "raw")]
+pub use plan::{Plan, build, plan};
+#[cfg(feature = "raw")]
+pub use quality::Quality;
+#[cfg(feature = "raw")]
 pub use refit::refit;
 
-use super::SceneError;
-use super::tree::{NONE, TriangleBlock, WideNode};
-use super::vertices::{check_vertices, corners};
-use crate::Execution;
-use crate::simd::{WIDTH, dispatch};
-use bytemuck::Zeroable;
-use cost::Power;
-
-/// The effort spent on building a tree.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Quality {
-    /// Fast to build, for meshes that change often.
-    Fast,
-    /// Slower to build and faster to trace, for meshes that are traced often.
-    #[default]
-    High,
-}
-
-/// Meshes up to this size are built with several weights, and the best tree is kept. This takes half a millisecond more
-/// per thousand triangles.
-const TRIED: usize = 16_384;
+#[cfg(doc)]
+use super::tree::{TriangleBlock, WideNode};
+use crate::simd::WIDTH;
 
 /// The number of nodes and blocks of a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -61,125 +54,15 @@ pub struct TreeSize {
 ///
 /// The builder keeps the number of blocks below twice the number of full blocks. All nodes have at least two children
 /// (except the root, which can have one), and everything but the root is the child of one node, so there are fewer
-/// nodes than blocks. For a given mesh, [`plan`] computes the exact size, which is much smaller.
+/// nodes than blocks. The exact size of the tree of a mesh is usually much smaller.
 pub const fn max_size(triangles: usize) -> TreeSize {
     let blocks = if triangles <= WIDTH { triangles.div_ceil(WIDTH) } else { 2 * triangles.div_ceil(WIDTH) };
     TreeSize { nodes: if blocks > 2 { blocks - 1 } else { 1 }, blocks }
 }
 
-/// Returns the number of [`Scratch`] elements that [`build`] needs for `triangles` triangles.
+/// Returns the number of [`Scratch`] elements that the building of a tree needs for `triangles` triangles.
 pub const fn scratch_len(triangles: usize) -> usize {
     // A box for each triangle and each node of the binary tree, and for the latter also the eight bytes of `cut`.
     let binary = 2 * max_size(triangles).blocks;
     triangles + binary + binary.div_ceil(4)
-}
-
-/// Builds the tree of a mesh into the front of `nodes` and `blocks`, and returns the number of each that it used.
-///
-/// [`max_size`] and [`scratch_len`] give sizes that are always enough. `positions` are in metres; `triangles` are
-/// indices into them.
-///
-/// # Errors
-/// Those of [`plan`] and [`Plan::write`].
-pub fn build(
-    positions: &[[f32; 3]],
-    triangles: &[[u32; 3]],
-    quality: Quality,
-    execution: Execution,
-    scratch: &mut [Scratch],
-    nodes: &mut [WideNode],
-    blocks: &mut [TriangleBlock],
-) -> Result<TreeSize, SceneError> {
-    let plan = plan(positions, triangles, quality, execution, scratch)?;
-    plan.write(nodes, blocks)?;
-    Ok(plan.size())
-}
-
-/// A tree that has been planned but not written. Its size is known, so that memory for it can be allocated.
-#[derive(Debug)]
-pub struct Plan<'a> {
-    positions: &'a [[f32; 3]],
-    triangles: &'a [[u32; 3]],
-    /// The sorted primitives.
-    items: &'a [Scratch],
-    binary: &'a [Scratch],
-    /// See [`cut`].
-    ways: &'a [u64],
-    size: TreeSize,
-}
-
-/// The first half of [`build`]: everything except the writing. `scratch` must hold [`scratch_len`] elements.
-///
-/// # Errors
-/// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the element;
-/// [`SceneError::TooMany`] if the slots of the blocks or the vertices cannot be counted in a u32;
-/// [`SceneError::BufferTooSmall`].
-pub fn plan<'a>(
-    positions: &'a [[f32; 3]],
-    triangles: &'a [[u32; 3]],
-    quality: Quality,
-    execution: Execution,
-    scratch: &'a mut [Scratch],
-) -> Result<Plan<'a>, SceneError> {
-    let most = max_size(triangles.len());
-    // A hit is a u32, block · 16 + lane; the last u32 means no hit.
-    if (most.blocks as u64 + 1) * WIDTH as u64 > u64::from(u32::MAX) || positions.len() > u32::MAX as usize {
-        return Err(SceneError::TooMany);
-    }
-    enough("scratch", scratch.len(), scratch_len(triangles.len()))?;
-    check_vertices(positions)?;
-    let (items, rest) = scratch.split_at_mut(triangles.len());
-    let (binary, rest) = rest.split_at_mut(2 * most.blocks);
-    let ways: &mut [u64] = bytemuck::cast_slice_mut(rest);
-    let mut make = |power| -> Result<_, SceneError> {
-        for (index, item) in items.iter_mut().enumerate() {
-            let corners = corners(positions, triangles, index)?;
-            *item = bounds::bounds_of(corners).with_tags(index as u32, 0);
-        }
-        dispatch!(execution.level, simd => {
-            binary::build(simd, quality, power, execution, items, binary, most.blocks);
-        });
-        Ok(cut::choose(binary, ways))
-    };
-    let mut size = TreeSize { nodes: 1, blocks: 0 };
-    if !triangles.is_empty() {
-        if quality == Quality::High && triangles.len() <= TRIED {
-            // Which exponent is best for a small mesh is unpredictable, and trying all three is quick.
-            let costs = [make(Power::One)?, make(Power::Half)?, make(Power::ThreeQuarters)?];
-            if costs[1] < costs[2] && costs[1] <= costs[0] {
-                make(Power::Half)?;
-            } else if costs[0] < costs[2] {
-                make(Power::One)?;
-            }
-        } else {
-            make(Power::ThreeQuarters)?;
-        }
-        size = collapse::measure(binary, ways);
-    }
-    Ok(Plan { positions, triangles, items, binary, ways, size })
-}
-
-impl Plan<'_> {
-    /// The size of the tree that [`Plan::write`] writes.
-    pub const fn size(&self) -> TreeSize {
-        self.size
-    }
-
-    /// Writes the tree into the front of `nodes` and `blocks`.
-    ///
-    /// # Errors
-    /// [`SceneError::BufferTooSmall`].
-    pub fn write(&self, nodes: &mut [WideNode], blocks: &mut [TriangleBlock]) -> Result<(), SceneError> {
-        enough("nodes", nodes.len(), self.size.nodes)?;
-        enough("blocks", blocks.len(), self.size.blocks)?;
-        if self.items.is_empty() {
-            nodes[0] = WideNode { child: [NONE; WIDTH], ..WideNode::zeroed() };
-            return Ok(());
-        }
-        collapse::collapse(self.positions, self.triangles, self.items, self.binary, self.ways, nodes, blocks)
-    }
-}
-
-const fn enough(buffer: &'static str, have: usize, need: usize) -> Result<(), SceneError> {
-    if have < need { Err(SceneError::BufferTooSmall { buffer, have, need }) } else { Ok(()) }
 }

@@ -1,9 +1,14 @@
 //! A tree that owns its memory.
 
-use super::{Quality, Scratch, fill_facets, plan, refit, scratch_len};
+use super::facets::fill_facets;
+use super::plan::plan;
+use super::quality::Quality;
+use super::refit::refit;
+use super::{Scratch, scratch_len};
 use crate::Execution;
+use crate::scene::SceneError;
 use crate::scene::tree::{Facet, TriangleBlock, WideNode};
-use crate::scene::{SceneError, TreeFault, validate_scratch_len, validate_tree};
+use crate::scene::validate::{TreeFault, validate_scratch_len, validate_tree};
 use crate::simd::WIDTH;
 use alloc::vec::Vec;
 use bytemuck::allocation::zeroed_vec;
@@ -27,10 +32,10 @@ pub struct Tree {
 }
 
 impl Tree {
-    /// Builds the tree of a mesh like [`build`](super::build), into allocated memory.
+    /// Builds the tree of a mesh like [`build`](super::plan::build), into allocated memory.
     ///
     /// # Errors
-    /// Those of [`build`](super::build).
+    /// Those of [`build`](super::plan::build).
     pub fn build(
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],

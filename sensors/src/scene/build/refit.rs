@@ -10,9 +10,9 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// Refits a tree to moved vertices: the same triangles and the same tree with new boxes.
 ///
-/// `nodes` and `blocks` must be exactly what [`build`](super::build) wrote for `triangles`. The boxes stay exact, but
-/// the farther vertices move apart, the more the boxes overlap and the slower tracing becomes. Rebuild the tree after a
-/// large change of shape.
+/// `nodes` and `blocks` must be exactly what [`build`](super::plan::build) wrote for `triangles`. The boxes stay exact,
+/// but the farther vertices move apart, the more the boxes overlap and the slower tracing becomes. Rebuild the tree
+/// after a large change of shape.
 ///
 /// # Errors
 /// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`], or [`SceneError::BadTree`]

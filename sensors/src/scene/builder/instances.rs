@@ -35,7 +35,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchInstance`], and those of [`SceneBuilder::add_instance`]; the old instance is then kept.
     pub fn set_instance(&mut self, instance: InstanceId, config: &InstanceConfig) -> Result<(), SceneError> {
-        let old = *self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance)?;
+        let old = *self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance(instance.0))?;
         let new = self.check_instance(config, Some(&old))?;
         self.leave(&old);
         self.enter(&new);
@@ -51,7 +51,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchInstance`].
     pub fn remove_instance(&mut self, instance: InstanceId) -> Result<(), SceneError> {
-        let old = *self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance)?;
+        let old = *self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance(instance.0))?;
         self.leave(&old);
         let unseen = InstanceConfig { shape: Shape::Plane, visibility: 0, ..InstanceConfig::default() };
         // An index of a material that the scene has or had: baked scenes with other indices are rejected.
@@ -66,7 +66,8 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchInstance`].
     pub fn set_visibility(&mut self, instance: InstanceId, visibility: u32) -> Result<(), SceneError> {
-        self.instances.get_mut(instance.0).ok_or(SceneError::NoSuchInstance)?.visibility = visibility;
+        self.instances.get_mut(instance.0).ok_or(SceneError::NoSuchInstance(instance.0))?.visibility =
+            visibility;
         Ok(())
     }
 
@@ -82,7 +83,7 @@ impl SceneBuilder {
     /// [`SceneError::NoSuchInstance`], [`SceneError::BadPose`].
     pub fn set_pose(&mut self, instance: InstanceId, world_from_instance: Pose) -> Result<(), SceneError> {
         limits::pose(&world_from_instance)?;
-        self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance)?;
+        self.instances.get(instance.0).ok_or(SceneError::NoSuchInstance(instance.0))?;
         self.poses[instance.0 as usize] = world_from_instance;
         Ok(())
     }
@@ -96,16 +97,16 @@ impl SceneBuilder {
         let instance = Instance::new(config)?;
         match instance.kind() {
             Kind::Triangles(Triangles::Mesh) if self.meshes.get(instance.mesh).is_none() => {
-                return Err(SceneError::NoSuchMesh);
+                return Err(SceneError::NoSuchMesh(instance.mesh));
             }
             Kind::Triangles(Triangles::HeightField) if self.height_fields.get(instance.mesh).is_none() => {
-                return Err(SceneError::NoSuchHeightField);
+                return Err(SceneError::NoSuchHeightField(instance.mesh));
             }
             Kind::Triangles(Triangles::Mesh | Triangles::HeightField) | Kind::Solid(_) => {}
         }
         let is_first = self.materials.is_empty() && config.material == MaterialId(0);
         if !is_first && self.materials.get(instance.material).is_none() {
-            return Err(SceneError::NoSuchMaterial);
+            return Err(SceneError::NoSuchMaterial(instance.material));
         }
         // Slots of all instances together are counted in 31 bits.
         let replaced = replaced.map_or(0, |replaced| self.slots_of(replaced));

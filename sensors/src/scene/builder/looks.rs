@@ -51,7 +51,7 @@ impl SceneBuilder {
         height: u32,
         rgba8: &[[u8; 4]],
     ) -> Result<(), SceneError> {
-        let old = *self.textures.get(texture.0).ok_or(SceneError::NoSuchTexture)?;
+        let old = *self.textures.get(texture.0).ok_or(SceneError::NoSuchTexture(texture.0))?;
         let new = self.store_texture(width, height, rgba8, old.is_data != 0)?;
         self.texels.release(old.first_texel, mip_texels(old.width, old.height));
         if let Some(place) = self.textures.get_mut(texture.0) {
@@ -65,7 +65,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchTexture`], [`SceneError::InUse`] by a material.
     pub fn remove_texture(&mut self, texture: TextureId) -> Result<(), SceneError> {
-        let old = unused(&self.textures, texture.0, SceneError::NoSuchTexture, || {
+        let old = unused(&self.textures, texture.0, SceneError::NoSuchTexture(texture.0), || {
             let mut users = self.materials.items().iter().enumerate();
             let user = users.position(|(index, material)| {
                 [material.texture, material.normal_map].contains(&texture.0)
@@ -155,7 +155,7 @@ impl SceneBuilder {
     /// [`SceneError::NoSuchMaterial`], and those of [`SceneBuilder::add_material`].
     pub fn set_material(&mut self, material: MaterialId, config: &MaterialConfig) -> Result<(), SceneError> {
         let new = self.check_material(config)?;
-        let place = self.materials.get_mut(material.0).ok_or(SceneError::NoSuchMaterial)?;
+        let place = self.materials.get_mut(material.0).ok_or(SceneError::NoSuchMaterial(material.0))?;
         let old = core::mem::replace(place, new);
         for (new, old) in [(new.texture, old.texture), (new.normal_map, old.normal_map)] {
             self.textures.use_one(new);
@@ -169,7 +169,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchMaterial`], [`SceneError::InUse`] by an instance.
     pub fn remove_material(&mut self, material: MaterialId) -> Result<(), SceneError> {
-        let old = unused(&self.materials, material.0, SceneError::NoSuchMaterial, || {
+        let old = unused(&self.materials, material.0, SceneError::NoSuchMaterial(material.0), || {
             self.used_by_instance(|instance| instance.material == material.0)
         })?;
         self.textures.leave_one(old.texture);
@@ -183,7 +183,7 @@ impl SceneBuilder {
         limits::material(&material)?;
         for texture in [material.texture, material.normal_map] {
             if texture != NO_TEXTURE && self.textures.get(texture).is_none() {
-                return Err(SceneError::NoSuchTexture);
+                return Err(SceneError::NoSuchTexture(texture));
             }
         }
         Ok(material)
@@ -203,7 +203,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchLight`], and those of [`SceneBuilder::add_light`].
     pub fn set_light(&mut self, light: LightId, config: &LightConfig) -> Result<(), SceneError> {
-        *self.lights.get_mut(light.0).ok_or(SceneError::NoSuchLight)? = check_light(config)?;
+        *self.lights.get_mut(light.0).ok_or(SceneError::NoSuchLight(light.0))? = check_light(config)?;
         Ok(())
     }
 
@@ -212,7 +212,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchLight`].
     pub fn remove_light(&mut self, light: LightId) -> Result<(), SceneError> {
-        self.lights.get(light.0).ok_or(SceneError::NoSuchLight)?;
+        self.lights.get(light.0).ok_or(SceneError::NoSuchLight(light.0))?;
         let dark = LightConfig { diffuse: [0.0; 3], range_m: 0.0, ..LightConfig::default() };
         self.lights.remove(light.0, Light::new(&dark));
         Ok(())

@@ -2,7 +2,8 @@
 
 use super::{SceneBuilder, room, unused};
 use crate::execution::Execution;
-use crate::scene::build::{Quality, Tree};
+use crate::scene::build::owned::Tree;
+use crate::scene::build::quality::Quality;
 use crate::scene::tree::Facet;
 use crate::scene::{HeightField, HeightFieldId, Kind, Mesh, MeshId, SceneError, Triangles, limits};
 use crate::simd::WIDTH;
@@ -17,7 +18,9 @@ impl SceneBuilder {
     /// coordinate per vertex, or is empty.
     ///
     /// # Errors
-    /// Those of [`Tree::build`], [`SceneError::UvCount`], [`SceneError::BadUv`].
+    /// [`SceneError::BadVertex`], [`SceneError::VertexTooFar`], [`SceneError::BadTriangle`] with the index of the
+    /// element, [`SceneError::TooMany`] if 32 bits cannot count the elements, [`SceneError::UvCount`],
+    /// [`SceneError::BadUv`].
     pub fn add_mesh(
         &mut self,
         positions: &[[f32; 3]],
@@ -42,7 +45,7 @@ impl SceneBuilder {
         uvs: &[[f32; 2]],
         triangles: &[[u32; 3]],
     ) -> Result<(), SceneError> {
-        let old = *self.meshes.get(mesh.0).ok_or(SceneError::NoSuchMesh)?;
+        let old = *self.meshes.get(mesh.0).ok_or(SceneError::NoSuchMesh(mesh.0))?;
         let tree = checked_tree(positions, uvs, triangles)?;
         let uses = self.meshes.uses(mesh.0).unwrap_or(0);
         let slots = self.slots_with(uses, old.blocks, tree.blocks.len())?;
@@ -60,7 +63,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchMesh`], [`SceneError::InUse`] by an instance.
     pub fn remove_mesh(&mut self, mesh: MeshId) -> Result<(), SceneError> {
-        let old = unused(&self.meshes, mesh.0, SceneError::NoSuchMesh, || {
+        let old = unused(&self.meshes, mesh.0, SceneError::NoSuchMesh(mesh.0), || {
             self.used_by_instance(|instance| {
                 instance.kind() == Kind::Triangles(Triangles::Mesh) && instance.mesh == mesh.0
             })
@@ -151,7 +154,7 @@ impl SceneBuilder {
         size: [f64; 2],
         heights: &[f32],
     ) -> Result<(), SceneError> {
-        let old = *self.height_fields.get(field.0).ok_or(SceneError::NoSuchHeightField)?;
+        let old = *self.height_fields.get(field.0).ok_or(SceneError::NoSuchHeightField(field.0))?;
         let uses = self.height_fields.uses(field.0).unwrap_or(0);
         let slots =
             |builder: &Self, new: &HeightField| builder.slots_with(uses, old.blocks(), new.blocks() as usize);
@@ -173,7 +176,7 @@ impl SceneBuilder {
     /// # Errors
     /// [`SceneError::NoSuchHeightField`], [`SceneError::InUse`] by an instance.
     pub fn remove_height_field(&mut self, field: HeightFieldId) -> Result<(), SceneError> {
-        let old = unused(&self.height_fields, field.0, SceneError::NoSuchHeightField, || {
+        let old = unused(&self.height_fields, field.0, SceneError::NoSuchHeightField(field.0), || {
             self.used_by_instance(|instance| {
                 instance.kind() == Kind::Triangles(Triangles::HeightField) && instance.mesh == field.0
             })

@@ -138,7 +138,8 @@ impl<'a> Brush<'a> {
         }
     }
 
-    /// Sets its shader, before anything else. Apart from [`Brush::new`], which so returns what lies on the stack but once.
+    /// Sets its shader, before anything else. Apart from [`Brush::new`], which so returns what lies on the stack but
+    /// once.
     pub(in crate::sensor) fn set_shader(&mut self) {
         let CameraConfig { faces, edges, .. } = *self.camera.config();
         self.shader.set(faces, edges == Edges::Smooth);

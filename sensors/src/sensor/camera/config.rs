@@ -24,14 +24,15 @@ pub const MAX_IMAGE_SIZE: u32 = 16384;
 pub struct CameraConfig<'a> {
     /// The lens: the direction of the ray of each pixel. Width and height are 1 … [`MAX_IMAGE_SIZE`] pixels.
     pub optics: Optics<'a>,
-    /// The pixel format.
+    /// The pixel format. The default is [`PixelFormat::Rgb8`].
     pub format: PixelFormat,
     /// The near clip distance in metres, more than 0: along the optical axis for a pinhole, along the ray for any other
-    /// lens. Nothing nearer is visible.
+    /// lens. Nothing nearer is visible. The default is 0.02.
     pub near_m: f64,
-    /// The far clip distance in metres, measured like `near_m` and greater than it. Nothing farther is visible.
+    /// The far clip distance in metres, measured like `near_m` and greater than it. Nothing farther is visible. The
+    /// default is 300.
     pub far_m: f64,
-    /// The sides of surfaces that are visible.
+    /// The sides of surfaces that are visible. The default is [`Faces::Front`].
     ///
     /// With [`Faces::Front`], back faces are culled, as in most renderers and in Gazebo. A camera inside its own
     /// housing then sees out of it. A mesh whose triangles run clockwise, seen from outside, shows the inside of its
@@ -40,19 +41,20 @@ pub struct CameraConfig<'a> {
     pub faces: Faces,
     /// The factor by which light is multiplied before it reaches the sensor, finite and at least 0; 1 leaves the scene
     /// as it is lit. Colours are proportional to it until they saturate at 1, as the electrons of a sensor are to its
-    /// exposure time (the linear model of EMVA 1288). Shading computes such linear colours, without gamma.
+    /// exposure time (the linear model of EMVA 1288). Shading computes such linear colours, without gamma. The default
+    /// is 1.
     pub exposure: f32,
-    /// The treatment of edges: sharp or anti-aliased.
+    /// The treatment of edges: sharp or anti-aliased. The default is [`Edges::Sharp`].
     pub edges: Edges,
     /// Noise of a colour value in [0, 1], independent of exposure. There is one sample per pixel, the same for R, G and
-    /// B.
+    /// B. The default is [`GaussianNoise::NONE`].
     pub noise: GaussianNoise,
     /// The image sensor and its electronics. Without a device, the picture holds the colours as they are shaded.
-    /// `exposure` scales the light that reaches the device, and `noise` is added to its output.
+    /// `exposure` scales the light that reaches the device, and `noise` is added to its output. The default is `None`.
     pub device: Option<DeviceConfig>,
-    /// The seed of the simulation.
+    /// The seed of the simulation. The default is 0.
     pub seed: u64,
-    /// The number of the sensor in the simulation.
+    /// The number of the sensor in the simulation. The default is 0.
     pub sensor: u32,
 }
 

@@ -1,8 +1,8 @@
 //! The configuration of a depth camera.
 
 use crate::ParameterError;
-use crate::device::depth::DepthModel;
-use crate::device::depth::presets::DepthPreset;
+use crate::device::depth_model::DepthModel;
+use crate::device::depth_model::presets::DepthPreset;
 #[cfg(feature = "alloc")]
 use crate::optics::Optics;
 use crate::optics::PinholeGrid;
@@ -16,23 +16,23 @@ pub struct DepthCameraConfig<'a> {
     /// The lens, the clip distances and the colour picture. Its `faces` are ignored.
     pub camera: CameraConfig<'a>,
     /// The sides of surfaces that are visible, in depths, colours, point cloud and ground truth alike, so that all of
-    /// them show the same surfaces.
+    /// them show the same surfaces. The default is [`Faces::Both`].
     ///
     /// With [`Faces::Both`] no surface is seen through: a mesh whose triangles run clockwise is measured as well, and
     /// so is the inside of a housing around the camera. With [`Faces::Front`], as in Gazebo, only front faces are
     /// visible.
     pub faces: Faces,
-    /// Depths at or below this value are too near, in metres.
+    /// Depths at or below this value are too near, in metres. The default is 0.
     pub min_depth_m: f64,
-    /// Depths at or above this value are too far, in metres; it may be infinite.
+    /// Depths at or above this value are too far, in metres; it may be infinite. The default is infinity.
     pub max_depth_m: f64,
-    /// The values that stand for too near and too far.
+    /// The values that stand for too near and too far. The default is [`OutOfRange::Infinite`].
     pub out_of_range: OutOfRange,
     /// The treatment of surfaces nearer than the camera's `near_m`. In the colour picture they are invisible in either
-    /// case, as in that of a [`Camera`](crate::camera::Camera).
+    /// case, as in that of a [`Camera`](crate::camera::Camera). The default is [`TooNear::Blocks`].
     pub too_near: TooNear,
     /// The model by which the device measures true depths. Depths that it moves to the limits or beyond are too near or
-    /// too far.
+    /// too far. The default is [`DepthModel::new`], which reports true depths.
     pub model: DepthModel,
 }
 
@@ -63,9 +63,9 @@ impl<'a> DepthCameraConfig<'a> {
     ///
     /// ```
     /// use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig};
-    /// use belvedere_sensors::device::depth::presets;
+    /// use belvedere_sensors::device::depth_model::presets;
     /// let kinect = presets::named("kinect_v1").expect("there is one");
-    /// let config = DepthCameraConfig::of_preset(kinect)?;
+    /// let config = DepthCameraConfig::of_preset(&kinect)?;
     /// assert_eq!((config.min_depth_m, config.max_depth_m), (0.8, 4.0));
     /// assert_eq!(DepthCamera::new(config)?.pixels(), 640 * 480);
     /// # Ok::<(), Box<dyn core::error::Error>>(())

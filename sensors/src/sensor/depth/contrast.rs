@@ -1,7 +1,7 @@
 //! Brightness of pixels and its contrast, by which a stereo camera matches them.
 
 use crate::device::LUMA;
-use crate::device::depth::{Matcher, REACH};
+use crate::device::depth_model::{Matcher, REACH};
 use crate::memory::{Cutter, lines};
 use crate::shade::Colours;
 use crate::simd::WIDTH;

@@ -3,10 +3,10 @@
 use super::borders::{Borders, MOST_ROWS};
 use super::contrast::Contrast;
 use super::look::{CHUNK, LINES, Looker, load};
-use super::pattern::Pattern;
+use super::pattern::DotPattern;
 use super::rows::{Places, millimetres};
 use super::{DepthCamera, POINT_STEP};
-use crate::device::depth::{DepthDevice, Sampling};
+use crate::device::depth_model::{DepthDevice, Sampling};
 use crate::execution::{Execution, SplitRows, for_each_row, split_at};
 use crate::noise::{Stream, normal_lines};
 use crate::simd::{WIDTH, dispatch};
@@ -53,7 +53,7 @@ pub(super) struct Developer<'a> {
     pub(super) device: &'a DepthDevice,
     pub(super) looker: Looker<'a>,
     /// The projected dots that were found, if the device measures by dots.
-    pub(super) pattern: Option<Pattern<'a>>,
+    pub(super) pattern: Option<DotPattern<'a>>,
     /// The contrast by which the second eye matches pixels, if the device models it.
     pub(super) contrast: Option<Contrast<'a>>,
 }

@@ -1,7 +1,7 @@
 //! The input of a device model: true depths of a frame and angles of incidence, in the workspace.
 
 use super::too_near::Obstacles;
-use crate::device::depth::{DepthDevice, Eye, Look};
+use crate::device::depth_model::{DepthDevice, Eye, Look};
 use crate::memory::{Cutter, lines};
 use crate::simd::WIDTH;
 use crate::trace::grid::place::Place;

@@ -1,7 +1,7 @@
 //! Sampling of the true depths: along a pixel's own ray, beside it, or as a mixture of light from around it.
 
 use super::surface::is_same_surface;
-use crate::device::depth::{Around, DepthDevice, FREQUENCIES, Light, Look, Sampling};
+use crate::device::depth_model::{Around, DepthDevice, FREQUENCIES, Look, ModulatedLight, Sampling};
 use crate::noise::{Stream, normal_lines};
 use crate::optics::rays::Rays;
 use crate::simd::WIDTH;
@@ -153,7 +153,7 @@ impl<'a> Looker<'a> {
     fn light<S: Simd>(
         &self,
         simd: S,
-        (device, light): (&DepthDevice, Light),
+        (device, light): (&DepthDevice, ModulatedLight),
         [column, row, count]: [usize; 3],
         (offsets, line): (&Offsets<S>, usize),
     ) -> [f32x16<S>; 2] {

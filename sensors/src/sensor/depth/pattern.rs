@@ -1,7 +1,7 @@
 //! The dots of structured light in a frame: their places, and the disparities at which they are found.
 
 use super::look::{CHUNK, LINES, Looker};
-use crate::device::depth::{DepthDevice, Dots, Look, dot, find_dot, squares};
+use crate::device::depth_model::{DepthDevice, Dots, Look, dot, find_dot, squares};
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{Cutter, lines};
 use crate::noise::Stream;
@@ -11,7 +11,7 @@ use fearless_simd::{Select, Simd, SimdBase, f32x16};
 
 /// The dots of a frame, and the disparities at which they are found.
 #[derive(Clone, Copy)]
-pub(super) struct Pattern<'a> {
+pub(super) struct DotPattern<'a> {
     dots: Dots,
     size: [usize; 2],
     /// Column and row of the dot of each square.
@@ -21,19 +21,19 @@ pub(super) struct Pattern<'a> {
 }
 
 /// An output split into pieces of `piece` values.
-struct Pieces<'a, T> {
+struct Chunks<'a, T> {
     values: &'a mut [T],
     piece: usize,
 }
 
-impl<T: Send> SplitRows for Pieces<'_, T> {
+impl<T: Send> SplitRows for Chunks<'_, T> {
     fn split_rows(self, pieces: usize) -> (Self, Self) {
         let (upper, lower) = self.values.split_at_mut((pieces * self.piece).min(self.values.len()));
         (Self { values: upper, piece: self.piece }, Self { values: lower, piece: self.piece })
     }
 }
 
-impl<'a> Pattern<'a> {
+impl<'a> DotPattern<'a> {
     /// Returns the number of cache lines that a frame needs.
     pub(super) fn workspace_len(size: [usize; 2]) -> usize {
         let (pixels, squares) = (size.iter().product::<usize>(), squares(size).iter().product::<usize>());
@@ -56,23 +56,23 @@ impl<'a> Pattern<'a> {
         let places: &mut [[u16; 2]] = memory.take(across * down);
         let found: &mut [f32] = memory.take(across * down);
 
-        let chunks = Pieces { values: &mut *disparity, piece: CHUNK * width };
-        for_each_row(execution, 0..height.div_ceil(CHUNK), chunks, &|chunk, output: Pieces<'_, f32>| {
+        let chunks = Chunks { values: &mut *disparity, piece: CHUNK * width };
+        for_each_row(execution, 0..height.div_ceil(CHUNK), chunks, &|chunk, output: Chunks<'_, f32>| {
             dispatch!(execution.level, simd => simd.vectorize(
                 #[inline(always)]
                 || disparities(simd, looker, (device, dots), chunk, output.values)
             ));
         });
         let pattern = Stream { frame: 0, ..looker.stream(Stream::DOTS) };
-        let rows = Pieces { values: &mut *places, piece: across };
-        for_each_row(execution, 0..down, rows, &|y, output: Pieces<'_, [u16; 2]>| {
+        let rows = Chunks { values: &mut *places, piece: across };
+        for_each_row(execution, 0..down, rows, &|y, output: Chunks<'_, [u16; 2]>| {
             for (x, place) in output.values.iter_mut().enumerate() {
                 *place = dot(&pattern, across, [x, y]).map(|at| at as u16);
             }
         });
         let (disparity, places) = (&*disparity, &*places);
-        let rows = Pieces { values: &mut *found, piece: across };
-        for_each_row(execution, 0..down, rows, &|y, output: Pieces<'_, f32>| {
+        let rows = Chunks { values: &mut *found, piece: across };
+        for_each_row(execution, 0..down, rows, &|y, output: Chunks<'_, f32>| {
             for (place, found) in places[y * across..].iter().zip(output.values) {
                 *found = find_dot(place.map(usize::from), size, places, disparity);
             }

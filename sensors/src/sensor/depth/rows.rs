@@ -108,7 +108,7 @@ pub(super) fn millimetres<S: Simd>(simd: S, depths: f32x16<S>) -> [u16; WIDTH] {
 }
 
 /// The outputs of a frame, split between rows of tiles.
-pub(super) struct Rows<'a> {
+pub(super) struct DepthRows<'a> {
     pub(super) depth_32fc1: Option<&'a mut [f32]>,
     pub(super) depth_16uc1: Option<&'a mut [u16]>,
     pub(super) points: Option<&'a mut [u8]>,
@@ -126,7 +126,7 @@ pub(super) struct Rows<'a> {
     pub(super) colour: ColourRows<'a>,
 }
 
-impl SplitRows for Rows<'_> {
+impl SplitRows for DepthRows<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { width, lines_in_tile, wants_colour, .. } = self;
         let pixels = rows * lines_in_tile * width;
@@ -170,7 +170,7 @@ impl SplitRows for Rows<'_> {
     }
 }
 
-impl Rows<'_> {
+impl DepthRows<'_> {
     /// Returns true if points are requested, with or without colours.
     #[inline(always)]
     pub(super) fn wants_places(&self) -> bool {
@@ -232,7 +232,7 @@ impl Rows<'_> {
     }
 
     /// Writes the requested outputs for the points of a tile, from the depths of its lines. Colours are only used for
-    /// [`Rows::points`].
+    /// [`DepthRows::points`].
     #[inline(always)]
     pub(super) fn write_points<S: Simd>(
         &mut self,
@@ -259,7 +259,7 @@ impl Rows<'_> {
 }
 
 /// The rest of a frame from some row of tiles on, whose edges are painted over.
-pub(super) struct Retouched<'a> {
+pub(super) struct RetouchedFrame<'a> {
     pub(super) camera: &'a Camera<'a>,
     pub(super) frame: u64,
     pub(super) space: ColourSpace,
@@ -267,7 +267,7 @@ pub(super) struct Retouched<'a> {
     pub(super) points: Option<&'a mut [u8]>,
 }
 
-impl SplitRows for Retouched<'_> {
+impl SplitRows for RetouchedFrame<'_> {
     fn split_rows(self, rows: usize) -> (Self, Self) {
         let Self { camera, frame, space, .. } = self;
         let rows = rows * TILE_HEIGHT;
@@ -280,7 +280,7 @@ impl SplitRows for Retouched<'_> {
     }
 }
 
-impl Canvas for Retouched<'_> {
+impl Canvas for RetouchedFrame<'_> {
     #[inline(always)]
     fn paint<S: Simd>(
         &mut self,

@@ -110,26 +110,27 @@ pub struct LidarConfig {
     /// The azimuths of the beams of a scan line: 0 is +x, positive angles are counter-clockwise about +z.
     pub horizontal: Beams,
     /// The elevations of the scan lines, upwards from the xy plane. Beyond ±π/2 they go over the pole and down on the
-    /// other side.
+    /// other side. The default is [`Beams::ONE`].
     pub vertical: Beams,
-    /// The smallest range in metres, at least 0.
+    /// The smallest range in metres, at least 0. The default is 0.
     pub range_min_m: f64,
-    /// The largest range in metres, greater than the smallest.
+    /// The largest range in metres, greater than the smallest. The default is 30.
     pub range_max_m: f64,
-    /// The treatment of surfaces nearer than the smallest range.
+    /// The treatment of surfaces nearer than the smallest range. The default is [`TooNear::Blocks`].
     pub too_near: TooNear,
     /// A bit mask of the instances that are visible: those whose own mask has a bit in common with this one; see
-    /// [`visibility`].
+    /// [`visibility`]. The default is [`visibility::COLLISION`].
     pub visibility: u32,
-    /// The sides of surfaces that are visible.
+    /// The sides of surfaces that are visible. The default is [`Faces::Both`], as of Gazebo's CPU ray sensor.
     pub faces: Faces,
-    /// The way the lidar sweeps: whether the slices of a shutter are columns or scan lines.
+    /// The way the lidar sweeps: whether the slices of a shutter are columns or scan lines. The default is
+    /// [`Sweep::Columns`].
     pub sweep: Sweep,
-    /// Noise of a range in metres. Noisy ranges are clamped to the two limits.
+    /// Noise of a range in metres. Noisy ranges are clamped to the two limits. The default is [`GaussianNoise::NONE`].
     pub noise: GaussianNoise,
-    /// The seed of the simulation.
+    /// The seed of the simulation. The default is 0.
     pub seed: u64,
-    /// The number of the sensor in the simulation.
+    /// The number of the sensor in the simulation. The default is 0.
     pub sensor: u32,
 }
 

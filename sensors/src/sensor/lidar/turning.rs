@@ -4,7 +4,7 @@
 //! moment. Its beams are first written side by side into the workspace, so that threads share no memory, and are copied
 //! to their columns at the end.
 
-use super::{Lidar, Lines, Scan, Scanner};
+use super::{Lidar, LidarBeams, Lines, Scan};
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{CacheLine, Cutter, lines};
 use crate::moment::{Capture, Slice};
@@ -21,7 +21,7 @@ use fearless_simd::Simd;
 const MOST_PIECES: usize = 16;
 
 /// The division of a scan's slices into pieces.
-struct Plan<'a> {
+struct SlicePlan<'a> {
     lidar: &'a Lidar,
     scene: &'a Scene<'a>,
     optics: Optics<'static>,
@@ -33,7 +33,7 @@ struct Plan<'a> {
     stride: usize,
 }
 
-impl<'a> Plan<'a> {
+impl<'a> SlicePlan<'a> {
     fn new(lidar: &'a Lidar, scene: &'a Scene<'a>, slices: &'a [Slice<'a>]) -> Self {
         let in_piece = slices.len().div_ceil(MOST_PIECES).max(1);
         let (optics, pieces) = (lidar.optics(), slices.len().div_ceil(in_piece));
@@ -98,7 +98,7 @@ impl<'a> Plan<'a> {
             &sight,
             &mut memory,
             lines,
-            &Scanner { lidar: self.lidar, capture, sight, is_whole: false },
+            &LidarBeams { lidar: self.lidar, capture, sight, is_whole: false },
         );
     }
 }
@@ -110,7 +110,7 @@ pub(super) fn workspace_len(lidar: &Lidar, scene: &Scene<'_>, slices: &[Slice<'_
     if ends().any(|end| end > samples) || !ends().is_sorted() {
         return 0; // and no scan
     }
-    let plan = Plan::new(lidar, scene, slices);
+    let plan = SlicePlan::new(lidar, scene, slices);
     let measured = 2 * lines(lidar.beams() * size_of::<f32>());
     plan.pieces * plan.stride + measured + Truth::elsewhere_len(lidar.beams())
 }
@@ -124,16 +124,17 @@ pub(super) fn sense(
     memory: &mut Cutter<'_>,
     mut output: Scan<'_>,
 ) {
-    let (plan, beams) = (Plan::new(lidar, scene, slices), lidar.beams());
+    let (plan, beams) = (SlicePlan::new(lidar, scene, slices), lidar.beams());
     let mut traced = Scan {
         ranges: output.ranges.is_some().then(|| memory.take(beams)),
+        points: None,
         intensities: output.intensities.is_some().then(|| memory.take(beams)),
         truth: output.truth.as_ref().map(|truth| truth.elsewhere(memory, beams)),
     };
     let memory = memory.take(plan.pieces * plan.stride);
-    let pieces = Pieces { plan: &plan, next: 0, memory, scan: traced.reborrow() };
-    for_each_row(execution, 0..plan.pieces, pieces, &|piece, part: Pieces<'_, '_>| {
-        let Pieces { memory, mut scan, .. } = part;
+    let pieces = SlicePieces { plan: &plan, next: 0, memory, scan: traced.reborrow() };
+    for_each_row(execution, 0..plan.pieces, pieces, &|piece, part: SlicePieces<'_, '_>| {
+        let SlicePieces { memory, mut scan, .. } = part;
         for slice in plan.of_piece(piece) {
             let (own, rest) = scan.split_at(plan.columns(slice).len() * plan.rows());
             scan = rest;
@@ -152,15 +153,15 @@ pub(super) fn sense(
 }
 
 /// The memory of some pieces, and the outputs of their beams.
-struct Pieces<'p, 'a> {
-    plan: &'p Plan<'p>,
+struct SlicePieces<'p, 'a> {
+    plan: &'p SlicePlan<'p>,
     /// The number of the first piece.
     next: usize,
     memory: &'a mut [CacheLine],
     scan: Scan<'a>,
 }
 
-impl SplitRows for Pieces<'_, '_> {
+impl SplitRows for SlicePieces<'_, '_> {
     fn split_rows(self, pieces: usize) -> (Self, Self) {
         let Self { plan, next, .. } = self;
         let from = |piece: usize| plan.beams_before(plan.of_piece(piece).start);
@@ -174,7 +175,7 @@ impl SplitRows for Pieces<'_, '_> {
 }
 
 /// Copies the beams of all slices to their columns.
-fn gather(plan: &Plan<'_>, traced: &Scan<'_>, output: &mut Scan<'_>) {
+fn gather(plan: &SlicePlan<'_>, traced: &Scan<'_>, output: &mut Scan<'_>) {
     put(plan, traced.ranges.as_deref(), output.ranges.as_deref_mut());
     put(plan, traced.intensities.as_deref(), output.intensities.as_deref_mut());
     let (Some(traced), Some(output)) = (&traced.truth, &mut output.truth) else { return };
@@ -187,7 +188,7 @@ fn gather(plan: &Plan<'_>, traced: &Scan<'_>, output: &mut Scan<'_>) {
 }
 
 /// Copies one output, if it is requested.
-fn put<T: Copy>(plan: &Plan<'_>, traced: Option<&[T]>, output: Option<&mut [T]>) {
+fn put<T: Copy>(plan: &SlicePlan<'_>, traced: Option<&[T]>, output: Option<&mut [T]>) {
     let (Some(traced), Some(output)) = (traced, output) else { return };
     for slice in 0..plan.slices.len() {
         let columns = plan.columns(slice);

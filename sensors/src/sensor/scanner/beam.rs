@@ -98,7 +98,7 @@ const fn ring(rays: u32) -> Option<[u32; 3]> {
 
 /// The rays of a beam, relative to its middle.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Bundle {
+pub(super) struct BeamRays {
     /// The number of rays of the beam and its halo.
     pub(super) rays: usize,
     /// The number of rays of the beam alone, which come first.
@@ -110,7 +110,7 @@ pub(super) struct Bundle {
     shares: [f64; 2],
 }
 
-impl Bundle {
+impl BeamRays {
     pub(super) fn new(beam: &Beam, halo: &Halo) -> Self {
         let slope = beam.divergence_rad.map(|angle| tan(0.5 * angle));
         let half = beam.aperture_m.map(|width| 0.5 * width);

@@ -1,5 +1,7 @@
 //! Firing times that continue from frame to frame, independent of frame boundaries.
 
+use crate::ParameterError;
+
 /// One minute in nanoseconds. Everything whose speed is a whole number of turns per minute makes a whole number of
 /// turns in it.
 pub(super) const MINUTE_NS: i128 = 60_000_000_000;
@@ -18,6 +20,22 @@ pub(super) struct Clock {
 }
 
 impl Clock {
+    /// Checks that the clock ticks, and that a frame is not shorter than a tick. `parameter` is the name of the time of
+    /// a tick. Where both times are sensible, the time of the frame is the one to blame: it is chosen last, and a
+    /// preset fixes the other.
+    pub(super) fn check(self, parameter: &'static str, frame_time_ns: u64) -> Result<(), ParameterError> {
+        let tick_ns = self.tick_ns;
+        ParameterError::require("scanner", parameter, tick_ns as f64, tick_ns > 0, "1 or more")?;
+        let rule = "at least the time from one firing, volley or column of the pattern to the next";
+        ParameterError::require(
+            "scanner",
+            "frame_time_ns",
+            frame_time_ns as f64,
+            tick_ns <= frame_time_ns,
+            rule,
+        )
+    }
+
     /// Returns the ticks in a frame.
     pub(super) fn in_frame(self, frame: u64, frame_time_ns: u64) -> Ticks {
         let tick = u128::from(self.tick_ns);

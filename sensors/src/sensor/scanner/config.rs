@@ -47,43 +47,45 @@ impl Spread {
 pub struct ScannerConfig<'a> {
     /// The firing pattern: direction, origin and time of each firing.
     pub pattern: Pattern<'a>,
-    /// The time from one frame to the next, in nanoseconds. For a spinning head it is the time of one turn.
+    /// The time from one frame to the next, in nanoseconds. For a spinning head it is the time of one turn. The default
+    /// is 100,000,000 (ten frames per second).
     pub frame_time_ns: u64,
-    /// The smallest range in metres, at least 0. Nearer surfaces are not measured, but hide those behind them.
+    /// The smallest range in metres, at least 0. Nearer surfaces are not measured, but hide those behind them. The
+    /// default is 0.
     pub range_min_m: f64,
-    /// The largest range in metres, greater than the smallest.
+    /// The largest range in metres, greater than the smallest. The default is 100.
     pub range_max_m: f64,
     /// A bit mask of the instances that are visible: those whose own mask has a bit in common with this one; see
-    /// [`visibility`].
+    /// [`visibility`]. The default is [`visibility::COLLISION`].
     pub visibility: u32,
-    /// The sides of surfaces that are visible.
+    /// The sides of surfaces that are visible. The default is [`Faces::Both`].
     pub faces: Faces,
-    /// Noise of each range.
+    /// Noise of each range. The default is [`GaussianNoise::NONE`].
     pub noise: GaussianNoise,
     /// Additional range noise that depends on the range, ordered by increasing distance. Its variance adds to that of
-    /// `noise`.
+    /// `noise`. The default is an empty list.
     pub spreads: &'a [Spread],
-    /// The size of the beams and the rays that sample them.
+    /// The size of the beams and the rays that sample them. The default is [`Beam::RAY`].
     pub beam: Beam,
-    /// Stray light around the beams, which makes retroreflectors bloom.
+    /// Stray light around the beams, which makes retroreflectors bloom. The default is [`Halo::NONE`].
     pub halo: Halo,
-    /// Pulses received from other lidars.
+    /// Pulses received from other lidars. The default is [`Crosstalk::NONE`].
     pub crosstalk: Crosstalk,
     /// The smallest range difference at which two surfaces in a beam give separate returns, in metres: half the length
-    /// of a pulse.
+    /// of a pulse. The default is 1.
     pub pulse_m: f64,
-    /// The returns that are reported for each firing.
+    /// The returns that are reported for each firing. The default is [`Returns::Strongest`].
     pub returns: Returns,
-    /// The quantity that is reported as the intensity of a return.
+    /// The quantity that is reported as the intensity of a return. The default is [`Intensity::Retro`].
     pub intensity: Intensity,
     /// The receiver, which detects returns above a threshold. With `None`, all returns are detected; only in weather, a
-    /// receiver whose reach is the largest range is assumed.
+    /// receiver whose reach is the largest range is assumed. The default is `None`.
     pub receiver: Option<Receiver>,
-    /// The weather: fog, rain and snow.
+    /// The weather: fog, rain and snow. The default is [`Weather::CLEAR`].
     pub weather: Weather,
-    /// The seed of the simulation.
+    /// The seed of the simulation. The default is 0.
     pub seed: u64,
-    /// The number of the sensor in the simulation.
+    /// The number of the sensor in the simulation. The default is 0.
     pub sensor: u32,
 }
 

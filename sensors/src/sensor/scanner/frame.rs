@@ -2,7 +2,7 @@
 
 use super::Scanner;
 use super::ScannerConfig;
-use super::beam::{Bundle, MOST_RAYS};
+use super::beam::{BeamRays, MOST_RAYS};
 use super::echoes::Echoes;
 use super::firing::{Firing, FiringLanes};
 use super::intensity::reflected;
@@ -27,7 +27,7 @@ use fearless_simd::Simd;
 use glam::DVec3;
 
 /// A frame that is being taken.
-pub(super) struct Frame<'a> {
+pub(super) struct ScannerFrame<'a> {
     pub(super) scanner: &'a Scanner<'a>,
     pub(super) scene: &'a Scene<'a>,
     pub(super) execution: Execution,
@@ -44,7 +44,7 @@ pub(super) struct Frame<'a> {
 }
 
 /// What up to 64 firings are worked out in.
-struct Scratch<'m> {
+struct VolleyScratch<'m> {
     lanes: FiringLanes,
     volley: MovingPacket,
     ways: Ways<'m>,
@@ -62,7 +62,7 @@ struct Scratch<'m> {
 /// the air and one pulse of another lidar.
 const MOST_ECHOES: usize = MOST_RAYS * (1 + SURFACES_BEYOND) + MOST_IN_AIR + 1;
 
-impl<'m> Scratch<'m> {
+impl<'m> VolleyScratch<'m> {
     #[inline(always)]
     fn new(
         room: &'m mut MovingScratch,
@@ -86,7 +86,7 @@ impl<'m> Scratch<'m> {
 type BeamBench<'b> =
     (&'b FiringLanes, &'b MovingPacket, &'b [f32; LANES * MAX_RETURNS], &'b mut Echoing<MOST_ECHOES>);
 
-impl<'a> Frame<'a> {
+impl<'a> ScannerFrame<'a> {
     /// Returns the first of some firings that does not belong to a motion, or the end of the firings.
     fn end_of(&self, motion: usize, firings: Range<usize>) -> usize {
         match self.motions.next_s(motion) {
@@ -128,7 +128,7 @@ impl<'a> Frame<'a> {
         let mut memory = Cutter(memory);
         let Some(room) = memory.take(1).first_mut() else { return };
         let glazed = usize::from(self.has_mirrors);
-        let mut scratch = Scratch::new(room, memory.take(glazed), memory.take(glazed));
+        let mut scratch = VolleyScratch::new(room, memory.take(glazed), memory.take(glazed));
         let Cutter(memory) = memory;
         let returns = self.scanner.returns();
         while next < end {
@@ -160,7 +160,7 @@ impl<'a> Frame<'a> {
         (view, resolver): (&View<'_>, &mut Resolver<'_>),
         motion: usize,
         firings: Range<usize>,
-        scratch: &mut Scratch<'_>,
+        scratch: &mut VolleyScratch<'_>,
         mut echoes: Echoes<'_>,
     ) {
         let sight = self.scanner.sight();
@@ -201,8 +201,8 @@ impl<'a> Frame<'a> {
 
     /// Sets up the rays of some firings; those of a firing are adjacent.
     #[inline(always)]
-    fn aim(&self, view: &View<'_>, motion: usize, firings: Range<usize>, scratch: &mut Scratch<'_>) {
-        let Scratch { lanes, volley, .. } = scratch;
+    fn aim(&self, view: &View<'_>, motion: usize, firings: Range<usize>, scratch: &mut VolleyScratch<'_>) {
+        let VolleyScratch { lanes, volley, .. } = scratch;
         let (bundle, farthest) = (&self.scanner.bundle, self.scanner.config.range_max_m);
         volley.clear();
         for (number, lane) in firings.enumerate() {
@@ -215,7 +215,7 @@ impl<'a> Frame<'a> {
                 volley.set(number, origin, ahead, share, farthest);
                 continue;
             }
-            let axes = Bundle::axes(&firing).map(|axis| turn * axis);
+            let axes = BeamRays::axes(&firing).map(|axis| turn * axis);
             for ray in 0..bundle.rays {
                 let [origin, direction] = bundle.ray(ray, origin, ahead, axes);
                 volley.set(number * bundle.rays + ray, origin, direction, share, farthest);
@@ -229,7 +229,7 @@ impl<'a> Frame<'a> {
         &self,
         resolver: &mut Resolver<'_>,
         firings: Range<usize>,
-        scratch: &Scratch<'_>,
+        scratch: &VolleyScratch<'_>,
         echoes: &mut Echoes<'_>,
     ) {
         let (volley, wants_intensities) = (&scratch.volley, echoes.intensities.is_some());

@@ -87,9 +87,7 @@ impl MirrorAxis {
 impl Mems<'_> {
     pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
         let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
-        if self.firing_time_ns == 0 || self.firing_time_ns > frame_time_ns {
-            return wrong("firing_time_ns", self.firing_time_ns as f64, "1 up to the frame's time");
-        }
+        self.clock().check("firing_time_ns", frame_time_ns)?;
         for axis in self.axes {
             if let Err((parameter, value, rule)) = axis.check() {
                 return wrong(parameter, value, rule);

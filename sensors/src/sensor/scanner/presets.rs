@@ -81,24 +81,30 @@ pub struct Preset {
 }
 
 impl Preset {
-    /// Returns the configuration of the scanner with this time from one frame (one turn) to the next in nanoseconds,
-    /// with seed and sensor number 0. Intensities are the `laser_retro` of instances, which is 0 unless it is set: choose
+    /// Returns the configuration of the scanner at the preset's frame rate (`rate_hz`), with seed and sensor number 0.
+    /// Another rate is set by [`ScannerConfig::frame_time_ns`], or taken from the operating modes by
+    /// [`Preset::in_mode`].
+    ///
+    /// Intensities are the `laser_retro` of instances, which is 0 unless it is set: choose
     /// [`Intensity::Reflectivity`](super::Intensity::Reflectivity) for intensities that follow from materials.
     ///
     /// ```
     /// use belvedere_sensors::scanner::{Scanner, presets::VLP_16};
-    /// let scanner = Scanner::new(VLP_16.config(100_000_000))?;
+    /// let scanner = Scanner::new(VLP_16.config())?; // ten turns per second
     /// assert_eq!(scanner.firings(0), 1809 * 16);
     /// assert!((scanner.firing(0, 1).direction.z - 1_f64.to_radians().sin()).abs() < 1e-12);
+    ///
+    /// let fast = Scanner::new(VLP_16.config().frame_time_ns(50_000_000))?;
+    /// assert_eq!(fast.firings(0), 905 * 16);
     /// # Ok::<(), belvedere_sensors::ParameterError>(())
     /// ```
     #[must_use]
-    pub fn config(&self, frame_time_ns: u64) -> ScannerConfig<'static> {
+    pub fn config(&self) -> ScannerConfig<'static> {
         let [stddev, bias, step] = [self.stddev_m, self.bias_stddev_m, self.resolution_m].map(|x| x as f32);
         let noise = GaussianNoiseConfig::default().stddev(stddev).bias_stddev(bias).precision(step);
         let [min_m, max_m] = self.range_m;
         ScannerConfig::new(self.pattern)
-            .frame_time_ns(frame_time_ns)
+            .frame_time_ns(libm::round(1e9 / self.rate_hz) as u64)
             .range_min_m(min_m)
             .range_max_m(max_m)
             .noise(GaussianNoise::new(noise).unwrap_or_default())
@@ -151,22 +157,7 @@ pub const ALL: &[Preset] = &[
     OS2_32, OS2_64, OS2_128, LMS_111, LMS_511, RPLIDAR_A1, RPLIDAR_A2, HDL_32E, VLP_16, VLS_128,
 ];
 
-/// The names of all presets.
-pub const NAMES: [&str; ALL.len()] = {
-    let mut names = [""; ALL.len()];
-    let mut index = 0;
-    while index < ALL.len() {
-        names[index] = ALL[index].name;
-        index += 1;
-    }
-    names
-};
-
-/// Returns the preset of that name, or `None` if there is none.
-#[must_use]
-pub fn named(name: &str) -> Option<Preset> {
-    ALL.iter().find(|preset| preset.name == name).copied()
-}
+preset_names!(ALL: Preset);
 
 /// Returns a beam that is traced as a single ray. Its width is used for counting raindrops and snowflakes in it.
 const fn line_of(divergence_rad: [f64; 2], aperture_m: [f64; 2]) -> Beam {

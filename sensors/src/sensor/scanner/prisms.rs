@@ -88,7 +88,87 @@ pub struct Prisms<'a> {
     /// towards +y if it is [`Axis::Up`].
     pub lasers_rad: &'a [f64],
     /// The wheels in the order in which light meets them.
-    pub wheels: &'a [Wheel<'a>],
+    pub wheels: Wheels<'a>,
+}
+
+/// The wheels of a scanner, 1 to [`MAX_WHEELS`] of them, in the order in which light meets them.
+#[derive(Debug, Clone, Copy)]
+pub struct Wheels<'a>(WheelList<'a>);
+
+/// Where wheels are stored.
+#[derive(Debug, Clone, Copy)]
+enum WheelList<'a> {
+    Borrowed(&'a [Wheel<'a>]),
+    /// A thin reference, so that the list is no larger than a slice.
+    #[cfg(feature = "alloc")]
+    Owned(&'a WheelsBuf),
+}
+
+/// Wheels that own their faces.
+#[cfg(feature = "alloc")]
+#[derive(Debug, Clone)]
+pub(in crate::sensor) struct WheelsBuf(alloc::vec::Vec<WheelBuf>);
+
+/// A [`Wheel`] that owns its faces.
+#[cfg(feature = "alloc")]
+#[derive(Debug, Clone)]
+struct WheelBuf {
+    /// The wheel without its faces.
+    wheel: Wheel<'static>,
+    faces: alloc::vec::Vec<Face>,
+}
+
+#[cfg(feature = "alloc")]
+impl WheelsBuf {
+    pub(in crate::sensor) fn copy_of(wheels: &Wheels<'_>) -> Self {
+        let own = |Wheel { speed_rpm, phase_rad, swing, faces }: Wheel<'_>| WheelBuf {
+            wheel: Wheel { speed_rpm, phase_rad, swing, faces: &[] },
+            faces: faces.to_vec(),
+        };
+        Self(wheels.iter().map(own).collect())
+    }
+}
+
+impl<'a> Wheels<'a> {
+    /// Creates a list of wheels. [`Scanner::new`](super::Scanner::new) refuses a scanner with none of them, or with
+    /// more than [`MAX_WHEELS`].
+    #[must_use]
+    pub const fn new(wheels: &'a [Wheel<'a>]) -> Self {
+        Self(WheelList::Borrowed(wheels))
+    }
+
+    #[cfg(feature = "alloc")]
+    pub(in crate::sensor) const fn owned(wheels: &'a WheelsBuf) -> Self {
+        Self(WheelList::Owned(wheels))
+    }
+
+    /// Returns the number of wheels.
+    #[must_use]
+    pub const fn count(&self) -> usize {
+        match self.0 {
+            WheelList::Borrowed(wheels) => wheels.len(),
+            #[cfg(feature = "alloc")]
+            WheelList::Owned(wheels) => wheels.0.len(),
+        }
+    }
+
+    /// Returns the wheels, one after the other.
+    #[inline(always)]
+    pub fn iter(&self) -> impl Iterator<Item = Wheel<'a>> + use<'a> {
+        let list = self.0;
+        (0..self.count()).map(move |index| match list {
+            WheelList::Borrowed(wheels) => wheels[index],
+            #[cfg(feature = "alloc")]
+            WheelList::Owned(wheels) => Wheel { faces: &wheels.0[index].faces, ..wheels.0[index].wheel },
+        })
+    }
+}
+
+/// Lists with the same wheels are equal.
+impl PartialEq for Wheels<'_> {
+    fn eq(&self, other: &Self) -> bool {
+        self.iter().eq(other.iter())
+    }
 }
 
 /// Directions of up to 64 rays: components along the axis and along the two axes across it.
@@ -96,13 +176,14 @@ type Rays = [Lanes<f64>; 3];
 
 impl Prisms<'_> {
     pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
-        let wrong = |parameter, index, value, rule| {
+        let wrong = |parameter, index: Option<usize>, value, rule| {
             let error = ParameterError::new("scanner", parameter, value, rule);
-            Err(ParameterError { index, ..error })
+            Err(match index {
+                Some(index) => error.at(index),
+                None => error,
+            })
         };
-        if self.volley_time_ns == 0 || u64::from(self.volley_time_ns) > frame_time_ns {
-            return wrong("volley_time_ns", None, f64::from(self.volley_time_ns), "1 up to the frame's time");
-        }
+        self.clock().check("volley_time_ns", frame_time_ns)?;
         let lasers = self.lasers_rad.len();
         if !(1..=LANES).contains(&lasers) {
             return wrong("number of lasers_rad", None, lasers as f64, "1 to 64");
@@ -117,8 +198,8 @@ impl Prisms<'_> {
                 return wrong("lasers_rad", Some(index), *angle, "-1 to 1");
             }
         }
-        if !(1..=MAX_WHEELS).contains(&self.wheels.len()) {
-            return wrong("number of wheels", None, self.wheels.len() as f64, "1 to 4");
+        if !(1..=MAX_WHEELS).contains(&self.wheels.count()) {
+            return wrong("number of wheels", None, self.wheels.count() as f64, "1 to 4");
         }
         for (index, wheel) in self.wheels.iter().enumerate() {
             if let Err((parameter, value, rule)) = wheel.check() {
@@ -171,7 +252,7 @@ impl Prisms<'_> {
     /// Sends rays through all wheels.
     #[inline(always)]
     fn bend(&self, at_ns: &Lanes<i128>, rays: &mut Rays) {
-        for wheel in self.wheels {
+        for wheel in self.wheels.iter() {
             let mut turned = [0.0; LANES];
             for lane in 0..LANES {
                 turned[lane] = wheel.turned(at_ns[lane]);

@@ -38,11 +38,7 @@ impl Raster {
             return wrong("row_time_ns", self.row_time_ns as f64, "at least the time of all pixels of a row");
         }
         if up * u128::from(self.row_time_ns) + row >= u128::from(frame_time_ns) {
-            return wrong(
-                "row_time_ns",
-                self.row_time_ns as f64,
-                "short enough that all rows fit in a frame",
-            );
+            return wrong("frame_time_ns", frame_time_ns as f64, "more than the time of all rows");
         }
         Ok(())
     }

@@ -31,9 +31,7 @@ pub struct Rosette {
 impl Rosette {
     pub(super) fn check(&self, frame_time_ns: u64) -> Result<(), ParameterError> {
         let wrong = |parameter, value, rule| Err(ParameterError::new("scanner", parameter, value, rule));
-        if self.firing_time_ns == 0 || self.firing_time_ns > frame_time_ns {
-            return wrong("firing_time_ns", self.firing_time_ns as f64, "1 up to the frame's time");
-        }
+        self.clock().check("firing_time_ns", frame_time_ns)?;
         if !(1.0..=4.0).contains(&self.refractive_index) {
             return wrong("refractive_index", self.refractive_index, "1 to 4");
         }

@@ -99,10 +99,10 @@ impl Spinning<'_> {
             {
                 return wrong("first + count", f64::from(first) + f64::from(count), "no more than per_turn");
             }
-            Columns::Every { time_ns } if time_ns == 0 || time_ns > frame_time_ns => {
-                return wrong("time_ns", time_ns as f64, "1 up to the frame's time");
+            Columns::Every { time_ns } => {
+                Clock { tick_ns: time_ns }.check("time_ns of columns", frame_time_ns)?;
             }
-            Columns::Turn { .. } | Columns::Every { .. } => {}
+            Columns::Turn { .. } => {}
         }
         let (column_s, mut before) = (self.column_time_s(frame_time_ns), 0.0);
         for (index, laser) in self.lasers.iter().enumerate() {
@@ -122,7 +122,7 @@ impl Spinning<'_> {
                 return wrong(
                     "time_s of laser",
                     laser.time_s,
-                    "not before that of the laser before, and less than a column's",
+                    "not before that of the laser before, and less than a column's (frame_time_ns / per_turn)",
                 );
             }
             before = laser.time_s;

@@ -53,7 +53,7 @@ impl Band<'_> {
 }
 
 /// Rows of a band, as [`Band`] has them.
-pub(super) struct Part {
+pub(super) struct BandPart {
     pub(super) rows: [i32; 2],
     pub(super) first_row: i32,
     pub(super) fresh_from: i32,

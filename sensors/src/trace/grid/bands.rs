@@ -17,8 +17,8 @@ pub(in crate::trace) struct Bands {
     pub(in crate::trace) count: usize,
     /// Blocks of the grid.
     pub(in crate::trace) blocks: usize,
-    /// From where [`Target::farthest`](crate::trace::image::Target::farthest) of a band begins to where that of the next does: whole cache lines, so that no
-    /// two threads write to one, and sixteen more than a band has blocks.
+    /// From where [`Target::farthest`](crate::trace::image::Target::farthest) of a band begins to where that of the
+    /// next does: whole cache lines, so that no two threads write to one, and sixteen more than a band has blocks.
     pub(in crate::trace) farthest_stride: usize,
 }
 

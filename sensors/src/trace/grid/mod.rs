@@ -15,7 +15,9 @@ use super::packet::Faces;
 use crate::execution::{Execution, SplitRows, for_each_row};
 use crate::memory::{Cutter, lines};
 use crate::moment::{Moment, Shutter};
-use crate::optics::rays::{PinholeRays, Projection, RayGrid, Rays, SphericalRays, Steps, TableRays, each};
+use crate::optics::rays::{
+    AngleSteps, PinholeRays, Projection, RayGrid, Rays, SphericalRays, TableRays, each,
+};
 use crate::optics::{Optics, SphericalGrid};
 use crate::scene::Scene;
 use crate::simd::{WIDTH, dispatch, least};
@@ -23,7 +25,7 @@ use crate::trace::grid::bands::Bands;
 use crate::trace::packet::scratch::SpecularScratch;
 use crate::trace::placed::memory::view_lines;
 use crate::trace::placed::view::View;
-use band::{BandOutput, Part};
+use band::{BandOutput, BandPart};
 use core::cell::RefCell;
 use fearless_simd::Simd;
 use shutter::ray_grid_of;
@@ -105,8 +107,8 @@ impl<'a> Frame<'a> {
         Ok(Self { optics, ray_grid, first_column: 0, execution, when })
     }
 
-    /// Some columns of a grid of angles at one moment, both of which have been checked. Their rays are those of the whole
-    /// grid, to the last bit.
+    /// Some columns of a grid of angles at one moment, both of which have been checked. Their rays are those of the
+    /// whole grid, to the last bit.
     pub(crate) fn of_columns(
         scene: &'a Scene<'a>,
         optics: &'a Optics<'a>,
@@ -194,7 +196,7 @@ impl<'a> Frame<'a> {
             match &self.when {
                 When::Once(view) => {
                     let rows = [first_row, end as i32 - 1];
-                    let part = Part { rows, first_row, fresh_from: 0, open_from: i32::MAX };
+                    let part = BandPart { rows, first_row, fresh_from: 0, open_from: i32::MAX };
                     self.trace_part(view, &rays, sight, &part, &mut output, work);
                 }
                 When::Slices { scene, shutter, visibility } => {
@@ -211,7 +213,7 @@ impl<'a> Frame<'a> {
                         }
                         let view = View::new(scene, &slices[index].at, *visibility, views.reborrow());
                         let open_from = i32::try_from(open_from).unwrap_or(i32::MAX);
-                        let part = Part { rows, first_row, fresh_from: fresh_from as i32, open_from };
+                        let part = BandPart { rows, first_row, fresh_from: fresh_from as i32, open_from };
                         self.trace_part(&view, &rays, sight, &part, &mut output, work);
                     }
                 }
@@ -225,12 +227,12 @@ impl<'a> Frame<'a> {
         view: &View<'_>,
         rays: &Rays<'_>,
         sight: &Sight,
-        part: &Part,
+        part: &BandPart,
         output: &mut BandOutput<'_, O>,
         work: &W,
     ) {
         let ray_grid = self.ray_grid;
-        let Part { rows, first_row, fresh_from, open_from } = *part;
+        let BandPart { rows, first_row, fresh_from, open_from } = *part;
         let [first, last] = rows.map(|row| (row >> ray_grid.shift_y) as usize);
         let before = (first - (first_row >> ray_grid.shift_y) as usize) * output.blocks_across;
         let blocks = (last - first + 1) * output.blocks_across;
@@ -307,8 +309,8 @@ fn spherical<'a>(
     execution: Execution,
     memory: &mut Cutter<'a>,
 ) -> SphericalRays<'a> {
-    let azimuth = Steps { first: grid.first_azimuth_rad, step: grid.azimuth_step_rad };
-    let elevation = Steps { first: grid.first_elevation_rad, step: grid.elevation_step_rad };
+    let azimuth = AngleSteps { first: grid.first_azimuth_rad, step: grid.azimuth_step_rad };
+    let elevation = AngleSteps { first: grid.first_elevation_rad, step: grid.elevation_step_rad };
     let tables = memory.take(SphericalRays::table_len(&ray_grid, first_column));
     dispatch!(execution.level, simd => simd.vectorize(
         #[inline(always)]

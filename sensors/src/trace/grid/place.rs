@@ -5,7 +5,8 @@ use crate::simd::{WIDTH, quarters};
 use crate::trace::grid::Band;
 use fearless_simd::{Bytes, Simd, SimdBase, f32x4, f32x16, u32x16};
 
-/// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the grid.
+/// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the
+/// grid.
 #[inline(always)]
 pub(crate) fn for_each_block(band: &Band<'_>, mut work: impl FnMut(&Place, [usize; 2])) {
     let ray_grid = band.rays.ray_grid();

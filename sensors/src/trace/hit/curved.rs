@@ -1,7 +1,7 @@
 //! Normals of a solid where rays have hit it, sixteen at a time.
 //!
-//! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding does:
-//! some 1e-4 of a pixel.
+//! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding
+//! does: some 1e-4 of a pixel.
 
 use crate::optics::rays::Points;
 use crate::scene::Solid;
@@ -17,8 +17,8 @@ pub(crate) struct Curved {
     solid: Solid,
     /// Its other sizes.
     size: [f32; 2],
-    /// Rows of the matrix from the points' axes to the instance's, and the sensor's place there. Of a ball or an ellipsoid,
-    /// whose normals are linear in the points, all the way to the frame's normals.
+    /// Rows of the matrix from the points' axes to the instance's, and the sensor's place there. Of a ball or an
+    /// ellipsoid, whose normals are linear in the points, all the way to the frame's normals.
     rows: [[f32; 3]; 3],
     origin: [f32; 3],
     /// Rows of that from the instance's normals to the frame's, of whatever length.

@@ -1,7 +1,7 @@
 //! Normals of what the rays of a block hit: instance by instance, for all lanes at once.
 //!
-//! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding does:
-//! some 1e-4 of a pixel.
+//! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding
+//! does: some 1e-4 of a pixel.
 
 use crate::optics::rays::Points;
 use crate::scene::{Kind, Solid};
@@ -56,7 +56,7 @@ fn arrays<S: Simd>([x, y, z]: Points<S>) -> [[f32; WIDTH]; 3] {
 
 /// What is the same for all rays that hit a solid.
 #[derive(Clone, Copy)]
-enum Seen {
+enum SolidFaces {
     /// The sensor sees so many flat faces of it, and nothing else.
     Flat([Face; 3], usize),
     Curved(Curved),
@@ -72,7 +72,7 @@ struct Face {
     at: f32,
 }
 
-impl Seen {
+impl SolidFaces {
     fn new(view: &View<'_>, solid: Solid, index: u32, faces: Faces) -> Self {
         let (instance, placed) = (view.instance(index), &view.placed[index as usize]);
         let rows = view.rows_from_sensor(placed);
@@ -109,7 +109,7 @@ impl Seen {
 /// Finds normals.
 pub(crate) struct NormalFinder {
     faces: Faces,
-    solids: HitCache<Seen>,
+    solids: HitCache<SolidFaces>,
 }
 
 impl NormalFinder {
@@ -172,18 +172,23 @@ impl NormalFinder {
         match hit.instance.kind() {
             Kind::Triangles(_) => triangles(simd, resolver, &band.target.slot[block_index(band, block)], own),
             Kind::Solid(solid) => {
-                let make = || Seen::new(band.view, solid, hit.placed, self.faces);
+                let make = || SolidFaces::new(band.view, solid, hit.placed, self.faces);
                 match self.solids.get(hit.placed, make) {
-                    Seen::Flat(faces, 1) => Normals::Same(faces[0].normal),
-                    Seen::Flat(faces, count) => flat(simd, &points(simd, band, block), &faces[..*count]),
-                    Seen::Curved(solid) => Normals::Each(solid.normals(simd, &points(simd, band, block))),
+                    SolidFaces::Flat(faces, 1) => Normals::Same(faces[0].normal),
+                    SolidFaces::Flat(faces, count) => {
+                        flat(simd, &points(simd, band, block), &faces[..*count])
+                    }
+                    SolidFaces::Curved(solid) => {
+                        Normals::Each(solid.normals(simd, &points(simd, band, block)))
+                    }
                 }
             }
         }
     }
 
-    /// Cosines of the angles between the rays of a block, backwards, and the normals of what they hit, in single precision;
-    /// 1 elsewhere. Where insides are seen, their normals count as turned to the sensor. `axes` are the sensor's in the world, as columns.
+    /// Cosines of the angles between the rays of a block, backwards, and the normals of what they hit, in single
+    /// precision; 1 elsewhere. Where insides are seen, their normals count as turned to the sensor. `axes` are the
+    /// sensor's in the world, as columns.
     #[inline(always)]
     pub(crate) fn cosines<S: Simd>(
         &mut self,

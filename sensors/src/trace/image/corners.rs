@@ -11,13 +11,13 @@ use crate::trace::placed::view::ToSensor;
 use fearless_simd::{Simd, SimdBase, f32x16};
 
 /// A frame that points of an instance can be taken to.
-pub(super) trait Frame {
+pub(super) trait CornerFrame {
     fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S>;
 }
 
 /// The corners of a mesh's leaf: all first, all second, all third.
 #[inline(always)]
-pub(super) fn stored<S: Simd>(simd: S, block: &TriangleBlock, frame: &impl Frame) -> [Points<S>; 3] {
+pub(super) fn stored<S: Simd>(simd: S, block: &TriangleBlock, frame: &impl CornerFrame) -> [Points<S>; 3] {
     [
         frame.take(simd, &block.corners[0]),
         frame.take(simd, &block.corners[1]),
@@ -27,7 +27,11 @@ pub(super) fn stored<S: Simd>(simd: S, block: &TriangleBlock, frame: &impl Frame
 
 /// The same of a terrain's leaf, by its vertices.
 #[inline(always)]
-pub(super) fn spread<S: Simd>(simd: S, vertices: &[[f32; WIDTH]; 3], frame: &impl Frame) -> [Points<S>; 3] {
+pub(super) fn spread<S: Simd>(
+    simd: S,
+    vertices: &[[f32; WIDTH]; 3],
+    frame: &impl CornerFrame,
+) -> [Points<S>; 3] {
     let vertices = frame.take(simd, vertices);
     [
         chosen(simd, &vertices, &CORNERS[0]),
@@ -51,7 +55,7 @@ fn chosen<S: Simd>(simd: S, points: &Points<S>, which: &[usize; WIDTH]) -> Point
     taken
 }
 
-impl Frame for ToSensor {
+impl CornerFrame for ToSensor {
     #[inline(always)]
     fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S> {
         let [x, y, z] = from_origin(simd, points, self);

@@ -5,8 +5,8 @@ use crate::scene::tree;
 use crate::simd::WIDTH;
 use crate::trace::placed::view;
 
-/// More than the deepest trees leave waiting: fifteen siblings a level, and where a node is asked ray by ray for the first
-/// time, all its children for each ray.
+/// More than the deepest trees leave waiting: fifteen siblings a level, and where a node is asked ray by ray for the
+/// first time, all its children for each ray.
 pub(super) const STACK: usize =
     15 * (tree::MAX_DEPTH + view::MAX_DEPTH) + single::MOST_RAYS as usize * WIDTH + 2;
 

@@ -10,8 +10,8 @@ use crate::trace::placed::view::{Placed, View};
 use fearless_simd::{Simd, mask32x16};
 use glam::{DMat3, DVec3};
 
-/// A triangle is blurred, that is to be made again, where its plane passes much nearer to the sensor than its corners lie:
-/// from this square of (distance of the farthest corner / distance of the plane) on.
+/// A triangle is blurred, that is to be made again, where its plane passes much nearer to the sensor than its corners
+/// lie: from this square of (distance of the farthest corner / distance of the plane) on.
 pub(super) const BLURRED_SQUARED: f32 = 700.0;
 /// It is blurred too where it is thin: from this square of (product of two sides and the longer of them / volume of the
 /// solid between triangle and sensor) on.

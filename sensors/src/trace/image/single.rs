@@ -1,12 +1,12 @@
 //! Single rays against the boxes of a node.
 //!
 //! Where triangles are smaller than the distance of two rays, most boxes are passed by one ray or by none. Asking each
-//! ray, in the frame of the mesh, then takes less than projecting sixteen boxes onto the grid, and leaves fewer of them:
-//! what is projected is the box around a box that is turned.
+//! ray, in the frame of the mesh, then takes less than projecting sixteen boxes onto the grid, and leaves fewer of
+//! them: what is projected is the box around a box that is turned.
 //!
 //! Nothing here decides what is hit. It leaves out what no ray can hit, by more than all that is rounded later.
 
-use super::corners::Frame;
+use super::corners::CornerFrame;
 use crate::optics::rays::{Points, Projection, max, min};
 use crate::scene::tree::{NONE, WideNode};
 use crate::simd::WIDTH;
@@ -73,7 +73,8 @@ impl SingleRay {
         self.origin_low = instance.to_sensor.origin_low;
     }
 
-    /// The children that the ray may meet before 1/t is as little as `so_far`, a bit each, and a bound of 1/t from above.
+    /// The children that the ray may meet before 1/t is as little as `so_far`, a bit each, and a bound of 1/t from
+    /// above.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, node: &WideNode, so_far: f32) -> (f32x16<S>, u64) {
         let low = [
@@ -101,8 +102,8 @@ impl SingleRay {
         (nearest, met.to_bitmask())
     }
 
-    /// Whether the ray may meet one of the triangles, whose corners are given beside it: whether it passes the box around
-    /// one of them.
+    /// Whether the ray may meet one of the triangles, whose corners are given beside it: whether it passes the box
+    /// around one of them.
     #[inline(always)]
     pub(super) fn meets_any<S: Simd>([a, b, c]: &[Points<S>; 3]) -> bool {
         let slack = max(max(a[2], b[2]), c[2]) * SLACK;
@@ -119,7 +120,7 @@ impl SingleRay {
 }
 
 /// Beside the ray, and how far along it.
-impl Frame for SingleRay {
+impl CornerFrame for SingleRay {
     #[inline(always)]
     fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S> {
         let [x, y, z] = self.axes;

@@ -16,7 +16,7 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 const FEW_BLOCKS: u32 = 1;
 
 /// The part of the grid on which a shape may be seen.
-pub(super) struct Part {
+pub(super) struct SolidPart {
     /// First and last column and row; columns may run past the last one on a ring.
     pub(super) columns: [u16; 2],
     pub(super) rows: [u16; 2],
@@ -33,7 +33,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     target: &mut Target<'_>,
     rules: Rules,
     (index, solid): (u32, Solid),
-    part: &Part,
+    part: &SolidPart,
 ) {
     let placed = &view.placed[index as usize];
     let size = view.instance(index).size;

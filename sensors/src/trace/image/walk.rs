@@ -5,7 +5,7 @@ use super::entry::{Entry, STACK, insert};
 use super::leaf::{Leaf, Rules};
 use super::sharp::Source;
 use super::single::SingleRay;
-use super::solid::{self, Part};
+use super::solid::{self, SolidPart};
 use super::strip;
 use super::target::Target;
 use super::triangles;
@@ -113,7 +113,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                     &made
                 }
                 Kind::Solid(solid) => {
-                    let part = Part { columns: entry.columns, rows: entry.rows, nearest: entry.nearest };
+                    let part = SolidPart { columns: entry.columns, rows: entry.rows, nearest: entry.nearest };
                     solid::draw(simd, view, projection, target, rules, (index, solid), &part);
                     continue;
                 }
@@ -203,8 +203,8 @@ fn push_children<S: Simd, P: Projection>(
     waiting
 }
 
-/// What instances are visited in the order of, the greatest first: the inverse of how far off the farthest point of a box
-/// may be. Of floors and walls, some part is nearer than all that stands before them.
+/// What instances are visited in the order of, the greatest first: the inverse of how far off the farthest point of a
+/// box may be. Of floors and walls, some part is nearer than all that stands before them.
 #[inline(always)]
 fn inverse_reach<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
     let [x, y, z] = [max(high[0], -low[0]), max(high[1], -low[1]), max(high[2], -low[2])];

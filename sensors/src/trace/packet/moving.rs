@@ -1,7 +1,8 @@
 //! Up to 64 rays, each from a place and at a time of its own between two moments.
 //!
-//! They go through the tree over the instances together, as a packet, and meet a solid all at once, in double precision.
-//! Through the triangles of a mesh those that meet its box go as a wave. What moves is met where it is at the ray's time.
+//! They go through the tree over the instances together, as a packet, and meet a solid all at once, in double
+//! precision. Through the triangles of a mesh those that meet its box go as a wave. What moves is met where it is at
+//! the ray's time.
 
 use crate::pose::Pose;
 use crate::scene::{Kind, Triangles};
@@ -171,7 +172,7 @@ impl MovingPacket {
             }
         };
         // Normals go by the transpose of the inverse.
-        let normal = match Motion::of(view, placed) {
+        let normal = match PlacedMotion::of(view, placed) {
             Some(motion) => {
                 let turn = motion.from.interpolate(&motion.to, self.share[lane]).rotation_matrix();
                 turn * (normal * motion.inverse_scale)
@@ -186,7 +187,7 @@ impl MovingPacket {
     /// A ray in the frame of an instance.
     fn in_instance(&self, view: &View<'_>, placed: &Placed, lane: usize) -> [DVec3; 2] {
         let [origin, direction] = self.ray(lane);
-        match Motion::of(view, placed) {
+        match PlacedMotion::of(view, placed) {
             Some(motion) => motion.in_instance(origin, direction, self.share[lane]),
             None => [
                 placed.vector_in_instance(origin - DVec3::from_array(placed.translation)),
@@ -197,7 +198,7 @@ impl MovingPacket {
 }
 
 /// The way of an instance from a view's moment to the next.
-struct Motion {
+struct PlacedMotion {
     from: Pose,
     to: Pose,
     /// Where it is first, relative to the view's origin, and how far it goes.
@@ -209,7 +210,7 @@ struct Motion {
     inverse_scale: DVec3,
 }
 
-impl Motion {
+impl PlacedMotion {
     /// None of what stands still.
     fn of(view: &View<'_>, placed: &Placed) -> Option<Self> {
         let index = placed.instance as usize;
@@ -259,7 +260,7 @@ fn take_in(view: &View<'_>, placed: &Placed, packet: &Packet, share: &Lanes<f64>
             local.direction[axis][lane] = direction[axis];
         }
     };
-    if let Some(motion) = Motion::of(view, placed) {
+    if let Some(motion) = PlacedMotion::of(view, placed) {
         for lane in 0..LANES {
             put(
                 lane,

@@ -1,5 +1,5 @@
-//! Scratch memory in the caller's workspace, for data that would take much of the stack. All of it is written before it is
-//! read.
+//! Scratch memory in the caller's workspace, for data that would take much of the stack. All of it is written before it
+//! is read.
 
 use crate::simd::WIDTH;
 use crate::trace::packet::paths::{Found, Paths};

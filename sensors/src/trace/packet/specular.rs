@@ -96,8 +96,8 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
         Self { paths, counts: [0; 2], found, found_count: 0 }
     }
 
-    /// Takes the rays of a moving packet that was cast, of which no more than there is room for meet anything: their paths behind
-    /// mirrors and panes. A ray goes on in both ways behind the first surface.
+    /// Takes the rays of a moving packet that was cast, of which no more than there is room for meet anything: their
+    /// paths behind mirrors and panes. A ray goes on in both ways behind the first surface.
     pub(crate) fn set_out(&mut self, (view, resolver): (&View<'_>, &mut Resolver<'_>), first: &MovingPacket) {
         (self.counts, self.found_count) = ([0; 2], 0);
         for lane in 0..LANES {
@@ -250,8 +250,8 @@ impl Glazing {
         is_needed.then(|| Self { axes: view.world_from_sensor.rotation_matrix() })
     }
 
-    /// What a block sees, if any of its rays meets such a surface: of each ray that from which most light comes back, were all as
-    /// far away; of two alike, the nearer.
+    /// What a block sees, if any of its rays meets such a surface: of each ray that from which most light comes back,
+    /// were all as far away; of two alike, the nearer.
     pub(crate) fn look<S: Simd, const DEPTH: bool>(
         self,
         simd: S,

@@ -9,8 +9,8 @@ use crate::trace::shapes::LocalRays;
 use fearless_simd::{Simd, f32x16};
 use glam::DVec3;
 
-/// What is nearer than a point by this share of its distance, or by less, does not hide it. Points come from depths in single
-/// precision, and surfaces so near to each other are one to sensors that triangulate.
+/// What is nearer than a point by this share of its distance, or by less, does not hide it. Points come from depths in
+/// single precision, and surfaces so near to each other are one to sensors that triangulate.
 const TOUCHING: f64 = 1e-3;
 
 /// Rays from one point to others, up to sixty-four at a time.
@@ -44,7 +44,8 @@ impl VisibilityTest {
         }
     }
 
-    /// Which of the lanes, all of which are aimed, are aimed at a point that something stands before. Compiled once a level.
+    /// Which of the lanes, all of which are aimed, are aimed at a point that something stands before. Compiled once a
+    /// level.
     #[inline(never)]
     pub(crate) fn hidden<S: Simd>(&mut self, simd: S, view: &View<'_>, faces: Faces, lanes: u64) -> u64 {
         let Self { packet, local, .. } = self;

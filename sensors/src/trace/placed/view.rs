@@ -280,8 +280,8 @@ impl<'a> View<'a> {
         HeightGrid::of(field, self.scene.heights, self.scene.extents)
     }
 
-    /// The normal of a height field's triangle in its frame, upwards and of whatever length above 0, by its slot from the
-    /// instance's first.
+    /// The normal of a height field's triangle in its frame, upwards and of whatever length above 0, by its slot from
+    /// the instance's first.
     #[inline(always)]
     pub(crate) fn height_field_normal(&self, placed: &Placed, local: u32) -> [f32; 3] {
         let width = WIDTH as u32;

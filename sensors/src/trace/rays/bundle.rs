@@ -7,8 +7,8 @@ use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 use glam::DVec3;
 
-/// Rays under way together. With 64, random rays are 3 to 10 % faster (Zen 3, AVX2); with 32 they are 2 % slower than that, but
-/// then not all frames fit into 64 KiB of stack.
+/// Rays under way together. With 64, random rays are 3 to 10 % faster (Zen 3, AVX2); with 32 they are 2 % slower than
+/// that, but then not all frames fit into 64 KiB of stack.
 pub(in crate::trace) const RAYS: usize = 16;
 
 /// One value per ray.

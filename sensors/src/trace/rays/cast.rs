@@ -5,7 +5,7 @@ use super::describe::{Description, on_triangle};
 use super::doubt_of;
 use super::ray::FrameRay;
 use super::scene::{SceneHit, Stacks, hit_in_view, in_instance, mesh_tree};
-use super::walk::Tree;
+use super::walk::MeshTree;
 use super::wave::{Wave, WaveScratch};
 use crate::execution::{SplitRows, for_each_row};
 use crate::scene::Scene;
@@ -254,7 +254,7 @@ fn cast_one_by_one<S: Simd>(
 #[inline(always)]
 fn store_mesh_hit(
     view: &View<'_>,
-    tree: Tree<'_>,
+    tree: MeshTree<'_>,
     wave: &Wave<'_>,
     id: usize,
     rays: &Rays<'_>,
@@ -326,7 +326,7 @@ fn store(view: &View<'_>, ray: &FrameRay, hit: &SceneHit, at: usize, hits: &mut 
 /// When an input or output is not one element a ray.
 pub fn cast_mesh(
     level: Level,
-    tree: Tree<'_>,
+    tree: MeshTree<'_>,
     rays: &Rays<'_>,
     faces: Faces,
     hits: &mut Hits<'_>,
@@ -348,7 +348,7 @@ pub fn cast_mesh(
 /// As [`cast_mesh`].
 pub fn occluded_by_mesh(
     level: Level,
-    tree: Tree<'_>,
+    tree: MeshTree<'_>,
     rays: &Rays<'_>,
     faces: Faces,
     occluded: &mut [bool],
@@ -367,7 +367,7 @@ pub fn occluded_by_mesh(
 #[inline(always)]
 fn each_bundle<S: Simd>(
     simd: S,
-    tree: Tree<'_>,
+    tree: MeshTree<'_>,
     rays: &Rays<'_>,
     mut work: impl FnMut(&mut Wave<'_>, usize, usize),
 ) {
@@ -388,7 +388,7 @@ fn each_bundle<S: Simd>(
 
 #[inline(always)]
 fn store_in_mesh(
-    tree: Tree<'_>,
+    tree: MeshTree<'_>,
     wave: &Wave<'_>,
     id: usize,
     (rays, index): (&Rays<'_>, usize),

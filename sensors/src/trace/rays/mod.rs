@@ -12,9 +12,12 @@ mod settle;
 mod walk;
 pub(crate) mod wave;
 
-pub use cast::{Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len};
+pub use cast::{Rays, cast_rays, occluded_rays, workspace_len};
+#[cfg(feature = "raw")]
+pub use cast::{cast_mesh, occluded_by_mesh};
 pub(crate) use scene::mesh_tree;
-pub use walk::Tree;
+#[cfg(feature = "raw")]
+pub use walk::MeshTree;
 pub(crate) use walk::nearest_in_tree;
 
 use crate::scene::tree::WideNode;

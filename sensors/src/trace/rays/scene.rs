@@ -6,7 +6,7 @@
 
 use super::doubt_of;
 use super::ray::{FrameRay, Nearest, Ray};
-use super::walk::{STACK, Stack, Tree, Waiting, children_of, nearest_in_tree};
+use super::walk::{MeshTree, STACK, Stack, Waiting, children_of, nearest_in_tree};
 use crate::scene::tree::NONE;
 use crate::scene::{Kind, Triangles};
 use crate::trace::Faces;
@@ -51,9 +51,9 @@ fn wide(v: [f32; 3]) -> DVec3 {
 }
 
 /// The tree of a mesh that is placed.
-pub(crate) fn mesh_tree<'a>(view: &View<'a>, placed: &Placed) -> Tree<'a> {
+pub(crate) fn mesh_tree<'a>(view: &View<'a>, placed: &Placed) -> MeshTree<'a> {
     let mesh = &view.scene.meshes[view.scene.instances[placed.instance as usize].mesh as usize];
-    Tree {
+    MeshTree {
         nodes: &view.scene.nodes[mesh.first_node as usize..][..mesh.nodes as usize],
         blocks: &view.scene.blocks[mesh.first_block as usize..][..mesh.blocks as usize],
     }
@@ -70,7 +70,7 @@ pub(crate) fn hit_in_view<const ANY: bool, S: Simd>(
 ) -> SceneHit {
     let mut hit = SceneHit { t: f64::INFINITY, placed: NONE, slot: NONE };
     let frame_ray = Ray::new(ray.origin.map(f64::from), ray.direction.map(f64::from), ray.range, 0.0);
-    let top = Tree { nodes: view.nodes, blocks: &[] };
+    let top = MeshTree { nodes: view.nodes, blocks: &[] };
     let below = &mut stacks.triangles[..];
     children_of(
         simd,

@@ -2,7 +2,7 @@
 
 use super::block;
 use super::bundle::{Bundle, PerRay, RAYS, load};
-use super::walk::Tree;
+use super::walk::MeshTree;
 use crate::scene::tree::NONE;
 use crate::simd::{WIDTH, sqrt};
 use fearless_simd::{Simd, SimdBase, f32x16, f64x8, prelude::*};
@@ -32,7 +32,7 @@ impl Settled {
 
     /// Computes the hits of the first `count` rays.
     #[inline(always)]
-    pub(super) fn compute<S: Simd>(&mut self, simd: S, tree: Tree<'_>, bundle: &Bundle, count: usize) {
+    pub(super) fn compute<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, bundle: &Bundle, count: usize) {
         for id in 0..count.min(RAYS) {
             let slot = bundle.hit[id][0];
             if slot == NONE {
@@ -60,7 +60,7 @@ impl Settled {
     }
 
     /// Works out the normal of another triangle for a ray.
-    pub(super) fn take_normal(&mut self, tree: Tree<'_>, id: usize, slot: u32) {
+    pub(super) fn take_normal(&mut self, tree: MeshTree<'_>, id: usize, slot: u32) {
         let Some(block) = tree.blocks.get(slot as usize / WIDTH) else { return };
         let normal = block::normal(block, slot as usize % WIDTH);
         for axis in 0..3 {

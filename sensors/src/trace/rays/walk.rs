@@ -15,7 +15,7 @@ pub(super) const STACK: usize = (WIDTH - 1) * MAX_DEPTH + WIDTH;
 
 /// The tree of one mesh.
 #[derive(Debug, Clone, Copy)]
-pub struct Tree<'a> {
+pub struct MeshTree<'a> {
     /// Boxes; the first is the root.
     pub nodes: &'a [WideNode],
     /// Triangles.
@@ -49,7 +49,7 @@ pub(crate) trait Branches: Copy {
     fn block(self, index: u32) -> Option<Self::Block>;
 }
 
-impl<'a> Branches for Tree<'a> {
+impl<'a> Branches for MeshTree<'a> {
     type Node = &'a WideNode;
     type Block = &'a TriangleBlock;
 

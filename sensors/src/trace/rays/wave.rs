@@ -17,7 +17,7 @@ use super::bundle::{Bundle, PerRay, RAYS};
 use super::node;
 use super::ray::{FrameRay, Nearest};
 use super::settle::Settled;
-use super::walk::{STACK, Stack, Tree, Waiting, nearest_in_tree};
+use super::walk::{MeshTree, STACK, Stack, Waiting, nearest_in_tree};
 use crate::scene::tree::{LEAF, NONE};
 use crate::simd::WIDTH;
 use bytemuck::{Pod, Zeroable};
@@ -120,7 +120,7 @@ impl<'m> Wave<'m> {
     pub(crate) fn cast<S: Simd>(
         &mut self,
         simd: S,
-        tree: Tree<'_>,
+        tree: MeshTree<'_>,
         (count, doubt): (usize, f32),
         cull_back: bool,
     ) {
@@ -138,7 +138,13 @@ impl<'m> Wave<'m> {
     /// Finds the nearest hits of the first `count` rays of the bundle, which has been prepared. Compiled once a level,
     /// whoever casts.
     #[inline(never)]
-    pub(super) fn nearest_hits<S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
+    pub(super) fn nearest_hits<S: Simd>(
+        &mut self,
+        simd: S,
+        tree: MeshTree<'_>,
+        count: usize,
+        cull_back: bool,
+    ) {
         simd.vectorize(
             #[inline(always)]
             || self.find_nearest(simd, tree, count, cull_back),
@@ -146,7 +152,7 @@ impl<'m> Wave<'m> {
     }
 
     #[inline(always)]
-    fn find_nearest<S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
+    fn find_nearest<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, count: usize, cull_back: bool) {
         self.walk::<false, S>(simd, tree, count, cull_back);
         self.settled.compute(simd, tree, &self.bundle, count);
         for id in 0..count.min(RAYS) {
@@ -169,7 +175,7 @@ impl<'m> Wave<'m> {
     /// Finds for each of the first `count` rays of the bundle, which has been prepared, whether it hits anything:
     /// its slot is then that of some triangle that it hits.
     #[inline(always)]
-    pub(super) fn any_hits<S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
+    pub(super) fn any_hits<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, count: usize, cull_back: bool) {
         self.walk::<true, S>(simd, tree, count, cull_back);
         self.settled.compute(simd, tree, &self.bundle, count);
         for id in 0..count.min(RAYS) {
@@ -195,7 +201,7 @@ impl<'m> Wave<'m> {
 
     /// Walks the tree, for any hit or for the nearest, and leaves the hits in single precision.
     #[inline(always)]
-    fn walk<const ANY: bool, S: Simd>(&mut self, simd: S, tree: Tree<'_>, count: usize, cull_back: bool) {
+    fn walk<const ANY: bool, S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, count: usize, cull_back: bool) {
         let mut nodes = Queue::EMPTY;
         let mut leaves = Queue::EMPTY;
         self.alone.length = 0;
@@ -237,7 +243,7 @@ impl<'m> Wave<'m> {
     }
 
     #[inline(always)]
-    fn walk_alone<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool) {
+    fn walk_alone<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize, cull_back: bool) {
         let ray = self.bundle.ray(id);
         let mut nearest = Nearest::none(&ray);
         nearest_in_tree(simd, tree, &ray, cull_back, self.stack(), &mut nearest);
@@ -248,7 +254,7 @@ impl<'m> Wave<'m> {
 
     /// Lays the children of the next node on top of those that wait.
     #[inline(always)]
-    fn enter_node<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+    fn enter_node<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize) {
         let Some(node) = tree.nodes.get(self.child[id] as usize) else { return };
         let depth = self.depth[id] as usize;
         let (near, any) =
@@ -260,7 +266,7 @@ impl<'m> Wave<'m> {
 
     /// Finds where the ray meets the triangles of the next leaf.
     #[inline(always)]
-    fn test_leaf<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize, cull_back: bool) {
+    fn test_leaf<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize, cull_back: bool) {
         let Some(block) = tree.blocks.get((self.child[id] & !LEAF) as usize) else { return };
         let t = block::meet_lane(simd, block, &self.bundle, id, cull_back);
         t.store_array(&mut self.room.leaf[id].0);
@@ -268,7 +274,7 @@ impl<'m> Wave<'m> {
 
     /// Takes the nearest triangle of the leaf.
     #[inline(always)]
-    fn take_nearest<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+    fn take_nearest<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize) {
         let t = f32x16::load_array_ref(simd, &self.room.leaf[id].0);
         let least = t.reduce_min();
         // Of those within the slack, the first; should it not be the only one, they are compared.
@@ -287,7 +293,7 @@ impl<'m> Wave<'m> {
 
     /// Ends the way of a ray that hits a triangle of the leaf.
     #[inline(always)]
-    fn take_any<S: Simd>(&mut self, simd: S, tree: Tree<'_>, id: usize) {
+    fn take_any<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize) {
         let t = f32x16::load_array_ref(simd, &self.room.leaf[id].0);
         let (from, to) = (self.bundle.range[0][id], self.bundle.range[1][id]);
         // Beyond doubt: further inside the range than single precision may be wrong.
@@ -312,7 +318,7 @@ impl<'m> Wave<'m> {
     fn next_child<S: Simd>(
         &mut self,
         simd: S,
-        tree: Tree<'_>,
+        tree: MeshTree<'_>,
         id: usize,
         nodes: &mut Queue,
         leaves: &mut Queue,
@@ -348,7 +354,7 @@ impl<'m> Wave<'m> {
 
     /// Decides between the hit so far and triangles that lie at about the same distance.
     #[inline(never)]
-    fn compare(&mut self, tree: &Tree<'_>, id: usize, mask: u32) {
+    fn compare(&mut self, tree: &MeshTree<'_>, id: usize, mask: u32) {
         let index = self.child[id] & !LEAF;
         let ray = self.bundle.ray(id);
         let mut nearest = Nearest::none(&ray);

@@ -3,8 +3,8 @@
 /// A sensor whose distance from a surface is less than this share of the solid's size has too few digits of it.
 const BESIDE: f64 = 1e-6;
 
-/// The power of a point with respect to a circle or a ball: distance² − radius². `None` where the point is so close to the
-/// surface that the difference has too few digits.
+/// The power of a point with respect to a circle or a ball: distance² − radius². `None` where the point is so close to
+/// the surface that the difference has too few digits.
 pub(super) fn power_of_point(distance: f64, radius: f64) -> Option<f64> {
     let power = (distance - radius) * (distance + radius);
     (power.abs() > BESIDE * radius * radius).then_some(power)

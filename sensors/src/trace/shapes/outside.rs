@@ -3,7 +3,8 @@
 //! Rays of a picture share their origin. Then 1/t of a plane is linear in the direction, and 1/t of a ball or a
 //! cylinder is the greater root of c·u² + 2·b·u + a = 0, whose c is the same for all rays. What is the same is worked
 //! out once, in axes in which the origin has few coordinates, and what is left for a ray is some products and at most
-//! two square roots: a third of what [`Inside`](super::Inside) takes. In double precision as there, and to as many digits.
+//! two square roots: a third of what [`Inside`](super::Inside) takes. In double precision as there, and to as many
+//! digits.
 
 use super::{capsule, cuboid, cylinder, ellipsoid, rectangle, sphere};
 use crate::scene::Solid;
@@ -33,9 +34,9 @@ macro_rules! match_outside {
 pub(crate) use match_outside;
 
 impl Outside {
-    /// Of a solid of that size, seen from `origin`, by the rows of a matrix to the axes of the instance; and those of the
-    /// matrix to the axes of the kernel. None of a solid that the sensor is in or all but on, of one that shows its inside,
-    /// and of those that have no such kernel.
+    /// Of a solid of that size, seen from `origin`, by the rows of a matrix to the axes of the instance; and those of
+    /// the matrix to the axes of the kernel. None of a solid that the sensor is in or all but on, of one that shows its
+    /// inside, and of those that have no such kernel.
     pub(crate) fn new(
         solid: Solid,
         size: [f64; 3],

@@ -24,8 +24,8 @@ impl SeenBox {
 /// Computes the bounding box of the visible part of each instance of a scene, and writes it into `boxes` by the index
 /// of the instance.
 ///
-/// `instance` is [`Truth::instance`](crate::trace::Truth::instance), in rows of `width` pixels. Instances for which `boxes`
-/// has no element are ignored.
+/// `instance` is [`Truth::instance`](crate::trace::Truth::instance), in rows of `width` pixels. Instances for which
+/// `boxes` has no element are ignored.
 ///
 /// Together with [`Scene::bounds`](crate::scene::Scene::bounds), the box of the whole object in its own frame, this is
 /// the data that detectors are trained with: how much of an object is visible, and where all of it is.

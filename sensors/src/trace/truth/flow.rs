@@ -13,18 +13,18 @@ use crate::trace::placed::view::View;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 
-/// How often the row of a rolling shutter is looked for anew: it moves by less each time, as long as things move by less
-/// than the shutter.
+/// How often the row of a rolling shutter is looked for anew: it moves by less each time, as long as things move by
+/// less than the shutter.
 const MOST_STEPS: usize = 16;
 
 /// The way of the points of one instance from the axes of the sensor to those of the sensor at another moment.
 #[derive(Debug, Clone, Copy)]
-struct Motion {
+struct InstanceMotion {
     turn: DMat3,
     shift: DVec3,
 }
 
-impl Motion {
+impl InstanceMotion {
     /// In one piece, so that what is far from the world's origin keeps its digits.
     fn new(view: &View<'_>, instance: u32, other: &Moment<'_>) -> Self {
         let (sensor, other_sensor) = (&view.world_from_sensor, &other.world_from_sensor);
@@ -40,8 +40,8 @@ impl Motion {
     }
 }
 
-/// A [`Motion`] between the pixels of a pinhole: those of a point's ray, together with 1/t, are taken to those of its
-/// ray at the other moment by one linear map, in homogeneous coordinates.
+/// An [`InstanceMotion`] between the pixels of a pinhole: those of a point's ray, together with 1/t, are taken to those
+/// of its ray at the other moment by one linear map, in homogeneous coordinates.
 #[derive(Debug, Clone, Copy)]
 struct PixelMotion {
     /// How far ahead, column and row times that; of column, row and 1 each.
@@ -51,7 +51,7 @@ struct PixelMotion {
 }
 
 impl PixelMotion {
-    fn new(motion: &Motion, lens: &Intrinsics) -> Self {
+    fn new(motion: &InstanceMotion, lens: &Intrinsics) -> Self {
         let Intrinsics { fx, fy, cx, cy, .. } = *lens;
         let direction = DMat3::from_cols(
             DVec3::new(0.0, -1.0 / fx, 0.0),
@@ -92,7 +92,7 @@ pub(crate) struct Flow<'a> {
     other: &'a Shutter<'a>,
     /// If the other moment is one for all lines: of a pinhole, and of other rays.
     pixels: HitCache<PixelMotion>,
-    motions: HitCache<Motion>,
+    motions: HitCache<InstanceMotion>,
     /// Where the last ray's point went: a good guess for the next.
     guess: [f64; 2],
 }
@@ -160,8 +160,9 @@ impl<'a> Flow<'a> {
         moment: &Moment<'_>,
         instance: u32,
     ) -> &PixelMotion {
-        self.pixels
-            .get(instance, || PixelMotion::new(&Motion::new(band.view, instance, moment), rays.intrinsics()))
+        self.pixels.get(instance, || {
+            PixelMotion::new(&InstanceMotion::new(band.view, instance, moment), rays.intrinsics())
+        })
     }
 
     /// Through any lens and shutter.
@@ -199,20 +200,20 @@ impl<'a> Flow<'a> {
     fn find(&mut self, band: &Band<'_>, instance: u32, point: DVec3, from: [f64; 2]) -> Option<[f64; 2]> {
         let other = self.other;
         if let Shutter::Global(moment) = other {
-            let &Motion { turn, shift } =
-                self.motions.get(instance, || Motion::new(band.view, instance, moment));
+            let &InstanceMotion { turn, shift } =
+                self.motions.get(instance, || InstanceMotion::new(band.view, instance, moment));
             return project(&band.rays, turn * point + shift, [self.guess, from]);
         }
         let seen = at_its_line(other, band.rays.ray_grid().height as u32, from[1], |moment| {
-            let Motion { turn, shift } = Motion::new(band.view, instance, moment);
+            let InstanceMotion { turn, shift } = InstanceMotion::new(band.view, instance, moment);
             project(&band.rays, turn * point + shift, [self.guess, from])
         });
         seen.map(|(to, _)| to)
     }
 }
 
-/// The pixel of a point when its line is taken, and the slice of that line: the moment depends on the row, and the row on
-/// the moment. The row is one to begin with; `pixel` is where the point is seen at a moment.
+/// The pixel of a point when its line is taken, and the slice of that line: the moment depends on the row, and the row
+/// on the moment. The row is one to begin with; `pixel` is where the point is seen at a moment.
 pub(in crate::trace) fn at_its_line(
     shutter: &Shutter<'_>,
     height: u32,

@@ -18,7 +18,8 @@ use glam::DVec3;
 
 /// So many rays across and down are compared with the direction of a point, to begin the search for its pixel.
 const COARSE: i32 = 24;
-/// What is nearer than a point by this share of its distance, or by less, does not hide it: rays are of single precision.
+/// What is nearer than a point by this share of its distance, or by less, does not hide it: rays are of single
+/// precision.
 const TOUCHING: f64 = 1e-5;
 /// The same of the thing that bears the point, whose surface may be drawn a hair above it.
 const BEARING: f64 = 1e-3;

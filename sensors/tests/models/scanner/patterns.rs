@@ -125,7 +125,7 @@ fn ranges_have_the_noise_that_they_are_told() {
     let capture = Capture::new(3, ball.moment(Pose::IDENTITY));
     let noise =
         GaussianNoise::new(GaussianNoiseConfig::default().mean(0.1).stddev(0.02).precision(0.002)).unwrap();
-    let config = presets::VLP_16.config(100_000_000).noise(noise).seed(5);
+    let config = presets::VLP_16.config().noise(noise).seed(5);
     let scanner = Scanner::new(config).unwrap();
     let (count, most) = (scanner.firings(3), scanner.most_firings());
     let (mut ranges, mut points) = (vec![0.0; most], vec![[0.0; 3]; most]);
@@ -190,7 +190,7 @@ fn presets_are_as_their_manuals_say() {
     );
     // 753.5 packets of 384 firings a second, 1808.4 (at 46.08 µs) for the other.
     let rate = |preset: &presets::Preset| {
-        let scanner = Scanner::new(preset.config(100_000_000)).unwrap();
+        let scanner = Scanner::new(preset.config().frame_time_ns(100_000_000)).unwrap();
         (0..100).map(|frame| scanner.firings(frame)).sum::<usize>() as f64 / 384.0 / 10.0
     };
     assert!((rate(&presets::VLP_16) - 753.5).abs() < 0.1, "{}", rate(&presets::VLP_16));
@@ -214,7 +214,8 @@ fn what_cannot_be_is_refused() {
     );
     assert_eq!(
         with(&|lasers| lasers[2].time_s = 1e-6),
-        "time_s of laser 3 of the scanner is 0; it must be not before that of the laser before, and less than a column's"
+        "time_s of laser 3 of the scanner is 0; it must be not before that of the laser before, and less than a column's \
+         (frame_time_ns / per_turn)"
     );
     assert!(
         with(&|lasers| lasers[31].time_s = 1e-3).starts_with("time_s of laser 31 of the scanner is 0.001")
@@ -238,7 +239,9 @@ fn what_cannot_be_is_refused() {
         of(head(&many, Columns::Turn { per_turn: 9, first: 5, count: 5 }))
             .starts_with("first + count of the scanner is 10")
     );
-    assert!(of(head(&many, Columns::Every { time_ns: 0 })).starts_with("time_ns of the scanner is 0"));
+    assert!(
+        of(head(&many, Columns::Every { time_ns: 0 })).starts_with("time_ns of columns of the scanner is 0")
+    );
     for first_azimuth_rad in [f64::NAN, f64::NEG_INFINITY, 6.3, -6.3, 1e15] {
         let turned = Spinning { first_azimuth_rad, ..head(&many, columns(8)) };
         assert_eq!(

@@ -1,7 +1,7 @@
 //! Lasers behind prisms and mirrors that turn, against closed forms and against rosettes.
 
 use belvedere_sensors::scanner::{
-    Axis, Face, MAX_WHEELS, Pattern, Prisms, Rosette, Scanner, ScannerConfig, Swing, Wheel,
+    Axis, Face, MAX_WHEELS, Pattern, Prisms, Rosette, Scanner, ScannerConfig, Swing, Wheel, Wheels,
 };
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::DVec3;
@@ -17,6 +17,7 @@ const fn wheel(speed_rpm: i32, faces: &[Face]) -> Wheel<'_> {
 }
 
 fn ahead<'a>(wheels: &'a [Wheel<'a>]) -> Prisms<'a> {
+    let wheels = Wheels::new(wheels);
     Prisms { volley_time_ns: 10_000, laser_time_ns: 0, axis: Axis::Ahead, lasers_rad: &[0.0], wheels }
 }
 
@@ -67,7 +68,7 @@ fn a_mirror_sends_lasers_around() {
         laser_time_ns: 3000,
         axis: Axis::Up,
         lasers_rad: &[0.0, 0.05, -0.05],
-        wheels: &wheels,
+        wheels: Wheels::new(&wheels),
     };
     let scanner = scanner(prisms);
     assert_eq!((scanner.firings(0), scanner.most_firings()), (15_000, 15_000));

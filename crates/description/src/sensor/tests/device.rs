@@ -41,9 +41,10 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
         )
     };
     for name in presets::NAMES {
-        for (inside, gain) in
-            [("", presets::named(name).unwrap().exposure.gain), ("<device><gain>3</gain></device>", 3.0)]
-        {
+        for (inside, gain) in [
+            ("", presets::named(name).unwrap().config().exposure.gain),
+            ("<device><gain>3</gain></device>", 3.0),
+        ] {
             let SensorKind::Camera(Camera { camera, plugin }) = accepted(&own(name, inside)).kind else {
                 panic!()
             };

@@ -9,12 +9,12 @@ const NARROW: f64 = 1e-5;
 
 /// The angles of a grid in radians: the angle of the first column or row, and the step to the next.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Steps {
+pub(crate) struct AngleSteps {
     pub(crate) first: f64,
     pub(crate) step: f64,
 }
 
-impl Steps {
+impl AngleSteps {
     /// The same directions with a first angle of at most ±`most` (π or more) and a step of at most half a turn, so that
     /// single precision can distinguish the angles.
     fn reduced(self, most: f64) -> Self {
@@ -101,8 +101,8 @@ impl<'a> SphericalRays<'a> {
     #[inline(always)]
     pub(crate) fn new(
         (ray_grid, first_column): (RayGrid, u32),
-        azimuth: Steps,
-        elevation: Steps,
+        azimuth: AngleSteps,
+        elevation: AngleSteps,
         tables: &'a mut [[f32; WIDTH]],
     ) -> Self {
         let (all_azimuths, elevation) =

@@ -4,7 +4,7 @@ use super::chart::Chart;
 use super::error::{TableError, check_size};
 use super::layout::TableDirections;
 use super::look_up::{LookUp, Scale, cells};
-use super::plan::Plan;
+use super::plan::TablePlan;
 use crate::memory::{CacheLine, Reader};
 use crate::optics::Lens;
 use crate::optics::rays::RayGrid;
@@ -116,13 +116,13 @@ impl<'a> RayTable<'a> {
         if buffer.len() < required {
             return Err(TableError::BufferTooSmall { required, found: buffer.len() });
         }
-        let plan = Plan::fill(ray_grid, direction, buffer)?;
+        let plan = TablePlan::fill(ray_grid, direction, buffer)?;
         Ok(Self::cut(&plan, buffer))
     }
 
     /// Borrows the table that is stored in a buffer.
-    pub(super) fn cut(plan: &Plan, buffer: &'a [CacheLine]) -> Self {
-        let Plan { ray_grid, layout, has_missing, scales } = *plan;
+    pub(super) fn cut(plan: &TablePlan, buffer: &'a [CacheLine]) -> Self {
+        let TablePlan { ray_grid, layout, has_missing, scales } = *plan;
         let count = ray_grid.blocks_across() * ray_grid.blocks_down();
         let mut memory = Reader(buffer);
         let directions = memory.take(count);
@@ -165,10 +165,10 @@ impl<'a> RayTable<'a> {
     }
 
     #[cfg(feature = "alloc")]
-    pub(super) fn plan(&self) -> Plan {
+    pub(super) fn plan(&self) -> TablePlan {
         let layout = super::layout::Layout { chart: self.chart, ring: self.ring };
         let scales = [self.columns.scale, self.rows.scale];
-        Plan { ray_grid: self.ray_grid, layout, has_missing: self.has_missing, scales }
+        TablePlan { ray_grid: self.ray_grid, layout, has_missing: self.has_missing, scales }
     }
 
     /// Number of columns and rows.

@@ -25,7 +25,7 @@ const BEYOND: f32 = 1e9;
 
 /// The map from directions to the plane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ChartKind {
     /// y/x and z/x, for directions within 65° of the axis. Straight lines stay straight, and the bounds of boxes are
     /// tight.
     Perspective,
@@ -38,7 +38,7 @@ pub(super) enum Kind {
 /// A chart and its axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Chart {
-    pub(super) kind: Kind,
+    pub(super) kind: ChartKind,
     /// Rows of the matrix from the sensor's axes to the chart's, which may include a reflection.
     rows: [[f32; 3]; 3],
     axes: [[f64; 3]; 3],
@@ -71,7 +71,7 @@ fn spread_of<S: Simd>(values: &[f32x16<S>; 3]) -> [f32x16<S>; 2] {
 }
 
 impl Chart {
-    pub(super) fn new(kind: Kind, axes: [DVec3; 3]) -> Self {
+    pub(super) fn new(kind: ChartKind, axes: [DVec3; 3]) -> Self {
         Self {
             kind,
             rows: axes.map(|axis| axis.as_vec3().to_array()),
@@ -89,9 +89,9 @@ impl Chart {
     pub(super) fn coordinates(&self, direction: DVec3) -> [f32; 2] {
         let point = DMat3::from_cols_array_2d(&self.axes).transpose() * direction;
         let [u, v] = match self.kind {
-            Kind::Perspective => [point.y / point.x, point.z / point.x],
-            Kind::Stereographic => [point.y / (1.0 + point.x), point.z / (1.0 + point.x)],
-            Kind::Cylindrical => {
+            ChartKind::Perspective => [point.y / point.x, point.z / point.x],
+            ChartKind::Stereographic => [point.y / (1.0 + point.x), point.z / (1.0 + point.x)],
+            ChartKind::Cylindrical => {
                 let level = sqrt(point.x * point.x + point.y * point.y);
                 [turn_of(point.x, point.y), point.z / (level + 1.0)]
             }
@@ -124,9 +124,9 @@ impl Chart {
             high[axis] = centre[axis] + half[axis];
         }
         let windows = match self.kind {
-            Kind::Perspective => boxes_in_perspective(simd, &low, &high),
-            Kind::Stereographic => boxes_in_stereographic(simd, &low, &high),
-            Kind::Cylindrical => boxes_in_cylindrical(simd, &low, &high),
+            ChartKind::Perspective => boxes_in_perspective(simd, &low, &high),
+            ChartKind::Stereographic => boxes_in_stereographic(simd, &low, &high),
+            ChartKind::Cylindrical => boxes_in_cylindrical(simd, &low, &high),
         };
         match &self.stretch {
             Some(stretch) => stretch.windows(simd, &windows),
@@ -148,8 +148,8 @@ impl Chart {
             rotate(&self.rows, &corners[2]),
         ];
         let (mut windows, sure) = match self.kind {
-            Kind::Perspective | Kind::Stereographic => self.triangles_ahead(simd, &turned),
-            Kind::Cylindrical => triangles_in_cylindrical(simd, &turned),
+            ChartKind::Perspective | ChartKind::Stereographic => self.triangles_ahead(simd, &turned),
+            ChartKind::Cylindrical => triangles_in_cylindrical(simd, &turned),
         };
         if (valid & !sure).any_true() {
             let (low, high) = bounds_of(corners);
@@ -172,7 +172,7 @@ impl Chart {
         let (mut u, mut v) = ([zero; 3], [zero; 3]);
         let mut sure = mask32x16::splat(simd, true);
         for (index, corner) in corners.iter().enumerate() {
-            let (at, ahead) = if self.kind == Kind::Perspective {
+            let (at, ahead) = if self.kind == ChartKind::Perspective {
                 points_in_perspective(simd, corner)
             } else {
                 points_in_stereographic(simd, corner)
@@ -185,7 +185,7 @@ impl Chart {
             let (across, down) = (across[1] - across[0], down[1] - down[0]);
             across * across + down * down
         };
-        let bulge = if self.kind == Kind::Perspective {
+        let bulge = if self.kind == ChartKind::Perspective {
             0.0
         } else {
             sure &= square.simd_lt(f32x16::splat(simd, 0.04));

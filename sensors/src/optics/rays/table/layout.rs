@@ -1,7 +1,7 @@
 //! Selection of the chart for a table.
 
 use super::super::RayGrid;
-use super::chart::{Chart, Kind, Stretch, TURN};
+use super::chart::{Chart, ChartKind, Stretch, TURN};
 use crate::simd::{WIDTH, sqrt};
 use glam::{DMat3, DVec3};
 
@@ -88,15 +88,15 @@ impl TableDirections<'_> {
     }
 
     pub(super) fn perspective(&self) -> Option<Layout> {
-        Some(self.ahead(Kind::Perspective, self.axis_ahead(COS_PERSPECTIVE)?))
+        Some(self.ahead(ChartKind::Perspective, self.axis_ahead(COS_PERSPECTIVE)?))
     }
 
     pub(super) fn stereographic(&self) -> Option<Layout> {
-        Some(self.ahead(Kind::Stereographic, self.axis_ahead(COS_STEREOGRAPHIC)?))
+        Some(self.ahead(ChartKind::Stereographic, self.axis_ahead(COS_STEREOGRAPHIC)?))
     }
 
     /// A chart around an axis, rotated so that columns run along its first coordinate.
-    fn ahead(&self, kind: Kind, axis: DVec3) -> Layout {
+    fn ahead(&self, kind: ChartKind, axis: DVec3) -> Layout {
         let [across, down] = self.steps().map(|step| step - axis * axis.dot(step));
         let along_column = unit(down).map(|down| down.cross(axis));
         let u = unit(across).or(along_column).unwrap_or_else(|| axis.any_orthonormal_vector());
@@ -166,7 +166,7 @@ impl TableDirections<'_> {
         let ahead = across(middle).unwrap_or_else(|| axis.any_orthonormal_vector());
         let left = axis.cross(ahead);
         let left = if turn < 0.0 { -left } else { left };
-        let chart = Chart::new(Kind::Cylindrical, [ahead, left, axis]);
+        let chart = Chart::new(ChartKind::Cylindrical, [ahead, left, axis]);
         let ends = [0, width - 1].map(|column| across(self.direction(column, height / 2)));
         let ring = match ends {
             // Less than two and a half columns short of a full turn.

@@ -2,7 +2,7 @@
 
 use super::RayTable;
 use super::error::{TableError, check_size};
-use super::plan::Plan;
+use super::plan::TablePlan;
 use crate::memory::CacheLine;
 use crate::optics::Lens;
 
@@ -22,7 +22,7 @@ use crate::optics::Lens;
 /// ```
 #[derive(Debug, Clone)]
 pub struct RayTableBuf {
-    plan: Plan,
+    plan: TablePlan,
     buffer: alloc::vec::Vec<CacheLine>,
 }
 

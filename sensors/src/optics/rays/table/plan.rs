@@ -15,7 +15,7 @@ const TIGHTER: f64 = 0.9;
 
 /// The properties of a table that are not stored in its buffer.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Plan {
+pub(super) struct TablePlan {
     pub(super) ray_grid: RayGrid,
     pub(super) layout: Layout,
     pub(super) has_missing: bool,
@@ -23,7 +23,7 @@ pub(super) struct Plan {
     pub(super) scales: [Scale; 2],
 }
 
-impl Plan {
+impl TablePlan {
     /// Builds the table in the buffer.
     pub(super) fn fill(
         ray_grid: RayGrid,

@@ -1,7 +1,7 @@
 //! Scanners of Livox.
 
 use super::{Maker, Preset, line_of};
-use crate::scanner::{Axis, Beam, Face, Pattern, Prisms, Rosette, Spread, Swing, Wheel};
+use crate::scanner::{Axis, Beam, Face, Pattern, Prisms, Rosette, Spread, Swing, Wheel, Wheels};
 use core::f64::consts::{FRAC_PI_2, PI};
 
 /// Returns a refracting face with a tilt in degrees and the refractive index behind it.
@@ -62,7 +62,7 @@ pub const MID_360: Preset = Preset {
             0.7092 * (PI / 180.0),
             2.1258 * (PI / 180.0),
         ],
-        wheels: &[
+        wheels: Wheels::new(&[
             Wheel {
                 speed_rpm: -10_345,
                 phase_rad: 1.549_318,
@@ -79,7 +79,7 @@ pub const MID_360: Preset = Preset {
                     Face::Refracting { tilt_rad: FRAC_PI_2, index: 1.0 },
                 ],
             },
-        ],
+        ]),
     }),
     modes: &[],
     rates_hz: [5.0, 50.0],
@@ -121,7 +121,7 @@ pub const HAP: Preset = Preset {
             -3.0 * HAP_LASER_RAD,
             -5.0 * HAP_LASER_RAD,
         ],
-        wheels: &[
+        wheels: Wheels::new(&[
             Wheel {
                 speed_rpm: -617,
                 phase_rad: PI,
@@ -140,7 +140,7 @@ pub const HAP: Preset = Preset {
                 swing: Swing::NONE,
                 faces: &[into(0.0, 1.8176), into(-22.6, 1.0)],
             },
-        ],
+        ]),
     }),
     modes: &[],
     rates_hz: [5.0, 50.0],

@@ -9,7 +9,7 @@ use crate::scanner::{Columns, Laser, Pattern, Spinning};
 use core::f64::consts::PI;
 
 /// The lasers of a kind of head.
-struct Optics {
+struct OusterOptics {
     /// Elevation in degrees as a polynomial of the row, counted down from the middle: coefficients of order 0, 1 and 3.
     elevation_deg: [f64; 3],
     /// Azimuths in degrees of each four successive rows, clockwise as in Ouster's metadata, and the coefficient of the
@@ -19,17 +19,17 @@ struct Optics {
     beam_m: [f64; 2],
 }
 
-const OS0: Optics = Optics {
+const OS0: OusterOptics = OusterOptics {
     elevation_deg: [-0.33, -0.7035, -4.753e-6],
     azimuths_deg: [(8.31, 6.1e-4), (2.78, 2.0e-4), (-2.76, -2.2e-4), (-8.28, -6.3e-4)],
     beam_m: [0.027_67, 0.036_18],
 };
-const OS1: Optics = Optics {
+const OS1: OusterOptics = OusterOptics {
     elevation_deg: [0.03, -0.3539, 3.887e-6],
     azimuths_deg: [(4.25, 0.0), (1.42, 0.0), (-1.42, 0.0), (-4.25, 0.0)],
     beam_m: [0.015_806, 0.036_18],
 };
-const OS2: Optics = Optics {
+const OS2: OusterOptics = OusterOptics {
     elevation_deg: [-0.154, -0.1744, 5.95e-7],
     azimuths_deg: [(2.08, 0.0), (0.70, 0.0), (-0.68, 0.0), (-2.06, 0.0)],
     beam_m: [0.013_762, 0.078_296],
@@ -75,7 +75,7 @@ const fn turn(per_turn: u32, rate_hz: f64) -> Mode {
 }
 
 /// Returns the lasers from the top down: all of 128, or every second or fourth of them, including the lowest.
-const fn lasers<const N: usize>(optics: &Optics) -> [Laser; N] {
+const fn lasers<const N: usize>(optics: &OusterOptics) -> [Laser; N] {
     let mut made = [Laser::at_degrees(0.0, 0.0); N];
     let mut index = 0;
     while index < N {

@@ -4,7 +4,7 @@ mod edges;
 mod instances;
 mod oracle;
 
-use super::{Rays, Tree, cast_mesh, occluded_by_mesh};
+use super::{MeshTree, Rays, cast_mesh, occluded_by_mesh};
 use crate::Execution;
 use crate::scene::build;
 use crate::simd::Level;
@@ -58,7 +58,7 @@ impl Mesh {
             primitive: vec![7; count],
             occluded: vec![false; count],
         };
-        let tree = Tree { nodes: &self.tree.nodes, blocks: &self.tree.blocks };
+        let tree = MeshTree { nodes: &self.tree.nodes, blocks: &self.tree.blocks };
         let mut hits = Hits {
             distance: Some(&mut found.distance),
             normal: Some(&mut found.normal),

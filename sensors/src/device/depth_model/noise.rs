@@ -56,7 +56,7 @@ impl DepthNoise {
 /// last term applies from `slant_from_rad` on.
 ///
 /// ```
-/// use belvedere_sensors::device::depth::AxialNoise;
+/// use belvedere_sensors::device::depth_model::AxialNoise;
 /// // Nguyen, Izadi, Lovell 2012: 0.0012 + 0.0019·(z − 0.4)², and more beyond 60°.
 /// let kinect = AxialNoise {
 ///     polynomial: [0.0012 + 0.0019 * 0.16, -0.0019 * 0.8, 0.0019],
@@ -109,7 +109,7 @@ impl AxialNoise {
 /// between pixels, this adds `locking_px`²/2 to the variance.
 ///
 /// ```
-/// use belvedere_sensors::device::depth::DisparityNoise;
+/// use belvedere_sensors::device::depth_model::DisparityNoise;
 /// // RealSense D435: 848 pixels in 90°, eyes 50 mm apart.
 /// let d435 = DisparityNoise { focal_px: 424.0, baseline_m: 0.05, stddev_px: 0.08, locking_px: 0.0 };
 /// assert!((d435.stddev_m(2.0) - 0.0151).abs() < 1e-5);

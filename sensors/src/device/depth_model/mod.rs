@@ -1,4 +1,5 @@
-//! Models of depth cameras: the measurement of true depths, with its errors.
+//! Models of depth cameras: the measurement of true depths, with its errors. The sensor that has such a model is a
+//! [`DepthCamera`](crate::depth::DepthCamera).
 //!
 //! ```text
 //! true depth, ─► second eye ─► window ─► matching ─► noise ─► steps ─► range ─► image
@@ -39,14 +40,14 @@ pub(crate) use second_eye::Eye;
 pub use second_eye::SecondEye;
 pub use steps::DisparitySteps;
 pub use time_of_flight::TimeOfFlight;
-pub(crate) use time_of_flight::{Around, FREQUENCIES, Light};
+pub(crate) use time_of_flight::{Around, FREQUENCIES, ModulatedLight};
 pub(crate) use window::Look;
 pub use window::Window;
 
 /// The measurement model of a depth camera. By default, true depths are reported unchanged.
 ///
 /// ```
-/// use belvedere_sensors::device::depth::{AxialNoise, DepthModel, SecondEye};
+/// use belvedere_sensors::device::depth_model::{AxialNoise, DepthModel, SecondEye};
 /// use belvedere_sensors::noise::GaussianNoise;
 /// let gazebo = DepthModel::from(GaussianNoise::of_stddev(0.01)?);
 /// let noise = AxialNoise { polynomial: [0.001, 0.0, 0.002], ..AxialNoise::NONE };
@@ -57,15 +58,16 @@ pub use window::Window;
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct DepthModel {
-    /// The second eye, from which a point must also be visible.
+    /// The second eye, from which a point must also be visible. The default is `None`.
     pub second_eye: Option<SecondEye>,
-    /// The part of the image from which a pixel's depth is taken.
+    /// The part of the image from which a pixel's depth is taken. The default is [`Window::Own`].
     pub window: Window,
-    /// The contrast required to match a pixel in the second eye.
+    /// The contrast required to match a pixel in the second eye. The default is `None`.
     pub matching: Option<Matching>,
-    /// Noise of the depth. Noisy depths at or beyond the limits of the range are reported as too near or too far.
+    /// Noise of the depth. Noisy depths at or beyond the limits of the range are reported as too near or too far. The
+    /// default is [`GaussianNoise::NONE`].
     pub noise: DepthNoise,
-    /// Disparity steps to which noisy depths are rounded.
+    /// Disparity steps to which noisy depths are rounded. The default is `None`.
     pub steps: Option<DisparitySteps>,
 }
 

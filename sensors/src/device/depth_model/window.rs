@@ -2,7 +2,7 @@
 
 use super::dots::{DotWindow, Dots};
 use super::lateral::{LateralNoise, Shift};
-use super::time_of_flight::{Light, TimeOfFlight};
+use super::time_of_flight::{ModulatedLight, TimeOfFlight};
 use crate::ParameterError;
 
 /// The part of the image from which a pixel's depth is taken.
@@ -54,7 +54,7 @@ pub(crate) enum Look {
     Own,
     Beside(Shift),
     Dots(Dots),
-    Light(Light),
+    Light(ModulatedLight),
 }
 
 impl Look {
@@ -63,7 +63,7 @@ impl Look {
             Window::Own => Self::Own,
             Window::Lateral(noise) => Shift::new(noise).map_or(Self::Own, Self::Beside),
             Window::Dots(dots) => Self::Dots(Dots::new(dots)),
-            Window::TimeOfFlight(time_of_flight) => Self::Light(Light::new(time_of_flight)),
+            Window::TimeOfFlight(time_of_flight) => Self::Light(ModulatedLight::new(time_of_flight)),
         }
     }
 

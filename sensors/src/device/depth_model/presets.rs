@@ -4,6 +4,12 @@
 use super::{AxialNoise, DepthModel, DisparityNoise, SecondEye, published};
 
 /// A commercially available depth camera.
+///
+/// ```
+/// use belvedere_sensors::device::depth_model::presets;
+/// let d435 = presets::named("d435").expect("there is one");
+/// assert_eq!((d435.size, d435.focal_px().round()), ([848, 480], 424.0));
+/// ```
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct DepthPreset {
@@ -58,7 +64,7 @@ fn stereo(focal_px: f64, baseline_m: f64, horizontal_fov_deg: f64) -> DepthModel
 }
 
 /// All presets.
-pub const PRESETS: [DepthPreset; 8] = [
+pub const ALL: &[DepthPreset] = &[
     DepthPreset {
         name: "kinect_v1",
         source: "Microsoft Kinect (2010): 57° × 43°, 0.8 … 4 m, Kinect for Windows Sensor Components and Specifications; \
@@ -136,26 +142,4 @@ pub const PRESETS: [DepthPreset; 8] = [
     },
 ];
 
-/// The names of all presets, by which configuration files refer to them.
-pub const NAMES: [&str; PRESETS.len()] = {
-    let mut names = [""; PRESETS.len()];
-    let mut index = 0;
-    while index < names.len() {
-        names[index] = PRESETS[index].name;
-        index += 1;
-    }
-    names
-};
-
-/// Returns the preset with the given name, or `None` if there is none.
-///
-/// ```
-/// use belvedere_sensors::device::depth::presets;
-/// let d435 = presets::named("d435").expect("there is one");
-/// assert_eq!((d435.size, d435.focal_px().round()), ([848, 480], 424.0));
-/// assert!(presets::named("d999").is_none());
-/// ```
-#[must_use]
-pub fn named(name: &str) -> Option<&'static DepthPreset> {
-    PRESETS.iter().find(|preset| preset.name == name)
-}
+preset_names!(ALL: DepthPreset);

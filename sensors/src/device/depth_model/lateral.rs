@@ -11,7 +11,7 @@ use fearless_simd::{Simd, SimdBase, f32x16};
 /// σ = `stddev_px` + `slant_px` · θ/(π/2 − θ), where θ is the angle between the ray and the surface normal.
 ///
 /// ```
-/// use belvedere_sensors::device::depth::LateralNoise;
+/// use belvedere_sensors::device::depth_model::LateralNoise;
 /// // Nguyen, Izadi, Lovell 2012.
 /// let kinect = LateralNoise { stddev_px: 0.8, slant_px: 0.035, ..LateralNoise::NONE };
 /// assert!((kinect.stddev_px(45_f64.to_radians()) - 0.835).abs() < 1e-9);

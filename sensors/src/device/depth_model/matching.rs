@@ -21,7 +21,7 @@ pub(crate) const REACH: usize = 2;
 /// adaptive window", PAMI 1994).
 ///
 /// ```
-/// use belvedere_sensors::device::depth::Matching;
+/// use belvedere_sensors::device::depth_model::Matching;
 /// let active = Matching { projector: 0.5, half: 0.014, full: 0.025, spread: 0.2 };
 /// let passive = Matching { projector: 0.0, ..active };
 /// // A white wall, 2 m away.

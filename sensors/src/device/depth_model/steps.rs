@@ -8,7 +8,7 @@ use fearless_simd::{Simd, SimdBase, SimdFloat, f32x16};
 /// of z metres, this is a step of z² · `step_px` / (`focal_px` · `baseline_m`).
 ///
 /// ```
-/// use belvedere_sensors::device::depth::DisparitySteps;
+/// use belvedere_sensors::device::depth_model::DisparitySteps;
 /// // Kinect v1: eighths of a pixel.
 /// let kinect = DisparitySteps { focal_px: 580.0, baseline_m: 0.0756, step_px: 0.125 };
 /// assert!((kinect.step_m(2.0) - 0.0114).abs() < 1e-5);

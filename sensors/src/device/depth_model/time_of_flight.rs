@@ -31,7 +31,7 @@ const MOST_TURNS: f64 = 64.0;
 /// [Axial noise](super::AxialNoise) is then applied to the phases, so strong noise makes pixels miscount turns.
 ///
 /// ```
-/// use belvedere_sensors::device::depth::TimeOfFlight;
+/// use belvedere_sensors::device::depth_model::TimeOfFlight;
 /// let kinect = TimeOfFlight { modulation_hz: [120e6, 80e6, 16e6], footprint_px: 0.5, most_off_rad: 0.45 };
 /// // 8 MHz is the greatest common divisor.
 /// assert!((kinect.ambiguity_m() - 18.737).abs() < 1e-3);
@@ -95,7 +95,7 @@ pub(crate) type Around<S> = [[[f32x16<S>; 2]; 3]; 3];
 
 /// The modulated light of a checked device.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Light {
+pub(crate) struct ModulatedLight {
     /// The range of one turn of each frequency, the highest frequency first.
     turn_m: [f32; FREQUENCIES],
     /// Weight of each phase, by the square of its frequency; the weights sum to 1.
@@ -112,7 +112,7 @@ pub(crate) struct Light {
     weights: [f32; 3],
 }
 
-impl Light {
+impl ModulatedLight {
     pub(super) fn new(time_of_flight: &TimeOfFlight) -> Self {
         let variance = time_of_flight.footprint_px * time_of_flight.footprint_px;
         let weight =

@@ -1,4 +1,4 @@
-// What a robot and a simulation are told, and what they do then. The robot stands still if nobody drives it.
+// Commands to a robot and to a simulation, and their effects. No other process drives the robot.
 //
 //   commands [domain]
 #include <cmath>
@@ -31,7 +31,7 @@ class Robot {
 public:
     explicit Robot(belvedere::Node& node) : velocity_(node.velocity()), odometry_(node.subscribe("odom")) {}
 
-    /// Odometry after so many more of it, 50 in a second, while it is told to go forward.
+    /// Drives forward for `count` odometry messages, 50 per second, and returns the last one.
     bv_odometry drive(int count, double forward) {
         bv_odometry last{};
         while (count > 0) {

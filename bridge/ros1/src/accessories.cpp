@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kQueue = 10;
 
-/// The name of a value, or its number.
+/// Returns the name of a value, or its number.
 std::string name_of(unsigned value, const std::vector<std::string>& names) {
     return value < names.size() ? names[value] : std::to_string(value);
 }

@@ -1,4 +1,4 @@
-// What is said of models and links, against known bytes; how it is seen from other frames; and what a command may name.
+// Tests of states of models and links with known bytes, of relative states, and of names in commands.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The converters of what a Kobuki says and is told, against known bytes; and that its messages are those of its driver.
+// Tests of the converters of a Kobuki's messages and commands with known bytes, and of the messages' MD5 sums.
 
 #include <gtest/gtest.h>
 #include <kobuki_msgs/AutoDockingAction.h>
@@ -43,7 +43,7 @@ const char* sum() {
     return ros::message_traits::md5sum<Message>();
 }
 
-// The sums that roscpp and rospy compare: those of the released kobuki_msgs.
+// The MD5 sums that roscpp and rospy compare: those of the released kobuki_msgs.
 TEST(KobukiMessages, AreThoseOfItsDriver) {
     EXPECT_STREQ(sum<kobuki_msgs::AutoDockingAction>(), "44be114f3afc06365a090db0a5e982b5");
     EXPECT_STREQ(sum<kobuki_msgs::AutoDockingActionFeedback>(), "6f7132467beab5153587d9ebb8d8262d");
@@ -102,7 +102,7 @@ TEST(RobotEvent, TheRightWheelIsTheSecond) {
     EXPECT_EQ(right->wheel, 1);
     EXPECT_EQ(right->state, WheelDropEvent::DROPPED);
     EXPECT_EQ(to_wheel_drop_event(event(2, 2, 0).sample())->state, WheelDropEvent::RAISED);
-    EXPECT_THROW(to_wheel_drop_event(event(2, 1, 1).sample()), Unrepresentable);  // none in the middle
+    EXPECT_THROW(to_wheel_drop_event(event(2, 1, 1).sample()), Unrepresentable);  // there is no centre wheel
 }
 
 TEST(RobotEvent, RefusesWhatItCannotSay) {

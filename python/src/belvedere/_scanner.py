@@ -24,9 +24,6 @@ class Scanner(Sensor):
     sensor's frame at the time of the firing, NaN without a return; ``intensity`` float32; ``time`` float64
     (firings), seconds after the beginning of the frame; ``laser`` uint32 (firings). If the sensor moves, pass
     ``after=``, its poses at the end of the frame. Frames are shown from above.
-    of the sensor at the time of the firing, NaN where there is none; ``intensity`` float32; ``time`` float64 (firings),
-    seconds after the frame's beginning; ``laser`` uint32 (firings). Give ``after=``, where it is at the end of the
-    frame, if it moves. Its frames are shown from above.
 
     Args:
         preset: the name of a preset: see ``Scanner.presets()``.

@@ -201,10 +201,6 @@ class Camera(Sensor):
     ``World.instance_bodies``); ``class`` uint32, 0 without a hit; ``incidence`` float32, radians between ray
     and normal; ``flow`` and ``flow_back`` float32 (…, 2), pixels to the position of the point in the next and
     in the previous frame.
-    ``depth`` float32, metres along the optical axis, ∞ where nothing is; ``range``, metres along the ray; ``normal``
-    float32 (…, 3), outwards, in the world's axes; ``instance`` uint32, 2**32 − 1 where nothing is (see
-    ``World.instance_bodies``); ``class`` uint32, 0 where nothing is; ``incidence`` float32, radians between ray and
-    normal; ``flow`` and ``flow_back`` float32 (…, 2), pixels to where the point is in the frame after and before.
 
     Args:
         width: pixels across.
@@ -264,9 +260,6 @@ class DepthCamera(Sensor):
     where the device cannot measure; ``depth_mm`` uint16, 0 without a measurement; ``points`` float32 (…, 3) in
     the optical frame (x right, y down, z forward), NaN without a measurement; ``rgb`` as for ``Camera``; and
     ground truth: ``true_depth`` and the other channels of ``Camera``.
-    the device cannot measure; ``depth_mm`` uint16, 0 where there is none; ``points`` float32 (…, 3) in the optical frame
-    (x right, y down, z forward), NaN where there is none; ``rgb`` as a ``Camera``'s; and what is true: ``true_depth``
-    and the others of ``Camera``.
 
     Args:
         width: pixels across; the model's by default.
@@ -373,8 +366,6 @@ class Lidar(Sensor):
     Channels: ``range`` float32 (lines, beams), measured metres: −∞ too near, +∞ nothing in range; ``intensity``
     float32; and ground truth: ``true_range``, ``depth`` and the other channels of ``Camera``. Lines are ordered
     from the lowest up, beams counter-clockwise.
-    and what is true: ``true_range``, ``depth`` and the others of ``Camera``. Lines go from the lowest up, beams
-    counter-clockwise.
 
     Args:
         beams: the number of beams per line.

@@ -112,8 +112,6 @@ class WallVectorEnv(VectorEnv[NDArray[np.uint8], NDArray[np.float32], Any]):
     Reward: 1 at the desired distance, 0 a metre off, −1 for a collision, for losing the wall or for turning
     round, which end an episode. Episodes are truncated after 200 steps. Worlds are reset in the following step
     (``NEXT_STEP``).
-    1 at the wanted distance, 0 a metre off, −1 for a bump, for losing the wall or for turning round, which end an
-    episode; it is cut off after 200 steps. Worlds begin anew in the step after (``NEXT_STEP``).
 
     Args:
         num_envs: the number of environments.

@@ -242,7 +242,7 @@ def output(argument: str, value: ArrayLike, shape: tuple[int, ...], dtype: np.dt
             given = _foreign_output(value)
         except (TypeError, AttributeError, ValueError, BufferError, RuntimeError) as error:
             raise ValueError(
-                f"{argument}: a numpy array, or one in main memory with __dlpack__, is expected: {error}"
+                f"{argument}: an array of numpy, or another in main memory with __dlpack__, is expected: {error}"
             ) from error
     if given.shape != shape or given.dtype != dtype:
         raise ValueError(f"{argument}: shape {given.shape} of {given.dtype}; {shape} of {dtype} is expected")

@@ -73,7 +73,7 @@ TEST(DepthScan, IsThatOfAWall) {
         const double column = 80 - 100 * std::tan(angle);
         if (std::abs(column - 80) < 1.5) continue;
         if (std::abs(column - 40) < 0.4) EXPECT_EQ(scan->ranges[i], kInf);
-        // The plane z = 2, to half a column: 0.5 cm times its slope there.
+        // The plane at depth 2, to half a column: 0.5 cm times its slope there.
         if (std::abs(column - 40) > 1) EXPECT_NEAR(scan->ranges[i], 2 / std::cos(angle), 0.008);
     }
     // Angles are positive to the left, so the left of the image comes last.

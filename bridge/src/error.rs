@@ -40,9 +40,7 @@ pub enum Error {
         holder: Consumer,
     },
     /// All publisher slots of a stream for several publishers are taken.
-    #[error(
-        "{topic} has all the publishers that it may have at a time ({max}); close one, such as that of {holder}"
-    )]
+    #[error("{topic} already has its maximum of {max} publishers; close one, such as that of {holder}")]
     TooManyPublishers {
         /// The stream.
         topic: String,
@@ -53,7 +51,7 @@ pub enum Error {
     },
     /// All subscriber slots are taken.
     #[error(
-        "{topic} has all the subscribers that it was made for ({max}); close one, or publish it with room for more (a simulator makes it for fewer than 8 when /dev/shm is small, and says so)"
+        "{topic} already has its maximum of {max} subscribers; close one, or publish the stream with more slots (a simulator allows fewer than 8 if /dev/shm is small, and logs it)"
     )]
     TooManySubscribers {
         /// The stream.
@@ -62,7 +60,7 @@ pub enum Error {
         max: usize,
     },
     /// The maximum number of processes has the stream open.
-    #[error("{topic} is open in {max} processes, which is the most; end one of them")]
+    #[error("{topic} is open in {max} processes, which is the maximum; end one of them")]
     TooManyProcesses {
         /// The stream.
         topic: String,
@@ -71,7 +69,7 @@ pub enum Error {
     },
     /// Consumers keep the stream open with the settings of an earlier publisher, which do not fit this one.
     #[error(
-        "{topic} in domain \"{domain}\" cannot be opened again yet: {difference}, and {holders} still has it open; end that process, or let it go on, as a consumer closes the stream of a publisher that has ended as soon as it looks for a frame"
+        "{topic} in domain \"{domain}\" cannot be opened again yet: {difference}, and {holders} still has it open; end that process, or let it continue: a consumer closes the stream of an ended publisher when it next waits for a frame"
     )]
     KeptOpen {
         /// The stream.
@@ -119,7 +117,7 @@ pub enum Error {
     },
     /// The pool does not fit into shared memory.
     #[error(
-        "/dev/shm is too small: {topic} needs {needed_mib} MiB more with what is already published, {free_mib} MiB are free; enlarge it (docker run --shm-size, mount -o remount,size=...) or allow fewer subscribers"
+        "/dev/shm is too small: {topic} needs {needed_mib} MiB more, including what other streams have reserved, but {free_mib} MiB are free; enlarge it (docker run --shm-size, mount -o remount,size=...) or allow fewer subscribers"
     )]
     SharedMemoryTooSmall {
         /// The stream.
@@ -130,7 +128,7 @@ pub enum Error {
         free_mib: u64,
     },
     /// The frame is larger than the stream's maximum.
-    #[error("a frame of {len} bytes does not fit into {topic}, made for at most {max}")]
+    #[error("a frame of {len} bytes does not fit into {topic}, whose maximum is {max}")]
     FrameTooLarge {
         /// The stream.
         topic: String,
@@ -149,7 +147,7 @@ pub enum Error {
     },
     /// A consumer that a lossless stream waits for did not make room in time, and has lost the frame.
     #[error(
-        "consumer {consumer} held {topic} up for {seconds} s and has now lost a frame; make it faster, raise the patience, or do not wait for it",
+        "consumer {consumer} held {topic} up for {seconds} s and has lost a frame; make it faster, increase the patience, or do not wait for it",
         seconds = patience.as_secs_f64()
     )]
     HeldUp {
@@ -161,7 +159,7 @@ pub enum Error {
         patience: std::time::Duration,
     },
     /// This subscriber already holds the maximum number of frames.
-    #[error("{topic}: this subscriber holds {max} frames already, release one first")]
+    #[error("{topic}: this subscriber already holds {max} frames; release one first")]
     TooManyHeld {
         /// The stream.
         topic: String,

@@ -330,6 +330,6 @@ def test_a_depth_camera_sees_meshes_whichever_way_their_triangles_run() -> None:
             assert np.array_equal(is_seen, red > green)
             found.append(float(depth[6, 8]))
         assert found == pytest.approx(seen, rel=1e-6)
-    assert bv.DepthCamera(8, 6, fov=1.0).render(world, HERE)["depth"].max() < 3   # "both" is the default
+    assert bv.DepthCamera(8, 6, fov=1.0).render(world, HERE)["depth"].max() < 3  # "both" is the default
     with pytest.raises(ValueError, match="faces"):
         bv.DepthCamera(8, 6, fov=1.0, faces="back")

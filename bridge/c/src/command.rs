@@ -30,7 +30,7 @@ impl CommandPublisher {
             Some(kind @ Kind::MotorPower) => (kind, send::<payload::MotorPower>),
             _ => {
                 return Err(Failure::invalid_argument(
-                    "kind is none that a robot is told: use BV_KIND_VELOCITY_COMMAND, \
+                    "kind must be that of a command to a robot: BV_KIND_VELOCITY_COMMAND, \
                      BV_KIND_RESET_ODOMETRY or BV_KIND_MOTOR_POWER"
                         .to_owned(),
                 ));

@@ -75,8 +75,7 @@ pub unsafe extern "C" fn bv_frame_age_ns(frame: *const Frame) -> u64 {
 /// Releases the frame; NULL is ignored.
 ///
 /// # Safety
-/// `frame` was returned by bv_subscriber_take, bv_subscriber_take_newest or bv_synchronizer_take; it, its header and
-/// its payload are not used afterwards.
+/// `frame` came from a take; it, its header and its payload are not used afterwards.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bv_frame_release(frame: *mut Frame) {
     // SAFETY: this function's contract.

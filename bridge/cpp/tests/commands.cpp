@@ -21,7 +21,7 @@ std::string refusal(F&& call) {
     } catch (const belvedere::Refused& refused) {
         return refused.what();
     }
-    throw std::runtime_error("it was not refused");
+    throw std::runtime_error("the command was not refused");
 }
 
 constexpr const char* kCrate = "<sdf version='1.6'><model name='crate'><link name='l'><collision name='c'><geometry>"
@@ -97,7 +97,7 @@ void check_simulation(belvedere::Node& node) {
     belvedere::Node nowhere("nobody-is-in-this-one", "commands");
     try {
         nowhere.control(std::chrono::milliseconds(50)).pause();
-        throw std::runtime_error("somebody answers");
+        throw std::runtime_error("a simulator answers");
     } catch (const belvedere::Error& error) {
         require(error.status() == BV_STATUS_NOTHING, error.what());
     }

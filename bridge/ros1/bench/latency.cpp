@@ -2,10 +2,10 @@
 //
 //   latency publish                 a process that publishes 640 x 480 RGB at 30 Hz on /plain
 //   latency between SECONDS TOPIC   between processes: shared memory; the bridge over TCPROS; the plain publisher
-//   latency inside SECONDS TOPIC    in the process of a bridge, one after the other: its frames; frames that are looked for when
-//                                   they are due; frames and messages; all beside a plain publisher
+//   latency inside SECONDS TOPIC    in the process of a bridge, one after the other: its frames; frames with busy polling;
+//                                   frames and messages; all next to a plain publisher
 //
-// Prints the p50 and p99 of each in milliseconds. bench/latency.py starts it all, and compares.
+// Prints the p50 and p99 of each in milliseconds. bench/latency.py starts everything, and compares.
 
 #include <belvedere_ros/frame_subscriber.hpp>
 #include <boost/make_shared.hpp>

@@ -54,7 +54,7 @@ void Accessories::keep(const std::string& name, const std::string& value) {
     std::string& now = told_[name];
     if (now == value) return;
     now = value;
-    ROS_INFO_STREAM(base_ << ": " << name << " is told " << value << ", which is not simulated");
+    ROS_INFO_STREAM(base_ << ": " << name << " is set to " << value << ", which is not simulated");
 }
 
 void Accessories::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {

@@ -121,7 +121,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     else if (!streams_ || !streams_->simulator_is_there())
         status.summary(Status::WARN, "the simulator is gone");
     else if (report.subscribers == 0)
-        status.summary(Status::OK, "nobody subscribes");
+        status.summary(Status::OK, "no subscribers");
     else if (!report.followed || report.publishers == 0)
         status.summary(Status::WARN, "the stream is not published");
     else if (slow)

@@ -18,7 +18,7 @@ FISHEYE = 0.03, -0.01, 0.004, -0.001  # of the third: k1 k2 k3 k4
 MARGIN_PX = 12
 PIXELS_PER_SQUARE = 64
 
-PLATE = (COLUMNS + 3) * SQUARE_M, (ROWS + 3) * SQUARE_M   # all squares, with a white margin of one square
+PLATE = (COLUMNS + 3) * SQUARE_M, (ROWS + 3) * SQUARE_M  # all squares, with a white margin of one square
 
 
 def texture():
@@ -46,7 +46,7 @@ def poses():
     while len(found) < BOARDS:
         slant, side, spin = random.uniform(-0.6, 0.6, 3)
         place = numpy.array([random.uniform(0.5, 1.0), random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4)])
-        angles = spin, -numpy.pi / 2 + slant, side  # the plate's own z looks at the camera
+        angles = spin, -numpy.pi / 2 + slant, side  # the plate's own z points to the camera
         x, y, z = place[:, None] + turn(*angles) @ corners.T
         across, down = FOCAL * abs(y / x), FOCAL * abs(z / x)
         if across.max() < WIDTH / 2 - MARGIN_PX and down.max() < HEIGHT / 2 - MARGIN_PX:

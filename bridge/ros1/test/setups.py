@@ -12,9 +12,9 @@ from math import isnan, nan, pi, tan
 class Topic:
     type: str
     frame: str = ""
-    rate: float = 0.0   # Hz; 0: once; NaN: events
-    fields: dict = field(default_factory=dict)   # expected fields of the message, by name
-    length: int = -1   # length of the payload
+    rate: float = 0.0  # Hz; 0: once; NaN: events
+    fields: dict = field(default_factory=dict)  # expected fields of the message, by name
+    length: int = -1  # length of the payload
 
     def is_event(self):
         return isnan(self.rate)

@@ -22,8 +22,8 @@ from sensor_msgs.msg import CameraInfo, Image
 DOMAIN = f"calibration-{os.getpid()}"
 FOCAL_TOLERANCE = 0.002
 CENTRE_TOLERANCE_PX = 0.6
-DISTORTION_TOLERANCE_PX = 0.6   # at the edge of the image
-LEAST_PSNR = 35.0   # dB, of the rectified image against a pinhole's
+DISTORTION_TOLERANCE_PX = 0.6  # at the edge of the image
+LEAST_PSNR = 35.0  # dB, of the rectified image against a pinhole's
 GREY_TOLERANCE = 0.2  # of 255, on average: the table of the lens is in fixed point
 
 

@@ -179,7 +179,7 @@ class Ceiling(Running):
     topic = "/image_raw"
 
     def test_image_saver_saves_our_pixels(self):
-        sent, lock = set(), threading.Lock()   # noise makes each image different
+        sent, lock = set(), threading.Lock()  # noise makes each image different
 
         def receive(message):
             with lock:

@@ -93,7 +93,7 @@ class Face:
 class Door(rosgraph.xmlrpc.ThreadingXMLRPCServer):
     """A proxy of the master that answers the nodes that look for a service together, once all of them have asked."""
 
-    request_queue_size = 64   # nodes make many calls at once
+    request_queue_size = 64  # nodes make many calls at once
     daemon_threads = True
 
     def __init__(self, master, askers):
@@ -252,7 +252,7 @@ class Gazebo(unittest.TestCase):
         there = ModelState("tag_ceiling", pose(0.25, 0, 2.7), Twist(), "turtlebot")
         self.done(self.face.set_model_state(there))
         self.near(self.in_stream("tag_ceiling"), (0.25, 0, 2.7), 0.02)
-        there.pose.orientation = Quaternion()   # not filled in, as in many scripts
+        there.pose.orientation = Quaternion()  # not filled in, as in many scripts
         self.done(self.face.set_model_state(there))
 
         self.refused(self.face.set_model_state(ModelState("moon", pose(), Twist(), "")), "SetModelState: ", "no model 'moon'")
@@ -352,7 +352,7 @@ class Gazebo(unittest.TestCase):
             face.wait()
             self.done(face.get_model_state("turtlebot", ""))
             robot.stop(signal.SIGKILL)
-            time.sleep(0.3)   # states are current for a quarter of a second
+            time.sleep(0.3)  # states are current for a quarter of a second
             arguments = {
                 "get_model_state": ("turtlebot", ""),
                 "get_link_state": ("turtlebot::base_link", ""),
@@ -405,7 +405,7 @@ class Gazebo(unittest.TestCase):
         ):
             nodes = {"/one": one, "/other": other}
             self.assertTrue(eventually(lambda: list(self.servers("/both").values()) == [everything]), self.servers("/both"))
-            time.sleep(1.5)   # three checks
+            time.sleep(1.5)  # three checks
             (winner,) = self.servers("/both")
             (loser,) = nodes.keys() - {winner}
             warning = "another node serves /both, so this one does not while that runs"

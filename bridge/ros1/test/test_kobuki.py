@@ -185,7 +185,7 @@ class Kobuki(unittest.TestCase):
         self.assertTrue(eventually(lambda: told == expected), told)
         listener.unregister()
         with Listener("mobile_base/events/button", ButtonEvent, most=None) as buttons:
-            self.assertTrue(eventually(buttons.connected), "somebody offers buttons, as the driver does")
+            self.assertTrue(eventually(buttons.connected), "button events are advertised, as by the driver")
             self.assertEqual(buttons.all(), [])
 
     def test_odometry_is_reset(self):

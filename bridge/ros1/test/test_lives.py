@@ -97,8 +97,8 @@ class Lives(unittest.TestCase):
                 self.assertTrue(self.flows(), successor.output())
 
     def test_a_new_roscore_gets_all_registrations(self):
-        """Parameters, topics and services, and what was connected goes on. The parameters are where roslaunch puts them: on the
-        server, and not on the command line."""
+        """Parameters, topics and services are registered again, and connections continue. The parameters are where roslaunch puts
+        them: on the server, and not on the command line."""
         core = self.started(roscore(self.port))
         self.assertTrue(eventually(self.master_answers))
         parameters = {"domain": self.domain, "transforms": "odometry", "laser": {"noise_stddev": 0.02}}
@@ -129,7 +129,7 @@ class Lives(unittest.TestCase):
                 self.assertIn("success: True", done.stdout + done.stderr)
                 led = ["rostopic", "pub", "-1", "/mobile_base/commands/led1", "kobuki_msgs/Led", "value: 3"]
                 subprocess.run(led, check=True, capture_output=True, timeout=20)
-                self.assertTrue(node.says("led1 is told red"), node.output())
+                self.assertTrue(node.says("led1 is set to red"), node.output())
             self.assertEqual(node.stop(), 0, node.output())
             self.assertEqual(self.registered(), (set(), set(), set()))
 

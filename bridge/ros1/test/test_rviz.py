@@ -32,10 +32,10 @@ ROBOT = """<robot name="turtlebot" xmlns:xacro="http://ros.org/wiki/xacro">
 """
 # The colours in turtlebot.rviz.
 BACKGROUND, SCAN = (48, 48, 48), (255, 0, 0)
-VIEW = slice(70, 700), slice(370, 850)   # rows and columns of the 3D view on the screen
-ROBOT_IN_VIEW = slice(230, 340), slice(195, 285)   # the view is centred on the robot
+VIEW = slice(70, 700), slice(370, 850)  # rows and columns of the 3D view on the screen
+ROBOT_IN_VIEW = slice(230, 340), slice(195, 285)  # the view is centred on the robot
 WOOD = numpy.array([0.55, 0.40, 0.25])  # the plates of the robot's stack, in turtlebot_description
-LIKENESS = 0.9   # correlation of a topic's image with the screen
+LIKENESS = 0.9  # correlation of a topic's image with the screen
 
 
 def pixels(image):

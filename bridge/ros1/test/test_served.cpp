@@ -47,7 +47,7 @@ TEST(Served, ATopicIsTheFirstBridgesAndThenTheNexts) {
     EXPECT_EQ(early.told, 2);
 }
 
-TEST(Served, ATopicIsNobodysInTheEnd) {
+TEST(Served, ATopicEndsWithItsLastPlace) {
     Domain domain("served-" + std::to_string(getpid()));
     const Seeks early;
     std::make_unique<Served::Place>(kTopic, domain, bv_stream_info{}).reset();

@@ -17,7 +17,7 @@ from setups import SETUPS
 SECONDS = float(os.environ.get("BELVEDERE_ROS_SECONDS", "20"))
 DOMAIN = f"setups-{os.getpid()}"
 RATE_TOLERANCE = 0.005
-LOSS_TOLERANCE = 0.05   # image streams buffer two frames, 66 ms at 30 Hz, which a busy machine may exceed
+LOSS_TOLERANCE = 0.05  # image streams buffer two frames, 66 ms at 30 Hz, which a busy machine may exceed
 NUMBER_TOLERANCE = 1e-5  # LaserScan is of float32
 
 
@@ -36,7 +36,7 @@ class Table:
         # A latched topic is served like the others, but its message need not be repeated.
         self.assertTrue(eventually(lambda: setup.topics.keys() <= published()), node.output())
         idle = subscribers_of_streams(domain)
-        self.assertEqual({topic for topic, count in idle.items() if count}, {"/clock"}, "read while nobody subscribes")
+        self.assertEqual({topic for topic, count in idle.items() if count}, {"/clock"}, "read without subscribers")
 
         listeners = {topic: Listener(topic, expected.type) for topic, expected in setup.topics.items()}
         self.assertTrue(

@@ -92,7 +92,7 @@ class Robot(unittest.TestCase):
             time.sleep(5.0)
             rate = (diagnostics.count() - first) / (time.monotonic() - start)
             self.assertAlmostEqual(rate, 1.0, delta=0.25)
-            self.assertEqual(self.status(diagnostics, "image_raw"), (0, "nobody subscribes"))
+            self.assertEqual(self.status(diagnostics, "image_raw"), (0, "no subscribers"))
             self.assertEqual(self.status(diagnostics, "simulator"), (0, "publishes"))
 
     @staticmethod

@@ -20,7 +20,7 @@ TEST(Mux, HearsTheHigherPriorityAndWhoCameFirst) {
     Mux mux({{"safety", "s", 0.2, 10}, {"teleop", "t", 1.0, 7}, {"navi", "n", 1.0, 5}, {"other", "o", 1.0, 5}});
     EXPECT_FALSE(mux.active(0.0));
     EXPECT_TRUE(mux.hears(2, 0.0));
-    EXPECT_FALSE(mux.hears(3, 0.5)) << "of equal priority, whoever speaks goes on";
+    EXPECT_FALSE(mux.hears(3, 0.5)) << "of equal priority, the active source stays active";
     EXPECT_TRUE(mux.hears(1, 0.6));
     EXPECT_FALSE(mux.hears(2, 1.6)) << "for a second";
     EXPECT_TRUE(mux.hears(0, 1.61));
@@ -29,7 +29,7 @@ TEST(Mux, HearsTheHigherPriorityAndWhoCameFirst) {
     EXPECT_EQ(mux.active(2.8), std::size_t{1});
     EXPECT_FALSE(mux.active(2.83));
     EXPECT_TRUE(mux.hears(1, 9.0));
-    EXPECT_TRUE(mux.hears(2, 1.0)) << "a reset simulation begins anew";
+    EXPECT_TRUE(mux.hears(2, 1.0)) << "a reset of time clears the state";
 }
 
 /// A wall at z = 2 m that fills the image, with fx = 100 and the principal point in the middle.

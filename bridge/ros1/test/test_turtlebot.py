@@ -33,8 +33,8 @@ BACK_Y, KINECT_X = 1.72, -0.087
 ROOM = {"x": (-2.0, 3.0), "y": (-2.5, 1.5)}
 WALLS = [("w", -2.05, -0.5, 0.1, 4.2), ("e", 3.05, -0.5, 0.1, 4.2), ("s", 0.5, -2.55, 5.2, 0.1), ("n", 0.5, 1.55, 5.2, 0.1)]
 STARTS = {"robot1": (-1.0, 0.0, 30.0), "robot2": (1.5, -1.0, -60.0)}
-SCAN_NOISE_M = 0.01   # noise of the RPLidar
-MAP_TOLERANCE_M = 0.03   # for the mean distance of a scan's points from the walls
+SCAN_NOISE_M = 0.01  # noise of the RPLidar
+MAP_TOLERANCE_M = 0.03  # for the mean distance of a scan's points from the walls
 
 
 def room():
@@ -49,7 +49,7 @@ def room():
 def drive(topic, forward=0.0, turn=0.0):
     """Start a publisher that repeats a command at 10 Hz, as keyboards and planners do, until it is shut down."""
     publisher = rospy.Publisher(topic, Twist, queue_size=1)
-    assert eventually(lambda: publisher.get_num_connections() > 0, 20), f"nobody listens to {topic}"
+    assert eventually(lambda: publisher.get_num_connections() > 0, 20), f"{topic} has no subscriber"
     twist = Twist()
     twist.linear.x, twist.angular.z = forward, turn
     return rospy.Timer(rospy.Duration(0.1), lambda _: publisher.publish(twist)), publisher
@@ -100,7 +100,7 @@ class World(unittest.TestCase):
 
     def test_b_the_fake_laser(self):
         subscribers = lambda: subscribers_of_streams(DOMAIN)["/camera/depth/image_raw"]  # noqa: E731
-        self.assertEqual(subscribers(), 0, "nobody asks for a scan")
+        self.assertEqual(subscribers(), 0, "the scan has no subscribers")
         with Listener("/scan", LaserScan) as scans:
             self.assertTrue(eventually(lambda: scans.count() > 5, 20), self.launch.output())
             scan, period = scans.last, scans.period()
@@ -111,7 +111,7 @@ class World(unittest.TestCase):
         # The back of the shelf is straight ahead.
         ahead = [range_ * math.cos(scan.angle_min + i * scan.angle_increment) for i, range_ in enumerate(scan.ranges)][250:390]
         self.assertLess(max(abs(x - (BACK_Y - KINECT_X)) for x in ahead), 0.02, ahead)
-        self.assertTrue(eventually(lambda: subscribers() == 0), "rendered for nobody")
+        self.assertTrue(eventually(lambda: subscribers() == 0), "rendered without subscribers")
 
     def test_c_the_active_source_moves_it(self):
         velocity = lambda: self.odometry.last.twist.twist.linear.x  # noqa: E731
@@ -130,7 +130,7 @@ class World(unittest.TestCase):
             self.assertTrue(eventually(lambda: active.last.data == "idle"), active.all())
             # Between the keyboard's last command and the next one of navigation, no source may be active.
             self.assertEqual([m.data for m in active.all() if m.data != "idle"], ["navi", "teleop", "navi"])
-        self.assertTrue(eventually(lambda: velocity() == 0.0), "the base forgets what nobody repeats")
+        self.assertTrue(eventually(lambda: velocity() == 0.0), "the base forgets commands that are not repeated")
 
 
 class TwoThatMap(unittest.TestCase):

@@ -277,7 +277,7 @@ fn group_directory(path: &Path, group: &Group) -> Result<(), Error> {
             found => {
                 return Err(Error::Permission {
                     path: path.to_owned(),
-                    owner: found.map_or_else(|_| "nobody".to_owned(), |found| user(found.uid())),
+                    owner: found.map_or_else(|_| "no user".to_owned(), |found| user(found.uid())),
                     remedy: format!(
                         "it must be a directory of group {name}, open to that group alone (chgrp {name}; chmod 2770); or its owner must remove it",
                         name = group.name()

@@ -124,7 +124,7 @@ fn a_consumer_with_another_monotonic_clock() {
 
         let deadline = Instant::now() + PATIENCE;
         while publisher.subscribers() == 0 {
-            assert!(Instant::now() < deadline, "nobody subscribes");
+            assert!(Instant::now() < deadline, "there is no subscriber");
             std::thread::sleep(Duration::from_millis(1));
         }
         for seq in 0..20 {

@@ -248,7 +248,7 @@ fn memory_is_constant_and_no_frame_is_lost_without_a_reason() {
     }
     for line in tallies.iter().flatten() {
         let [_, frames, missed, unexplained, _] = line[..] else { panic!("five numbers: {line:?}") };
-        assert_eq!(unexplained, 0, "a gap that nobody can explain: {line:?}");
+        assert_eq!(unexplained, 0, "an unexplained gap: {line:?}");
         // The frames of a robot that is late most of the time, but not none.
         assert!((frames + missed) * 10 >= seconds * RATE_HZ, "{line:?}");
     }

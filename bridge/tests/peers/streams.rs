@@ -172,7 +172,7 @@ fn commands_come_from_many() {
     late.send_structs(0, &[forward(1.0)]).unwrap();
     early.send_structs(0, &[forward(2.0)]).unwrap();
     let newest: VelocityCommand = commands.take_newest().unwrap().unwrap().message().unwrap();
-    assert_eq!(newest, forward(2.0), "the last one sent counts, whoever sent it");
+    assert_eq!(newest, forward(2.0), "the last command counts, whichever process sent it");
     drop((early, late));
     assert!(!commands.wait(SHORT).unwrap());
     let again = node.publisher(&spec).unwrap();

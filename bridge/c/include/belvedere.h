@@ -1,6 +1,7 @@
 /* Belvedere's frames in shared memory, for C and C++. SPDX-License-Identifier: MIT OR Apache-2.0
  *
- * Generated from bridge/src/wire and, by cbindgen, from bridge/c/src; do not edit. The layout of every byte is in bridge/WIRE.md.
+ * Generated from bridge/src/wire and, by cbindgen, from bridge/c/src; do not edit. The layout of every byte is in
+ * bridge/WIRE.md.
  *
  *   bv_node *node;
  *   bv_subscriber *subscriber;
@@ -16,7 +17,8 @@
  *       }
  *   }
  *
- * Functions return a bv_status: 0 for success, 1 if nothing is available, negative for an error, which bv_last_error() describes.
+ * Functions return a bv_status: 0 for success, 1 if nothing is available, negative for an error, which
+ * bv_last_error() describes.
  * A handle may move between threads, but only one may use it at a time. No function unwinds or aborts.
  */
 
@@ -920,8 +922,7 @@ bool bv_frame_is_from_history(const struct bv_frame *frame);
 uint64_t bv_frame_age_ns(const struct bv_frame *frame);
 
 // Releases the frame; NULL is ignored.
-// Requires: `frame` was returned by bv_subscriber_take, bv_subscriber_take_newest or bv_synchronizer_take; it, its header and
-// its payload are not used afterwards.
+// Requires: `frame` came from a take; it, its header and its payload are not used afterwards.
 void bv_frame_release(struct bv_frame *frame);
 
 // Opens a synchroniser of `count` streams, 2 to BV_SYNCHRONIZER_MAX, which may be created later. The stamps of a set

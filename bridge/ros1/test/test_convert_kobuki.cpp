@@ -44,7 +44,7 @@ const char* sum() {
 }
 
 // The MD5 sums that roscpp and rospy compare: those of the released kobuki_msgs.
-TEST(KobukiMessages, AreThoseOfItsDriver) {
+TEST(KobukiMessages, HaveTheSumsOfItsDriver) {
     EXPECT_STREQ(sum<kobuki_msgs::AutoDockingAction>(), "44be114f3afc06365a090db0a5e982b5");
     EXPECT_STREQ(sum<kobuki_msgs::AutoDockingActionFeedback>(), "6f7132467beab5153587d9ebb8d8262d");
     EXPECT_STREQ(sum<kobuki_msgs::AutoDockingActionGoal>(), "4b30be6cd12b9e72826df56b481f40e0");
@@ -94,7 +94,7 @@ TEST(RobotEvent, HasItsPlaceAndState) {
     }
 }
 
-TEST(RobotEvent, TheRightWheelIsTheSecond) {
+TEST(RobotEvent, TheRightWheelIsNumberOne) {
     using kobuki_msgs::WheelDropEvent;
     EXPECT_EQ(to_wheel_drop_event(event(2, 0, 1).sample())->wheel, WheelDropEvent::LEFT);
     const auto right = to_wheel_drop_event(event(2, 2, 1).sample());
@@ -105,7 +105,7 @@ TEST(RobotEvent, TheRightWheelIsTheSecond) {
     EXPECT_THROW(to_wheel_drop_event(event(2, 1, 1).sample()), Unrepresentable);  // there is no centre wheel
 }
 
-TEST(RobotEvent, RefusesWhatItCannotSay) {
+TEST(RobotEvent, RefusesUnrepresentableFrames) {
     EXPECT_THROW(to_bumper_event(event(1, 0, 1).sample()), Unrepresentable);
     EXPECT_THROW(to_cliff_event(event(0, 0, 1).sample()), Unrepresentable);
     EXPECT_THROW(to_bumper_event(event(0, 3, 1).sample()), Unrepresentable);
@@ -148,7 +148,7 @@ TEST(CoreSensors, HasEveryField) {
     EXPECT_THROW(to_core_sensors(event(0, 0, 0).sample()), Unrepresentable);
 }
 
-TEST(Commands, AreTheSimulators) {
+TEST(Commands, AreConverted) {
     geometry_msgs::Twist twist;
     twist.linear.x = 1, twist.linear.y = 2, twist.linear.z = 3;
     twist.angular.x = 4, twist.angular.y = 5, twist.angular.z = 6;

@@ -86,14 +86,14 @@ TEST(ScanCloud, IsOrganisedWithTheFieldsOfAVelodyne) {
     }
 }
 
-TEST(ScanCloud, IsDenseWhenEveryRayMeasures) {
+TEST(ScanCloud, IsDenseIfEveryRayHasARange) {
     const auto cloud = to_scan_cloud(layers_of(2, 2, {1, 2, 3, 4}, 0).sample());
     EXPECT_TRUE(cloud->is_dense);
     EXPECT_EQ(cloud->fields.size(), 5u);
     EXPECT_EQ(cloud->point_step, 18u);
 }
 
-TEST(ScanCloud, TakesNoMemoryForRaysThatAreNotThere) {
+TEST(ScanCloud, AllocatesNothingForMissingRays) {
     for (const auto& [width, height, row_stride] : std::vector<std::array<std::uint32_t, 3>>{
              {4'000'000'000, 1, 16}, {2, 60'000, 8}, {2, 60'000, 0}, {2, 4'000'000'000, 8}, {2, 2, 4}, {2, 3, 4'000'000'000}}) {
         auto known = layers_of(2, 2, {1, 2, 3, 4}, 0);
@@ -108,7 +108,7 @@ TEST(ScanCloud, TakesNoMemoryForRaysThatAreNotThere) {
     EXPECT_TRUE(to_scan_cloud(empty.sample())->data.empty());
 }
 
-TEST(ScanCloud, RefusesLinesThatItCannotCount) {
+TEST(ScanCloud, RefusesTooManyLayers) {
     auto known = layers_of(1, 1, {1}, 0);
     known.header.width = 250'000'000;  // of 18 bytes each: more than 2^32
     known.header.row_stride = known.header.width * 4;

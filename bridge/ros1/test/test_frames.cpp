@@ -67,7 +67,7 @@ protected:
     ros::AsyncSpinner spinner_{2};
 };
 
-TEST_F(Frames, AreWhatTheMessagesSay) {
+TEST_F(Frames, EqualTheMessages) {
     Received<sensor_msgs::ImageConstPtr> images;
     const boost::function<void(const sensor_msgs::ImageConstPtr&)> keep = [&](const auto& image) { images.add(image->header.stamp, image); };
     std::map<std::uint64_t, std::vector<std::uint8_t>> bytes;
@@ -94,7 +94,7 @@ TEST_F(Frames, AreWhatTheMessagesSay) {
     EXPECT_GE(compared, 3U);
 }
 
-TEST_F(Frames, AreTheSameWhetherSleptOrLookedFor) {
+TEST_F(Frames, AreTheSameWithBusyPolling) {
     const auto served = bridge();
     Received<std::uint64_t> slept, looked;
     std::atomic<std::int64_t> last{-1};
@@ -121,7 +121,7 @@ TEST_F(Frames, AreTheSameWhetherSleptOrLookedFor) {
     EXPECT_GE(both, 30U);
 }
 
-TEST_F(Frames, ThatAreKeptStayAsTheyAre) {
+TEST_F(Frames, ThatAreKeptDoNotChange) {
     std::mutex mutex;
     std::vector<FrameViewConstPtr> kept;
     std::atomic<std::size_t> count{0};

@@ -27,7 +27,7 @@ public:
     int told = 0;
 };
 
-TEST(Served, ATopicIsTheFirstBridgesAndThenTheNexts) {
+TEST(Served, ATopicBelongsToTheFirstBridgeAndThenTheNext) {
     const std::string name = "served-" + std::to_string(getpid());
     Domain one(name), other(name);
     const bv_stream_info stream{};

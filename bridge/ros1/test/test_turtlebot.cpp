@@ -16,7 +16,7 @@ namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-TEST(Mux, HearsTheHigherPriorityAndWhoCameFirst) {
+TEST(Mux, PrefersHigherPriorityAndThenTheFirst) {
     Mux mux({{"safety", "s", 0.2, 10}, {"teleop", "t", 1.0, 7}, {"navi", "n", 1.0, 5}, {"other", "o", 1.0, 5}});
     EXPECT_FALSE(mux.active(0.0));
     EXPECT_TRUE(mux.hears(2, 0.0));
@@ -53,7 +53,7 @@ struct Wall {
     }
 };
 
-TEST(DepthScan, IsThatOfAWall) {
+TEST(DepthScan, SeesAWall) {
     DepthScan settings;
     settings.scan_height = 10;
     Wall wall;
@@ -81,7 +81,7 @@ TEST(DepthScan, IsThatOfAWall) {
     EXPECT_NEAR(settings.scan(wall.image, wall.info)->ranges[160], std::hypot(1.0, 0.8), 1e-6);
 }
 
-TEST(DepthScan, TakesMillimetresAndRefusesWhatIsNoDepth) {
+TEST(DepthScan, AcceptsMillimetresAndRefusesOtherEncodings) {
     const DepthScan settings;
     Wall wall;
     wall.image.encoding = sensor_msgs::image_encodings::TYPE_16UC1;

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// `CLOCK_MONOTONIC` in nanoseconds: the same clock in every process of one machine, so that
+/// Returns `CLOCK_MONOTONIC` in nanoseconds. All processes of one machine share this clock, so
 /// `mono_ns() - header.publish_mono_ns` in a consumer is the time since the frame was sent.
 #[must_use]
 pub fn mono_ns() -> u64 {

@@ -28,7 +28,7 @@ impl<T: Send> Own<T> {
     /// deadlock.
     ///
     /// # Errors
-    /// In a forked child.
+    /// If this process is a forked child.
     pub(crate) fn with<R: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut T) -> R + Send) -> PyResult<R> {
         let inside = self.here()?;
         Ok(py.detach(|| {
@@ -42,7 +42,7 @@ impl<T: Send> Own<T> {
     /// Checks that this process created the object.
     ///
     /// # Errors
-    /// In a forked child.
+    /// If this process is a forked child.
     pub(crate) fn check(&self) -> PyResult<()> {
         self.here().map(drop)
     }

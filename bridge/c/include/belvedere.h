@@ -67,7 +67,7 @@ enum bv_kind
     BV_KIND_STATIC_TRANSFORMS = 8,
     // An array of bv_joint_state.
     BV_KIND_JOINT_STATES = 9,
-    // One bv_clock: the simulation's time.
+    // One bv_clock, the simulated time.
     BV_KIND_CLOCK = 10,
     // One bv_velocity_command, to the robot.
     BV_KIND_VELOCITY_COMMAND = 11,
@@ -122,15 +122,15 @@ enum bv_encoding
   : uint16_t
 #endif
  {
-    // Red, green, blue; 8 bit each.
+    // Red, green, blue; 8 bits each.
     BV_ENCODING_RGB8 = 1,
-    // Blue, green, red; 8 bit each.
+    // Blue, green, red; 8 bits each.
     BV_ENCODING_BGR8 = 2,
-    // Grey, 8 bit.
+    // Grey, 8 bits.
     BV_ENCODING_MONO8 = 3,
     // Depth in metres, 32-bit floats: NaN invalid, −inf too near, +inf no return (REP-118).
     BV_ENCODING_F32C1 = 4,
-    // Depth in millimetres, 16 bit: 0 invalid (REP-118).
+    // Depth in millimetres, 16 bits: 0 invalid (REP-118).
     BV_ENCODING_U16C1 = 5,
     // A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are 0x00RRGGBB
     // (PCL's rgb); the rest is padding. NaN coordinates mean no point.
@@ -141,25 +141,25 @@ enum bv_encoding
     BV_ENCODING_RANGES_F32 = 7,
     // height fixed structs, elem_stride bytes apart; see payload.
     BV_ENCODING_STRUCT = 8,
-    // Red, green, blue, and 255; 8 bit each.
+    // Red, green, blue, and 255; 8 bits each.
     BV_ENCODING_RGBA8 = 9,
-    // Grey, 16 bit.
+    // Grey, 16 bits.
     BV_ENCODING_MONO16 = 10,
-    // A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+    // Bayer mosaic, 8 bits: red and green in the first row, green and blue in the second.
     BV_ENCODING_BAYER_RGGB8 = 11,
-    // A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+    // Bayer mosaic, 8 bits: blue and green in the first row, green and red in the second.
     BV_ENCODING_BAYER_BGGR8 = 12,
-    // A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+    // Bayer mosaic, 8 bits: green and blue in the first row, red and green in the second.
     BV_ENCODING_BAYER_GBRG8 = 13,
-    // A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+    // Bayer mosaic, 8 bits: green and red in the first row, blue and green in the second.
     BV_ENCODING_BAYER_GRBG8 = 14,
-    // A colour a pixel, 16 bit: the first row red and green, the second green and blue.
+    // Bayer mosaic, 16 bits: red and green in the first row, green and blue in the second.
     BV_ENCODING_BAYER_RGGB16 = 15,
-    // A colour a pixel, 16 bit: the first row blue and green, the second green and red.
+    // Bayer mosaic, 16 bits: blue and green in the first row, green and red in the second.
     BV_ENCODING_BAYER_BGGR16 = 16,
-    // A colour a pixel, 16 bit: the first row green and blue, the second red and green.
+    // Bayer mosaic, 16 bits: green and blue in the first row, red and green in the second.
     BV_ENCODING_BAYER_GBRG16 = 17,
-    // A colour a pixel, 16 bit: the first row green and red, the second blue and green.
+    // Bayer mosaic, 16 bits: green and red in the first row, blue and green in the second.
     BV_ENCODING_BAYER_GRBG16 = 18,
     // Two 32-bit floats: optical flow in pixels, to the right and down; NaN where it is undefined.
     BV_ENCODING_F32C2 = 19,
@@ -283,7 +283,7 @@ typedef struct bv_intrinsics {
     uint16_t distortion_model;
     // Number of valid values in distortion.
     uint16_t distortion_len;
-    // 0.
+    // Reserved; 0.
     uint64_t reserved[5];
 } bv_intrinsics;
 
@@ -306,7 +306,7 @@ typedef struct bv_scan_geometry {
     double vertical_angle_min;
     // Elevation from one layer to the next.
     double vertical_angle_increment;
-    // 0.
+    // Reserved; 0.
     uint64_t reserved[19];
 } bv_scan_geometry;
 
@@ -325,7 +325,7 @@ typedef union bv_block {
 typedef struct bv_frame_header {
     // BV_MAGIC.
     uint32_t magic;
-    // 384.
+    // Size of the header: 384.
     uint16_t header_len;
     // BV_SCHEMA.
     uint16_t schema;
@@ -375,7 +375,7 @@ typedef struct bv_camera_info {
     double d[14];
     // Number of valid values in d.
     uint32_t d_len;
-    // 0.
+    // Reserved; 0.
     uint32_t reserved;
     // Intrinsic matrix of the raw image, row by row.
     double k[9];
@@ -504,7 +504,7 @@ typedef struct bv_core_sensors {
 
 // A command to restart odometry at zero from the current pose.
 typedef struct bv_reset_odometry {
-    // 0.
+    // Reserved; 0.
     uint64_t reserved;
 } bv_reset_odometry;
 
@@ -520,7 +520,7 @@ typedef struct bv_simulation_command {
     uint64_t id;
     // The number of an bv_operation.
     uint16_t operation;
-    // 0.
+    // Reserved; 0.
     uint16_t reserved;
     // Length of the UTF-8 text that follows this struct, without a NUL: the model to be spawned, or the settings
     // to be changed. 0 for other operations.
@@ -553,7 +553,7 @@ typedef struct bv_simulation_result {
     uint16_t done;
     // The operation of the command.
     uint16_t operation;
-    // 0.
+    // Reserved; 0.
     uint32_t reserved;
     // The reason for a refusal; empty otherwise.
     char reason[488];
@@ -676,7 +676,7 @@ typedef struct bv_bounding_box {
     uint32_t min[2];
     // Last column and row of the visible pixels, inclusive.
     uint32_t max[2];
-    // 0.
+    // Reserved; 0.
     uint32_t reserved;
     // Centre of the oriented box around the complete object, metres.
     double position[3];

@@ -1,6 +1,6 @@
 // The latency of an image over each transport, measured over the same seconds.
 //
-//   latency publish                 a process that publishes 640 x 480 RGB at 30 Hz on /plain
+//   latency publish                 publishes 640 x 480 RGB at 30 Hz on /plain
 //   latency between SECONDS TOPIC   between processes: shared memory; the bridge over TCPROS; the plain publisher
 //   latency inside SECONDS TOPIC    in the process of a bridge, one after the other: its frames; frames with busy polling;
 //                                   frames and messages; all next to a plain publisher

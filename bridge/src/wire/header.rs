@@ -16,7 +16,7 @@ wire_structs! {
     pub struct FrameHeader, 384 bytes {
         /// [`FrameHeader::MAGIC`].
         pub magic: u32 = 0,
-        /// 384.
+        /// Size of the header: 384.
         pub header_len: u16 = 4,
         /// [`FrameHeader::SCHEMA`].
         pub schema: u16 = 6,
@@ -79,7 +79,7 @@ wire_structs! {
         pub distortion_model: u16 = 164,
         /// Number of valid values in `distortion`.
         pub distortion_len: u16 = 166,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: [u64; 5] = 168,
     }
 
@@ -103,7 +103,7 @@ wire_structs! {
         pub vertical_angle_min: f64 = 40,
         /// Elevation from one layer to the next.
         pub vertical_angle_increment: f64 = 48,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: [u64; 19] = 56,
     }
 }

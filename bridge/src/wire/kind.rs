@@ -23,7 +23,7 @@ wire_enum! {
         StaticTransforms = 8 "static_transforms",
         /// An array of [`JointState`](crate::payload::JointState).
         JointStates = 9 "joint_states",
-        /// One [`Clock`](crate::payload::Clock): the simulation's time.
+        /// One [`Clock`](crate::payload::Clock), the simulated time.
         Clock = 10 "clock",
         /// One [`VelocityCommand`](crate::payload::VelocityCommand), to the robot.
         VelocityCommand = 11 "velocity_command",
@@ -99,15 +99,15 @@ wire_enum! {
 wire_enum! {
     /// The encoding of one element of the payload (`FrameHeader::encoding`).
     Encoding {
-        /// Red, green, blue; 8 bit each.
+        /// Red, green, blue; 8 bits each.
         Rgb8 = 1 "rgb8" of [u8; 3],
-        /// Blue, green, red; 8 bit each.
+        /// Blue, green, red; 8 bits each.
         Bgr8 = 2 "bgr8" of [u8; 3],
-        /// Grey, 8 bit.
+        /// Grey, 8 bits.
         Mono8 = 3 "mono8" of u8,
         /// Depth in metres, 32-bit floats: NaN invalid, −inf too near, +inf no return (REP-118).
         F32C1 = 4 "32fc1" of f32,
-        /// Depth in millimetres, 16 bit: 0 invalid (REP-118).
+        /// Depth in millimetres, 16 bits: 0 invalid (REP-118).
         U16C1 = 5 "16uc1" of u16,
         /// A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are 0x00RRGGBB
         /// (PCL's `rgb`); the rest is padding. NaN coordinates mean no point.
@@ -118,25 +118,25 @@ wire_enum! {
         RangesF32 = 7 "ranges_f32" of f32,
         /// `height` fixed structs, `elem_stride` bytes apart; see [`payload`](crate::payload).
         Struct = 8 "struct",
-        /// Red, green, blue, and 255; 8 bit each.
+        /// Red, green, blue, and 255; 8 bits each.
         Rgba8 = 9 "rgba8" of [u8; 4],
-        /// Grey, 16 bit.
+        /// Grey, 16 bits.
         Mono16 = 10 "mono16" of u16,
-        /// A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+        /// Bayer mosaic, 8 bits: red and green in the first row, green and blue in the second.
         BayerRggb8 = 11 "bayer_rggb8" of u8,
-        /// A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+        /// Bayer mosaic, 8 bits: blue and green in the first row, green and red in the second.
         BayerBggr8 = 12 "bayer_bggr8" of u8,
-        /// A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+        /// Bayer mosaic, 8 bits: green and blue in the first row, red and green in the second.
         BayerGbrg8 = 13 "bayer_gbrg8" of u8,
-        /// A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+        /// Bayer mosaic, 8 bits: green and red in the first row, blue and green in the second.
         BayerGrbg8 = 14 "bayer_grbg8" of u8,
-        /// A colour a pixel, 16 bit: the first row red and green, the second green and blue.
+        /// Bayer mosaic, 16 bits: red and green in the first row, green and blue in the second.
         BayerRggb16 = 15 "bayer_rggb16" of u16,
-        /// A colour a pixel, 16 bit: the first row blue and green, the second green and red.
+        /// Bayer mosaic, 16 bits: blue and green in the first row, green and red in the second.
         BayerBggr16 = 16 "bayer_bggr16" of u16,
-        /// A colour a pixel, 16 bit: the first row green and blue, the second red and green.
+        /// Bayer mosaic, 16 bits: green and blue in the first row, red and green in the second.
         BayerGbrg16 = 17 "bayer_gbrg16" of u16,
-        /// A colour a pixel, 16 bit: the first row green and red, the second blue and green.
+        /// Bayer mosaic, 16 bits: green and red in the first row, blue and green in the second.
         BayerGrbg16 = 18 "bayer_grbg16" of u16,
         /// Two 32-bit floats: optical flow in pixels, to the right and down; NaN where it is undefined.
         F32C2 = 19 "32fc2" of [f32; 2],

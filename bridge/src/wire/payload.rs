@@ -69,7 +69,7 @@ wire_structs! {
         pub d: [f64; MAX_DISTORTION] = 40,
         /// Number of valid values in `d`.
         pub d_len: u32 = 152,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: u32 = 156,
         /// Intrinsic matrix of the raw image, row by row.
         pub k: [f64; 9] = 160 as [3, 3],
@@ -204,7 +204,7 @@ wire_structs! {
     /// A command to restart odometry at zero from the current pose.
     with #[derive(Default, PartialEq, Eq)]
     pub struct ResetOdometry, 8 bytes, of [Kind::ResetOdometry] {
-        /// 0.
+        /// Reserved; 0.
         pub reserved: u64 = 0,
     }
 

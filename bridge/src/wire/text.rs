@@ -11,13 +11,13 @@ use iceoryx2::prelude::ZeroCopySend;
 #[repr(transparent)]
 pub struct Text<const N: usize>([u8; N]);
 
-// The derive macro wants `repr(C)`, bytemuck's wants `repr(transparent)` for a generic type.
+// The derive macro requires `repr(C)`, bytemuck's requires `repr(transparent)` for a generic type.
 // SAFETY: it has the layout of `[u8; N]`, which may be sent: no pointer, no padding, no `Drop`, `'static`.
 #[allow(unsafe_code)]
 #[cfg(feature = "shared-memory")]
 unsafe impl<const N: usize> ZeroCopySend for Text<N> {}
 
-/// The text does not fit: it is longer than `N - 1` bytes or holds a NUL.
+/// The error for a text that does not fit: it is longer than `N - 1` bytes or contains a NUL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a name of {len} bytes does not fit: at most {max} bytes, none of them NUL")]
 pub struct TextError {

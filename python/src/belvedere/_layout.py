@@ -43,7 +43,7 @@ class Kind(IntEnum):
     STATIC_TRANSFORMS = 8
     #: An array of JointState.
     JOINT_STATES = 9
-    #: One Clock: the simulation's time.
+    #: One Clock, the simulated time.
     CLOCK = 10
     #: One VelocityCommand, to the robot.
     VELOCITY_COMMAND = 11
@@ -88,15 +88,15 @@ class Kind(IntEnum):
 class Encoding(IntEnum):
     """The encoding of one element of the payload (encoding)."""
 
-    #: Red, green, blue; 8 bit each.
+    #: Red, green, blue; 8 bits each.
     RGB8 = 1
-    #: Blue, green, red; 8 bit each.
+    #: Blue, green, red; 8 bits each.
     BGR8 = 2
-    #: Grey, 8 bit.
+    #: Grey, 8 bits.
     MONO8 = 3
     #: Depth in metres, 32-bit floats: NaN invalid, −inf too near, +inf no return (REP-118).
     F32C1 = 4
-    #: Depth in millimetres, 16 bit: 0 invalid (REP-118).
+    #: Depth in millimetres, 16 bits: 0 invalid (REP-118).
     U16C1 = 5
     #: A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are 0x00RRGGBB
     #: (PCL's rgb); the rest is padding. NaN coordinates mean no point.
@@ -107,25 +107,25 @@ class Encoding(IntEnum):
     RANGES_F32 = 7
     #: height fixed structs, elem_stride bytes apart; see payload.
     STRUCT = 8
-    #: Red, green, blue, and 255; 8 bit each.
+    #: Red, green, blue, and 255; 8 bits each.
     RGBA8 = 9
-    #: Grey, 16 bit.
+    #: Grey, 16 bits.
     MONO16 = 10
-    #: A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+    #: Bayer mosaic, 8 bits: red and green in the first row, green and blue in the second.
     BAYER_RGGB8 = 11
-    #: A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+    #: Bayer mosaic, 8 bits: blue and green in the first row, green and red in the second.
     BAYER_BGGR8 = 12
-    #: A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+    #: Bayer mosaic, 8 bits: green and blue in the first row, red and green in the second.
     BAYER_GBRG8 = 13
-    #: A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+    #: Bayer mosaic, 8 bits: green and red in the first row, blue and green in the second.
     BAYER_GRBG8 = 14
-    #: A colour a pixel, 16 bit: the first row red and green, the second green and blue.
+    #: Bayer mosaic, 16 bits: red and green in the first row, green and blue in the second.
     BAYER_RGGB16 = 15
-    #: A colour a pixel, 16 bit: the first row blue and green, the second green and red.
+    #: Bayer mosaic, 16 bits: blue and green in the first row, green and red in the second.
     BAYER_BGGR16 = 16
-    #: A colour a pixel, 16 bit: the first row green and blue, the second red and green.
+    #: Bayer mosaic, 16 bits: green and blue in the first row, red and green in the second.
     BAYER_GBRG16 = 17
-    #: A colour a pixel, 16 bit: the first row green and red, the second blue and green.
+    #: Bayer mosaic, 16 bits: green and red in the first row, blue and green in the second.
     BAYER_GRBG16 = 18
     #: Two 32-bit floats: optical flow in pixels, to the right and down; NaN where it is undefined.
     F32C2 = 19

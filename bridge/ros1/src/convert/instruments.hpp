@@ -11,8 +11,8 @@
 
 namespace belvedere_ros {
 
-/// Converts a GPS fix without its velocity, for which the message has no field. The covariance has known diagonals,
-/// unless all values are 0.
+/// Converts a GPS fix without its velocity, for which the message has no field. Its covariance is of
+/// type COVARIANCE_TYPE_DIAGONAL_KNOWN, or unknown if all values are 0.
 sensor_msgs::NavSatFixPtr to_nav_sat_fix(const Sample& sample);
 
 sensor_msgs::MagneticFieldPtr to_magnetic_field(const Sample& sample);

@@ -15,7 +15,7 @@ wire_structs! {
         pub id: u64 = 0,
         /// The number of an [`Operation`].
         pub operation: u16 = 8,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: u16 = 10,
         /// Length of the UTF-8 text that follows this struct, without a NUL: the model to be spawned, or the settings
         /// to be changed. 0 for other operations.
@@ -48,7 +48,7 @@ wire_structs! {
         pub done: u16 = 16,
         /// The operation of the command.
         pub operation: u16 = 18,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: u32 = 20,
         /// The reason for a refusal; empty otherwise.
         pub reason: Text<488> = 24,

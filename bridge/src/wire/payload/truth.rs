@@ -18,7 +18,7 @@ wire_structs! {
         pub min: [u32; 2] = 12,
         /// Last column and row of the visible pixels, inclusive.
         pub max: [u32; 2] = 20,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: u32 = 28,
         /// Centre of the oriented box around the complete object, metres.
         pub position: [f64; 3] = 32,

@@ -19,7 +19,7 @@ use crate::{
 };
 
 pub(crate) const TOPIC: &str = "hostile";
-/// The frame_id of the last frame, which is valid.
+/// The `frame_id` of the last frame, which is valid.
 pub(crate) const END: &str = "end";
 
 struct Hostile {

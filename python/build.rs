@@ -1,4 +1,4 @@
-//! Puts the worlds and robots that have names beside the module: the wheel takes them from there.
+//! Copies the named worlds and robots next to the module, from where the wheel takes them.
 
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};

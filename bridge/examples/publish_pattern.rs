@@ -1,4 +1,4 @@
-//! Publishes a moving test picture, to try consumers without a simulator:
+//! Publishes a moving test image, to try consumers without a simulator:
 //! `cargo run --release -p belvedere-bridge --example publish_pattern -- [topic] [rate_hz] [seconds] [domain]`
 
 use std::time::{Duration, Instant};
@@ -63,7 +63,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Coloured gradients with a white bar that moves a pixel per frame.
+/// Draws coloured gradients with a white bar that moves one pixel per frame.
 fn paint(pixels: &mut [u8], count: u32) {
     for (y, row) in pixels.chunks_exact_mut(WIDTH as usize * 3).enumerate() {
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {

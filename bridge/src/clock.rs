@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// `CLOCK_MONOTONIC` in nanoseconds: the same clock in every process of one machine, so that
+/// Returns `CLOCK_MONOTONIC` in nanoseconds. All processes of one machine share this clock, so
 /// `mono_ns() - header.publish_mono_ns` in a consumer is the time since the frame was sent.
 #[must_use]
 pub fn mono_ns() -> u64 {
@@ -12,7 +12,7 @@ pub fn mono_ns() -> u64 {
     now.tv_sec as u64 * 1_000_000_000 + now.tv_nsec as u64
 }
 
-/// When a wait of so long ends. [`Instant`] panics beyond its end, so a longer wait than a year is one of a year.
+/// Returns when a wait of `timeout` ends. [`Instant`] panics on overflow, so the wait is limited to one year.
 pub(crate) fn deadline(timeout: Duration) -> Instant {
     Instant::now() + timeout.min(Duration::from_secs(365 * 86_400))
 }
@@ -22,13 +22,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_wait_is_too_long() {
+    fn the_longest_wait_does_not_overflow() {
         assert!(deadline(Duration::MAX) > Instant::now() + Duration::from_secs(86_400));
         assert!(deadline(Duration::from_secs(1)) <= Instant::now() + Duration::from_secs(1));
     }
 
     #[test]
-    fn it_does_not_run_backwards() {
+    fn the_clock_advances_with_real_time() {
         let first = mono_ns();
         std::thread::sleep(Duration::from_millis(2));
         let elapsed_ns = mono_ns() - first;

@@ -1,13 +1,13 @@
-//! [`Consumer`]: who follows a stream.
+//! [`Consumer`]: a process that subscribes to a stream.
 
 use std::fmt;
 
-/// A process that follows a stream, by the name that it opened its node with.
+/// A process that subscribes to a stream, identified by the name of its node.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Consumer {
-    /// The node's name: what it passed to [`Node::open`](crate::Node::open).
+    /// The node's name, as passed to [`Node::open`](crate::Node::open).
     pub name: String,
-    /// Its process; 0 when that is not known.
+    /// Its process id; 0 if unknown.
     pub pid: u32,
 }
 

@@ -7,10 +7,11 @@ use crate::{
     payload::{SimulationCommand, SimulationResult},
 };
 
-/// Time between two looks whether the simulator is still there while its result is waited for.
+/// Interval at which [`SimulationControl::call`] checks that the simulator is still running while it waits for a
+/// result.
 const PATIENCE: Duration = Duration::from_millis(100);
 
-/// The commanding end of a simulation: sends a command and waits for its result.
+/// The client side of simulation control: sends a command and waits for its result.
 ///
 /// ```no_run
 /// use belvedere_bridge::{Domain, Node, Operation, SimulationControl, payload::SimulationCommand};
@@ -33,29 +34,29 @@ pub struct SimulationControl {
     node: Node,
     results: Subscriber,
     answered_ns: u64,
-    /// The sending end, and the longest text that it can send.
+    /// The publisher of commands, and the longest text that it can send.
     sender: Option<(Publisher, usize)>,
 }
 
 impl SimulationControl {
-    /// Gets ready to control the simulation of a domain, whether it runs already or not.
+    /// Opens the control streams of a domain. The simulator may start later.
     ///
     /// # Errors
-    /// [`Error::TooManySubscribers`] and others of [`Subscriber::take`].
+    /// [`Error::TooManySubscribers`] and the other errors of [`Subscriber::take`].
     pub fn open(node: &Node) -> Result<Self, Error> {
         let mut results = node.subscriber(StreamSpec::SIMULATION_RESULT)?;
         results.take()?;
         Ok(Self { node: node.clone(), results, answered_ns: 0, sender: None })
     }
 
-    /// Whether there is a simulator that listens now; never sleeps.
+    /// Returns true if a simulator is listening now; never blocks.
     ///
     /// # Errors
-    /// As [`Subscriber::take`].
+    /// The errors of [`Subscriber::take`].
     pub fn is_connected(&mut self) -> Result<bool, Error> {
-        // One that has ended is let go by the first look, and its successor found by the second.
+        // The first pass closes the stream of a simulator that has ended; the second finds its successor.
         for _ in 0..2 {
-            // What comes now answers nobody who waits.
+            // No call is waiting, so results that arrive now are stale.
             while self.results.take()?.is_some() {}
             if self.results.publishers() > 0 {
                 return Ok(true);
@@ -64,18 +65,21 @@ impl SimulationControl {
         Ok(false)
     }
 
-    /// When the last result was sent, on the clock of [`FrameHeader::publish_mono_ns`](crate::FrameHeader); 0 before the
-    /// first. What was sent later shows what the command has changed.
+    /// Returns when the last result was sent, on the clock of
+    /// [`FrameHeader::publish_mono_ns`](crate::FrameHeader); 0 before the first result. Frames published after this
+    /// time
+    /// show the effect of the command.
     #[must_use]
     pub fn answered_ns(&self) -> u64 {
         self.answered_ns
     }
 
-    /// Sends a command, with a text if its operation has one, and waits for its result; `None` when there was no
-    /// simulator, or no result, within `timeout`, or the simulator has ended meanwhile. Its `text_len` is set here.
+    /// Sends a command, with a text if its operation has one, and waits for its result. Sets the command's `text_len`.
+    ///
+    /// Returns `None` if no simulator or no result appears within `timeout`, or if the simulator ends meanwhile.
     ///
     /// # Errors
-    /// When the streams cannot be opened, or there is no memory for the text.
+    /// If the streams cannot be opened, or there is no memory for the text.
     pub fn call(
         &mut self,
         command: &SimulationCommand,
@@ -98,7 +102,8 @@ impl SimulationControl {
         mut go_on: impl FnMut() -> bool,
     ) -> Result<Option<SimulationResult>, Error> {
         let deadline = clock::deadline(timeout);
-        // Without a simulator a sender would make the stream, and talk to itself. Old results are cleared away.
+        // Without a simulator, opening a publisher would create the stream and nothing would read it. Checking the
+        // connection also discards old results.
         while !self.is_connected()? {
             if Instant::now() >= deadline || !go_on() {
                 return Ok(None);
@@ -129,7 +134,7 @@ impl SimulationControl {
     fn send(&mut self, command: &SimulationCommand, text: &str) -> Result<(), Error> {
         let sender = match self.sender.take() {
             Some((sender, longest)) if longest >= text.len() => (sender, longest),
-            // Closed before the new one is opened: places for senders are few.
+            // Close the old publisher first: the stream has few publisher slots.
             other => {
                 drop(other);
                 (self.node.publisher(&StreamSpec::simulation_command(text.len()))?, text.len())

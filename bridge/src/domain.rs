@@ -1,8 +1,13 @@
-//! A domain: its name, and what of it lies on disk.
+//! A domain: its name, and its files on disk.
 //!
-//! [`Keeper`] is the one way in. Below it: [`places`] knows what is there and whose it is, [`living`] who lives,
-//! [`remnants`] and [`remains`] what is dead and how it goes, [`sharing`] opens files to a group, [`unborn`] ends waits
-//! for what will never be complete, [`room`] asks for space.
+//! All access goes through [`Keeper`]. The modules below it:
+//!
+//! - [`places`]: paths and ownership of the files;
+//! - [`living`]: which nodes and processes are alive;
+//! - [`remnants`] and [`remains`]: removal of what dead processes left;
+//! - [`sharing`]: group permissions;
+//! - [`unborn`]: removal of files that will never be complete, so that no process waits for them;
+//! - [`room`]: free space.
 
 mod group;
 mod keeper;

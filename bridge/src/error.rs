@@ -1,4 +1,4 @@
-//! What can go wrong, said so that the reader knows what to do.
+//! [`Error`]: the failures of the bridge, with messages that say what to do.
 
 use std::path::PathBuf;
 
@@ -6,28 +6,28 @@ use std::path::PathBuf;
 use crate::open_files::{Reached, limit_reached};
 use crate::{Consumer, FrameError};
 
-/// The version of iceoryx2 that this build speaks; 0.10 peers must agree in all three numbers.
+/// The version of iceoryx2 in this build. Peers of 0.10 must agree in all three numbers.
 pub const ICEORYX2_VERSION: &str = "0.10.0";
 
 /// A failure of the bridge.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A domain name that cannot be one.
+    /// The domain name is unusable.
     #[error("domain \"{0}\" is not usable: 1 to 24 of the characters a-z A-Z 0-9 _ and -")]
     InvalidDomain(String),
-    /// A topic that cannot be one.
+    /// The topic is unusable.
     #[error("topic \"{topic}\" is not usable: {reason}")]
     InvalidTopic {
-        /// As given.
+        /// The topic, as given.
         topic: String,
-        /// Why not.
+        /// Why it is unusable.
         reason: &'static str,
     },
-    /// A name too long for the wire.
+    /// A name is too long for the wire format.
     #[error(transparent)]
     Text(#[from] crate::TextError),
-    /// Somebody publishes this stream already.
+    /// Another process already publishes this stream.
     #[error(
         "domain \"{domain}\" is in use: {holder} publishes {topic}; stop it, or choose another domain (--domain, BELVEDERE_DOMAIN)"
     )]
@@ -36,54 +36,52 @@ pub enum Error {
         topic: String,
         /// The domain.
         domain: String,
-        /// Who publishes it.
+        /// The process that publishes it.
         holder: Consumer,
     },
-    /// All places for publishers of a stream that has several are taken.
-    #[error(
-        "{topic} has all the publishers that it may have at a time ({max}); close one, such as that of {holder}"
-    )]
+    /// All publisher slots of a stream for several publishers are taken.
+    #[error("{topic} already has its maximum of {max} publishers; close one, such as that of {holder}")]
     TooManyPublishers {
         /// The stream.
         topic: String,
-        /// How many it allows.
+        /// The number of slots.
         max: usize,
-        /// One of them.
+        /// The process that holds one of them.
         holder: Consumer,
     },
-    /// All places for subscribers are taken.
+    /// All subscriber slots are taken.
     #[error(
-        "{topic} has all the subscribers that it was made for ({max}); close one, or publish it with room for more (a simulator makes it for fewer than 8 when /dev/shm is small, and says so)"
+        "{topic} already has its maximum of {max} subscribers; close one, or publish the stream with more slots (a simulator allows fewer than 8 if /dev/shm is small, and logs it)"
     )]
     TooManySubscribers {
         /// The stream.
         topic: String,
-        /// How many it allows.
+        /// The number of slots.
         max: usize,
     },
-    /// So many processes have the stream open as may.
-    #[error("{topic} is open in {max} processes, which is the most; end one of them")]
+    /// The maximum number of processes has the stream open.
+    #[error("{topic} is open in {max} processes, which is the maximum; end one of them")]
     TooManyProcesses {
         /// The stream.
         topic: String,
-        /// How many may have it open.
+        /// The maximum number.
         max: usize,
     },
-    /// Consumers keep the stream open as an earlier publisher made it, which does not do for this one.
+    /// Consumers keep the stream open with the settings of an earlier publisher, which do not fit this one.
     #[error(
-        "{topic} in domain \"{domain}\" cannot be opened again yet: {difference}, and {holders} still has it open; end that process, or let it go on, as a consumer closes the stream of a publisher that has ended as soon as it looks for a frame"
+        "{topic} in domain \"{domain}\" cannot be opened again yet: {difference}, and {holders} still has it open; end that process, or let it continue: a consumer closes the stream of an ended publisher when it next waits for a frame"
     )]
     KeptOpen {
         /// The stream.
         topic: String,
         /// The domain.
         domain: String,
-        /// How the earlier publisher made it, and how this one would.
+        /// The difference between the existing stream and the one requested.
         difference: String,
-        /// Who has it open.
+        /// The processes that have it open.
         holders: String,
     },
-    /// The stream exists but is not one of ours, or of another version.
+    /// The stream exists but is not a Belvedere stream, or is of another version.
     #[error(
         "{topic} in domain \"{domain}\" is not compatible with this build (iceoryx2 {ICEORYX2_VERSION}, frame schema {schema}): {detail}; every process must use the same version of Belvedere",
         schema = crate::FrameHeader::SCHEMA
@@ -93,124 +91,125 @@ pub enum Error {
         topic: String,
         /// The domain.
         domain: String,
-        /// What was found.
+        /// The types or version that were found.
         detail: String,
     },
     /// A file or directory belongs to another user.
     #[error("no permission: {} belongs to {owner}: {remedy}", path.display())]
     Permission {
-        /// What is in the way.
+        /// The file or directory.
         path: PathBuf,
-        /// Whose it is.
+        /// Its owner.
         owner: String,
-        /// What to do.
+        /// How to resolve it.
         remedy: String,
     },
-    /// Something lies where a directory belongs.
+    /// Something other than a directory is in the place of one.
     #[error("{} is in the way: it is not a directory; remove it", .0.display())]
     NotADirectory(PathBuf),
-    /// A group that a domain cannot be shared with.
+    /// The domain cannot be shared with this group.
     #[error("group \"{group}\" cannot share the domain: {reason}")]
     InvalidGroup {
-        /// As given.
+        /// The group, as given.
         group: String,
-        /// Why not, and what to do.
+        /// Why it cannot, and what to do.
         reason: String,
     },
-    /// The pool would not fit into shared memory.
+    /// The pool does not fit into shared memory.
     #[error(
-        "/dev/shm is too small: {topic} needs {needed_mib} MiB more with what is already published, {free_mib} MiB are free; enlarge it (docker run --shm-size, mount -o remount,size=...) or allow fewer subscribers"
+        "/dev/shm is too small: {topic} needs {needed_mib} MiB more, including what other streams have reserved, but {free_mib} MiB are free; enlarge it (docker run --shm-size, mount -o remount,size=...) or allow fewer subscribers"
     )]
     SharedMemoryTooSmall {
         /// The stream.
         topic: String,
-        /// Mebibytes that must be free.
+        /// Mebibytes that are needed.
         needed_mib: u64,
-        /// Mebibytes that are.
+        /// Mebibytes that are free.
         free_mib: u64,
     },
-    /// A frame larger than the stream was made for.
-    #[error("a frame of {len} bytes does not fit into {topic}, made for at most {max}")]
+    /// The frame is larger than the stream's maximum.
+    #[error("a frame of {len} bytes does not fit into {topic}, whose maximum is {max}")]
     FrameTooLarge {
         /// The stream.
         topic: String,
-        /// Asked for.
+        /// The requested size.
         len: usize,
-        /// Possible.
+        /// The largest possible size.
         max: usize,
     },
-    /// More frames are loaned and unsent than the stream was made for.
+    /// All frames that may be on loan at a time are loaned and unsent.
     #[error("no free frame in {topic}: send or drop a loaned frame first (at most {max} at a time)")]
     NoFreeFrame {
         /// The stream.
         topic: String,
-        /// How many may be out at once.
+        /// The maximum number of loaned frames.
         max: usize,
     },
-    /// A consumer that a lossless stream waits for has not made room for a frame, which is lost to it.
+    /// A consumer that a lossless stream waits for did not make room in time, and has lost the frame.
     #[error(
-        "consumer {consumer} held {topic} up for {seconds} s and has now lost a frame; make it faster, raise the patience, or do not wait for it",
+        "consumer {consumer} held {topic} up for {seconds} s and has lost a frame; make it faster, increase the patience, or do not wait for it",
         seconds = patience.as_secs_f64()
     )]
     HeldUp {
         /// The stream.
         topic: String,
-        /// Who was waited for.
+        /// The consumer that was waited for.
         consumer: Consumer,
-        /// For how long.
+        /// How long the publisher waited.
         patience: std::time::Duration,
     },
-    /// More frames are held by this subscriber than it may hold.
-    #[error("{topic}: this subscriber holds {max} frames already, release one first")]
+    /// This subscriber already holds the maximum number of frames.
+    #[error("{topic}: this subscriber already holds {max} frames; release one first")]
     TooManyHeld {
         /// The stream.
         topic: String,
-        /// How many may be held at once.
+        /// The maximum number of held frames.
         max: usize,
     },
-    /// A frame whose header is wrong.
+    /// A frame has an invalid header.
     #[error("{topic}: {error}")]
     Frame {
         /// The stream.
         topic: String,
-        /// What is wrong.
+        /// The fault in the header.
         error: FrameError,
     },
-    /// This process has as many files open as it may.
+    /// This process has reached its limit of open files.
     #[error(
         "{what}: this process may have no more files open than the {limit} of its limit, and a stream takes several; {remedy}"
     )]
     TooManyOpenFiles {
-        /// What was tried.
+        /// The operation that failed.
         what: String,
         /// The soft limit of this process.
         limit: u64,
-        /// How to raise it.
+        /// How to raise the limit.
         remedy: String,
     },
-    /// The pool would not fit into the address space of this process.
+    /// The pool does not fit into the address space of this process.
     #[error(
         "{topic} needs {needed_mib} MiB of address space more than this process may have; allow more in the shell that starts it: ulimit -v unlimited"
     )]
     AddressSpaceTooSmall {
         /// The stream.
         topic: String,
-        /// Mebibytes of its pool.
+        /// Size of the pool in mebibytes.
         needed_mib: u64,
     },
-    /// A failure below that has no remedy of its own.
+    /// A failure of iceoryx2 or the system without a specific remedy.
     #[error("{what}: iceoryx2 {ICEORYX2_VERSION} reports {detail}")]
     Transport {
-        /// What was tried.
+        /// The operation that failed.
         what: String,
-        /// What came back.
+        /// The error that was reported.
         detail: String,
     },
 }
 
 #[cfg(feature = "shared-memory")]
 impl Error {
-    /// A failure of iceoryx2 or the system, or the limit that is behind it: iceoryx2 does not tell it from others.
+    /// Returns the error for a failure of iceoryx2 or the system. If the limit of open files is behind it, returns that
+    /// error instead: iceoryx2 does not distinguish it.
     pub(crate) fn transport(what: impl Into<String>, detail: impl std::fmt::Debug) -> Self {
         let what = what.into();
         match limit_reached() {
@@ -219,7 +218,7 @@ impl Error {
         }
     }
 
-    /// Whether this process may still open the files that a step needs, before it begins.
+    /// Checks, before a step begins, that this process may open the files that the step needs.
     pub(crate) fn check_open_files(what: impl FnOnce() -> String) -> Result<(), Self> {
         match limit_reached() {
             Some(Reached { limit, remedy }) => Err(Self::TooManyOpenFiles { what: what(), limit, remedy }),

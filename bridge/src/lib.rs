@@ -1,10 +1,9 @@
-//! Sensor frames in shared memory, handed from one process to others without a copy.
+//! Sensor frames in shared memory, passed from one process to others without a copy.
 //!
-//! A *stream* has the name of the ROS topic it would have. Its publisher [loans](Publisher::loan) a frame, which
-//! is a piece of shared memory, writes a [`FrameHeader`] of 384 bytes and the payload where they lie, and
-//! [sends](LoanedFrame::send) it: subscribers get its address. A *domain* is what one simulation shares; several
-//! run side by side under different names. The transport is iceoryx2; the layout of every byte is in
-//! `bridge/WIRE.md`.
+//! A *stream* is named like a ROS topic. Its publisher [loans](Publisher::loan) a frame, which is a piece of shared
+//! memory, writes a [`FrameHeader`] of 384 bytes and the payload in place, and [sends](LoanedFrame::send) it:
+//! subscribers receive its address. A *domain* separates simulations: several run side by side under different names.
+//! The transport is iceoryx2. The layout of every byte is in `bridge/WIRE.md`.
 //!
 //! # Writing
 //! ```
@@ -25,14 +24,14 @@
 //!     let mut frame = publisher.loan(640 * 480 * 3)?;
 //!     frame.header_mut().set_packed(640, 480);
 //!     frame.header_mut().stamp_ns = 33_333_333;
-//!     frame.payload_mut().fill(128); // render here: this is the subscribers' memory
+//!     frame.payload_mut().fill(128); // render here: subscribers read this memory
 //!     frame.send()?;
 //! }
 //! # Ok(())
 //! # }
 //! ```
-//! Small fixed messages: [`Publisher::send_structs`] with a type of [`payload`]. A stream that is written once or
-//! seldom calls [`Publisher::update`] now and then, so that late subscribers get its last frame.
+//! Small fixed messages are sent by [`Publisher::send_structs`] with a type of [`payload`]. On a stream that is written
+//! once or rarely, call [`Publisher::update`] regularly, so that late subscribers receive its last frame.
 //!
 //! # Reading
 //! ```
@@ -52,7 +51,7 @@
 //!     }
 //! }
 //!
-//! // Commands go the other way: many may send, the simulator keeps the stream.
+//! // Commands go the other way: many processes may send them, and the simulator owns the stream.
 //! let spec = StreamSpec::velocity_command("cmd_vel");
 //! let mut commands = node.command_subscriber(&spec)?;
 //! let driver = node.publisher(&spec)?;
@@ -63,24 +62,29 @@
 //! # }
 //! ```
 //!
-//! # What holds
-//! - `loan` and `send` do not copy, nor allocate but for iceoryx2's record of a loan (104 bytes). A slow subscriber loses its own oldest frame and slows nobody,
-//!   unless the stream is made [`lossless`](Lossless).
-//! - A payload begins at a multiple of 64 bytes. A [`Frame`]'s geometry was checked against its payload.
-//! - A [`Subscriber`] may be there before its publisher and outlives it; [`Frame::restarted`] and
-//!   [`Frame::missed`] tell what happened in between.
+//! # Guarantees
+//! - `loan` and `send` do not copy the payload, and allocate only iceoryx2's record of a loan (104 bytes).
+//! - A slow subscriber loses its own oldest frame and does not slow the publisher, unless the stream is
+//!   [`lossless`](Lossless).
+//! - A payload begins at a multiple of 64 bytes. The geometry of a [`Frame`] has been checked against its payload.
+//! - A [`Subscriber`] may be created before its publisher and outlives it; [`Frame::restarted`] and [`Frame::missed`]
+//!   report what happened in between.
 //! - All types may move to other threads. One process may open several nodes, of several domains.
-//! - Whoever opens a node removes what killed processes of its domain left; the last one leaves no file.
+//! - Opening a node removes what killed processes of its domain left. The last node to close leaves no file.
 //!
 //! # Layers
-//! [`Text`], [`payload`], [`Kind`], [`Encoding`], [`FrameHeader`]: the bytes. [`Domain`]: names. [`Node`]:
-//! membership. [`StreamSpec`], [`StreamInfo`]: streams. [`Publisher`], [`LoanedFrame`], [`Subscriber`],
-//! [`Frame`], [`FrameView`]: the two ends. [`Synchronizer`]: several streams at once. [`SimulationControl`]: commands to a
-//! simulator. [`Error`], [`FrameError`]: what can go wrong, and what to do about it.
+//! - Wire format: [`Text`], [`payload`], [`Kind`], [`Encoding`], [`FrameHeader`].
+//! - Names: [`Domain`]. Membership: [`Node`].
+//! - Streams: [`StreamSpec`], [`StreamInfo`].
+//! - Their ends: [`Publisher`], [`LoanedFrame`], [`Subscriber`], [`Frame`], [`FrameView`].
+//! - Several streams at once: [`Synchronizer`].
+//! - Commands to a simulator: [`SimulationControl`].
+//! - Failures, and how to resolve them: [`Error`], [`FrameError`].
 //!
-//! Without the feature `shared-memory`, which is a default, there are the bytes and [`StreamSpec`] alone.
+//! Without the feature `shared-memory`, which is enabled by default, the crate has only the wire format and
+//! [`StreamSpec`].
 #![deny(unsafe_code)]
-// The examples above are of shared memory.
+// The examples above use shared memory.
 #![cfg_attr(not(feature = "shared-memory"), allow(rustdoc::broken_intra_doc_links))]
 
 #[cfg(feature = "shared-memory")]

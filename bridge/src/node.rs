@@ -10,13 +10,13 @@ use crate::{
     own::Own,
 };
 
-/// This process's membership of a domain; publishers and subscribers are made from it. Clones are the same node.
+/// This process's membership of a domain, from which publishers and subscribers are created. Clones are the same node.
 ///
-/// Opening one removes what killed processes of the domain have left. When the last node of the domain closes,
-/// nothing of it is left in `/dev/shm` and in [its directory](Domain::directory).
+/// Opening a node removes what killed processes of the domain left. When the last node of the domain closes, no file of
+/// it is left in `/dev/shm` or in [its directory](Domain::directory).
 ///
-/// A child made by `fork` must open a node of its own. It may drop, or exit with, its copies of this node and of what was
-/// made from it: they are leaked there, and the parent goes on undisturbed.
+/// A child made by `fork` must open a node of its own. It may drop its copies of this node and of the objects made from
+/// it, or exit with them: they are leaked in the child, and the parent is not affected.
 #[derive(Clone, Debug)]
 pub struct Node {
     shared: Arc<Shared>,
@@ -25,44 +25,45 @@ pub struct Node {
 #[derive(Debug)]
 struct Shared {
     keeper: Own<Keeper>,
-    /// Bytes that are promised to this node's pools and not taken yet.
+    /// Bytes that are reserved for this node's pools but not yet allocated.
     promised_bytes: AtomicU64,
 }
 
 impl Node {
-    /// Joins `domain` as `name` (for listings, which show 100 characters of it, and `?` for those beyond ASCII; the
-    /// program's name is usual). A domain that is shared with no group is
-    /// shared with that of the environment variable `BELVEDERE_GROUP`, if there is one.
+    /// Joins `domain` as `name`, which listings show: the program's name is usual. Listings show its first 100
+    /// characters, and `?` for characters beyond ASCII.
+    ///
+    /// If `domain` has no group, it is shared with the group that the environment variable `BELVEDERE_GROUP` names, if
+    /// any.
     ///
     /// No signal handler is installed.
     ///
     /// # Errors
-    /// [`Error::Permission`] when the files of another user are in the way, [`Error::InvalidGroup`] when this user is
-    /// not of the group, [`Error::SharedMemoryTooSmall`] when nothing is free in `/dev/shm`; [`Error::Transport`]
-    /// otherwise.
+    /// [`Error::Permission`] if files of another user are in the way, [`Error::InvalidGroup`] if this user does not
+    /// belong to the group, [`Error::SharedMemoryTooSmall`] if `/dev/shm` is full; [`Error::Transport`] otherwise.
     pub fn open(domain: &Domain, name: &str) -> Result<Self, Error> {
-        // Its messages repeat what the errors say, in other words and on standard error.
+        // iceoryx2's log messages repeat the errors in other words, on standard error.
         iceoryx2::prelude::set_log_level_from_env_or(LogLevel::Fatal);
         let keeper = Keeper::join(domain.clone().or_shared_as_env_says()?, name)?;
         Ok(Self { shared: Arc::new(Shared { keeper: Own::new(keeper), promised_bytes: AtomicU64::new(0) }) })
     }
 
-    /// The domain that was joined.
+    /// Returns the domain that was joined.
     #[must_use]
     pub fn domain(&self) -> &Domain {
         self.keeper().domain()
     }
 
-    /// Bytes that are free in `/dev/shm` now, for pools of publishers and all else there.
+    /// Returns the bytes that are free in `/dev/shm` now.
     ///
     /// # Errors
-    /// [`Error::Transport`] when the system does not say.
+    /// [`Error::Transport`] if the system does not report it.
     pub fn free_shared_memory(&self) -> Result<u64, Error> {
         room::free()
     }
 
-    /// Removes what killed processes of the domain have left; done on opening, and by subscribers in silence. In a
-    /// domain that a group shares, each user's processes do so for that user.
+    /// Removes what killed processes of the domain left. Opening a node does this, and so do subscribers whose streams
+    /// are silent. In a domain that a group shares, each process cleans up only after its own user.
     pub fn clean_up_dead(&self) {
         self.keeper().clean_up_dead();
     }

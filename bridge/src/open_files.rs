@@ -1,8 +1,8 @@
-//! How many files this process may have open, and whether that is why something failed.
+//! The limit of open files, and whether it is the cause of a failure.
 //!
-//! Each stream costs its publisher some 6 descriptors, so that several robots need more than the usual soft limit of
-//! 1,024. iceoryx2's errors do not say that a limit was reached, and some of its steps take it for a stream that is not
-//! there; so a few descriptors are asked for before each step.
+//! Each stream takes about 6 descriptors of its publisher, so several robots need more than the usual soft limit of
+//! 1,024. iceoryx2's errors do not say that the limit was reached, and some of its steps treat it as a stream that does
+//! not exist. So the bridge checks before each step that a few descriptors are available.
 
 use std::io;
 
@@ -11,16 +11,16 @@ use rustix::{
     process::{Resource, Rlimit, getrlimit, setrlimit},
 };
 
-/// More than any one step opens: joining a domain, opening a stream, making a port.
+/// An upper bound on the files that one step opens: joining a domain, opening a stream, creating a port.
 const AT_ONCE: usize = 12;
-/// What is proposed to those whose limit is too low.
+/// The limit that error messages propose.
 const PROPOSED: u64 = 65_536;
 
-/// Raises this process's limit of open files as far as it may without privileges, from its soft limit to its hard one,
-/// and gives what it is now; `None` where there is none.
+/// Raises this process's soft limit of open files to its hard limit, which needs no privileges. Returns the new limit;
+/// `None` if there is none.
 ///
-/// For a program to call at its start, before it opens many streams; the library does not change a limit by itself. A
-/// program that uses `select`, which knows no descriptor above 1,023, should not call it.
+/// A program that opens many streams calls this at its start; the library does not change limits by itself. A program
+/// that uses `select`, which supports no descriptor above 1,023, should not call it.
 ///
 /// ```
 /// let limit = belvedere_bridge::open_files::raise_limit()?;
@@ -29,7 +29,7 @@ const PROPOSED: u64 = 65_536;
 /// ```
 ///
 /// # Errors
-/// When the system refuses it.
+/// If the system refuses to raise the limit.
 pub fn raise_limit() -> io::Result<Option<u64>> {
     let Rlimit { current, maximum } = getrlimit(Resource::Nofile);
     if current != maximum {
@@ -38,7 +38,7 @@ pub fn raise_limit() -> io::Result<Option<u64>> {
     Ok(maximum)
 }
 
-/// The limit of a process that may not open as many files as a step needs.
+/// The limit of a process that cannot open as many files as a step needs.
 pub(crate) struct Reached {
     /// The soft limit.
     pub(crate) limit: u64,
@@ -46,9 +46,9 @@ pub(crate) struct Reached {
     pub(crate) remedy: String,
 }
 
-/// The limit of this process, if fewer files than a step needs may still be opened. It takes some microseconds.
+/// Returns the limit of this process if fewer files than a step needs can still be opened. Takes some microseconds.
 pub(crate) fn limit_reached() -> Option<Reached> {
-    // They are opened and closed again, since a count of those that are open takes longer, and a descriptor itself.
+    // The files are opened and closed again: counting the open ones takes longer, and a descriptor itself.
     let more = eventfd(0, EventfdFlags::CLOEXEC).and_then(|first| {
         (1..AT_ONCE).map(|_| rustix::io::fcntl_dupfd_cloexec(&first, 0)).collect::<Result<Vec<_>, _>>()
     });
@@ -60,7 +60,7 @@ pub(crate) fn limit_reached() -> Option<Reached> {
     Some(Reached { limit, remedy: remedy(limit, maximum) })
 }
 
-/// How a limit is raised whose hard limit is `hard`.
+/// Returns how to raise a limit with this soft and hard value.
 fn remedy(soft: u64, hard: Option<u64>) -> String {
     match hard {
         Some(hard) if hard <= soft => format!(

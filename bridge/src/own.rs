@@ -1,4 +1,4 @@
-//! [`Own`]: ports and frames that a child made by `fork` has a copy of and leaves alone.
+//! [`Own`]: ports and frames that a forked child leaves alone.
 
 use std::{
     fmt,
@@ -6,14 +6,14 @@ use std::{
     process,
 };
 
-/// Owns what has files or places in shared memory, which are given back when it is dropped.
+/// The owner of a value with files or slots in shared memory, which are released when it is dropped.
 ///
-/// After `fork` the child has a copy of it, but what lies in shared memory is still its parent's. Dropping the copy, as
-/// happens when the child returns from `main`, would remove the parent's files and return frames that the parent still
-/// reads. So there it is leaked instead.
+/// After `fork` the child has a copy of the value, but its shared memory still belongs to the parent. Dropping the
+/// copy, as happens when the child returns from `main`, would remove the parent's files and return frames that the
+/// parent still reads. So in the child, the value is leaked instead.
 pub(crate) struct Own<T> {
     process: u32,
-    /// Only `None` while it is dropped.
+    /// `None` only during drop.
     inside: Option<T>,
 }
 

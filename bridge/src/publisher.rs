@@ -39,14 +39,14 @@ use queue::Queue;
 
 /// The writing end of a stream.
 ///
-/// [`loan`](Self::loan) gives a frame whose payload *is* the shared memory that subscribers will read;
-/// [`send`](LoanedFrame::send) passes them its address. Neither copies or, unless the stream is lossless, waits;
-/// nor allocates, but for the record of 104 bytes that iceoryx2 keeps of each loan.
+/// [`loan`](Self::loan) returns a frame whose payload *is* the shared memory that subscribers will read;
+/// [`send`](LoanedFrame::send) passes its address to them. Neither copies the payload. Neither allocates, except for
+/// the record of 104 bytes that iceoryx2 keeps of each loan. Neither waits, unless the stream is lossless.
 pub struct Publisher(Arc<Own<Ports>>);
 
-/// A publisher's end of its stream; frames on loan keep it open.
+/// The ports of a publisher. Frames on loan keep them open.
 struct Ports {
-    // Ports before their services before the node: fields are dropped in this order.
+    // Fields are dropped in this order: ports, their services, the node.
     port: Port<Ipc, [u8], FrameHeader>,
     notifier: Notifier<Ipc>,
     frames: Frames,
@@ -58,20 +58,20 @@ struct Ports {
     max_payload_len: usize,
     max_loaned: usize,
     next_seq: AtomicU64,
-    /// Subscribers when connections were last made, so that a new one is noticed.
+    /// The number of subscribers when connections were last made, which shows when a new one has come.
     known_subscribers: AtomicUsize,
-    /// Who was there at the last update.
+    /// The checksum of the subscribers at the last update.
     last_present: AtomicU64,
-    /// Of a lossless stream: who is waited for.
+    /// The wait for consumers, on a lossless stream.
     queue: Option<Arc<Queue>>,
 }
 
 impl Node {
-    /// Opens a stream for writing.
+    /// Creates the publisher of a stream.
     ///
     /// # Errors
-    /// [`Error::DomainInUse`] when the stream has its publisher already, [`Error::TooManyPublishers`] when it may have
-    /// several and has them all, [`Error::SharedMemoryTooSmall`] when its pool would not fit into `/dev/shm`,
+    /// [`Error::DomainInUse`] if another process publishes the stream, [`Error::TooManyPublishers`] if a stream for
+    /// several publishers has no slot left, [`Error::SharedMemoryTooSmall`] if its pool does not fit into `/dev/shm`,
     /// [`Error::TooManyOpenFiles`], [`Error::Incompatible`] and [`Error::Permission`].
     pub fn publisher(&self, spec: &StreamSpec) -> Result<Publisher, Error> {
         Publisher::open(self, spec)
@@ -86,7 +86,7 @@ impl Publisher {
         let template = FrameHeader { session, ..spec.header()? };
         let booking = pool::book(node, &topic, spec.pool_bytes())?;
         let (frames, events) = stream::open_or_create(node, spec)?;
-        // Consumers may have kept it as an earlier publisher made it, with more places.
+        // Consumers may have kept the stream open with the larger settings of an earlier publisher.
         let config = frames.static_config();
         let made = StreamSpec {
             max_subscribers: config.max_subscribers(),
@@ -119,7 +119,7 @@ impl Publisher {
             }
             match builder.create() {
                 Ok(port) => break port,
-                // The place may be that of a publisher that was killed, and another process be cleaning up after it.
+                // The slot may be that of a killed publisher, which another process may be cleaning up at this moment.
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers)
                     if !tried_again
                         || (Instant::now() < deadline && ports::place_of_the_dead(node, &frames)) =>
@@ -172,7 +172,7 @@ impl Publisher {
         Ok(publisher)
     }
 
-    /// All chunks lie a multiple of their alignment apart, so that one speaks for all.
+    /// Checks the alignment of one chunk, which stands for all: their distances are multiples of the alignment.
     fn check_alignment(&self) -> Result<(), Error> {
         let frame = self.loan(self.max_payload_len())?;
         let address = frame.payload().as_ptr().addr();
@@ -183,41 +183,42 @@ impl Publisher {
         }
     }
 
-    /// The topic without a leading slash.
+    /// Returns the topic without a leading slash.
     #[must_use]
     pub fn topic(&self) -> &str {
         &self.0.topic
     }
 
-    /// Largest payload in bytes.
+    /// Returns the largest payload in bytes.
     #[must_use]
     pub fn max_payload_len(&self) -> usize {
         self.0.max_payload_len
     }
 
-    /// Subscribers now; costs one read of shared memory, so that a sensor nobody looks at need not be computed.
+    /// Returns the number of subscribers now, with one read of shared memory. A sensor without subscribers need not be
+    /// computed.
     #[must_use]
     pub fn subscribers(&self) -> usize {
         self.0.subscribers()
     }
 
-    /// Who follows the stream now. Reads some files for each process of the domain.
+    /// Returns the processes that subscribe to the stream now. Reads some files for each process of the domain.
     #[must_use]
     pub fn consumers(&self) -> Vec<Consumer> {
         ports::consumers(&self.0.node, &self.0.frames).into_iter().map(|(_, consumer)| consumer).collect()
     }
 
-    /// Gives subscribers that have come since the last frame the newest one (the stream's history) without
-    /// sending anything. For streams that are written seldom or once; costs one read of shared memory when
-    /// nobody has come.
+    /// Delivers the newest frame (the stream's history) to subscribers that have connected since it was sent, without
+    /// sending anything new. Call it regularly on streams that are written once or rarely. It costs one read of shared
+    /// memory if no subscriber has connected.
     ///
     /// # Errors
-    /// [`Error::Transport`] when a subscriber cannot be connected; the others are.
+    /// [`Error::Transport`] if a subscriber cannot be connected; the others are.
     pub fn update(&self) -> Result<(), Error> {
         let ports = &self.0;
         ports.known_subscribers.store(ports.subscribers(), Ordering::Relaxed);
-        // Even if their number is the same: one may have gone and another come, or one have come while a frame was being
-        // sent.
+        // Even if their number is the same: one may have gone and another come, or one may have come while a frame was
+        // being sent.
         ports
             .port
             .update_connections()
@@ -229,15 +230,15 @@ impl Publisher {
         Ok(())
     }
 
-    /// Loans a frame of `len` payload bytes: shared memory to write the data into. Its header is that of the
-    /// stream, its payload holds zeros or an old frame: write all of it.
+    /// Loans a frame of `len` payload bytes: shared memory to write the data into. Its header has the fields of the
+    /// stream. Its payload holds zeros or an old frame, so write all of it.
     ///
-    /// Dropping it unsent returns it. It may be sent from another thread, and outlive the publisher: the stream stays
-    /// open until it is gone.
+    /// Dropping the frame unsent returns it. It may be sent from another thread, and may outlive the publisher: the
+    /// stream stays open until the frame is gone.
     ///
     /// # Errors
-    /// [`Error::FrameTooLarge`], [`Error::NoFreeFrame`]; [`Error::SharedMemoryTooSmall`] when a subscriber has come and
-    /// `/dev/shm` has been filled by others since the start.
+    /// [`Error::FrameTooLarge`], [`Error::NoFreeFrame`]; [`Error::SharedMemoryTooSmall`] if a subscriber has connected
+    /// and other data have filled `/dev/shm` since the start.
     pub fn loan(&self, len: usize) -> Result<LoanedFrame, Error> {
         let ports = &self.0;
         ports.pool.take_for(ports.known_subscribers.load(Ordering::Relaxed))?;
@@ -254,10 +255,10 @@ impl Publisher {
         Ok(LoanedFrame { sample: Own::new(sample), ports: ports.clone() })
     }
 
-    /// Sends structs, one per row: for the streams of small fixed messages.
+    /// Sends structs, one per row, on a stream of small fixed messages.
     ///
     /// # Errors
-    /// As [`loan`](Self::loan) and [`send`](LoanedFrame::send).
+    /// The errors of [`loan`](Self::loan) and [`send`](LoanedFrame::send).
     pub fn send_structs<T: Message>(&self, stamp_ns: u64, structs: &[T]) -> Result<usize, Error> {
         self.loan_structs(stamp_ns, structs)?.send()
     }
@@ -265,7 +266,7 @@ impl Publisher {
     /// Loans a frame that holds structs, one per row, ready to be sent.
     ///
     /// # Errors
-    /// As [`loan`](Self::loan).
+    /// The errors of [`loan`](Self::loan).
     pub fn loan_structs<T: Message>(&self, stamp_ns: u64, structs: &[T]) -> Result<LoanedFrame, Error> {
         let bytes: &[u8] = bytemuck::cast_slice(structs);
         let mut frame = self.loan(bytes.len())?;
@@ -286,7 +287,7 @@ impl Ports {
     }
 
     fn notify(&self) {
-        // Its failures are a listener with a full queue, which is awake, and one that is gone.
+        // Fails only for a listener with a full queue, which is awake, and for one that is gone.
         let _ = self.notifier.notify();
     }
 }
@@ -301,53 +302,53 @@ impl fmt::Debug for Publisher {
     }
 }
 
-/// A frame in shared memory that nobody else sees yet.
+/// A frame in shared memory that has not been sent yet.
 pub struct LoanedFrame {
     sample: Own<SampleMut<Ipc, [u8], FrameHeader>>,
     ports: Arc<Own<Ports>>,
 }
 
 impl LoanedFrame {
-    /// The header as it stands.
+    /// Returns the header.
     #[must_use]
     pub fn header(&self) -> &FrameHeader {
         self.sample.user_header()
     }
 
-    /// The header to fill in: stamp, size and strides, pose, the kind's block. `seq`, `session`,
-    /// `publish_mono_ns` and `payload_len` are the publisher's to set.
+    /// Returns the header to fill in: stamp, size and strides, pose, the kind's block. The publisher sets `seq`,
+    /// `session`, `publish_mono_ns` and `payload_len`.
     pub fn header_mut(&mut self) -> &mut FrameHeader {
         self.sample.user_header_mut()
     }
 
-    /// The payload as it stands.
+    /// Returns the payload.
     #[must_use]
     pub fn payload(&self) -> &[u8] {
         self.sample.payload()
     }
 
-    /// The payload to write: shared memory, aligned to 64 bytes.
+    /// Returns the payload to write: shared memory, aligned to 64 bytes.
     pub fn payload_mut(&mut self) -> &mut [u8] {
         self.sample.payload_mut()
     }
 
-    /// Hands the frame to every subscriber and wakes them; gives their number.
+    /// Delivers the frame to every subscriber and wakes them. Returns the number of subscribers that received it.
     ///
     /// # Errors
-    /// [`Error::HeldUp`] when the stream is [lossless](crate::Lossless) and a consumer has not made room in time; the
+    /// [`Error::HeldUp`] if the stream is [lossless](crate::Lossless) and a consumer did not make room in time; the
     /// others have the frame.
-    /// [`Error::Transport`] when a subscriber could not be reached; the others were.
+    /// [`Error::Transport`] if a subscriber could not be reached; the others were.
     pub fn send(self) -> Result<usize, Error> {
         let session = self.ports.template.session;
         let seq = self.ports.next_seq.fetch_add(1, Ordering::Relaxed);
         self.relay(session, seq)
     }
 
-    /// The same for a frame of another publisher, whose session and number it keeps, as from another machine: its
-    /// consumers are told by them of what was lost on the way. A publisher that relays sends nothing of its own.
+    /// Sends a frame of another publisher, as one from another machine, with its session and sequence number. By them
+    /// consumers notice frames that were lost on the way. A publisher that relays sends no frames of its own.
     ///
     /// # Errors
-    /// As [`send`](Self::send).
+    /// The errors of [`send`](Self::send).
     pub fn relay(self, session: u64, seq: u64) -> Result<usize, Error> {
         let Self { sample, ports } = self;
         let mut sample = sample.into_inner();

@@ -1,9 +1,9 @@
-//! Numbers that tell one life of a sender from all others.
+//! Session numbers, which distinguish one life of a sender from all others.
 
 use std::hash::{BuildHasher as _, RandomState};
 
-/// A number that no publisher or command before has had; never 0.
+/// Returns a random number that no earlier publisher or command has used; never 0.
 pub(crate) fn random() -> u64 {
-    // Seeded by the system's random numbers for each process, and by a counter within it.
+    // `RandomState` is seeded with system randomness in each process, and with a counter within it.
     RandomState::new().hash_one(0).max(1)
 }

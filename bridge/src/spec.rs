@@ -1,4 +1,4 @@
-//! What a stream is made with.
+//! [`StreamSpec`]: the specification of a stream.
 
 mod lossless;
 
@@ -6,44 +6,46 @@ pub use lossless::Lossless;
 
 use crate::{Encoding, Error, FrameHeader, Kind, Text, topic::canonical_topic};
 
-/// What a stream is made with.
+/// The specification that a stream is created with.
 ///
-/// Its pool of `max_subscribers · (buffer + borrowed) + history + loaned` frames must fit into what is free of
-/// `/dev/shm`; what one subscriber needs of it is taken at once, the rest as more come.
+/// Its pool of `max_subscribers · (buffer + borrowed) + history + loaned` frames must fit into the free space of
+/// `/dev/shm`. The part that one subscriber needs is allocated at once, the rest as more subscribers connect.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreamSpec {
     /// The ROS topic name, with or without a leading slash.
     pub topic: String,
     /// What it carries.
     pub kind: Kind,
-    /// How it is coded.
+    /// The encoding of its payload.
     pub encoding: Encoding,
-    /// The frame that the data are given in; at most 63 bytes.
+    /// The coordinate frame of the data; at most 63 bytes.
     pub frame_id: String,
-    /// Frames per second that are intended; `None` when they come as they come.
+    /// Intended frames per second; `None` for a stream without a fixed rate.
     pub rate_hz: Option<f64>,
-    /// Layers of a lidar; `None` for what has none.
+    /// Layers of a lidar; `None` for other streams.
     pub layers: Option<u32>,
     /// Largest payload in bytes.
     pub max_payload_len: usize,
-    /// Publishers at a time: 1 for what the robot says, more for what it is told.
+    /// Publishers at a time: 1 for data from the robot, more for commands to it.
     pub max_publishers: usize,
     /// Subscribers at a time.
     pub max_subscribers: usize,
-    /// Frames that wait for a subscriber; the oldest gives way to a new one.
+    /// Frames that are queued for a subscriber; a new one replaces the oldest.
     pub buffer: usize,
     /// Frames that a subscriber may hold at a time.
     pub borrowed: usize,
     /// Frames that may be loaned and unsent at a time.
     pub loaned: usize,
-    /// Frames that a late subscriber is given at first.
+    /// Frames that a late subscriber receives when it connects.
     pub history: usize,
-    /// Whom the publisher waits for; nobody if it is `None`: who is slow loses the oldest of its waiting frames.
+    /// The consumers that the publisher waits for. `None`: it waits for none, and a slow one loses the oldest of its
+    /// queued frames.
     pub lossless: Option<Lossless>,
 }
 
 impl StreamSpec {
-    /// A stream from the robot: one publisher, 8 subscribers, buffer 2, 2 held, 2 loaned, history 1, overflow.
+    /// Returns the specification of a stream from the robot: one publisher, 8 subscribers, buffer 2, 2 held, 2 loaned,
+    /// history 1, overflow.
     #[must_use]
     pub fn new(topic: impl Into<String>, kind: Kind, encoding: Encoding, max_payload_len: usize) -> Self {
         Self {
@@ -64,29 +66,33 @@ impl StreamSpec {
         }
     }
 
-    /// A stream of up to `max_count` structs of this kind. Its buffer is deeper than that of pictures: they are
-    /// small, every one counts (transforms, odometry), and after a long picture several come at once.
+    /// Returns the specification of a stream of up to `max_count` structs of this kind. Its buffer is deeper than that
+    /// of images: structs are small, every one counts (transforms, odometry), and after an image that takes long to
+    /// render, several arrive at once.
     #[must_use]
     pub fn structs(topic: impl Into<String>, kind: Kind, max_count: usize) -> Self {
         let elem_size = kind.struct_size().unwrap_or(1);
         Self { buffer: 16, ..Self::new(topic, kind, Encoding::Struct, elem_size * max_count.max(1)) }
     }
 
-    /// A stream to the robot: velocity commands from up to 8 senders, no history, a deeper buffer.
+    /// Returns the specification of a stream of velocity commands to the robot: up to 8 senders, no history, a deeper
+    /// buffer.
     #[must_use]
     pub fn velocity_command(topic: impl Into<String>) -> Self {
         Self::command(topic, Kind::VelocityCommand)
     }
 
-    /// A stream to the robot of single structs of this kind, made as that of velocity commands.
+    /// Returns the specification of a stream of single structs of this kind to the robot, with the settings of velocity
+    /// commands.
     #[must_use]
     pub fn command(topic: impl Into<String>, kind: Kind) -> Self {
         Self { max_publishers: 8, history: 0, ..Self::structs(topic, kind, 1) }
     }
 
-    /// The stream by which other processes control a simulation, of which the simulator makes the receiving end:
-    /// [`SimulationCommand`](crate::payload::SimulationCommand)s from up to 8 senders, each followed by at most
-    /// `text_len` bytes of text. A sender opens it for the longest text that it is going to send.
+    /// Returns the specification of the stream by which other processes control a simulation. The simulator creates the
+    /// receiving end. The stream carries [`SimulationCommand`](crate::payload::SimulationCommand)s from up to 8
+    /// senders, each followed by at most `text_len` bytes of text. A sender opens it with the length of the longest
+    /// text that it will send.
     #[must_use]
     pub fn simulation_command(text_len: usize) -> Self {
         let command = Self::structs(Self::SIMULATION_COMMAND, Kind::SimulationCommand, 1);
@@ -94,7 +100,7 @@ impl StreamSpec {
         Self { max_publishers: 8, max_subscribers: 2, history: 0, max_payload_len, ..command }
     }
 
-    /// The stream of the answers to it.
+    /// Returns the specification of the stream of results of those commands.
     #[must_use]
     pub fn simulation_result() -> Self {
         Self { history: 0, ..Self::structs(Self::SIMULATION_RESULT, Kind::SimulationResult, 1) }
@@ -102,7 +108,7 @@ impl StreamSpec {
 
     /// Topic of the commands to a simulation.
     pub const SIMULATION_COMMAND: &'static str = "simulation/command";
-    /// Topic of the answers to them.
+    /// Topic of the results of commands.
     pub const SIMULATION_RESULT: &'static str = "simulation/result";
     /// Topic of the settings of sensors.
     pub const SENSOR_SETTINGS: &'static str = "simulation/sensor_settings";
@@ -111,46 +117,47 @@ impl StreamSpec {
     /// Topic of the poses and velocities of all links.
     pub const LINK_STATES: &'static str = "simulation/link_states";
 
-    /// The stream of the settings of this many sensors: sent at the start and after each change, and given to whoever
-    /// comes later.
+    /// Returns the specification of the stream of the settings of this many sensors. It is sent at the start and after
+    /// each change, and latched: consumers that connect later receive it, too.
     #[must_use]
     pub fn sensor_settings(sensors: usize) -> Self {
         Self { buffer: 4, ..Self::structs(Self::SENSOR_SETTINGS, Kind::SensorSettings, sensors) }
     }
 
-    /// The same with this frame.
+    /// Sets the coordinate frame.
     #[must_use]
     pub fn frame_id(mut self, frame_id: impl Into<String>) -> Self {
         self.frame_id = frame_id.into();
         self
     }
 
-    /// The same with this intended rate.
+    /// Sets the intended rate.
     #[must_use]
     pub fn rate_hz(mut self, rate_hz: f64) -> Self {
         self.rate_hz = Some(rate_hz);
         self
     }
 
-    /// The same with so many layers.
+    /// Sets the number of layers.
     #[must_use]
     pub fn layers(mut self, layers: u32) -> Self {
         self.layers = Some(layers);
         self
     }
 
-    /// Bytes of shared memory that one publisher's pool takes when all of its frames have been used.
+    /// Returns the bytes of shared memory that one publisher's pool takes once all of its frames have been used.
     #[must_use]
     pub fn pool_bytes(&self) -> u64 {
-        // A frame's own header, iceoryx2's and alignment.
+        // The payload, Belvedere's header, and room for iceoryx2's header and alignment.
         let frame_bytes = (self.max_payload_len + size_of::<FrameHeader>() + 64).next_multiple_of(64);
         self.pool_frames() * frame_bytes as u64
     }
 
-    /// The same with a pool of at most so many bytes, or as near to it as a stream for one subscriber comes.
+    /// Returns this specification with a pool of at most `bytes`, or as near to that as a stream for one subscriber can
+    /// be.
     ///
-    /// What it has less of, in this order: places for subscribers, down to one; frames on loan, down to one; frames that
-    /// wait for the subscriber, down to one. Frames of history and those that it may hold stay.
+    /// It reduces, in this order: subscribers, down to one; loaned frames, down to one; queued frames, down to one.
+    /// History and held frames stay.
     #[must_use]
     pub fn within(&self, bytes: u64) -> Self {
         let mut spec = self.clone();
@@ -168,12 +175,12 @@ impl StreamSpec {
         spec
     }
 
-    /// Frames in one publisher's pool.
+    /// Returns the number of frames in one publisher's pool.
     pub(crate) fn pool_frames(&self) -> u64 {
         (self.max_subscribers * (self.buffer + self.borrowed) + self.history + self.loaned) as u64
     }
 
-    /// The topic without a leading slash, which is the stream's name.
+    /// Returns the topic without a leading slash, which is the stream's name.
     ///
     /// # Errors
     /// [`Error::InvalidTopic`].
@@ -181,10 +188,10 @@ impl StreamSpec {
         canonical_topic(&self.topic)
     }
 
-    /// The header that every frame of the stream begins with.
+    /// Returns the header that every frame of the stream begins with.
     ///
     /// # Errors
-    /// When the name of the frame is too long for it.
+    /// If the name of the coordinate frame is too long.
     pub fn header(&self) -> Result<FrameHeader, Error> {
         Ok(FrameHeader { frame_id: Text::new(&self.frame_id)?, ..FrameHeader::new(self.kind, self.encoding) })
     }
@@ -209,7 +216,7 @@ mod tests {
         assert_eq!(of(61_000_000), [1, 2, 2, 1, 1]);
         assert_eq!(of(51_000_000), [1, 1, 2, 1, 1]);
         assert_eq!(of(0), [1, 1, 2, 1, 1]);
-        // What is small stays as it is.
+        // A specification that is small enough stays as it is.
         let clock = StreamSpec::structs("clock", Kind::Clock, 1);
         assert_eq!(clock.within(1 << 20), clock);
     }

@@ -1,4 +1,4 @@
-//! Streams: how one is opened, and what a domain has.
+//! Streams: opening one, and listing those of a domain.
 
 mod attributes;
 mod info;
@@ -13,7 +13,7 @@ pub(crate) use opening::{Opened, open, open_or_create};
 use crate::{FrameHeader, domain::Ipc};
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 
-/// The frames of a stream.
+/// The publish-subscribe service that carries a stream's frames.
 pub(crate) type Frames = publish_subscribe::PortFactory<Ipc, [u8], FrameHeader>;
-/// The event service beside it, by which subscribers are woken.
+/// The event service of a stream, which wakes its subscribers.
 pub(crate) type Events = event::PortFactory<Ipc>;

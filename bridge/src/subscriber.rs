@@ -1,4 +1,4 @@
-//! [`Subscriber`]: the reading end of a stream, through all that happens to its publisher.
+//! [`Subscriber`]: the reading end of a stream, which outlives its publishers.
 
 mod busy_poll;
 mod connection;
@@ -21,39 +21,40 @@ use connection::Connection;
 use frame::{Sample, checked_header};
 use readiness::Readiness;
 
-/// How often a stream that is not there is looked for.
+/// Interval between searches for a stream that does not exist.
 const SEARCH_INTERVAL: Duration = Duration::from_millis(20);
-/// How long a wait sleeps at most before it looks whether the publisher is still there.
+/// The longest sleep within a wait, after which it checks that the publisher still exists.
 const WATCH_INTERVAL: Duration = Duration::from_millis(100);
-/// After this silence the publisher may have been killed: see who is dead.
+/// Silence after which the publisher may have been killed, so dead processes are looked for.
 const SUSPICIOUS_SILENCE: Duration = Duration::from_secs(1);
-/// How much less often it is looked at while the silence lasts: after 1, 2, 4 … 16 s. Some streams are always silent.
+/// The largest interval between these checks. While the silence lasts they follow after 1, 2, 4 … 16 s, since some
+/// streams are always silent.
 const LEAST_SUSPICION: Duration = Duration::from_secs(16);
 
 /// The reading end of a stream.
 ///
-/// It can be made before the stream exists, and it outlives the publisher: when that ends, or is killed, and
-/// starts again, [`wait`](Self::wait) and [`take`](Self::take) go on with the new one. A [`Frame`] that is held
-/// stays valid through all of it.
+/// A subscriber can be created before its stream exists, and it outlives the publisher: if that ends or is killed, and
+/// starts again, [`wait`](Self::wait) and [`take`](Self::take) continue with the new one. A [`Frame`] that is held
+/// remains valid meanwhile.
 ///
-/// Frames of a publisher that came and went between two looks of this reader are lost: look often where a sender may
-/// be short-lived, as with commands.
+/// Frames of a publisher that came and went between two calls of this subscriber are lost. Call often if senders may be
+/// short-lived, as with commands.
 ///
-/// A reader that is slower than the publisher loses the oldest of its own waiting frames and slows nobody;
-/// [`Frame::missed`] tells how many.
+/// A subscriber that is slower than the publisher loses the oldest of its own queued frames and does not slow the
+/// publisher. [`Frame::missed`] tells how many it lost.
 pub struct Subscriber {
     connection: Option<Own<Connection>>,
     node: Node,
     topic: String,
-    /// What the stream is made with when this end makes it.
+    /// The specification, if this subscriber creates the stream.
     owned: Option<StreamSpec>,
     next_search: Instant,
     last_frame: Option<FrameId>,
     missed_total: u64,
     last_sign_of_life: Instant,
-    /// Only of subscribers that somebody polls.
+    /// Present once a descriptor was requested.
     readiness: Option<Readiness>,
-    /// Only where it was asked for.
+    /// Present if busy polling is enabled.
     busy_poll: Option<BusyPoll>,
 }
 
@@ -64,7 +65,7 @@ struct FrameId {
 }
 
 impl Node {
-    /// Follows a stream, whether it exists already or not: see [`Subscriber`].
+    /// Subscribes to a stream, which may be created later: see [`Subscriber`].
     ///
     /// # Errors
     /// [`Error::InvalidTopic`].
@@ -72,8 +73,8 @@ impl Node {
         Ok(Subscriber::watching(self, canonical_topic(topic)?))
     }
 
-    /// The receiving side of a command stream: makes the stream, so that commands have a place to go before
-    /// anyone sends one, and keeps it while senders come and go.
+    /// Opens the receiving end of a command stream. Creates the stream, so that it exists before the first command is
+    /// sent, and keeps it while senders come and go.
     ///
     /// # Errors
     /// [`Error::Incompatible`] and [`Error::Permission`].
@@ -106,50 +107,52 @@ impl Subscriber {
         Ok(subscriber)
     }
 
-    /// The topic without a leading slash.
+    /// Returns the topic without a leading slash.
     #[must_use]
     pub fn topic(&self) -> &str {
         &self.topic
     }
 
-    /// Publishers now: 0 before the first, and after the last has ended or was found dead.
+    /// Returns the number of publishers now: 0 before the first, and after the last has ended or was found dead.
     #[must_use]
     pub fn publishers(&self) -> usize {
         self.connection.as_ref().map_or(0, |connection| connection.publishers())
     }
 
-    /// Frames that were sent and never taken, over this subscriber's life.
+    /// Returns the number of frames that were sent and never taken since this subscriber was created.
     #[must_use]
     pub fn missed_total(&self) -> u64 {
         self.missed_total
     }
 
-    /// Time since the last frame, or since the subscriber was made: compare with a multiple of the period to see
-    /// that a stream has stopped. This is the real sign of life; a killed publisher cannot say goodbye.
+    /// Returns the time since the last frame, or since the subscriber was created. If it exceeds several periods, the
+    /// stream has stopped. This is the only reliable sign: a killed publisher cannot report its end.
     #[must_use]
     pub fn silence(&self) -> Duration {
         self.last_sign_of_life.elapsed()
     }
 
-    /// Looks for frames without sleeping when they are due, for at most `limit` a frame; zero, as at first: never.
+    /// Enables busy polling: when a frame is due, the subscriber polls for it without sleeping, for at most `limit` per
+    /// frame. Zero, the default, disables it.
     ///
-    /// It takes the system 30 to 100 µs to wake a process, which is most of a frame's age where it arrives. With this,
-    /// [`wait`](Self::wait), and [`take`](Self::take) in a loop that waits for [`readiness`](Self::readiness), begin to
-    /// look shortly before the next frame of a periodic stream is due, by the times of those before, and have it a few
-    /// microseconds after it was sent. What comes much earlier or later, or without a period, wakes them as ever.
+    /// The system takes 30 to 100 µs to wake a process, which is most of the latency of a frame. With busy polling, a
+    /// process that sleeps in [`wait`](Self::wait), or calls [`take`](Self::take) in a loop that polls
+    /// [`readiness`](Self::readiness), begins to poll shortly before the next frame of a periodic stream is due, as
+    /// predicted from the previous send times. It has the frame a few microseconds after it was sent. Frames that
+    /// arrive much earlier or later, or without a period, wake the process as usual.
     ///
-    /// The price is processor time: three mean deviations of the times of sending, 0.15 ms at least and half of
-    /// `limit` at most, of a core for each frame. Not for machines that have no core to spare; on a single core it
-    /// does nothing, as the publisher would have to wait for it.
+    /// The cost is processor time for each frame: three mean deviations of the send times, at least 0.15 ms and at most
+    /// half of `limit`. Do not use it on machines without a spare core. On a single core it does nothing, as the
+    /// publisher would have to wait.
     pub fn set_busy_poll(&mut self, limit: Duration) {
         self.busy_poll = BusyPoll::new(limit);
     }
 
-    /// Sleeps until there is a frame to take; `false` when `timeout` has passed, or a signal came, without one.
+    /// Sleeps until a frame is available. Returns false if `timeout` passes, or a signal arrives, without one.
     ///
     /// # Errors
-    /// [`Error::TooManySubscribers`], [`Error::Incompatible`], [`Error::Permission`] when the stream is there and
-    /// cannot be opened.
+    /// [`Error::TooManySubscribers`], [`Error::Incompatible`], [`Error::Permission`] if the stream exists and cannot be
+    /// opened.
     pub fn wait(&mut self, timeout: Duration) -> Result<bool, Error> {
         let deadline = clock::deadline(timeout);
         loop {
@@ -168,7 +171,7 @@ impl Subscriber {
             match &self.connection {
                 Some(connection) => {
                     if readiness::wait_for(&connection.listener, left.min(self.watch_interval())).is_err() {
-                        // Interrupted by a signal: the caller may want to end.
+                        // Interrupted by a signal: return, since the caller may want to exit.
                         return self.has_frames();
                     }
                 }
@@ -177,11 +180,11 @@ impl Subscriber {
         }
     }
 
-    /// A descriptor to wait on in an event loop of somebody else's (poll, epoll, libuv, asyncio, Qt): readable when
-    /// a frame waits, or when it is time to look after the stream. Then [`take`](Self::take) until there is none,
-    /// which makes it unreadable; a frame that is left waiting keeps it readable.
+    /// Returns a descriptor to wait on in another event loop (poll, epoll, libuv, asyncio, Qt). It is readable if a
+    /// frame is available, or if the subscriber has to check the stream. Then call [`take`](Self::take) until it
+    /// returns `None`, which makes the descriptor unreadable; a frame that is not taken keeps it readable.
     ///
-    /// It is the same one for the subscriber's whole life, whatever publishers come and go. Do not read from it.
+    /// The descriptor is the same for the subscriber's whole life, even as publishers come and go. Do not read from it.
     ///
     /// ```
     /// use belvedere_bridge::{Domain, Encoding, Kind, Node, StreamSpec};
@@ -202,13 +205,13 @@ impl Subscriber {
     /// ```
     ///
     /// # Errors
-    /// [`Error::Transport`] when the process has no descriptors left.
+    /// [`Error::Transport`] if the process has no descriptors left.
     pub fn readiness(&mut self) -> Result<BorrowedFd<'_>, Error> {
         self.poll_ready()?;
         self.readiness_fd().ok_or_else(|| self.broken("no descriptor"))
     }
 
-    /// Makes the descriptor, if there is none yet.
+    /// Creates the descriptor, if there is none yet.
     pub(crate) fn poll_ready(&mut self) -> Result<(), Error> {
         if self.readiness.is_none() {
             let readiness = Readiness::new().map_err(|error| self.broken(error))?;
@@ -220,16 +223,16 @@ impl Subscriber {
         Ok(())
     }
 
-    /// The descriptor, if it was made.
+    /// Returns the descriptor, if it was created.
     pub(crate) fn readiness_fd(&self) -> Option<BorrowedFd<'_>> {
         self.readiness.as_ref().map(|readiness| readiness.as_fd())
     }
 
-    /// The oldest frame that waits, if any; never sleeps.
+    /// Returns the oldest queued frame, if any; never sleeps.
     ///
     /// # Errors
-    /// As [`wait`](Self::wait); [`Error::TooManyHeld`] while too many frames are held; [`Error::Frame`] for one
-    /// that must not be read, which is dropped.
+    /// The errors of [`wait`](Self::wait); [`Error::TooManyHeld`] while too many frames are held; [`Error::Frame`] for
+    /// a frame with an invalid header, which is dropped.
     pub fn take(&mut self) -> Result<Option<Frame>, Error> {
         self.search()?;
         match self.receive_or_settle()? {
@@ -238,16 +241,16 @@ impl Subscriber {
         }
     }
 
-    /// The newest frame that waits, if any, dropping those before it (they count as missed); never sleeps.
+    /// Returns the newest queued frame, if any, and drops older ones, which count as missed; never sleeps.
     ///
     /// # Errors
-    /// As [`take`](Self::take).
+    /// The errors of [`take`](Self::take).
     pub fn take_newest(&mut self) -> Result<Option<Frame>, Error> {
         self.search()?;
         let Some(mut newest) = self.receive_or_settle()? else { return Ok(None) };
         let Some(connection) = &self.connection else { return Ok(None) };
         let config = connection.frames.static_config();
-        // A publisher that sends faster than this one drains would hold it here.
+        // Bounded, since a publisher that sends faster than this loop drains would keep it here for ever.
         let at_most = config.max_publishers() * config.subscriber_max_buffer_size();
         for _ in 0..at_most {
             if !self.has_frames()? {
@@ -255,7 +258,7 @@ impl Subscriber {
             }
             let next = match self.receive() {
                 Err(Error::TooManyHeld { .. }) => {
-                    // The last place is the one that `newest` takes.
+                    // `newest` occupies the last slot for held frames.
                     drop(newest);
                     match self.receive()? {
                         Some(sample) => {
@@ -276,9 +279,10 @@ impl Subscriber {
         self.accept(newest)
     }
 
-    /// A frame, or the certainty that the next one will be announced.
+    /// Receives a frame, or makes sure that the arrival of the next one makes the descriptor readable.
     fn receive_or_settle(&mut self) -> Result<Option<Sample>, Error> {
-        // More than once is a race, more than a few times would be a defect below, to be looked at again by the timer.
+        // A second iteration means a race. More than a few would be a defect in a layer below; the timer then triggers
+        // another check.
         for _ in 0..4 {
             if let Some(sample) = self.receive()? {
                 return Ok(Some(sample));
@@ -290,14 +294,14 @@ impl Subscriber {
             }
             let delay = match &self.connection {
                 Some(connection) => {
-                    // What has come until now is no news any more. A signal in between only leaves it for later.
+                    // Clear the notifications so far. If a signal interrupts this, the next call clears them.
                     let _ = connection.listener.try_wait(|_| {});
                     self.watch_interval()
                 }
                 None => SEARCH_INTERVAL,
             };
             readiness.look_again_in(delay).map_err(|error| self.broken(error))?;
-            // It may have come between the look and the clearing.
+            // A frame may have arrived between the check and the clearing.
             if !self.has_frames()? {
                 break;
             }
@@ -305,7 +309,7 @@ impl Subscriber {
         Ok(None)
     }
 
-    /// Looks for a frame without sleeping while one is due, but no longer than `most`; whether it came.
+    /// Polls for a frame without sleeping while one is due, for at most `most`. Returns true if one arrived.
     fn looked_when_due(&self, most: Duration) -> Result<bool, Error> {
         match (&self.busy_poll, &self.connection) {
             (Some(busy_poll), Some(_)) => busy_poll.look(most, || self.has_frames()),
@@ -313,7 +317,7 @@ impl Subscriber {
         }
     }
 
-    /// How long may be slept until there is something to look after.
+    /// Returns the longest time to sleep before the stream must be checked.
     fn watch_interval(&self) -> Duration {
         self.busy_poll.as_ref().map_or(WATCH_INTERVAL, |busy_poll| busy_poll.sleep().min(WATCH_INTERVAL))
     }
@@ -338,11 +342,12 @@ impl Subscriber {
         Error::transport(format!("receiving {}", self.topic), error)
     }
 
-    /// Checks a frame and compares it with the one before.
+    /// Checks a frame and compares it with the previous one.
     fn accept(&mut self, sample: Sample) -> Result<Option<Frame>, Error> {
         let Some(connection) = &self.connection else { return Ok(None) };
         self.last_sign_of_life = Instant::now();
-        // One that is refused counts as missed by the next: its number is not to be believed.
+        // `last_frame` stays as it is: the sequence number of a refused frame is not trusted, so the next good frame
+        // reports it as missed.
         let header =
             checked_header(&sample).map_err(|error| Error::Frame { topic: self.topic.clone(), error })?;
         if let Some(busy_poll) = &mut self.busy_poll {
@@ -362,7 +367,7 @@ impl Subscriber {
         Ok(Some(Frame::new(sample, &header, port, missed, restarted, since_mono_ns, self.node.clone())))
     }
 
-    /// Looks for the stream when it is not open.
+    /// Searches for the stream if it is not open.
     fn search(&mut self) -> Result<(), Error> {
         if self.connection.is_none() {
             let now = Instant::now();
@@ -385,7 +390,7 @@ impl Subscriber {
         Ok(())
     }
 
-    /// Lets go of a stream whose publisher has gone, so that the next one finds nothing of the old.
+    /// Closes a stream whose publisher has gone, so that the next publisher creates it anew.
     fn watch_publisher(&mut self) {
         let Some(connection) = &self.connection else { return };
         if self.owned.is_some() {
@@ -395,14 +400,14 @@ impl Subscriber {
         if silence > SUSPICIOUS_SILENCE {
             self.node.keeper().clean_up_dead_every((silence / 2).clamp(SUSPICIOUS_SILENCE, LEAST_SUSPICION));
         }
-        // In this order: a publisher's last frame is there before it is gone.
+        // In this order, since a publisher sends its last frame before it is gone.
         if connection.publishers() == 0 && !connection.port.has_samples().unwrap_or(false) {
             self.connection = None;
         }
     }
 }
 
-/// One publisher's frames are received in order, those of several in turn.
+/// Returns true if `next` is newer: frames of one publisher arrive in order, those of several in turn.
 fn is_newer(next: &FrameHeader, newest: &FrameHeader) -> bool {
     next.session == newest.session || next.publish_mono_ns >= newest.publish_mono_ns
 }

@@ -1,4 +1,4 @@
-//! [`Synchronizer`]: frames of several streams that belong together.
+//! [`Synchronizer`]: matches frames of several streams by their stamps.
 
 use std::{
     fmt,
@@ -12,18 +12,19 @@ use rustix::{
 
 use crate::{Error, Frame, Node, Subscriber, clock};
 
-/// Gives the frames of `N` streams that were taken at the same time: a picture with its depth and its `camera_info`.
+/// A synchroniser of `N` streams, which returns frames that were captured at the same time: an image with its depth
+/// image and its `camera_info`.
 ///
-/// Time is that of the stamps, the simulation's. What a simulator captures at one moment has one stamp, so
-/// [`exact`](Self::exact) is the rule; [`within`](Self::within) is for sensors of different rates.
+/// The stamps are in simulated time. All frames that a simulator captures at one time have the same stamp, so use
+/// [`exact`](Self::exact) as a rule, and [`within`](Self::within) for sensors of different rates.
 ///
-/// A set is complete when the stamps of all streams' oldest frames lie within the tolerance; a frame that is further
-/// behind the newest of them can find no partner any more, since stamps only grow, and is skipped. So each frame is
-/// in one set at most, sets come in order, and no frame waits longer than its partners take. When a simulator is
-/// started again, or its time put back, what is left of the old time is skipped.
+/// A set is complete if the stamps of all streams' oldest frames lie within the tolerance. A frame that is older than
+/// the newest of them by more than the tolerance is skipped: stamps only grow, so it cannot find a partner any more. So
+/// each frame is in at most one set, sets come in order, and no frame waits longer than its partners take. If a
+/// simulator is restarted, or its time is reset, the remaining frames from before are skipped.
 ///
-/// It holds one frame of each stream at most: with the two that a subscriber may hold, one set may be kept while the
-/// next is waited for.
+/// It holds at most one frame of each stream. A subscriber may hold two, so one set may be kept while the next is
+/// awaited.
 ///
 /// ```
 /// use std::time::Duration;
@@ -56,28 +57,28 @@ pub struct Synchronizer<const N: usize> {
     skipped: u64,
 }
 
-/// One stream, and its oldest frame that has no partners yet.
+/// A stream, and its oldest frame that has no partners yet.
 struct Lane {
     subscriber: Subscriber,
     head: Option<Frame>,
     newest_stamp_ns: u64,
-    /// Whether the head is the first of a new time.
+    /// True if the head is the first frame after a restart or a reset of time.
     anew: bool,
 }
 
 impl<const N: usize> Synchronizer<N> {
-    /// Sets of equal stamps.
+    /// Creates a synchroniser for frames with equal stamps.
     ///
     /// # Errors
-    /// [`Error::InvalidTopic`]; [`Error::Transport`] when the process has no descriptors left.
+    /// [`Error::InvalidTopic`]; [`Error::Transport`] if the process has no descriptors left.
     pub fn exact<T: AsRef<str>>(node: &Node, topics: [T; N]) -> Result<Self, Error> {
         Self::within(node, topics, Duration::ZERO)
     }
 
-    /// Sets of stamps that differ by at most `tolerance`.
+    /// Creates a synchroniser for frames whose stamps differ by at most `tolerance`.
     ///
     /// # Errors
-    /// As [`exact`](Self::exact).
+    /// The errors of [`exact`](Self::exact).
     #[allow(clippy::missing_panics_doc, reason = "every lane was made when there was no failure")]
     pub fn within<T: AsRef<str>>(node: &Node, topics: [T; N], tolerance: Duration) -> Result<Self, Error> {
         const { assert!(N >= 1, "a set of no streams") };
@@ -96,10 +97,10 @@ impl<const N: usize> Synchronizer<N> {
         Ok(Self { lanes: lanes.map(|lane| lane.expect("made")), tolerance_ns, skipped: 0 })
     }
 
-    /// Sleeps until there is a set to take; `false` when `timeout` has passed, or a signal came, without one.
+    /// Sleeps until a set is available. Returns false if `timeout` passes, or a signal arrives, without one.
     ///
     /// # Errors
-    /// As [`Subscriber::take`].
+    /// The errors of [`Subscriber::take`].
     pub fn wait(&mut self, timeout: Duration) -> Result<bool, Error> {
         let deadline = clock::deadline(timeout);
         loop {
@@ -118,10 +119,10 @@ impl<const N: usize> Synchronizer<N> {
         }
     }
 
-    /// The next set, in the order of the topics, if it is complete; never sleeps.
+    /// Returns the next set, in the order of the topics, if it is complete; never sleeps.
     ///
     /// # Errors
-    /// As [`Subscriber::take`].
+    /// The errors of [`Subscriber::take`].
     #[allow(clippy::missing_panics_doc, reason = "a complete set has every head")]
     pub fn take(&mut self) -> Result<Option<[Frame; N]>, Error> {
         if !self.complete()? {
@@ -131,19 +132,19 @@ impl<const N: usize> Synchronizer<N> {
         Ok(Some(heads.map(|head| head.expect("a complete set"))))
     }
 
-    /// Frames that were taken and found no partner.
+    /// Returns the number of frames that were taken and found no partner.
     #[must_use]
     pub fn skipped(&self) -> u64 {
         self.skipped
     }
 
-    /// Frames that were sent and never taken, over all streams.
+    /// Returns the number of frames that were sent and never taken, over all streams.
     #[must_use]
     pub fn missed_total(&self) -> u64 {
         self.lanes.iter().map(|lane| lane.subscriber.missed_total()).sum()
     }
 
-    /// Until one of the streams that have no head has something to say.
+    /// Sleeps until one of the streams without a head is ready.
     fn sleep(&self, timeout: Duration) -> Result<(), Errno> {
         let mut fds = Vec::with_capacity(N);
         for lane in &self.lanes {
@@ -158,7 +159,7 @@ impl<const N: usize> Synchronizer<N> {
         poll(&mut fds, Some(&timeout)).map(drop)
     }
 
-    /// Takes and skips until every stream has a head and all belong together, or one has none.
+    /// Takes and skips frames. Returns true once the heads of all streams match, false if a stream has no frame.
     fn complete(&mut self) -> Result<bool, Error> {
         loop {
             for lane in 0..N {
@@ -182,7 +183,7 @@ impl<const N: usize> Synchronizer<N> {
         }
     }
 
-    /// The newest stamp of the heads, once every stream has one.
+    /// Returns the newest stamp of the heads, if every stream has one.
     fn newest_if_all(&self) -> Option<u64> {
         let mut newest = 0;
         for lane in &self.lanes {
@@ -191,7 +192,8 @@ impl<const N: usize> Synchronizer<N> {
         Some(newest)
     }
 
-    /// Takes the next frame of a stream. If it is the first of a new time, frames of the old one go.
+    /// Takes the next frame of a stream. If it is the first after a restart or reset, drops the other streams' frames
+    /// from before.
     fn refill(&mut self, index: usize) -> Result<(), Error> {
         let lane = &mut self.lanes[index];
         let Some(frame) = lane.subscriber.take()? else { return Ok(()) };

@@ -1,8 +1,8 @@
-//! What a topic may be called.
+//! The rules for topic names.
 
 use crate::Error;
 
-/// The topic without its leading slash, checked.
+/// Checks a topic and returns it without its leading slash.
 pub(crate) fn canonical_topic(topic: &str) -> Result<&str, Error> {
     let bare = topic.strip_prefix('/').unwrap_or(topic);
     let invalid = |reason| Err(Error::InvalidTopic { topic: topic.to_owned(), reason });

@@ -1,4 +1,4 @@
-//! The bytes: headers, payloads, and the numbers of kinds and encodings.
+//! The wire format: headers, payloads, and the numbers of kinds and encodings.
 
 mod error;
 mod header;

@@ -1,5 +1,5 @@
-//! After set-up a frame goes from `loan` to `drop` with one small allocation: iceoryx2's own record of a loan, which
-//! none of its variants avoids. We add nothing to it, on neither side.
+//! After set-up, a frame needs one small allocation from `loan` to `drop`: iceoryx2's own record of a loan, which none
+//! of its variants avoids. The bridge adds none on either side.
 
 use std::{
     alloc::{GlobalAlloc, Layout, System},

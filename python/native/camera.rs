@@ -13,7 +13,7 @@ use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-/// What a camera is, without its seed.
+/// The configuration of a camera without its seed.
 pub(crate) struct Eye {
     pub(crate) rays: Rays,
     pub(crate) size: [u32; 2],
@@ -25,7 +25,7 @@ pub(crate) struct Eye {
     device: Option<DeviceConfig>,
 }
 
-/// Lens as Python hands it over: a name and numbers, or a field of view.
+/// A lens from Python: a name and numbers, or a field of view.
 type GivenLens = (Option<(String, Vec<f64>)>, Option<f64>);
 
 impl Eye {
@@ -65,7 +65,7 @@ impl Eye {
         Ok(eye)
     }
 
-    /// The camera of a seed.
+    /// Returns the camera's configuration with a seed.
     pub(crate) fn config(&self, seed: u64) -> CameraConfig<'_> {
         let [near_m, far_m] = self.clip;
         CameraConfig::new(self.rays.optics())
@@ -79,18 +79,18 @@ impl Eye {
             .seed(seed)
     }
 
-    /// Pixels of a frame.
+    /// Returns the number of pixels of a frame.
     pub(crate) fn pixels(&self) -> usize {
         self.size.into_iter().product::<u32>() as usize
     }
 
-    /// Bytes of a picture.
+    /// Returns the number of bytes of an image.
     pub(crate) fn bytes(&self) -> usize {
         self.pixels() * self.format.bytes()
     }
 }
 
-/// Noise of a mean and a standard deviation.
+/// Creates noise with a mean and a standard deviation.
 pub(crate) fn gaussian([mean, stddev]: [f32; 2]) -> PyResult<GaussianNoise> {
     GaussianNoise::new(GaussianNoiseConfig::default().mean(mean).stddev(stddev))
         .map_err(|error| of("noise", error))

@@ -1,4 +1,4 @@
-//! Rays with nothing in common.
+//! Casting of arbitrary rays.
 
 use crate::data::Data;
 use crate::errors::of;
@@ -13,12 +13,12 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::Arc;
 
-/// Rays, checked as arrays.
+/// Rays with checked array shapes.
 pub(crate) struct Rays {
     pub(crate) origins: Vec<[f32; 3]>,
     pub(crate) directions: Vec<[f32; 3]>,
     pub(crate) ranges: Option<Vec<[f32; 2]>>,
-    /// Where the origins' zero is in the world.
+    /// The place in the world that origins are relative to.
     pub(crate) reference: [f64; 3],
     pub(crate) visibility: u32,
     pub(crate) both_faces: bool,
@@ -50,10 +50,10 @@ impl Rays {
     }
 }
 
-/// So many rays are cast at a time, so that Ctrl-C need not wait for all.
+/// The number of rays cast at a time, so that Ctrl-C need not wait for all.
 const AT_A_TIME: usize = 1 << 20;
 
-/// Finds what each ray first meets. Where that is nothing, normals and barycentrics are 0.
+/// Finds the first hit of each ray. Without a hit, normals and barycentrics are 0.
 pub(crate) fn cast(
     py: Python<'_>,
     world: Arc<Data>,
@@ -94,7 +94,7 @@ pub(crate) fn cast(
             let first = index * AT_A_TIME;
             let here = first..count.min(first + AT_A_TIME);
             let given = rays::Rays {
-                // One each, or one for all.
+                // One origin for each ray, or one for all.
                 origins: rays.origins.get(here.clone()).unwrap_or(&rays.origins),
                 directions: &rays.directions[here.clone()],
                 ranges: rays.ranges.as_ref().map(|ranges| &ranges[here]),
@@ -109,7 +109,7 @@ pub(crate) fn cast(
     })
 }
 
-/// An output in parts of as many rays as are cast at a time.
+/// Splits an output into chunks of [`AT_A_TIME`] rays.
 fn parts<T>(output: Option<&mut [T]>) -> impl Iterator<Item = &mut [T]> {
     output.into_iter().flat_map(|output| output.chunks_mut(AT_A_TIME))
 }

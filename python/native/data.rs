@@ -1,4 +1,4 @@
-//! What there is in a world: a scene, and bodies that move as one.
+//! The contents of a world: a scene, and bodies that move as one.
 
 use crate::errors::value_error;
 use belvedere::description::load::Described;
@@ -10,29 +10,29 @@ use belvedere_sensors::scene::{InstanceId, SceneBuilder};
 use pyo3::PyResult;
 use std::collections::HashMap;
 
-/// What there is. Batches that are under way keep theirs while the world is changed.
+/// The contents of a world. Running batches keep theirs while the world is changed.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Data {
     pub(crate) builder: SceneBuilder,
     pub(crate) bodies: Vec<Body>,
-    /// Numbers of bodies, of those that share a name the first.
+    /// Numbers of bodies by name; the first one if several share a name.
     by_name: HashMap<String, usize>,
-    /// Of the names `body_…` those up to this number are taken, or passed over.
+    /// The largest number whose name `body_…` is taken or was skipped.
     named: usize,
 }
 
-/// What moves as one.
+/// A body, which moves as one.
 #[derive(Debug, Clone)]
 pub(crate) struct Body {
     pub(crate) name: String,
-    /// In the world.
+    /// Its pose in the world.
     pub(crate) pose: Pose,
-    /// Its instances, and where they are in its frame.
+    /// Its instances, and their poses in its frame.
     pub(crate) parts: Vec<(InstanceId, Pose)>,
 }
 
 impl Data {
-    /// What the sensors of a simulation see now.
+    /// Returns what the sensors of a simulation see now.
     pub(crate) fn of_simulation(simulation: &mut Simulation) -> Self {
         let names = names(simulation.entities());
         let scene = simulation.scene();
@@ -72,7 +72,7 @@ impl Data {
         self.by_name.get(name).copied()
     }
 
-    /// A name for a body that was given none: `body_…` with its number, or the next that nobody has.
+    /// Returns a name for an unnamed body: `body_…` with its number, or the next free one.
     pub(crate) fn free_name(&mut self) -> String {
         self.named = self.named.max(self.bodies.len());
         loop {
@@ -84,7 +84,7 @@ impl Data {
         }
     }
 
-    /// Adds a body; its number.
+    /// Adds a body and returns its number.
     pub(crate) fn push(&mut self, body: Body) -> usize {
         let number = self.bodies.len();
         self.by_name.entry(body.name.clone()).or_insert(number);
@@ -93,7 +93,7 @@ impl Data {
     }
 }
 
-/// `model::link` by the numbers of models and links.
+/// Returns the names `model::link` by the numbers of models and links.
 fn names(entities: &Entities) -> Vec<(String, Vec<String>)> {
     let mut names = Vec::new();
     for (id, entity) in entities.iter() {

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 use std::ops::RangeInclusive;
 
-/// Focal lengths that models of devices take, in pixels.
+/// The focal lengths in pixels that device models accept.
 const FOCAL_PX: RangeInclusive<f64> = 1e-6..=1e6;
 
 #[pyclass(frozen, module = "belvedere._native")]
@@ -82,14 +82,14 @@ impl DepthCamera {
             }
         }
         let range = [range[0].unwrap_or(limits[0]), range[1].unwrap_or(limits[1])];
-        // As the Python face numbers them.
+        // The numbers used by the Python package.
         let faces = if faces == 1 { Faces::Both } else { Faces::Front };
         let camera = Self { eye, range, model: depth_model, faces };
         depth::DepthCamera::new(camera.config(0)).map_err(value_error)?;
         Ok(camera)
     }
 
-    /// The presets: name, size, horizontal field of view in degrees, range in metres.
+    /// Returns the presets: name, size, horizontal field of view in degrees, range in metres.
     #[staticmethod]
     fn presets() -> Vec<(&'static str, [u32; 2], f64, [f64; 2])> {
         let all = presets::ALL.iter();

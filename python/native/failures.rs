@@ -9,14 +9,14 @@ pyo3::import_exception!(belvedere._errors, IncompatibleError);
 pyo3::import_exception!(belvedere._errors, InvalidNameError);
 pyo3::import_exception!(belvedere._errors, LimitError);
 
-/// The exception that a program in Python can catch for this failure, with the bridge's words where they fit Python.
+/// Returns the Python exception for this failure, with the bridge's message if it fits Python.
 pub(crate) fn raised(error: Error) -> PyErr {
     let words = error.to_string();
     match error {
         Error::InvalidDomain(_) | Error::InvalidTopic { .. } => InvalidNameError::new_err(words),
         Error::Incompatible { .. } => IncompatibleError::new_err(words),
         Error::TooManySubscribers { .. } => LimitError::new_err(words),
-        // Here a frame is released when the last variable that refers to it is gone.
+        // In Python a frame is released when the last variable that refers to it is gone.
         Error::TooManyHeld { topic, max } => LimitError::new_err(format!(
             "{max} frames of {topic} are held: release one, or copy() what is needed"
         )),

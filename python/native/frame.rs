@@ -1,18 +1,18 @@
-//! A received frame, which numpy looks at where it lies.
+//! A received frame, which numpy accesses in place.
 
 use crate::own::Own;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 
-/// A frame in shared memory. An array of numpy that is made of it refers to it, so that the memory stays as it is for as
-/// long as the array is there.
+/// A frame in shared memory. A numpy array of the frame refers to it, so that the memory does not change as long as the
+/// array exists.
 #[pyclass(frozen, weakref, module = "belvedere._native")]
 pub(crate) struct Frame {
     held: Own<belvedere_bridge::Frame>,
-    /// The bytes of its header, which was checked.
+    /// The bytes of its checked header.
     #[pyo3(get)]
     header: Py<PyBytes>,
-    /// Where its payload lies, which does not move, and how long it is.
+    /// Address and length of its payload, which does not move.
     payload: (usize, usize),
     #[pyo3(get)]
     missed: u64,
@@ -38,7 +38,7 @@ impl Frame {
 
 #[pymethods]
 impl Frame {
-    /// What numpy asks an object for whose memory it is to look at: here, without writing.
+    /// Returns the interface by which numpy reads the object's memory, without writing.
     #[getter]
     fn __array_interface__<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         self.held.check()?;

@@ -1,27 +1,27 @@
-//! Ctrl-C, and what other signals raise, while something takes long.
+//! Handling of Ctrl-C and other signals during long operations.
 
 use pyo3::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-/// How long a signal waits at the most before it is looked for.
+/// The longest delay until a signal is handled.
 const PATIENCE: Duration = Duration::from_millis(50);
 
-/// Tells those who work that they are to leave off.
+/// A flag that asks workers to stop.
 #[derive(Default)]
 pub(crate) struct Interrupt(AtomicBool);
 
 impl Interrupt {
-    /// Whether to leave off.
+    /// Returns true if workers should stop.
     pub(crate) fn is_set(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
 
-    /// Runs the handlers of signals that have come, if the last look is some time ago: for a caller that works itself.
+    /// Runs the handlers of pending signals, unless that was done recently: for a caller that works itself.
     ///
     /// # Errors
-    /// What a handler raised.
+    /// The exception of a handler.
     pub(crate) fn look(&self, last: &mut Instant) -> PyResult<()> {
         if last.elapsed() < PATIENCE {
             return Ok(());
@@ -30,10 +30,10 @@ impl Interrupt {
         self.raise()
     }
 
-    /// Waits for an answer of those who work, and has them leave off when a handler raises; none if they are gone.
+    /// Waits for an answer of the workers, and asks them to stop if a handler raises. Returns `None` if they are gone.
     ///
     /// # Errors
-    /// What a handler raised, when their answer has come.
+    /// The exception of a handler, once the answer has arrived.
     pub(crate) fn wait<T>(&self, answer: &Receiver<T>) -> PyResult<Option<T>> {
         loop {
             match answer.recv_timeout(PATIENCE) {

@@ -1,4 +1,4 @@
-//! Lenses: which way the rays of a camera go.
+//! Lenses, which give the directions of a camera's rays.
 
 use crate::errors::of;
 use belvedere_sensors::ParameterError;
@@ -8,14 +8,14 @@ use belvedere_sensors::optics::{
 };
 use pyo3::PyResult;
 
-/// The rays of a camera, in memory of their own.
+/// The rays of a camera, in owned memory.
 pub(crate) enum Rays {
     Pinhole(PinholeGrid),
     Table(Box<RayTableBuf>),
 }
 
 impl Rays {
-    /// Of a lens by its name; the numbers are fx, fy, cx, cy, skew and then those of the model.
+    /// Creates the rays of a lens by its name; the numbers are fx, fy, cx, cy, skew, followed by those of the model.
     pub(crate) fn new(width: u32, height: u32, lens: &str, numbers: &[f64]) -> PyResult<Self> {
         let (_, own) = MODELS.iter().find(|(name, _)| *name == lens).ok_or_else(|| {
             let names = MODELS.map(|(name, _)| name).join(", ");
@@ -42,12 +42,12 @@ impl Rays {
         }
     }
 
-    /// Of a pinhole with square pixels: the horizontal field of view in radians.
+    /// Creates the rays of a pinhole with square pixels, from the horizontal field of view in radians.
     pub(crate) fn from_fov(width: u32, height: u32, fov: f64) -> PyResult<Self> {
         PinholeGrid::from_fov(width, height, fov).map(Self::Pinhole).map_err(|error| of("fov", error))
     }
 
-    /// Lends it to a sensor.
+    /// Borrows the rays for a sensor.
     pub(crate) fn optics(&self) -> Optics<'_> {
         match self {
             Self::Pinhole(grid) => Optics::Pinhole(*grid),
@@ -55,7 +55,7 @@ impl Rays {
         }
     }
 
-    /// The focal length along rows in pixels, as depth models take it, if it is a pinhole.
+    /// Returns the horizontal focal length in pixels, which depth models need, if the lens is a pinhole.
     pub(crate) fn focal_px(&self) -> Option<f64> {
         match self {
             Self::Pinhole(grid) => Some(grid.intrinsics().fx),
@@ -64,7 +64,7 @@ impl Rays {
     }
 }
 
-/// The models by name, and what each takes besides fx, fy, cx, cy and skew.
+/// The models by name, with their parameters besides fx, fy, cx, cy and skew.
 const MODELS: [(&str, &str); 7] = [
     ("pinhole", ""),
     ("brown_conrady", "k1 k2 p1 p2 …"),
@@ -76,12 +76,12 @@ const MODELS: [(&str, &str); 7] = [
 ];
 
 enum Named {
-    /// A pinhole without skew, which is a rule and no table.
+    /// A pinhole without skew, which needs no table.
     Pinhole,
     Lens(Box<dyn Lens>),
 }
 
-/// The model of a lens; none if it does not take so many numbers.
+/// Returns the model of a lens; `None` if the number of parameters is wrong.
 fn named(name: &str, intrinsics: Intrinsics, numbers: &[f64]) -> Result<Option<Named>, ParameterError> {
     Ok(Some(Named::Lens(match (name, numbers) {
         ("pinhole", []) if intrinsics.skew == 0.0 => return Ok(Some(Named::Pinhole)),

@@ -1,30 +1,31 @@
-//! The module `belvedere._native`: the sensors, the simulator and the streams of one for Python.
+//! The module `belvedere._native`: Belvedere's sensors, simulator and streams for Python.
 //!
-//! Here arrays become slices and slices are rendered into, and the ends of streams become objects; what arguments mean, defaults and shapes are the Python
-//! package's (`src/belvedere`), which alone uses this module. Whatever takes time runs without the interpreter's lock.
+//! This module converts arrays to slices, renders into slices, and wraps the ends of streams in objects. The Python
+//! package (`src/belvedere`), its only user, defines arguments, defaults and shapes. Long operations release the
+//! interpreter's lock.
 //!
-//! | module | is |
+//! | module | contents |
 //! |---|---|
 //! | `errors` | exceptions that name the argument |
 //! | `poses` | arrays of poses |
 //! | `outputs` | the caller's arrays, as slices frame by frame |
-//! | `pool` | threads, and the memory that each works in |
-//! | `interrupt` | Ctrl-C while something takes long |
+//! | `pool` | threads, and their working memory |
+//! | `interrupt` | Ctrl-C during long operations |
 //! | `data` | a scene, and bodies that move as one |
-//! | `world` | worlds as Python makes them |
+//! | `world` | worlds built by Python |
 //! | `load` | worlds and robots from files |
 //! | `looks` | colours and lamps of each world of a batch |
-//! | `shots` | from where and when a batch is seen |
-//! | `path` | the way of what turns, in steps |
+//! | `shots` | poses of sensor and bodies for each frame of a batch |
+//! | `path` | interpolation of rotating motion |
 //! | `lens`, `camera`, `depth_camera`, `lidar`, `scanner` | the sensors |
-//! | `cast` | rays with nothing in common |
-//! | `simulation` | a world that runs |
-//! | `own` | what is shared with other processes: one thread at a time, and not in a forked child |
+//! | `cast` | arbitrary rays |
+//! | `simulation` | running simulations |
+//! | `own` | objects in shared memory: used by one thread at a time, and not in a forked child |
 //! | `failures` | failures of the bridge as exceptions |
-//! | `node`, `subscriber`, `frame`, `sender` | streams of a simulator that runs beside |
+//! | `node`, `subscriber`, `frame`, `sender` | streams of a simulator in another process |
 #![forbid(unsafe_code)]
-#![allow(missing_docs, reason = "the interface is Python's, and described in `_native.pyi`")]
-#![allow(clippy::needless_pass_by_value, reason = "what Python hands over is owned")]
+#![allow(missing_docs, reason = "the interface is for Python, and documented in `_native.pyi`")]
+#![allow(clippy::needless_pass_by_value, reason = "arguments from Python are owned")]
 #![allow(clippy::too_many_arguments, reason = "keywords of Python")]
 
 mod camera;
@@ -54,7 +55,7 @@ mod world;
 
 use pyo3::prelude::*;
 
-/// Sensors and simulator, for the package `belvedere` alone.
+/// Sensors, simulator and streams, only for the package `belvedere`.
 #[pymodule]
 mod _native {
     #[pymodule_export]

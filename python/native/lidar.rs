@@ -1,4 +1,4 @@
-//! Lidars with an even grid of beams.
+//! Lidars with a regular grid of beams.
 
 use crate::camera::gaussian;
 use crate::errors::value_error;

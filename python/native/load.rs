@@ -7,13 +7,13 @@ use belvedere::description::{Diagnostics, Rules, Severity};
 use pyo3::PyResult;
 use std::path::PathBuf;
 
-/// Where packages are found, and what xacro is told.
+/// Search paths of packages, and arguments of xacro.
 pub(crate) struct Options {
-    /// Folders of packages, looked into first.
+    /// Folders of packages, searched first.
     pub(crate) package_path: Vec<PathBuf>,
-    /// The folder of the worlds and robots that have names, if the package brings it along.
+    /// The folder of named worlds and robots, if the package contains one.
     pub(crate) models: PathBuf,
-    /// What `$(arg name)` gives.
+    /// Values of `$(arg name)`.
     pub(crate) xacro_args: Vec<(String, String)>,
 }
 
@@ -27,7 +27,7 @@ impl Options {
     }
 }
 
-/// Reads a file, a name, or a text, which begins with `<`. What is ignored comes along.
+/// Reads a file, a name, or a text, which begins with `<`. Also returns notes about ignored elements.
 ///
 /// # Errors
 /// The lines that the command line prints.

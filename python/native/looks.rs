@@ -1,4 +1,4 @@
-//! Looks of each world of a batch: colours and pictures of bodies, lamps, light from everywhere.
+//! Appearance of each world of a batch: colours and textures of bodies, lamps, ambient light.
 
 use crate::data::Data;
 use crate::errors::of;
@@ -6,9 +6,8 @@ use belvedere_sensors::scene::{Environment, Light, Material, Scene, SceneError};
 use numpy::{Element, PyReadonlyArrayDyn};
 use pyo3::PyResult;
 
-/// Arrays as Python hands them over, each if it is wanted: colours of bodies (N, bodies, 3), colours of lamps (N, lamps, 3),
-/// where lamps are or which way they shine (N, lamps, 3), light from everywhere (N, 3), whether pictures are on bodies
-/// (N, bodies).
+/// Optional arrays from Python: colours of bodies (N, bodies, 3), colours of lamps (N, lamps, 3), positions or
+/// directions of lamps (N, lamps, 3), ambient light (N, 3), whether bodies are textured (N, bodies).
 pub(crate) type GivenLooks<'py> = (
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
@@ -17,7 +16,7 @@ pub(crate) type GivenLooks<'py> = (
     Option<PyReadonlyArrayDyn<'py, bool>>,
 );
 
-/// The same, checked. What is none is as the world has it, as is a body whose colour is NaN.
+/// Checked appearances. Missing arrays, and NaN as the colour of a body, mean the world's own values.
 pub(crate) struct Looks {
     colors: Option<Vec<[f32; 3]>>,
     light_colors: Option<Vec<[f32; 3]>>,
@@ -39,7 +38,7 @@ impl Looks {
         })
     }
 
-    /// The scene of a frame.
+    /// Returns the scene of a frame.
     pub(crate) fn of_frame<'a>(
         &self,
         world: &'a Data,
@@ -89,7 +88,7 @@ impl Looks {
     }
 }
 
-/// So many yes or no.
+/// Returns an array of `need` flags.
 fn flags(argument: &str, array: &PyReadonlyArrayDyn<'_, bool>, need: usize) -> PyResult<Vec<bool>> {
     let flags = array.as_slice().map_err(|error| of(argument, error))?;
     if flags.len() != need {
@@ -98,7 +97,7 @@ fn flags(argument: &str, array: &PyReadonlyArrayDyn<'_, bool>, need: usize) -> P
     Ok(flags.to_vec())
 }
 
-/// So many rows of three numbers.
+/// Returns an array of `need` rows of three numbers.
 fn rows<T: Element + bytemuck::Pod>(
     argument: &str,
     array: &PyReadonlyArrayDyn<'_, T>,

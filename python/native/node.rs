@@ -1,4 +1,4 @@
-//! This process's membership of a domain, and what there is in it.
+//! Membership of a domain, and its streams.
 
 use crate::failures::raised;
 use crate::own::Own;
@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 #[pyclass(frozen, module = "belvedere._native")]
 pub(crate) struct Node(Own<belvedere_bridge::Node>);
 
-/// A stream: topic, kind, encoding, rate, frame, layers; none where its publisher says nothing.
+/// A stream: topic, kind, encoding, rate, frame, layers; `None` for values that its publisher did not declare.
 type Stream = (String, Option<&'static str>, Option<&'static str>, Option<f64>, Option<String>, Option<u32>);
 
 #[pymethods]
@@ -22,7 +22,7 @@ impl Node {
         Ok(Self(Own::new(node)))
     }
 
-    /// Lists what there is in the domain, by topic.
+    /// Lists the streams of the domain, by topic.
     fn streams(&self, py: Python<'_>) -> PyResult<Vec<Stream>> {
         let streams = self.0.with(py, |node| node.streams())?.map_err(raised)?;
         Ok(streams.into_iter().map(described).collect())
@@ -32,12 +32,12 @@ impl Node {
         self.0.with(py, |node| node.subscriber(topic))?.map_err(raised).map(Subscriber::new)
     }
 
-    /// Makes the sending end of a stream of structs of a kind, by its number.
+    /// Creates the publisher of a stream of structs, by the number of the kind.
     fn sender(&self, py: Python<'_>, topic: &str, kind: u16) -> PyResult<Sender> {
         Sender::new(self.0.with(py, |node| node.clone())?, topic, kind)
     }
 
-    /// Removes what killed processes of the domain have left.
+    /// Removes what killed processes of the domain left.
     fn clean_up_dead(&self, py: Python<'_>) -> PyResult<()> {
         self.0.with(py, |node| node.clean_up_dead())
     }

@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::slice::ChunksExactMut;
 
-/// Arrays that are borrowed for writing: nobody else of this module has them meanwhile.
+/// Arrays that are borrowed exclusively for writing.
 pub(crate) struct Outputs<'py>(Vec<(String, Array<'py>)>);
 
 enum Array<'py> {
@@ -31,7 +31,7 @@ impl<'py> Outputs<'py> {
         borrowed.collect::<PyResult<_>>().map(Self)
     }
 
-    /// The slices of so many frames.
+    /// Returns the slices for this many frames.
     pub(crate) fn lend(&mut self, frames: usize) -> PyResult<Slices<'_>> {
         let slices = self.0.iter_mut().map(|(name, array)| {
             let argument = format!("out[{name:?}]");
@@ -54,7 +54,7 @@ fn borrow<'py>(argument: &str, array: &Bound<'py, PyAny>) -> PyResult<Array<'py>
         array: &Bound<'py, PyAny>,
     ) -> Option<PyResult<PyReadwriteArrayDyn<'py, T>>> {
         let array = array.cast::<PyArrayDyn<T>>().ok()?;
-        // Read-only, or borrowed: by another thread, or as another argument of this call.
+        // It is read-only, or borrowed by another thread or as another argument of this call.
         Some(array.try_readwrite().map_err(|error| {
             of(argument, format_args!("{error}; give an array that is writeable and that nothing else uses"))
         }))
@@ -72,7 +72,7 @@ fn slice<'a, T: Element>(argument: &str, array: &'a mut PyReadwriteArrayDyn<'_, 
     array.as_slice_mut().map_err(|error| of(argument, error))
 }
 
-/// Slices by channel, of which each is taken once.
+/// Slices by channel; each is taken once.
 pub(crate) struct Slices<'a> {
     frames: usize,
     slices: Vec<(&'a str, Slice<'a>)>,
@@ -86,16 +86,16 @@ enum Slice<'a> {
     U32(&'a mut [u32]),
 }
 
-/// The parts of a channel that are a frame each; none if it is not wanted.
+/// The chunks of a channel, one for each frame; `None` if the channel is not requested.
 pub(crate) struct Frames<'a, T>(Option<ChunksExactMut<'a, T>>);
 
 impl<'a, T> Frames<'a, T> {
-    /// That of the next frame.
+    /// Returns the chunk of the next frame.
     pub(crate) fn next(&mut self) -> Option<&'a mut [T]> {
         self.0.as_mut()?.next()
     }
 
-    /// Whether it is wanted.
+    /// Returns true if the channel is requested.
     pub(crate) fn is_wanted(&self) -> bool {
         self.0.is_some()
     }
@@ -103,7 +103,7 @@ impl<'a, T> Frames<'a, T> {
 
 macro_rules! takers {
     ($($name:ident: $kind:ident $type:ty,)*) => {$(
-        /// Takes a channel of `len` elements a frame.
+        /// Takes a channel of `len` elements per frame.
         pub(crate) fn $name<T: Pod>(&mut self, name: &str, len: usize) -> PyResult<Frames<'a, T>> {
             let Some(index) = self.slices.iter().position(|(of, _)| *of == name) else { return Ok(Frames(None)) };
             let (name, slice) = self.slices.swap_remove(index);
@@ -130,7 +130,7 @@ impl<'a> Slices<'a> {
         u32: U32 u32,
     }
 
-    /// Takes the channels of truth, whose distances are called so.
+    /// Takes the channels of ground truth, with these names of distances.
     pub(crate) fn truth(&mut self, depth: &str, range: &str, rays: usize) -> PyResult<TruthFrames<'a>> {
         Ok(TruthFrames {
             depth: self.f32(depth, rays)?,
@@ -144,7 +144,7 @@ impl<'a> Slices<'a> {
         })
     }
 
-    /// That no channel is left over.
+    /// Checks that no channel is left.
     pub(crate) fn finish(self) -> PyResult<()> {
         match self.slices.first() {
             None => Ok(()),
@@ -153,7 +153,7 @@ impl<'a> Slices<'a> {
     }
 }
 
-/// Channels of truth.
+/// Channels of ground truth.
 pub(crate) struct TruthFrames<'a> {
     depth: Frames<'a, f32>,
     range: Frames<'a, f32>,
@@ -166,12 +166,12 @@ pub(crate) struct TruthFrames<'a> {
 }
 
 impl<'a> TruthFrames<'a> {
-    /// Whether flow to the moment after, and to the one before, is wanted.
+    /// Returns whether flow to the next and to the previous frame is requested.
     pub(crate) fn flows(&self) -> [bool; 2] {
         [self.flow.is_wanted(), self.flow_back.is_wanted()]
     }
 
-    /// Where the truth of the next frame goes.
+    /// Returns the outputs for the ground truth of the next frame.
     pub(crate) fn next(&mut self) -> Truth<'a> {
         let mut truth = Truth::new();
         truth.depth = self.depth.next();

@@ -1,21 +1,21 @@
-//! What a process shares with others, as an object of Python: used by one thread at a time, and left alone by a process
-//! that was forked.
+//! Objects in memory shared with other processes, as Python objects: used by one thread at a time, and left alone by a
+//! forked process.
 
 use crate::failures::BridgeError;
 use pyo3::prelude::*;
 use std::process;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-/// Owns ports, frames or a membership, whose files in shared memory go when it is dropped.
+/// The owner of ports, frames or a node, whose files in shared memory are removed when it is dropped.
 ///
-/// A child made by `fork` has a copy of this, but the files stay its parent's: there the copy refuses to be used, and is
-/// leaked instead of dropped.
+/// A child made by `fork` has a copy of this object, but the files belong to its parent: in the child the copy cannot
+/// be used, and is leaked instead of dropped.
 pub(crate) struct Own<T> {
     process: u32,
-    /// Only `None` while it is dropped. In a box, since headers are aligned to 64 bytes and Python's objects to 16.
+    /// `None` only during drop. Boxed, since headers are aligned to 64 bytes and Python objects to 16.
     inside: Option<Box<Mutex<T>>>,
-    /// Held by the thread that is next. Without it a thread that waits in a loop would take `inside` again each time
-    /// before another one has woken.
+    /// Held by the next thread in line. Without it, a thread that waits in a loop would lock `inside` again before
+    /// another thread wakes.
     next: Mutex<()>,
 }
 
@@ -24,10 +24,11 @@ impl<T: Send> Own<T> {
         Self { process: process::id(), inside: Some(Box::new(Mutex::new(inside))), next: Mutex::new(()) }
     }
 
-    /// Uses it without the interpreter's lock, which `act` cannot take: two threads cannot wait for each other.
+    /// Uses the object with the interpreter's lock released. `act` cannot take that lock, so two threads cannot
+    /// deadlock.
     ///
     /// # Errors
-    /// In a forked child.
+    /// If this process is a forked child.
     pub(crate) fn with<R: Send>(&self, py: Python<'_>, act: impl FnOnce(&mut T) -> R + Send) -> PyResult<R> {
         let inside = self.here()?;
         Ok(py.detach(|| {
@@ -38,10 +39,10 @@ impl<T: Send> Own<T> {
         }))
     }
 
-    /// Checks that this is the process that made it.
+    /// Checks that this process created the object.
     ///
     /// # Errors
-    /// In a forked child.
+    /// If this process is a forked child.
     pub(crate) fn check(&self) -> PyResult<()> {
         self.here().map(drop)
     }

@@ -1,15 +1,16 @@
-//! The way of what turns, in steps that are short enough.
+//! Interpolation of rotating motion in sufficiently small steps.
 
 use belvedere_sensors::Pose;
 
-/// The cosine of half of 0.05 rad: [`Pose::interpolate`] is even motion where turns are smaller than that.
+/// The cosine of half of 0.05 rad: for smaller rotations [`Pose::interpolate`] is uniform motion.
 const LEAST_COSINE: f64 = 0.999_687_516_275_7;
 
-/// Places at even times from the first to the last, between which nothing turns by 0.05 rad: all turn evenly, by the
-/// shorter way, and go straight. Each is as many poses as the two have.
+/// Returns poses at equally spaced times from the first to the last, such that nothing turns by 0.05 rad or more
+/// between two of them. Rotations are uniform and take the shorter way; translations are straight. Each element has as
+/// many poses as `first` and `last`.
 pub(crate) fn steps(first: Vec<Pose>, last: Vec<Pose>) -> Vec<Vec<Pose>> {
     let mut steps = vec![first, last];
-    // What turns evenly turns as far in each step, and is halfway at a place that is known without sines.
+    // A uniform rotation turns by the same angle in each step, and its midpoint needs no sines.
     while turns_far(&steps[0], &steps[1]) {
         let mut finer = Vec::with_capacity(2 * steps.len() - 1);
         for pair in steps.windows(2) {

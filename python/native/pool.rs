@@ -1,4 +1,4 @@
-//! Threads, and the memory that each works in.
+//! Threads, and their working memory.
 
 use belvedere_sensors::scene::{Light, Material};
 use belvedere_sensors::trace::WorkspaceBuf;
@@ -14,19 +14,19 @@ use std::time::Instant;
 use crate::errors::{of, value_error};
 use crate::interrupt::Interrupt;
 
-/// Of fewer rays no thread is woken: that takes as long as to trace them.
+/// For fewer rays no thread is woken, since that takes as long as tracing them.
 const FEW_RAYS: usize = 20_000;
 
-/// So many sizes of pools are kept; the threads of others end when their work is done.
+/// The number of pool sizes that are kept; the threads of other pools end when their work is done.
 const KEPT: usize = 2;
 
 static POOLS: Mutex<Pools> = Mutex::new(Pools { process: 0, recent: Vec::new() });
 
-/// The pools that were used last.
+/// The most recently used pools.
 struct Pools {
-    /// Whose threads they are.
+    /// The process that owns the threads.
     process: u32,
-    /// By number of threads, that of the last call at the end.
+    /// Keyed by the number of threads; the most recent one is last.
     recent: Vec<(usize, Arc<ThreadPool>)>,
 }
 
@@ -34,7 +34,7 @@ impl Pools {
     fn of_size(&mut self, count: usize) -> PyResult<Arc<ThreadPool>> {
         let process = std::process::id();
         if self.process != process {
-            // A forked child has none of its parent's threads, and nobody to hear that their pools have ended.
+            // A forked child has none of its parent's threads, so the end of their pools cannot be awaited.
             std::mem::forget(std::mem::take(&mut self.recent));
             self.process = process;
         }
@@ -53,13 +53,13 @@ impl Pools {
     }
 }
 
-/// What a thread works in. It is kept, so that batch after batch nothing is allocated.
+/// The working memory of a thread, which is kept so that later batches allocate nothing.
 #[derive(Default)]
 pub(crate) struct Memory {
     pub(crate) workspace: WorkspaceBuf,
-    /// Where instances are now, then, and before.
+    /// Poses of instances now, in the next and in the previous frame.
     pub(crate) poses: [Vec<Pose>; 3],
-    /// How things look in a frame, and its lamps.
+    /// Materials and lamps of a frame.
     pub(crate) materials: Vec<Material>,
     pub(crate) lights: Vec<Light>,
 }
@@ -68,7 +68,7 @@ thread_local! {
     static MEMORY: Cell<Option<Box<Memory>>> = const { Cell::new(None) };
 }
 
-/// Lends this thread's memory. Work that is stolen while it is lent gets another.
+/// Lends this thread's memory. Work that is stolen meanwhile gets another one.
 fn with_memory<T>(execution: Execution, work: impl FnOnce(&mut Memory) -> T) -> T {
     let mut memory = MEMORY.take().unwrap_or_default();
     memory.workspace.execution = execution;
@@ -77,12 +77,12 @@ fn with_memory<T>(execution: Execution, work: impl FnOnce(&mut Memory) -> T) -> 
     done
 }
 
-/// Threads to work with.
+/// A number of threads to work with.
 #[derive(Clone)]
 pub(crate) struct Threads(Option<Arc<ThreadPool>>);
 
 impl Threads {
-    /// So many; for 0, one each processor.
+    /// Returns the number of threads; for 0, one per processor.
     pub(crate) fn count(threads: usize) -> usize {
         match threads {
             0 => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
@@ -90,7 +90,8 @@ impl Threads {
         }
     }
 
-    /// So many; 0 stands for one each processor. For one, and for few rays, the caller's own.
+    /// Creates this number of threads; 0 means one per processor. Work with one thread, or with few rays, runs on the
+    /// caller's thread.
     pub(crate) fn new(threads: usize, rays: usize) -> PyResult<Self> {
         let count = Self::count(threads);
         if count == 1 || rays < FEW_RAYS {
@@ -99,8 +100,9 @@ impl Threads {
         POOLS.lock().unwrap_or_else(PoisonError::into_inner).of_size(count).map(|pool| Self(Some(pool)))
     }
 
-    /// Takes frames, each by itself. If there are fewer than threads, several work on one. The first error is the answer, as
-    /// is what a signal raises, Ctrl-C's `KeyboardInterrupt`; other frames may have been written then.
+    /// Renders frames independently. If there are fewer frames than threads, several threads work on one. Returns the
+    /// first error, or the exception of a signal handler, such as `KeyboardInterrupt` for Ctrl-C; other frames may have
+    /// been written then.
     pub(crate) fn for_each<F: Send>(
         &self,
         frames: Vec<F>,
@@ -129,12 +131,12 @@ impl Threads {
                     let frames = frames.into_par_iter().enumerate();
                     frames.try_for_each(|frame| one(Execution::default(), frame))
                 };
-                // Who asked is waiting.
+                // The receiver is waiting.
                 let _ = sender.send(done);
             });
             interrupt.wait(&done)
         })?;
-        // Of a thread that panics, the scope hands the panic on.
+        // The scope propagates the panic of a thread.
         answer.unwrap_or(Ok(())).map_err(value_error)
     }
 }

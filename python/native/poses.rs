@@ -1,4 +1,4 @@
-//! Arrays of poses: x y z, then the quaternion x y z w, as ROS writes them.
+//! Arrays of poses: x y z, then the quaternion x y z w, in the order of ROS.
 
 use crate::errors::of;
 use belvedere_sensors::Pose;
@@ -6,12 +6,12 @@ use glam::{DMat3, DQuat, DVec3};
 use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 
-/// Numbers of a pose.
+/// The number of values of a pose.
 const NUMBERS: usize = 7;
-/// How far the length of a quaternion may be from 1: what single precision and files of few digits leave.
+/// The largest deviation of a quaternion's length from 1, for single precision and files with few digits.
 const TOLERANCE: f64 = 1e-2;
 
-/// The poses of an array of (…, 7) that lies without gaps, each checked.
+/// Reads and checks the poses of a contiguous array (…, 7).
 pub(crate) fn read(argument: &str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyResult<Vec<Pose>> {
     let numbers = array.as_slice().map_err(|error| of(argument, error))?;
     numbers
@@ -23,7 +23,7 @@ pub(crate) fn read(argument: &str, array: &PyReadonlyArrayDyn<'_, f64>) -> PyRes
         .collect()
 }
 
-/// A pose of seven numbers.
+/// Reads a pose of seven numbers.
 pub(crate) fn one(numbers: &[f64]) -> Result<Pose, &'static str> {
     let &[x, y, z, qx, qy, qz, qw] = numbers else { return Err("is not of 7 numbers (x y z, qx qy qz qw)") };
     let (translation, rotation) = (DVec3::new(x, y, z), DQuat::from_xyzw(qx, qy, qz, qw));
@@ -36,24 +36,24 @@ pub(crate) fn one(numbers: &[f64]) -> Result<Pose, &'static str> {
     Ok(Pose::new(translation, rotation))
 }
 
-/// The seven numbers of a pose.
+/// Returns the seven numbers of a pose.
 pub(crate) fn numbers(pose: &Pose) -> [f64; NUMBERS] {
     let ([x, y, z], [qx, qy, qz, qw]) = (pose.translation().to_array(), pose.rotation().to_array());
     [x, y, z, qx, qy, qz, qw]
 }
 
-/// Which one is none, and why.
+/// The index of an invalid pose, with the reason.
 type Bad = (usize, &'static str);
 
-/// Which of the poses of (N, 7), that lie without gaps, is the first that is none, and why.
+/// Returns the first invalid pose of a contiguous array (N, 7), with the reason.
 #[pyfunction]
 pub(crate) fn bad_pose(poses: PyReadonlyArrayDyn<'_, f64>) -> PyResult<Option<Bad>> {
     let all = poses.as_slice().map_err(|error| of("poses", error))?;
     Ok(all.chunks_exact(NUMBERS).enumerate().find_map(|(index, pose)| Some((index, one(pose).err()?))))
 }
 
-/// Poses as seven numbers each, of (N, 4, 4) matrices that lie without gaps; of those up to the first that is none: which
-/// that is, and why.
+/// Converts contiguous matrices (N, 4, 4) to poses of seven numbers, up to the first invalid one, which is returned
+/// with the reason.
 #[pyfunction]
 pub(crate) fn poses_of_matrices<'py>(
     py: Python<'py>,

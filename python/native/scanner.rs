@@ -1,4 +1,4 @@
-//! Laser scanners as they are built, by their presets.
+//! Laser scanners by their presets.
 
 use crate::errors::{of, value_error};
 use crate::outputs::Outputs;
@@ -20,7 +20,7 @@ pub(crate) struct Scanner {
     returns: usize,
 }
 
-/// What is said of columns and turns that a preset has not together.
+/// Returns the error for a combination of columns and rate that a preset does not have.
 fn no_mode(preset: &Preset, columns: Option<u32>, rate_hz: Option<f64>) -> PyErr {
     let Preset { name, modes, rates_hz: [slowest, fastest], .. } = preset;
     if modes.is_empty() {
@@ -101,7 +101,7 @@ impl Scanner {
         presets::NAMES.to_vec()
     }
 
-    /// Which way the firings of a frame go in the frame of the sensor: (firings, 3).
+    /// Returns the directions of a frame's firings in the frame of the sensor: (firings, 3).
     fn directions<'py>(&self, py: Python<'py>, frame: u64) -> PyResult<Bound<'py, PyArray2<f32>>> {
         let scanner = scanner::Scanner::new(self.config).map_err(value_error)?;
         let direction = |index| scanner.firing(frame, index).direction.as_vec3().to_array();
@@ -110,7 +110,7 @@ impl Scanner {
         Ok(PyArray2::from_owned_array(py, array))
     }
 
-    /// Firings of a frame, returns of each, nanoseconds from a frame to the next.
+    /// Returns the firings of a frame, the returns of each, and the nanoseconds from one frame to the next.
     #[getter]
     fn size(&self) -> (usize, usize, u64) {
         (self.firings, self.returns, self.config.frame_time_ns)
@@ -158,7 +158,7 @@ impl Scanner {
                 shots.take(index, memory, |scene, capture, workspace| {
                     let mut capture = *capture;
                     let frame_time_s = self.config.frame_time_ns as f64 * 1e-9;
-                    // Where it goes to during the frame, if that is said.
+                    // The motion during the frame, if it was given.
                     if let (Shutter::Global(first), Some(Shutter::Global(last))) =
                         (capture.shutter, capture.after.take())
                     {

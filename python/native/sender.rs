@@ -1,4 +1,4 @@
-//! The sending end of a stream that another process makes, and reads.
+//! The sending end of a stream that another process creates and reads.
 
 use crate::errors::of;
 use crate::failures::raised;
@@ -13,22 +13,22 @@ struct End {
     node: Node,
     topic: String,
     kind: Kind,
-    /// While somebody takes what is sent.
+    /// Present while the stream has a receiver.
     publisher: Option<Publisher>,
 }
 
 impl Sender {
     pub(crate) fn new(node: Node, topic: &str, kind: u16) -> PyResult<Self> {
         let kind = Kind::from_wire(kind).ok_or_else(|| of("kind", format_args!("there is none {kind}")))?;
-        // As every end of a stream has it, and checked now, not when something is to be sent.
+        // Check the name now, and not at the first message.
         let topic = StreamSpec::command(topic, kind).name().map_err(raised)?.to_owned();
         Ok(Self(Own::new(End { node, topic, kind, publisher: None })))
     }
 }
 
 impl End {
-    /// Opens the stream if somebody takes what comes by it, and anew when that was started again, or for a longer tail.
-    /// A stream that is not there is not made: it would look to others as if something took commands.
+    /// Opens the stream if it has a receiver, and again if the receiver was restarted, or for longer texts. A missing
+    /// stream is not created: to other processes it would look as if it had a receiver.
     fn connect(&mut self, tail_len: usize) -> Result<Option<&Publisher>, Error> {
         let spec = match self.kind {
             Kind::SimulationCommand => StreamSpec::simulation_command(tail_len),
@@ -38,7 +38,7 @@ impl End {
             self.publisher = None;
             self.node.clean_up_dead();
         }
-        // Closed before the new one is opened: places for senders are few.
+        // Close the old publisher first: the stream has few publisher slots.
         self.publisher.take_if(|publisher| publisher.max_payload_len() < spec.max_payload_len);
         if self.publisher.is_none() {
             let is_taken = self.node.stream(&self.topic)?.is_some_and(|stream| stream.subscribers > 0);
@@ -69,17 +69,17 @@ impl Sender {
         self.0.with(py, |end| end.topic.clone())
     }
 
-    /// Sends the bytes of a struct and of what follows it; false while nobody is there to take it.
+    /// Sends the bytes of a struct and of the text after it. Returns false if there is no receiver.
     fn send(&self, py: Python<'_>, command: &[u8], tail: &[u8]) -> PyResult<bool> {
         self.0.with(py, |end| end.send(command, tail))?.map_err(raised)
     }
 
-    /// Whether somebody is there to take what is sent; never sleeps.
+    /// Returns true if the stream has a receiver; never sleeps.
     fn is_taken(&self, py: Python<'_>) -> PyResult<bool> {
         self.0.with(py, |end| Ok(end.connect(0)?.is_some()))?.map_err(raised)
     }
 
-    /// Closes the stream; the next to be sent opens it again.
+    /// Closes the stream; the next `send` opens it again.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.0.with(py, |end| end.publisher = None)
     }

@@ -1,4 +1,4 @@
-//! From where, and when, each frame of a batch is seen.
+//! The poses of sensor and bodies for each frame of a batch.
 
 use crate::data::Data;
 use crate::errors::of;
@@ -14,15 +14,15 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::sync::Arc;
 
-/// Other places of some bodies, frame by frame.
+/// Poses of moved bodies, frame by frame.
 #[derive(Default)]
 pub(crate) struct Moves {
     bodies: Vec<usize>,
-    /// Of each frame as many as there are bodies.
+    /// The poses of `bodies` for each frame.
     world_from_body: Vec<Pose>,
 }
 
-/// Where the sensor and the bodies are at the frames' moments.
+/// The poses of sensor and bodies at the times of the frames.
 pub(crate) struct Places {
     world_from_sensor: Vec<Pose>,
     moves: Moves,
@@ -32,30 +32,30 @@ pub(crate) struct Places {
 pub(crate) struct Shots {
     pub(crate) world: Arc<Data>,
     now: Places,
-    /// The moments that flow goes to.
+    /// The next and the previous frame, for optical flow.
     after: Option<Places>,
     before: Option<Places>,
     each: Each,
 }
 
-/// What each frame has of its own besides poses.
+/// Properties of each frame besides poses.
 struct Each {
     seeds: Vec<u64>,
     /// Numbers of frames.
     numbers: Vec<u64>,
-    /// Which frames are taken, if not all.
+    /// The frames to render, if not all.
     mask: Option<Vec<bool>>,
     looks: Option<Looks>,
 }
 
-/// The same as Python hands it over.
+/// Properties of each frame from Python.
 pub(crate) type GivenEach<'py> = (Vec<u64>, Vec<u64>, Option<Vec<bool>>, Option<GivenLooks<'py>>);
 
-/// A moment as Python hands it over: poses of the sensor, numbers of bodies, their poses.
+/// Poses at one time from Python: poses of the sensor, numbers of bodies, their poses.
 type Given<'py> = (PyReadonlyArrayDyn<'py, f64>, Vec<usize>, Option<PyReadonlyArrayDyn<'py, f64>>);
 
 impl Moves {
-    /// Of so many frames.
+    /// Reads the poses for this number of frames.
     pub(crate) fn read(
         argument: &str,
         world: &Data,
@@ -76,13 +76,13 @@ impl Moves {
         Ok(Self { bodies, world_from_body })
     }
 
-    /// The bodies that are elsewhere in a frame, and where.
+    /// Returns the moved bodies of a frame, with their poses.
     fn of_frame(&self, frame: usize) -> impl Iterator<Item = (usize, Pose)> {
         let moved = &self.world_from_body[frame * self.bodies.len()..][..self.bodies.len()];
         self.bodies.iter().copied().zip(moved.iter().copied())
     }
 
-    /// Where all instances are in a frame.
+    /// Returns the poses of all instances in a frame.
     pub(crate) fn place<'a>(&self, world: &'a Data, frame: usize, memory: &'a mut Vec<Pose>) -> &'a [Pose] {
         let stand = world.builder.poses();
         if self.bodies.is_empty() {
@@ -95,7 +95,7 @@ impl Moves {
     }
 }
 
-/// Puts the instances of bodies where those are.
+/// Moves the instances of bodies to the bodies' poses.
 fn put(world: &Data, bodies: impl Iterator<Item = (usize, Pose)>, world_from_instance: &mut [Pose]) {
     for (body, world_from_body) in bodies {
         for (instance, body_from_instance) in &world.bodies[body].parts {
@@ -132,7 +132,7 @@ impl Places {
         }
     }
 
-    /// Where the sensor is in a frame, and then all bodies.
+    /// Returns the pose of the sensor in a frame, followed by those of all bodies.
     fn all(&self, world: &Data, frame: usize) -> Vec<Pose> {
         let stand = world.bodies.iter().map(|body| body.pose);
         let mut all: Vec<_> = std::iter::once(self.world_from_sensor[frame]).chain(stand).collect();
@@ -142,7 +142,7 @@ impl Places {
 }
 
 impl Shots {
-    /// Checks what Python hands over: tuples of poses of the sensor, numbers of the bodies that are elsewhere, their poses.
+    /// Checks arguments from Python: tuples of poses of the sensor, numbers of moved bodies, their poses.
     pub(crate) fn read(
         world: Arc<Data>,
         now: &Bound<'_, PyTuple>,
@@ -170,7 +170,7 @@ impl Shots {
         Ok(Self { world, now, after, before, each: Each { seeds, numbers, mask, looks } })
     }
 
-    /// That there is a moment for each flow that is wanted.
+    /// Checks that the poses for each requested flow are present.
     pub(crate) fn check_flows(&self, [after, before]: [bool; 2]) -> PyResult<()> {
         for (is_wanted, there, flow, argument) in
             [(after, &self.after, "flow", "after"), (before, &self.before, "flow_back", "before")]
@@ -185,23 +185,24 @@ impl Shots {
         Ok(())
     }
 
-    /// How many there are.
+    /// Returns the number of frames.
     pub(crate) fn len(&self) -> usize {
         self.now.world_from_sensor.len()
     }
 
-    /// Whether a frame is taken.
+    /// Returns true if the frame is to be rendered.
     pub(crate) fn is_wanted(&self, frame: usize) -> bool {
         self.each.mask.as_ref().is_none_or(|mask| mask[frame])
     }
 
-    /// The seed of a frame.
+    /// Returns the seed of a frame.
     pub(crate) fn seed(&self, frame: usize) -> u64 {
         self.each.seeds[frame]
     }
 
-    /// Where the sensor and all instances are at even times between now and the moment after, so that nothing turns far
-    /// from one to the next. The two themselves are left out; if nothing turns far between them there are no others.
+    /// Returns the poses of sensor and instances at equally spaced times before the next frame, such that nothing turns
+    /// far from one to the next. The two frames themselves are excluded; if nothing turns far between them, the result
+    /// is empty.
     pub(crate) fn between(&self, frame: usize) -> Vec<(Pose, Vec<Pose>)> {
         let Some(after) = &self.after else { return Vec::new() };
         let world = &*self.world;
@@ -216,7 +217,7 @@ impl Shots {
         inner.iter().map(place).collect()
     }
 
-    /// Lends a frame's scene and moments.
+    /// Lends the scene and poses of a frame.
     pub(crate) fn take(
         &self,
         frame: usize,

@@ -1,4 +1,4 @@
-//! A world that runs, with robots in it.
+//! A running simulation with robots.
 
 use crate::data::Data;
 use crate::errors::{of, value_error};
@@ -24,31 +24,31 @@ use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A simulation, which lives in a thread of its own: not all of it may go from one thread to another.
+/// A simulation in its own thread, since parts of it cannot move to another thread.
 #[pyclass(frozen, module = "belvedere._native")]
 pub(crate) struct Simulation {
     jobs: Mutex<Sender<Job>>,
-    /// A forked child has no such thread.
+    /// The process that owns the thread; a forked child has no such thread.
     process: u32,
 }
 
 struct Inside {
     simulation: simulation::Simulation,
-    /// What frames are rendered into.
+    /// The buffers that frames are rendered into.
     frames: Vec<FrameBuf>,
     notes: Vec<String>,
-    /// The robot, or the thing, that was given for a world.
+    /// The robot or object that was given as the world.
     thing: Option<String>,
 }
 
 /// The header of a frame, and its payload.
 type Rendered<'py> = (Bound<'py, PyBytes>, Bound<'py, PyArray1<u8>>);
 
-/// Something to be done in the simulation's thread.
+/// A task for the simulation's thread.
 type Job = Box<dyn FnOnce(&mut Inside) + Send>;
 
 impl Simulation {
-    /// Does something in its thread, and waits for it without the interpreter's lock.
+    /// Runs a task in the simulation's thread and waits for it with the interpreter's lock released.
     fn with<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -57,7 +57,7 @@ impl Simulation {
         self.with_interrupt(py, |inside, _| job(inside))
     }
 
-    /// The same of what may leave off before its end.
+    /// Runs a task that can be interrupted.
     fn with_interrupt<T: Send + 'static>(
         &self,
         py: Python<'_>,
@@ -73,7 +73,7 @@ impl Simulation {
             let interrupt = Arc::new(Interrupt::default());
             let its_own = interrupt.clone();
             let job: Job = Box::new(move |inside| {
-                // Who asked is waiting.
+                // The receiver is waiting.
                 let _ = answer.send(job(inside, &its_own));
             });
             let sent = self.jobs.lock().unwrap_or_else(PoisonError::into_inner).send(job);
@@ -83,14 +83,14 @@ impl Simulation {
     }
 }
 
-/// Builds a simulation and does what is asked for, until nobody can ask any more.
+/// Builds a simulation and runs tasks until all senders are gone.
 fn live(
     build: impl FnOnce() -> PyResult<Inside>,
     ready: &Sender<PyResult<()>>,
     jobs: &Receiver<Job>,
     threads: usize,
 ) {
-    // This thread is one of those that render.
+    // This thread also renders.
     let pool = ThreadPoolBuilder::new().num_threads(threads).use_current_thread().build();
     let mut inside = match pool.map_err(|error| of("threads", error)).and_then(|pool| Ok((build()?, pool))) {
         Ok(inside) => inside,
@@ -113,7 +113,7 @@ impl Inside {
 
 #[pymethods]
 impl Simulation {
-    /// Of a world by file, name or text; of a robot, in an empty world.
+    /// Creates a simulation of a world by file, name or text, or of a robot in an empty world.
     #[new]
     fn new(
         py: Python<'_>,
@@ -149,7 +149,7 @@ impl Simulation {
         Ok(Self { jobs: Mutex::new(sender), process: std::process::id() })
     }
 
-    /// Brings a robot or a thing; gives its name.
+    /// Spawns a robot or an object and returns its name.
     fn spawn(
         &self,
         py: Python<'_>,
@@ -184,7 +184,7 @@ impl Simulation {
         self.with(py, |inside| Ok(inside.notes.clone()))
     }
 
-    /// The robot, or the thing, that was given for a world.
+    /// Returns the robot or object that was given as the world.
     #[getter]
     fn thing(&self, py: Python<'_>) -> PyResult<Option<String>> {
         self.with(py, |inside| Ok(inside.thing.clone()))
@@ -251,8 +251,8 @@ impl Simulation {
         })
     }
 
-    /// The frames of topics as they are now, those of one sensor of one frame: the bytes of its header, and the payload in
-    /// memory of its own; nothing of what has none.
+    /// Renders the current frames of topics; topics of one sensor are of one frame. Returns the bytes of each header
+    /// and its payload in owned memory, or `None` for a topic without a frame.
     fn render<'py>(&self, py: Python<'py>, topics: Vec<String>) -> PyResult<Vec<Option<Rendered<'py>>>> {
         let frames = self.with(py, move |inside| {
             let Inside { simulation, frames, .. } = inside;
@@ -270,7 +270,7 @@ impl Simulation {
         Ok(frames.into_iter().map(|frame| frame.map(lent)).collect())
     }
 
-    /// What is seen now, as a world of its own.
+    /// Returns a copy of the current state as a world.
     fn world(&self, py: Python<'_>) -> PyResult<World> {
         self.with(py, |inside| Ok(World::of_data(Data::of_simulation(&mut inside.simulation))))
     }

@@ -8,9 +8,9 @@ use pyo3::prelude::*;
 use std::os::fd::{AsRawFd as _, RawFd};
 use std::time::{Duration, Instant};
 
-/// How long another thread, or the handler of a signal, waits at most for one that sleeps.
+/// The longest time that another thread, or a signal handler, waits for a thread that sleeps.
 const PATIENCE: Duration = Duration::from_millis(50);
-/// A timeout that never ends.
+/// The timeout used for infinite waits.
 const FOR_EVER: Duration = Duration::from_secs(365 * 86_400);
 
 #[pyclass(frozen, module = "belvedere._native")]
@@ -18,7 +18,7 @@ pub(crate) struct Subscriber(Own<End>);
 
 enum End {
     Open(Box<belvedere_bridge::Subscriber>),
-    /// What was known last.
+    /// The last known values.
     Closed {
         missed_total: u64,
         silent_since: Instant,
@@ -46,7 +46,7 @@ impl Subscriber {
 
 #[pymethods]
 impl Subscriber {
-    /// Sleeps until there is a frame to take; false when so many seconds have passed, or the subscriber was closed.
+    /// Sleeps until a frame is available. Returns false if the timeout in seconds passes, or the subscriber is closed.
     fn wait(&self, py: Python<'_>, timeout: Option<f64>) -> PyResult<bool> {
         let deadline = Instant::now() + duration(timeout);
         loop {
@@ -74,7 +74,7 @@ impl Subscriber {
         self.taken(py, belvedere_bridge::Subscriber::take_newest)
     }
 
-    /// A descriptor that is readable when it is time to take; −1 after the subscriber was closed.
+    /// Returns a descriptor that is readable if `take` should be called; −1 after the subscriber was closed.
     fn fileno(&self, py: Python<'_>) -> PyResult<RawFd> {
         let fd = self.0.with(py, |end| match end {
             End::Open(subscriber) => subscriber.readiness().map(|fd| fd.as_raw_fd()),
@@ -99,7 +99,7 @@ impl Subscriber {
         })
     }
 
-    /// Seconds since the last frame, or since the subscriber was made.
+    /// Returns the seconds since the last frame, or since the subscriber was created.
     #[getter]
     fn silence(&self, py: Python<'_>) -> PyResult<f64> {
         self.0.with(py, |end| match end {
@@ -108,7 +108,7 @@ impl Subscriber {
         })
     }
 
-    /// Ends the subscription; frames that are held stay valid.
+    /// Closes the subscription; frames that are held remain valid.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         self.0.with(py, |end| {
             if let End::Open(subscriber) = end {
@@ -120,7 +120,7 @@ impl Subscriber {
     }
 }
 
-/// So many seconds; for ever without a number.
+/// Converts seconds; `None` is an infinite wait.
 fn duration(seconds: Option<f64>) -> Duration {
     match seconds {
         None => FOR_EVER,

@@ -1,4 +1,4 @@
-//! Shapes, looks and bodies: what sensors see, as Python makes it.
+//! Worlds built by Python: shapes, materials and bodies.
 
 use crate::cast;
 use crate::data::{Body, Data};
@@ -22,13 +22,13 @@ pub(crate) struct World {
     notes: Vec<String>,
 }
 
-/// How a surface looks, as Python hands it over: colour, emissive, specular, shininess, a picture with its width.
+/// A surface from Python: colour, emissive, specular, shininess, a texture with its width.
 type Look<'py> = ([f32; 4], [f32; 3], [f32; 3], f32, Option<(PyReadonlyArrayDyn<'py, u8>, u32)>, [f32; 2]);
 
-/// The same, checked: a material without its picture, and the picture with its width.
+/// A checked surface: a material without its texture, and the texture with its width.
 type Surface<'a> = (MaterialConfig, Option<(&'a [[u8; 4]], u32)>);
 
-/// What else is said of a body: name, pose, scale, class, retro-reflection, visibility.
+/// Other properties of a body: name, pose, scale, class, retro-reflection, visibility.
 type Said<'py> = (String, PyReadonlyArrayDyn<'py, f64>, [f64; 3], u32, f32, u32);
 
 impl World {
@@ -42,12 +42,12 @@ impl World {
         py.detach(|| act(&mut self.data.lock().unwrap_or_else(PoisonError::into_inner)))
     }
 
-    /// Returns what there is now.
+    /// Returns the current contents.
     pub(crate) fn data(&self, py: Python<'_>) -> Arc<Data> {
         self.with(py, |data| data.clone())
     }
 
-    /// Changes the world, or a copy that takes its place while a batch still uses it.
+    /// Changes the world, or a copy that replaces it while a batch still uses the original.
     fn change<T: Send>(
         &self,
         py: Python<'_>,
@@ -56,7 +56,7 @@ impl World {
         self.with(py, |data| change(Arc::make_mut(data)))
     }
 
-    /// Adds an instance as a body of its own. What was added for it is taken out again if that cannot be.
+    /// Adds an instance as a new body. On failure, removes the resources that were added for it.
     fn add(
         &self,
         py: Python<'_>,
@@ -86,7 +86,7 @@ impl World {
                 data.builder.add_instance(&config).map_err(of_shape)
             });
             let instance = taken.inspect_err(|_| {
-                // They are there, and nobody has them.
+                // They were added, and no instance uses them.
                 let _ = data.builder.remove_material(material);
                 texture.map(|texture| data.builder.remove_texture(texture));
             })?;
@@ -95,7 +95,7 @@ impl World {
     }
 }
 
-/// An error about the argument that it is of.
+/// Returns the error about the argument at fault.
 fn of_shape(error: SceneError) -> PyErr {
     let argument = match error {
         SceneError::BadScale => "scale",
@@ -115,7 +115,7 @@ fn of_shape(error: SceneError) -> PyErr {
     of(argument, error)
 }
 
-/// Checks how a surface looks, as an array of Python's.
+/// Checks a surface from Python arrays.
 fn surface<'a>(look: &'a Look<'_>) -> PyResult<Surface<'a>> {
     let (color, emissive, specular, shininess, picture, texture_repeat) = look;
     let picture = picture.as_ref().map(|(picture, width)| {
@@ -137,7 +137,7 @@ fn surface<'a>(look: &'a Look<'_>) -> PyResult<Surface<'a>> {
     Ok((material, picture.transpose()?))
 }
 
-/// Adds a material and its picture, or neither.
+/// Adds a material and its texture, or neither.
 fn add_material(
     builder: &mut SceneBuilder,
     (material, picture): &Surface<'_>,
@@ -156,13 +156,13 @@ fn add_material(
 
 #[pymethods]
 impl World {
-    /// A world without anything.
+    /// Creates an empty world.
     #[new]
     fn new() -> Self {
         Self::of_data(Data::default())
     }
 
-    /// Of a file, a name or a text.
+    /// Loads a world from a file, a name or a text.
     #[staticmethod]
     fn load(
         py: Python<'_>,
@@ -178,7 +178,7 @@ impl World {
         })
     }
 
-    /// What was ignored, one line each.
+    /// Returns notes about ignored elements, one line each.
     #[getter]
     fn notes(&self) -> Vec<String> {
         self.notes.clone()
@@ -189,7 +189,7 @@ impl World {
         self.data(py).bodies.iter().map(|body| body.name.clone()).collect()
     }
 
-    /// The body of each instance, by their numbers.
+    /// Returns the number of each instance's body.
     fn instance_bodies<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<i32>> {
         let data = self.data(py);
         let mut bodies = vec![-1; data.builder.scene().instances().len()];
@@ -201,12 +201,12 @@ impl World {
         PyArray1::from_vec(py, bodies)
     }
 
-    /// The same world, which is not changed when this one is.
+    /// Returns a copy of the world, which does not change with the original.
     fn snapshot(&self, py: Python<'_>) -> Self {
         Self { data: Mutex::new(self.data(py)), notes: self.notes.clone() }
     }
 
-    /// Where each lamp is or which way it shines, its colour, and whether it is the way.
+    /// Returns position or direction of each lamp, its colour, and whether it has a direction.
     fn lights(&self, py: Python<'_>) -> Vec<([f64; 3], [f32; 3], bool)> {
         let data = self.data(py);
         let lamps = data.builder.scene().lights().iter();
@@ -214,12 +214,12 @@ impl World {
         facts.map(|((vector, colour), is_way)| (vector, colour, is_way)).collect()
     }
 
-    /// Light from everywhere.
+    /// Returns the ambient light.
     fn ambient(&self, py: Python<'_>) -> [f32; 3] {
         self.data(py).builder.scene().environment().ambient
     }
 
-    /// Bytes that the world holds.
+    /// Returns the bytes that the world holds.
     fn memory_len(&self, py: Python<'_>) -> usize {
         self.data(py).builder.memory_len()
     }
@@ -246,7 +246,7 @@ impl World {
         })
     }
 
-    /// Adds a shape of so many numbers: a box of three edges and so on.
+    /// Adds a shape with its dimensions: a box of three edges and so on.
     fn add_shape(
         &self,
         py: Python<'_>,
@@ -296,7 +296,7 @@ impl World {
             said,
         );
         if let (Err(_), Some(mesh)) = (&added, mesh) {
-            // Nobody has it.
+            // No instance uses it.
             let _ = self.change(py, |data| Ok(data.builder.remove_mesh(mesh)));
         }
         added
@@ -325,13 +325,13 @@ impl World {
             said,
         );
         if let (Err(_), Some(field)) = (&added, field) {
-            // Nobody has it.
+            // No instance uses it.
             let _ = self.change(py, |data| Ok(data.builder.remove_height_field(field)));
         }
         added
     }
 
-    /// Adds a lamp: `point`, `directional` or `spot`; angles are half the cone's.
+    /// Adds a lamp: `point`, `directional` or `spot`; angles are half angles of the cone.
     fn add_light(
         &self,
         py: Python<'_>,
@@ -365,7 +365,7 @@ impl World {
         })
     }
 
-    /// Casts rays with nothing in common.
+    /// Casts arbitrary rays.
     fn cast(
         &self,
         py: Python<'_>,
@@ -391,7 +391,7 @@ fn no_body(body: usize, data: &Data) -> PyErr {
     of("body", format_args!("there is no body {body}; the world has {}", data.bodies.len()))
 }
 
-/// The rows of an array that lies without gaps, each of so many numbers.
+/// Returns the rows of a contiguous array, each of `N` numbers.
 fn triples<T: numpy::Element + bytemuck::Pod, const N: usize>(
     argument: &str,
     array: &PyReadonlyArrayDyn<'_, T>,

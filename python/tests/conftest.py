@@ -1,4 +1,4 @@
-"""A live simulator in a domain of its own."""
+"""Fixtures of a live simulator in its own domain."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ if TYPE_CHECKING:
 
 ROOT = Path(__file__).parents[2]
 
-# A shell without job control starts what it runs in the background with SIGINT ignored, which Python then leaves so: the
-# tests of Ctrl-C would wait for an exception that never comes.
+# A shell without job control starts background programs with SIGINT ignored, and Python keeps that: the tests of
+# Ctrl-C would wait for an exception that never comes.
 signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
@@ -52,7 +52,7 @@ def pytest_make_collect_report() -> Generator[None, pytest.CollectReport, pytest
 
 
 class Simulator:
-    """``belvedere run``, which can be killed and started again."""
+    """A ``belvedere run`` process, which can be killed and restarted."""
 
     def __init__(self, domain: str, *arguments: str) -> None:
         self.domain, self.arguments = domain, arguments
@@ -63,12 +63,12 @@ class Simulator:
         self.process: subprocess.Popen[bytes] | None = None
 
     def start(self) -> None:
-        """Start it; its streams come a moment later."""
+        """Start it; its streams appear a moment later."""
         command = [self.program, "run", "--domain", self.domain, *self.arguments]
         self.process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
 
     def stop(self, how: signal.Signals) -> None:
-        """End it, and wait until it has."""
+        """Stop it, and wait until it has ended."""
         if self.process is not None:
             self.process.send_signal(how)
             self.process.wait(timeout=30)
@@ -76,7 +76,7 @@ class Simulator:
 
 
 def running(name: str, *arguments: str) -> Iterator[Simulator]:
-    """A simulator in a domain of its own, from here to the end of the fixture."""
+    """A simulator in its own domain, until the end of the fixture."""
     simulator = Simulator(f"{name}-{os.getpid()}", *arguments)
     simulator.start()
     try:
@@ -87,31 +87,31 @@ def running(name: str, *arguments: str) -> Iterator[Simulator]:
 
 @pytest.fixture
 def simulator() -> Iterator[Simulator]:
-    """Start one for this test alone, which may end it."""
+    """Start a simulator for this test alone, which may stop it."""
     yield from running("own")
 
 
 @pytest.fixture(scope="module")
 def shared() -> Iterator[Simulator]:
-    """Start one for the tests of a module that only look, and drive the robot."""
+    """Start a simulator for the tests of a module that only read streams and drive the robot."""
     yield from running("shared")
 
 
 @pytest.fixture(scope="module")
 def shared_lenses() -> Iterator[Simulator]:
-    """Start one of a robot whose cameras have various lenses."""
+    """Start a simulator of a robot whose cameras have various lenses."""
     yield from running("lenses", "--robot", str(ROOT / "tests" / "lenses.urdf"), "--drive", "still")
 
 
 @pytest.fixture(scope="module")
 def shared_kinect() -> Iterator[Simulator]:
-    """Start one of a robot with a depth camera."""
+    """Start a simulator of a robot with a depth camera."""
     yield from running("kinect", "--robot", "kobuki_hexagons_kinect")
 
 
 @pytest.fixture
 def node(shared: Simulator) -> Iterator[belvedere.Node]:
-    """Join the domain of the simulator that is shared."""
+    """Join the domain of the shared simulator."""
     with belvedere.Node("pytest", domain=shared.domain) as node:
         yield node
 

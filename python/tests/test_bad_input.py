@@ -1,4 +1,4 @@
-"""Whatever is wrong is a ValueError that names the argument; nothing crashes, and nothing is half written."""
+"""Invalid arguments: a ValueError names the argument, nothing crashes, and nothing is partly written."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
 HERE = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]
-#: The same inputs on each run.
+#: Settings that give the same inputs on each run.
 quick = settings(
     max_examples=60, deadline=None, derandomize=True, database=None, suppress_health_check=list(HealthCheck)
 )
@@ -139,7 +139,7 @@ def test_memory_that_cannot_be_written_to(world: bv.World) -> None:
         (lambda: bv.Camera(8, 6, lens=bv.Lens.kannala_brandt(0, 1, 2, 3)), "lens: .*fx"),
     ],
 )
-def test_sensors_that_cannot_be(make: Any, words: str | None) -> None:
+def test_invalid_sensors(make: Any, words: str | None) -> None:
     if words is None:
         make()
         return
@@ -165,7 +165,7 @@ def test_arguments_of_a_cast(world: bv.World, arguments: dict[str, Any], words: 
 
 
 def refused(act: Callable[[], object], *arguments: str) -> bool:
-    """Whether it is refused with a ValueError that begins with one of these arguments."""
+    """Return True if the call raises a ValueError that begins with one of these arguments."""
     try:
         act()
     except ValueError as error:

@@ -1,4 +1,4 @@
-"""Batches: the same bytes whatever the batch, and the caller's memory."""
+"""Batches: the same bytes in any batch, and rendering into the caller's memory."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def world() -> bv.World:
 
 
 def somewhere(count: int) -> np.ndarray:
-    """Poses at random, always the same."""
+    """Return reproducible random poses."""
     random = np.random.default_rng(5)
     poses = np.zeros((count, 7))
     poses[:, :2] = random.uniform(-3, 3, (count, 2))
@@ -70,7 +70,7 @@ def test_frames_go_into_the_callers_memory(world: bv.World) -> None:
 
 
 class Foreign:
-    """Somebody else's array, as PyTorch's: no ndarray, but with DLPack, and with a view for numpy."""
+    """An array of another library, such as PyTorch: not an ndarray, but with DLPack and a view for numpy."""
 
     def __init__(self, array: np.ndarray) -> None:
         self.array = array
@@ -86,20 +86,20 @@ class Foreign:
 
 
 class Copied(Foreign):
-    """One that gives numpy a copy."""
+    """An array that gives numpy a copy."""
 
     def __array__(self, *_: object, **__: object) -> np.ndarray:
         return self.array.copy()
 
 
-def test_others_arrays_by_dlpack(world: bv.World) -> None:
+def test_arrays_of_other_libraries_by_dlpack(world: bv.World) -> None:
     camera = bv.DepthCamera(32, 24, fov=1.0)
     poses, memory = somewhere(3), np.zeros((3, 24, 32), np.float32)
     frames = camera.render(world, Foreign(poses), out={"depth": Foreign(memory)})
     np.testing.assert_array_equal(frames["depth"], memory)
     np.testing.assert_array_equal(camera.render(world, poses)["depth"], memory)
     np.testing.assert_array_equal(np.from_dlpack(frames["depth"]), memory)
-    # What is written comes to the memory that was given, or is refused: numpy before 2.2 lets nothing write by DLPack.
+    # The result is written to the given memory, or refused: numpy before 2.2 does not write through DLPack.
     is_refused = np.lib.NumpyVersion(np.__version__) < "2.2.0"
     memory[:] = 0
     with pytest.raises(ValueError, match="it is read-only") if is_refused else contextlib.nullcontext():
@@ -165,7 +165,7 @@ def test_threads_of_few_sizes_are_kept(world: bv.World) -> None:
     camera = bv.Camera(200, 200, fov=1.0)
     for threads in range(2, 16):
         camera.render(world, somewhere(1), threads=threads)
-    # They end a moment later.
+    # The threads end a moment later.
     deadline = time.monotonic() + 30
     while count() > most and time.monotonic() < deadline:
         time.sleep(0.05)
@@ -174,7 +174,7 @@ def test_threads_of_few_sizes_are_kept(world: bv.World) -> None:
 
 @pytest.mark.parametrize("threads", [1, 2])
 def test_frames_end_at_ctrl_c(world: bv.World, threads: int) -> None:
-    # Memory of frames that are never reached is never there.
+    # Frames that are never reached use no memory.
     memory = np.zeros((20_000, 120, 160), np.uint8)
     camera = bv.Camera(160, 120, fov=1.0, grey=True, smooth=True)
     poses = np.tile([-2, 0, 0.4, 0, 0, 0, 1.0], (20_000, 1))
@@ -191,11 +191,11 @@ def test_frames_end_at_ctrl_c(world: bv.World, threads: int) -> None:
     worker.join()
     written = memory[:, 100, 80] != 0
     assert 0 < written.sum() < 20_000
-    # Those that are there are whole.
+    # The frames that were written are complete.
     np.testing.assert_array_equal(memory[written][-1], camera.render(world, poses[0])["rgb"])
 
 
-def test_rays_with_nothing_in_common() -> None:
+def test_arbitrary_rays() -> None:
     world = bv.World()
     vertices = np.array([[2, -1, -1], [2, 1, -1], [2, 1, 1], [2, -1, 1]], float)
     world.add_mesh(vertices, [[0, 2, 1], [0, 3, 2]], name="square")
@@ -207,7 +207,7 @@ def test_rays_with_nothing_in_common() -> None:
     np.testing.assert_array_equal(hits["instance"], [0, 0, 1, 2**32 - 1])
     np.testing.assert_array_equal(hits["primitive"][:2], [0, 1])
     np.testing.assert_allclose(hits["normal"], [[-1, 0, 0], [-1, 0, 0], [0, 0, -1], [0, 0, 0]], atol=1e-6)
-    # The weights give the point back.
+    # The weights reproduce the point.
     corners = vertices[[0, 2, 1]]
     first, second = hits["barycentrics"][0]
     point = (1 - first - second) * corners[0] + first * corners[1] + second * corners[2]

@@ -1,4 +1,4 @@
-"""What a robot and a simulation are told, and what they do then."""
+"""Commands to a robot and to a simulation, and their effects."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ CRATE = """<sdf version="1.6"><model name="crate"><static>true</static><link nam
 
 @pytest.fixture(scope="module")
 def shared_still() -> Iterator[Simulator]:
-    """Start one whose robot nobody drives. Each test leaves it running."""
+    """Start a simulator whose robot stands still. Each test leaves it running."""
     yield from running("control", "--drive", "still")
 
 
@@ -68,11 +68,11 @@ def test_power_and_odometry(still: belvedere.Node) -> None:
         assert drive(50)["position"][0] > 0.1
 
 
-def test_nobody_takes_a_command(alone: belvedere.Node) -> None:
+def test_commands_without_a_receiver(alone: belvedere.Node) -> None:
     for publisher in (alone.motor_power_publisher(), alone.reset_odometry_publisher()):
         assert not publisher.wait(0.05)
     assert not alone.motor_power_publisher().send(True)
-    # Nor does anything look as if it did.
+    # No stream appears either.
     assert alone.streams() == []
     with (
         alone.control(timeout=0.05) as control,
@@ -81,7 +81,7 @@ def test_nobody_takes_a_command(alone: belvedere.Node) -> None:
         control.pause()
 
 
-def test_a_simulation_is_paused_stepped_and_begun_again(still: belvedere.Node) -> None:
+def test_a_simulation_is_paused_stepped_and_reset(still: belvedere.Node) -> None:
     with still.control(timeout=30) as control:
         paused_ns = control.pause()
         assert control.pause() == paused_ns
@@ -111,7 +111,7 @@ def test_models_are_spawned_moved_and_deleted(still: belvedere.Node) -> None:
         assert position("second") == [2.0, 0.0, 0.5]
         with pytest.raises(belvedere.RefusedError, match="'second'"):
             control.spawn(CRATE, "second")
-        # A longer text than the first: another port.
+        # A longer text than the first needs another port.
         control.spawn(CRATE + " " * 5000, position=(-2.0, 0.0, 0.5))
         assert position("crate") == [-2.0, 0.0, 0.5]
         control.move("second", (1.0, 0.0, 1.0), reference="second")

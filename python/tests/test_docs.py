@@ -1,4 +1,4 @@
-"""The programs of docs/python.md and of the main README, run as they stand there."""
+"""Run the programs of docs/python.md and of the main README unchanged."""
 
 from __future__ import annotations
 

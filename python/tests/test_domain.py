@@ -1,4 +1,4 @@
-"""Who may use a domain, what is left of it, and what a forked child may not touch."""
+"""Access to a domain, its remaining files, and forked children."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ def test_the_transport_is_the_package_s_own() -> None:
 
 
 def test_files_are_their_owners_alone(alone: belvedere.Node) -> None:
-    """Also the counter of nodes, which iceoryx2 makes open to all."""
+    """This includes the node counter, which iceoryx2 creates open to all."""
     found = files(f"blvd.{alone.domain}")
     assert any(path.suffix == ".global_mgmt" for path in found)
     assert [path for path in found if path.stat().st_mode & 0o077] == []
 
 
-#: A world in which the directory of all domains is another's: of this user, and with these rights.
+#: A mount namespace in which another user or mode applies to the directory of all domains.
 SET_UP = """mkdir -p -m 750 /tmp/blvd~0 && mount -t tmpfs -o "$1" tmpfs /tmp/blvd~0 &&
 mount -t tmpfs -o mode=1777 tmpfs /dev/shm && shift && exec "$@" """
 JOINING = """
@@ -62,7 +62,7 @@ except belvedere.BridgeError as error:
         ("mode=0777", "others may write in it"),
     ],
 )
-def test_a_directory_that_another_user_has_laid_out_is_refused(made: str, says: str) -> None:
+def test_a_directory_of_another_user_is_refused(made: str, says: str) -> None:
     private = ("unshare", "--mount", "--propagation=private", "sh", "-c", SET_UP, "sh", made)
     assert says in run(JOINING, within=private)
 
@@ -79,11 +79,11 @@ def test_a_domain_is_shared_with_a_group(monkeypatch: pytest.MonkeyPatch) -> Non
         with belvedere.Node("test", simulator.domain) as node, node.subscribe("odom") as odometry:
             assert next(odometry.frames(timeout=30)).array.size == 1
             assert {path.stat().st_gid for path in files(f"blvd.{simulator.domain}@{group}")} == {group}
-        # None is this user's alone.
+        # No file is in the user's private domain.
         assert files(f"blvd.{simulator.domain}~{os.geteuid()}") == []
 
 
-def test_a_group_that_is_none_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_unknown_group_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("BELVEDERE_GROUP", "no-such-group")
     with pytest.raises(belvedere.BridgeError, match="groupadd"):
         belvedere.Node("test", "group-refused")
@@ -106,7 +106,7 @@ if child == 0:
             assert "forked" in str(error), error
         else:
             raise SystemExit("a child uses what is its parent's")
-    # Not os._exit: all that there is comes to its end, as in a child of multiprocessing.
+    # Not os._exit: all objects are finalised, as in a child of multiprocessing.
     sys.exit(0)
 assert os.waitpid(child, 0)[1] == 0
 del frame, array

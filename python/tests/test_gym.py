@@ -1,4 +1,4 @@
-"""The gymnasium environments, after gymnasium's own checker; and that the task can be done."""
+"""The gymnasium environments: gymnasium's own checker, and that the task can be solved."""
 
 from __future__ import annotations
 
@@ -45,9 +45,9 @@ def test_each_environment_has_a_seed() -> None:
     second, _ = env.reset(seed=[1, 9, 3])
     np.testing.assert_array_equal(first[[0, 2]], second[[0, 2]])
     assert (first[1] != second[1]).any()
-    # One number is that of the first.
+    # A single number is the seed of the first environment.
     np.testing.assert_array_equal(env.reset(seed=1)[0], first)
-    # None goes on: other walls than the seed's first.
+    # None continues: the walls differ from the first ones of the seed.
     on, _ = env.reset(seed=[1, None, 3])
     np.testing.assert_array_equal(on[[0, 2]], first[[0, 2]])
     assert (on[1] != first[1]).any()
@@ -55,7 +55,7 @@ def test_each_environment_has_a_seed() -> None:
         env.reset(seed=[1, 2])
 
 
-def test_an_action_that_is_none_changes_nothing() -> None:
+def test_an_invalid_action_changes_nothing() -> None:
     env, other = gym.WallVectorEnv(3), gym.WallVectorEnv(3)
     for one in (env, other):
         one.reset(seed=1)
@@ -71,7 +71,7 @@ def test_an_action_that_is_none_changes_nothing() -> None:
 
 
 def gain(steer: object) -> float:
-    """Mean reward of a step."""
+    """Return the mean reward of a step."""
     env = gym.WallVectorEnv(8)
     observation, _ = env.reset(seed=1)
     total = 0.0
@@ -81,9 +81,9 @@ def gain(steer: object) -> float:
     return total / 150
 
 
-def test_steering_by_the_picture_beats_driving_straight_on() -> None:
+def test_steering_by_depth_beats_driving_straight() -> None:
     def by_depth(picture: np.ndarray) -> np.ndarray:
-        # The wall to the left: the nearer it looks, the more to the right.
+        # The wall is to the left: the nearer it appears, the more to the right.
         near = picture[:, 8:14, :12, 0].mean(axis=(1, 2)) / 255
         return np.clip(8 * (0.8 - near), -1, 1)
 

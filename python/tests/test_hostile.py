@@ -1,4 +1,4 @@
-"""The publisher of bridge/tests/hostile, which writes what it likes, against this package. Run by .ci/hostile."""
+"""The hostile publisher of bridge/tests/hostile against this package. Run by .ci/hostile."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import belvedere
 from belvedere import wire
 
 TOPIC = "hostile"
-#: Headers at random, beside each field alone over its boundary values.
+#: Number of random headers, in addition to each field's boundary values.
 AT_RANDOM = 5_000
-#: Milliseconds.
+#: Duration in milliseconds.
 REWRITING = 3_000
 
 PUBLISHER = os.environ.get("BELVEDERE_HOSTILE")
-#: The test of that program that a role is played in.
+#: The test of that program that plays the role.
 TEST = "every_header_is_rejected_by_name_or_read_within_the_payload"
 
 
@@ -84,7 +84,7 @@ def test_every_header_is_rejected_or_read_within_the_payload(role: str, argument
             assert publisher.stdout is not None
             lines = [line.split() for line in publisher.stdout if line.startswith("@ sent")]
         finally:
-            # It waits for its subscribers, and a failed test may still hold one.
+            # The publisher waits for its subscribers, and a failed test may still hold one.
             publisher.kill()
     sent, acceptable = (int(word) for word in lines[0][2:])
     assert rejected > 0

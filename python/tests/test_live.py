@@ -40,7 +40,7 @@ TOPICS = {
     "tf": ("transforms", "struct", 50.0),
     "tf_static": ("static_transforms", "struct", None),
 }
-#: Commands, their results, and events that do not happen here.
+#: Streams of commands, their results, and events that do not occur here.
 SILENT = {
     "velocity_command",
     "motor_power",
@@ -101,7 +101,7 @@ def test_an_array_that_outlives_its_block_is_an_error_and_stays_readable(node: b
     assert (row == before).all()
 
 
-def test_too_many_frames_held_is_said_and_cured(node: belvedere.Node) -> None:
+def test_too_many_held_frames_are_an_error(node: belvedere.Node) -> None:
     with node.subscribe("image_raw") as subscriber:
         held = []
         with pytest.raises(belvedere.LimitError, match="2 frames of image_raw are held"):
@@ -112,7 +112,7 @@ def test_too_many_frames_held_is_said_and_cured(node: belvedere.Node) -> None:
         assert next(subscriber.frames(timeout=30)).width == 640
 
 
-def test_each_frame_comes_once_and_in_order(node: belvedere.Node) -> None:
+def test_each_frame_arrives_once_and_in_order(node: belvedere.Node) -> None:
     with node.subscribe("odom") as subscriber:
         frames = subscriber.frames(timeout=30)
         last = next(frames)
@@ -123,7 +123,7 @@ def test_each_frame_comes_once_and_in_order(node: belvedere.Node) -> None:
             last = frame
 
 
-def test_the_newest_leaves_out_what_waits(node: belvedere.Node) -> None:
+def test_the_newest_skips_queued_frames(node: belvedere.Node) -> None:
     with node.subscribe("odom") as subscriber:
         assert subscriber.wait(30)
         for taken, frame in enumerate(subscriber.frames(timeout=30, newest=True)):
@@ -161,7 +161,7 @@ def test_a_killed_simulator_is_followed_to_its_next_life(simulator: Simulator) -
         assert next(frames).session != session
 
 
-def test_nothing_there_is_a_timeout(alone: belvedere.Node) -> None:
+def test_a_missing_stream_is_a_timeout(alone: belvedere.Node) -> None:
     with alone.subscribe("nothing/of/this") as subscriber:
         assert not subscriber.wait(0.1)
         assert subscriber.take() is None
@@ -169,14 +169,14 @@ def test_nothing_there_is_a_timeout(alone: belvedere.Node) -> None:
             next(subscriber.frames(timeout=0.1))
 
 
-def test_a_closed_node_says_so(alone: belvedere.Node) -> None:
+def test_a_closed_node_raises_an_error(alone: belvedere.Node) -> None:
     alone.close()
     with pytest.raises(belvedere.BridgeError, match="closed"):
         alone.subscribe("image_raw")
 
 
 @pytest.mark.parametrize("name", ["", "a b", "a//b", "a/", "//a", "ä"])
-def test_names_that_cannot_be(alone: belvedere.Node, name: str) -> None:
+def test_invalid_names(alone: belvedere.Node, name: str) -> None:
     with pytest.raises(belvedere.InvalidNameError):
         alone.subscribe(name)
     with pytest.raises(belvedere.InvalidNameError):
@@ -197,7 +197,7 @@ def test_names_that_cannot_be(alone: belvedere.Node, name: str) -> None:
         ("spheres", belvedere.DistortionModel.DOUBLE_SPHERE, (-0.2, 0.6)),
     ],
 )
-def test_pictures_and_infos_say_the_lens(
+def test_images_and_infos_contain_the_lens(
     lenses: belvedere.Node, camera: str, model: belvedere.DistortionModel, parameters: tuple[float, ...]
 ) -> None:
     with first(lenses, f"{camera}/image_raw") as picture:

@@ -1,4 +1,4 @@
-"""The programs of the README, run as they stand there."""
+"""Run the programs of the README unchanged."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ PROGRAMS = re.findall(r"```python\n(.*?)```", (Path(__file__).parents[1] / "READ
 
 
 def run(program: str, domain: str) -> str:
-    """Return what it prints."""
+    """Return the output of a program."""
     ran = subprocess.run(
         [sys.executable, "-W", "error", "-c", program, domain],
         env={"BELVEDERE_DOMAIN": domain, "PATH": "/usr/bin:/bin"},

@@ -1,4 +1,4 @@
-"""What sensors see of worlds that are simple enough to know the answer."""
+"""Sensors in worlds that are simple enough to know the result."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def poses_along_x(count: int, step: float = 0.1) -> np.ndarray:
 
 @pytest.fixture
 def wall() -> bv.World:
-    """A wall 3 m ahead, a ball of 0.5 m before it, a floor."""
+    """Return a world with a wall 3 m ahead, a sphere of 0.5 m in front of it, and a floor."""
     world = bv.World()
     world.add_box((0.2, 10, 10), (3.1, 0, 0), name="wall", color=(0.9, 0.1, 0.1), class_id=7)
     world.add_sphere(0.5, (2, 0, 0), name="ball", color=(0.1, 0.1, 0.9), class_id=9)
@@ -57,7 +57,7 @@ def test_truth_of_a_pixel(wall: bv.World) -> None:
 
 
 def test_matrices_are_poses(wall: bv.World) -> None:
-    # A quarter of a turn to the left, half a metre to the right.
+    # A quarter turn to the left, half a metre to the right.
     half = math.sqrt(0.5)
     pose = [1.0, -0.5, 0.0, 0.0, 0.0, half, half]
     matrix = np.array([[0, -1, 0, 1.0], [1, 0, 0, -0.5], [0, 0, 1, 0], [0, 0, 0, 1]])
@@ -97,7 +97,7 @@ def test_every_scanner_has_frames(wall: bv.World) -> None:
         assert ranges.shape == frames["time"].shape == frames["laser"].shape
         hit = np.isfinite(ranges)
         assert hit.sum() > 10, preset
-        # Ranges are from where the firing started, a little beside the sensor's origin.
+        # Ranges are measured from the origin of the firing, which is a little off the sensor's origin.
         assert np.abs(np.linalg.norm(points[hit], axis=1) - ranges[hit]).max() < 0.2, preset
 
 
@@ -118,20 +118,20 @@ def test_a_scanner_that_turns(angle: float) -> None:
     world.add_box((0.1, 4000, 4000), (10.05, 0, 0))
     scanner = bv.Scanner("vlp16")
     frames = scanner.render(world, HERE, after=about_z(angle), channels=("points", "time"))
-    # By more than half a turn is by less the other way round.
+    # A rotation by more than half a turn becomes a smaller one in the opposite direction.
     turned = (angle if angle <= math.pi else angle - 2 * math.pi) * frames["time"] / scanner.period
     x, y, _ = frames["points"][:, 0].T
     ahead = np.cos(turned) * x - np.sin(turned) * y
     hit = np.hypot(x, y) < 30
     assert hit.sum() > 3000
-    # Ranges have noise; what the turn is wrong by grows with the distance to the side.
+    # Ranges have noise; an error of the rotation grows with the lateral distance.
     side = (np.sin(turned) * x + np.cos(turned) * y)[hit]
     assert np.abs(np.polyfit(side, ahead[hit], 1)[0]) < 5e-4
     assert np.abs(ahead[hit] - 10).max() < 0.2
 
 
 def test_bodies_that_turn_before_a_scanner() -> None:
-    # A wall that goes round the scanner: its link turns, and it stands beside the link.
+    # A wall that revolves around the scanner: its link turns, and the wall is offset from the link.
     world = bv.World(
         """<robot name="door"><link name="leaf"><visual><origin xyz="10 0 0"/>
         <geometry><box size="0.1 20 20"/></geometry></visual></link></robot>"""
@@ -184,7 +184,7 @@ def test_flow_is_how_far_points_move(wall: bv.World) -> None:
     before, after = poses_along_x(2)
     frames = camera.render(wall, before, after=after, channels=("flow",))
     focal = 65 / (2 * math.tan(0.5))
-    # A point of the wall, 3 m away and then 2.9: it moves outwards.
+    # A point of the wall moves outwards as its distance falls from 3 m to 2.9 m.
     expected = (-32 / focal * 3.0) / 2.9 * focal + 32
     np.testing.assert_allclose(frames["flow"][0, 0, 0], expected, atol=1e-3)
     with pytest.raises(ValueError, match=r"channels: 'flow' wants a moment to flow to: give after=poses"):
@@ -201,7 +201,7 @@ def test_bodies_elsewhere(wall: bv.World) -> None:
     everybody[1, 0] = 2.2
     frame = camera.render(wall, HERE, bodies=everybody)["depth"]
     np.testing.assert_array_equal(frame, frames[2])
-    # The world itself is as it was, until it is changed.
+    # The world itself is unchanged until it is modified.
     assert camera.render(wall, HERE)["depth"][24, 32] == 1.5
     wall.set_pose("ball", (2.2, 0, 0))
     np.testing.assert_array_equal(camera.render(wall, HERE)["depth"], frames[2])
@@ -223,7 +223,7 @@ def test_bodies_elsewhere(wall: bv.World) -> None:
 def test_lenses_see_the_ball_ahead(wall: bv.World, lens: bv.Lens) -> None:
     frames = bv.DepthCamera(64, 48, lens=lens).render(wall, HERE, channels=("depth", "range", "class"))
     assert frames["class"][24, 32] == 9
-    # The pixel is a little beside the axis, at an angle that the lens says.
+    # The pixel is a little off the axis, at an angle that depends on the lens.
     assert frames["range"][24, 32] == pytest.approx(1.5, abs=0.02)
 
 
@@ -235,7 +235,7 @@ def test_noise_and_devices(wall: bv.World) -> None:
     assert bv.Camera(8, 6, 1.0, grey=True).render(wall, HERE)["rgb"].shape == (6, 8)
 
 
-def test_frames_show_themselves(wall: bv.World) -> None:
+def test_frames_in_jupyter(wall: bv.World) -> None:
     frames = bv.DepthCamera(64, 48, 1.0).render(wall, poses_along_x(3))
     file = frames._repr_png_()
     assert file is not None
@@ -243,7 +243,7 @@ def test_frames_show_themselves(wall: bv.World) -> None:
     width, height = int.from_bytes(file[16:20], "big"), int.from_bytes(file[20:24], "big")
     assert (width, height) == (3 * 64, 48)
     assert frames.picture("depth", 1).shape == (48, 64, 3)
-    # The ball is near, red; the wall beside it is far, blue.
+    # The ball is near and red; the wall beside it is far and blue.
     near, far = frames.picture("depth")[24, 32].astype(int), frames.picture("depth")[4, 32].astype(int)
     assert near[0] > near[2]
     assert far[2] > far[0]
@@ -263,7 +263,7 @@ def size(file: bytes | None) -> tuple[int, int]:
     return int.from_bytes(file[16:20], "big"), int.from_bytes(file[20:24], "big")
 
 
-def test_rays_show_themselves(wall: bv.World) -> None:
+def test_rays_in_jupyter(wall: bv.World) -> None:
     random = np.random.default_rng(0)
     for shape, expected in [((48, 64), (64, 48)), ((50,), (50, 16)), ((), (16, 16)), ((2, 48, 64), (128, 48))]:
         hits = wall.cast((0, 0, 0), random.normal(size=(*shape, 3)))
@@ -274,8 +274,8 @@ def test_rays_show_themselves(wall: bv.World) -> None:
     assert wall.cast((0, 0, 0), np.zeros((0, 3)))._repr_png_() is None
 
 
-def test_scans_show_themselves_from_above(wall: bv.World) -> None:
-    # The wall is 3 m ahead, and is drawn above the middle; there is nothing behind.
+def test_scans_in_jupyter(wall: bv.World) -> None:
+    # The wall is 3 m ahead, so it is drawn above the middle; there is nothing behind.
     for sensor in (bv.Lidar(3000, angles=(-1, 1)), bv.Scanner("vlp16"), bv.Scanner("mid360", returns="dual")):
         for channels in (("range",), sensor.channels[:3], ("intensity",)):
             frames = sensor.render(wall, HERE, channels=channels)
@@ -325,11 +325,11 @@ def test_a_depth_camera_sees_meshes_whichever_way_their_triangles_run() -> None:
             is_seen = np.isfinite(depth)
             assert np.array_equal(is_seen, np.isfinite(frames["points"][..., 2].reshape(13, 17)))
             assert np.array_equal(is_seen, frames["instance"].reshape(13, 17) == 0)
-            # The colour is that of the surface whose depth is measured.
+            # The colour belongs to the surface whose depth is measured.
             red, green, _ = np.moveaxis(frames["rgb"].reshape(13, 17, 3).astype(int), -1, 0)
             assert np.array_equal(is_seen, red > green)
             found.append(float(depth[6, 8]))
         assert found == pytest.approx(seen, rel=1e-6)
-    assert bv.DepthCamera(8, 6, fov=1.0).render(world, HERE)["depth"].max() < 3  # Both is the default.
+    assert bv.DepthCamera(8, 6, fov=1.0).render(world, HERE)["depth"].max() < 3  # "both" is the default
     with pytest.raises(ValueError, match="faces"):
         bv.DepthCamera(8, 6, fov=1.0, faces="back")

@@ -58,7 +58,7 @@ def test_the_same_commands_give_the_same_bytes() -> None:
             np.testing.assert_array_equal(before, after)
 
 
-def test_any_sensor_sees_what_is_there_now() -> None:
+def test_any_sensor_sees_the_current_state() -> None:
     simulation = bv.Simulation("empty", robot="kobuki_nostack_rplidar")
     base = next(body for body in simulation.world.bodies if body.endswith("base_link"))
     before = simulation.world.pose(base)
@@ -82,12 +82,12 @@ def test_a_models_own_pose_counts_once(tmp_path: Path) -> None:
         assert bv.World(source).pose("wall::l")[:3] == expected
     simulation = bv.Simulation("empty", robot=WALL)
     assert simulation.pose("wall")[:3] == expected
-    # As Gazebo spawns it: its own pose counts from there.
+    # Its own pose is relative to the given one, as when Gazebo spawns a model.
     simulation.spawn(WALL, name="other", pose=(0, 3, 0, 0, 0, 0, 1))
     assert simulation.pose("other")[:3] == pytest.approx([2, 3, 0.5])
 
 
-def test_a_picture_and_its_truth_are_of_one_frame() -> None:
+def test_an_image_and_its_ground_truth_are_of_one_frame() -> None:
     simulation = bv.Simulation("tag_ceiling", robot="kobuki_hexagons_kinect")
     picture = "/camera/rgb/image_raw"
     topics = [picture, f"{picture}/truth/flow_back", f"{picture}/truth/flow_forward"]
@@ -100,13 +100,13 @@ def test_a_picture_and_its_truth_are_of_one_frame() -> None:
         if step:
             back = np.abs(frames[topics[1]])
             assert back.shape == (480, 640, 2)
-            # It turns by 0.05 rad, which are 30 pixels or so.
+            # It turns by 0.05 rad, about 30 pixels.
             assert 10 < np.nanmax(back) < 60
     with pytest.raises(ValueError, match=r"flow has one from the second time on|has no frame now"):
         bv.Simulation("tag_ceiling", robot="kobuki_hexagons_kinect").render(topics[1])
 
 
-def test_notes_are_told_once(caplog: pytest.LogCaptureFixture) -> None:
+def test_notes_are_logged_once(caplog: pytest.LogCaptureFixture) -> None:
     unknown = "<plugin name='p' filename='libunknown.so'/>"
     models = [WALL.replace("'wall'", f"'{name}'").replace("<link", f"{unknown}<link") for name in "abc"]
     simulation = bv.Simulation(models[0])

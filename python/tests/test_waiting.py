@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from conftest import Simulator
 
 
-def test_a_descriptor_rings_through_a_restart(simulator: Simulator) -> None:
+def test_a_descriptor_works_across_a_restart(simulator: Simulator) -> None:
     with belvedere.Node(domain=simulator.domain) as node, node.subscribe("image_raw") as camera:
         poll = select.poll()
         poll.register(camera.fileno(), select.POLLIN)
@@ -52,7 +52,7 @@ def test_a_descriptor_is_quiet_between_frames(node: belvedere.Node) -> None:
                 frames += 1
                 del frame
         assert 9 <= frames <= 13
-        # Those of frames, and a look ten times a second.
+        # Wakeups by frames, and ten checks per second.
         assert rings <= 2 * frames + 25
 
 
@@ -84,7 +84,7 @@ def test_async_for(node: belvedere.Node) -> None:
         with node.subscribe(topic) as subscriber:
             async for frame in subscriber:
                 numbers.append(frame.seq)
-                # The loop's body may wait itself.
+                # The loop's body may itself await.
                 await asyncio.sleep(0.01)
                 if len(numbers) == wanted:
                     return numbers
@@ -101,7 +101,7 @@ def test_async_for(node: belvedere.Node) -> None:
     assert len(scans) == 5
 
 
-def test_picture_depth_and_info_of_one_moment(kinect: belvedere.Node) -> None:
+def test_image_depth_and_info_of_one_stamp(kinect: belvedere.Node) -> None:
     topics = ["camera/rgb/image_raw", "camera/depth/image_raw", "camera/rgb/camera_info"]
     with kinect.synchronize(topics) as sets:
         stamps = []
@@ -112,7 +112,7 @@ def test_picture_depth_and_info_of_one_moment(kinect: belvedere.Node) -> None:
             stamps.append(picture.stamp_ns)
             if len(stamps) == 20:
                 break
-        # Of a camera of 10 Hz: no picture is in two sets, and nearly each is in one.
+        # For a camera of 10 Hz, no image is in two sets, and nearly each is in one.
         assert stamps == sorted(set(stamps))
         assert stamps[-1] - stamps[0] <= 2.5e9
 
@@ -123,11 +123,11 @@ def test_streams_of_different_rates(node: belvedere.Node) -> None:
             assert abs(scan.stamp_ns - picture.stamp_ns) <= 20e6
             if count == 10:
                 break
-        # 30 pictures to 5.5 scans: the others were skipped, or gave way to newer ones.
+        # 30 images to 5.5 scans: the others were skipped, or replaced by newer ones.
         assert sets.skipped + sets.missed_total > 30
 
 
-def test_what_has_no_set_is_a_timeout(alone: belvedere.Node) -> None:
+def test_missing_sets_are_a_timeout(alone: belvedere.Node) -> None:
     with alone.synchronize(["image_raw", "nothing/of/this"]) as sets:
         assert not sets.wait(0.2)
         assert sets.take() is None
@@ -143,7 +143,7 @@ def test_a_close_ends_the_wait_of_another_thread(alone: belvedere.Node) -> None:
     subscriber = alone.subscribe("nothing/of/this")
     with ThreadPoolExecutor() as threads:
         waiting = threads.submit(subscriber.wait)
-        # What it knows can be asked for meanwhile.
+        # Its state can be read meanwhile.
         assert (subscriber.take(), subscriber.publishers, subscriber.missed_total) == (None, 0, 0)
         assert not waiting.done()
         subscriber.close()
@@ -169,8 +169,8 @@ sys.stdin.read()
 
 
 @pytest.mark.parametrize("how", ["held", "polled", "from the life before"])
-def test_the_last_one_leaves_nothing_behind(simulator: Simulator, how: str) -> None:
-    """Not even when everything is still in global variables at the end of the program."""
+def test_the_last_process_leaves_no_files(simulator: Simulator, how: str) -> None:
+    """This holds even if all objects are still in global variables at the end of the program."""
     command = [sys.executable, "-c", PROGRAM, simulator.domain, how]
     program = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     assert program.stdin is not None

@@ -1,4 +1,4 @@
-"""The layout against WIRE.md, and headers that lie."""
+"""The layout against WIRE.md, and invalid headers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def test_every_encoding_is_that_of_wire_md() -> None:
     assert len(rows) == len(Encoding)
     for number, name, element in rows:
         encoding = Encoding(int(number))
-        # 32fc2 is F32C2: Python's names begin with a letter.
+        # 32fc2 is F32C2, since Python's names begin with a letter.
         assert encoding.name.lower() == re.sub(
             r"^(\d+)([fsu])c", lambda m: f"{m[2].replace('s', 'i')}{m[1]}c", name
         )
@@ -151,7 +151,7 @@ def test_no_header_leads_outside_the_payload() -> None:
         for field in draw.sample(["flags", "width", "height", "row_stride", "elem_stride", "payload_len"], 3):
             bits = draw.choice([2, 4, 8, 12, 31, 32])
             header[field] = draw.getrandbits(bits)
-        # 0 and the last are none that this version knows.
+        # 0 and the last number are unknown to this version.
         header["kind"] = draw.randrange(max(Kind) + 2)
         header["encoding"] = draw.randrange(max(Encoding) + 2)
         try:

@@ -37,7 +37,7 @@ def test_names() -> None:
 
 def test_a_body_costs_the_same_however_many_there_are() -> None:
     world = bv.World()
-    # Long and much alike: looking through all of them shows.
+    # Long, similar names, so that a search through all of them takes noticeable time.
     prefix = "x" * 4000
 
     def add(first: int) -> float:
@@ -137,14 +137,14 @@ def test_looks() -> None:
     world.add_rectangle((2, 2), (2, 0, 0, -0.5, -0.5, 0.5, 0.5), color=(1, 1, 1), texture=texture)
     picture = bv.Camera(64, 64, fov=1.8).render(world, HERE)["rgb"]
     np.testing.assert_array_equal(picture[0, 0], [0, 0, 255])
-    # One column of the texture is white, the other black; between the middles of the two there is every grey.
+    # One column of the texture is white, the other black; in between there is every shade of grey.
     row = picture[32].astype(int).sum(axis=1)
     seen = row[(picture[32] != [0, 0, 255]).any(axis=1)]
     assert seen.min() < 100
     assert seen.max() > 665
 
 
-def test_who_sees_what() -> None:
+def test_visibility() -> None:
     world = bv.World()
     world.add_box((1, 1, 1), (3, 0, 0), seen_by="collision")
     assert np.isinf(ahead(world))
@@ -152,7 +152,7 @@ def test_who_sees_what() -> None:
     assert bv.Lidar(1, angles=(0, 0), sees="visual").render(world, HERE)["range"] == np.inf
 
 
-def test_what_is_refused_leaves_nothing() -> None:
+def test_refused_calls_change_nothing() -> None:
     world = bv.World()
     before = world.memory
     for add in (
@@ -190,7 +190,7 @@ def test_what_is_refused_leaves_nothing() -> None:
     world.add_light(color=(5, 5, 5))
 
 
-def test_what_is_refused_takes_no_memory() -> None:
+def test_refused_calls_take_no_memory() -> None:
     world = bv.World()
     world.add_sphere(1)
     triangle, texture = np.eye(3), np.zeros((64, 64, 3), np.uint8)
@@ -221,7 +221,7 @@ def test_bodies_without_a_name_get_a_free_one() -> None:
     for _ in range(3):
         world.add_sphere(1)
     assert world.bodies == ["body_1", "body_3", "body_2", "body_4", "body_5"]
-    # However many names are taken ahead, each is passed over once.
+    # Each name that is taken is skipped only once.
     many = bv.World()
     for number in range(4000):
         many.add_sphere(1, name=f"body_{number + 4000}")
@@ -243,7 +243,7 @@ def test_worlds_are_copied_and_not_pickled() -> None:
             pickle.dumps(thing)
 
 
-#: The watchdog of faulthandler needs no lock of the interpreter.
+#: faulthandler's watchdog needs no lock of the interpreter.
 READERS_AND_WRITERS = """
 import faulthandler, threading
 import numpy as np

@@ -1,4 +1,4 @@
-"""Batches of worlds: shared shapes, poses, colours, lamps and noise of their own."""
+"""Batches of worlds: shared shapes with individual poses, colours, lamps and noise."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_each_world_is_seen_as_if_it_were_alone() -> None:
         np.testing.assert_array_equal(own["rgb"], frames["rgb"][index])
 
 
-def test_the_same_whatever_the_size_and_threads() -> None:
+def test_results_depend_neither_on_size_nor_threads() -> None:
     camera = bv.Camera(48, 36, fov=1.0, noise=0.02)
     large = bv.Batch(world(), 40, randomize=scatter).render(camera, HERE, threads=3)["rgb"]
     small = bv.Batch(world(), 7, randomize=scatter).render(camera, HERE, threads=1)["rgb"]
@@ -62,7 +62,7 @@ def test_a_mask_leaves_the_others_alone() -> None:
     assert (batch.render(camera, HERE, mask=mask)["depth"][~mask] == 0).all()
 
 
-def test_worlds_begin_anew() -> None:
+def test_worlds_are_reset() -> None:
     batch = bv.Batch(world(), 3, randomize=scatter, seed=8)
     first = batch.poses.copy()
     batch.reset(np.array([False, True, False]))
@@ -76,7 +76,7 @@ def test_worlds_begin_anew() -> None:
     np.testing.assert_array_equal(plain.poses[:, 1], [[2, 0, 0, 0, 0, 0, 1]] * 2)
 
 
-def test_noise_is_another_in_each_frame() -> None:
+def test_noise_differs_in_each_frame() -> None:
     batch = bv.Batch(world(), 2)
     camera = bv.DepthCamera(16, 12, fov=1.0, noise=0.01)
     first, second = (batch.render(camera, HERE)["depth"] for _ in range(2))
@@ -102,7 +102,7 @@ def test_lamps_move() -> None:
     assert pictures[0].mean() > pictures[1].mean() + 20
 
 
-def test_pictures_come_off() -> None:
+def test_textures_can_be_removed() -> None:
     pictured = bv.World()
     pictured.set_environment(ambient=(1, 1, 1))
     picture = np.full((4, 4, 3), (255, 0, 102), np.uint8)
@@ -111,7 +111,7 @@ def test_pictures_come_off() -> None:
     batch.textured[1:] = False
     batch.colors[2] = (0, 0.2, 0.6)
     frames = batch.render(bv.Camera(8, 6, fov=0.5), HERE)["rgb"].reshape(3, -1, 3)
-    # Light from everywhere is 1: a pixel is 255 times colour and picture.
+    # Ambient light is 1, so a pixel is 255 times colour and texture.
     for seen, expected in zip(frames, [(102, 0, 41), (102, 102, 102), (0, 51, 153)], strict=True):
         np.testing.assert_array_equal(seen, np.broadcast_to(expected, seen.shape))
     batch.reset()
@@ -175,7 +175,7 @@ def test_nothing_is_written_when_one_world_is_wrong(
     batch.render(bv.Camera(8, 6, 1.0), HERE)
 
 
-def test_lists_in_an_arrays_place() -> None:
+def test_lists_instead_of_arrays() -> None:
     batch, other = bv.Batch(world(), 2), bv.Batch(world(), 2)
     camera = bv.Camera(8, 6, 1.0, noise=0.01)
     batch.frames, batch.seeds, batch.ambient = [4, 6], [3, 5], [[0.1] * 3, [0.2] * 3]  # type: ignore[assignment]
@@ -194,14 +194,14 @@ def test_lists_in_an_arrays_place() -> None:
     np.testing.assert_array_equal(batch.ambient, np.full((2, 3), 0.5, np.float32))
 
 
-def test_a_sensor_that_goes_the_same_way_in_all() -> None:
+def test_a_sensor_with_the_same_motion_in_all_worlds() -> None:
     batch = bv.Batch(world(), 2)
     flow = batch.render(bv.Camera(8, 6, 1.0), HERE, after=[0.1, *HERE[1:]], channels="flow")["flow"]
     assert (flow[0] != 0).any()
     np.testing.assert_array_equal(flow[0], flow[1])
 
 
-def test_what_was_put_in_an_arrays_place() -> None:
+def test_replaced_arrays_are_checked() -> None:
     batch = bv.Batch(world(), 2)
     batch.poses = np.zeros((2, 1, 7))
     with pytest.raises(ValueError, match=r"batch\.poses: shape \(2, 1, 7\); \(2, 2, 7\) is expected"):

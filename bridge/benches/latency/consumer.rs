@@ -1,4 +1,4 @@
-//! The other process: takes frames and tells how long each was on its way.
+//! The consumer process: takes frames and reports their latencies.
 
 use std::{
     io::{BufRead as _, BufReader, Write as _},
@@ -11,13 +11,13 @@ use crate::{ours, plain, socket};
 /// First argument of a consumer.
 pub(crate) const ROLE: &str = "--consumer-of-the-latency-benchmark";
 
-/// What receives one way.
+/// The receiving end of one transport.
 pub(crate) trait Receiver {
-    /// Waits for a frame, takes it, and gives the time of its sending; `None` when none came within a second.
+    /// Waits for a frame and returns when it was sent; `None` if none arrives within a second.
     fn take(&mut self) -> Option<u64>;
 }
 
-/// The consumer's main function: answers each line, `N` frames or the processor time, with a line.
+/// Runs the consumer: answers each line of input (a number of frames, or a request for the processor time) with a line.
 pub(crate) fn run(way: &str, domain: &str) {
     let mut receiver: Box<dyn Receiver> = match way {
         "ours" => Box::new(ours::OursTaken::open(domain)),
@@ -56,13 +56,13 @@ fn processor_ns() -> u64 {
 /// A consumer in another process.
 pub(crate) struct Consumer {
     process: Child,
-    /// Until it is dropped.
+    /// `None` during drop.
     input: Option<ChildStdin>,
     output: BufReader<ChildStdout>,
 }
 
 impl Consumer {
-    /// Starts it; it is connected when this returns.
+    /// Starts a consumer; it is connected when this returns.
     pub(crate) fn start(way: &str, domain: &str) -> Self {
         let mut process = Command::new(std::env::current_exe().expect("this program has a path"))
             .args([ROLE, way, domain])
@@ -77,18 +77,18 @@ impl Consumer {
         consumer
     }
 
-    /// Tells it to take so many frames.
+    /// Asks the consumer to take this many frames.
     pub(crate) fn expect(&mut self, frames: usize) {
         self.tell(&frames.to_string());
         assert_eq!(self.line(), "expecting");
     }
 
-    /// Nanoseconds that each of the frames was on its way.
+    /// Returns the latency of each frame in nanoseconds.
     pub(crate) fn answer(&mut self) -> Vec<u64> {
         self.line().split_whitespace().map(|number| number.parse().expect("a number")).collect()
     }
 
-    /// Processor time that it has used until now.
+    /// Returns the processor time that the consumer has used.
     pub(crate) fn processor_time(&mut self) -> Duration {
         self.tell("time");
         Duration::from_nanos(self.line().parse().expect("a number"))
@@ -107,7 +107,7 @@ impl Consumer {
 
 impl Drop for Consumer {
     fn drop(&mut self) {
-        // Without input it ends by itself, and leaves nothing.
+        // Without input the consumer ends by itself, and leaves no file.
         drop(self.input.take());
         let _ = self.process.wait();
     }

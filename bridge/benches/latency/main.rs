@@ -1,13 +1,13 @@
-//! From a frame's sending to its being taken in another process, beside iceoryx2 alone doing the same:
+//! Latency from sending a frame to taking it in another process, compared with iceoryx2 alone:
 //! `cargo bench -p belvedere-bridge --bench latency`.
 //!
-//! Publisher and consumer are two processes; this program starts itself again as the consumer. Both ways wait for an
-//! event and then receive; both carry the time of sending in a header of 384 bytes. Frames go out every millisecond,
-//! so that the consumer sleeps before each. Rounds of both ways alternate, and what counts is the ratio of medians
-//! within a round: the pace of the machine cancels out.
+//! Publisher and consumer are two processes; this program starts itself again as the consumer. Both transports wait for
+//! an event and then receive, and both carry the send time in a header of 384 bytes. Frames are sent every millisecond,
+//! so that the consumer sleeps before each. Rounds of both transports alternate. The result is the ratio of their
+//! medians within a round, which cancels out the speed of the machine.
 //!
-//! The exit code is 1 when a budget of latency is missed in each of three measurements. Processor time is told, not
-//! judged: what it takes to wake a process is the machine's, and the socket's figure beside it says how much that is.
+//! The exit code is 1 if a budget of latency is exceeded in each of three measurements. Processor time is reported but
+//! has no budget: the cost of waking a process depends on the machine. The figure of a plain socket shows that cost.
 
 mod consumer;
 mod ours;
@@ -20,19 +20,19 @@ use std::{process::ExitCode, time::Duration};
 use consumer::Consumer;
 use criterion::{BenchmarkId, Criterion, SamplingMode};
 
-/// Payloads: a page; 640 × 480 colour and depth; a cloud's worth.
+/// Payload sizes: a page; 640 × 480 colour and depth; a point cloud.
 const SIZES: [usize; 4] = [4096, 921_600, 1_228_800, 4_194_304];
-/// Frames of a round.
+/// Number of frames in a round.
 const FRAMES: usize = 400;
 const PERIOD: Duration = Duration::from_millis(1);
 
-/// One of the two ways to send.
+/// The sending end of a transport.
 trait Sender {
-    /// Sends one frame, its payload untouched, the time of sending in its header.
+    /// Sends one frame with the send time in its header, without writing its payload.
     fn send(&self);
 }
 
-/// A sender, and the consumer at its other end.
+/// A transport: a sender, and the consumer at its other end.
 struct Way {
     sender: Box<dyn Sender>,
     consumer: Consumer,
@@ -57,7 +57,7 @@ impl Way {
         Self { sender: Box::new(sender), consumer: Consumer::start("socket", &name) }
     }
 
-    /// Nanoseconds from sending to taking, of so many frames.
+    /// Returns the latencies of this many frames in nanoseconds.
     fn latencies(&mut self, frames: usize, period: Duration) -> Vec<u64> {
         self.consumer.expect(frames);
         for _ in 0..frames {
@@ -84,7 +84,7 @@ fn main() -> ExitCode {
         consumer::run(&way, &domain);
         return ExitCode::SUCCESS;
     }
-    // `cargo test --benches` only wants to see it run.
+    // `cargo test --benches` only checks that it runs.
     let quick = std::env::args().any(|argument| argument == "--test");
     let mut ways: Vec<(usize, Way, Way)> =
         SIZES.iter().map(|&size| (size, Way::ours(size), Way::plain(size))).collect();
@@ -103,9 +103,10 @@ fn main() -> ExitCode {
     ExitCode::from(u8::from(!missed.is_empty()))
 }
 
-/// Criterion's view of each way: mean, spread, and change since the last run.
+/// Reports Criterion's statistics of each transport: mean, spread, and change since the last run.
 fn statistics(ways: &mut [(usize, Way, Way)]) {
-    // It plans by the latencies that it is told, which are a hundredth of the time that sending takes.
+    // Criterion plans its iterations from the latencies that it receives, which are a hundredth of the time that a
+    // frame takes.
     let mut criterion = Criterion::default()
         .sample_size(10)
         .warm_up_time(Duration::from_millis(2))

@@ -1,4 +1,4 @@
-//! Through the bridge.
+//! Transport by the bridge.
 
 use std::time::Duration;
 

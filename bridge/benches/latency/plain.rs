@@ -1,4 +1,4 @@
-//! Through iceoryx2 alone, with the same settings: what the bridge is measured by.
+//! Transport by iceoryx2 alone with the same settings, as the reference.
 #![allow(unsafe_code, reason = "as in the bridge's own `loan`")]
 
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ use crate::{Sender, consumer::Receiver};
 
 type Ipc = ipc_threadsafe::Service;
 
-/// As large as the bridge's header, with nothing in it but the time.
+/// A header as large as the bridge's, which holds only the send time.
 #[derive(Debug, Default, ZeroCopySend)]
 #[repr(C)]
 #[repr(align(64))]

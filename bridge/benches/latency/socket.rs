@@ -1,4 +1,4 @@
-//! A datagram of eight bytes between two processes: what waking another process costs here, whatever is sent.
+//! A datagram of eight bytes between two processes, which shows the cost of waking a process on this machine.
 
 use std::{os::unix::net::UnixDatagram, path::PathBuf, time::Duration};
 

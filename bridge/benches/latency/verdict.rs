@@ -1,20 +1,20 @@
-//! The ratios, and whether they hold.
+//! Measures the ratios and compares them with their budgets.
 
 use std::time::{Duration, Instant};
 
 use crate::{SIZES, Way, median};
 
-/// Measurements before a budget counts as missed: the machines are noisy.
+/// Number of measurements that must exceed a budget before it counts as missed, since machines are noisy.
 pub(crate) const ATTEMPTS: usize = 3;
 const ROUNDS: usize = 7;
-/// Belvedere's median beside that of iceoryx2 alone.
+/// Budget of Belvedere's median relative to that of iceoryx2 alone.
 const BESIDE: f64 = 1.1;
-/// The median of 4 MB beside that of 4 KB.
+/// Budget of the median of 4 MB relative to that of 4 KB.
 const FLAT: f64 = 1.2;
-/// Processor time of a consumer of one stream at 30 Hz, in per cent of a core.
+/// Budget of the processor time of a consumer of one stream at 30 Hz, in per cent of a core.
 const PROCESSOR: f64 = 0.1;
 
-/// Measures and prints; gives what was missed each time.
+/// Measures and prints. Returns the budgets that were missed each time.
 pub(crate) fn latencies(ways: &mut [(usize, Way, Way)]) -> Vec<String> {
     let mut missed = attempt(ways);
     for _ in 1..ATTEMPTS {
@@ -58,7 +58,7 @@ fn attempt(ways: &mut [(usize, Way, Way)]) -> Vec<String> {
     missed
 }
 
-/// Prints the part of a core that consumers take at 30 Hz.
+/// Prints the share of a core that consumers take at 30 Hz.
 pub(crate) fn processor_time((size, ours, plain): &mut (usize, Way, Way)) {
     let [ours, plain, socket] =
         [processor_share(ours), processor_share(plain), processor_share(&mut Way::socket())];
@@ -69,7 +69,7 @@ pub(crate) fn processor_time((size, ours, plain): &mut (usize, Way, Way)) {
 }
 
 fn processor_share(way: &mut Way) -> f64 {
-    // After a pause, a subscriber looks once whether its publisher is dead.
+    // Warm up: after a pause, a subscriber checks once whether its publisher is dead.
     way.latencies(10, Duration::from_secs(1) / 30);
     let (before, started) = (way.consumer.processor_time(), Instant::now());
     way.latencies(300, Duration::from_secs(1) / 30);

@@ -1,4 +1,4 @@
-//! Commands to the robot. Those of velocities have functions of their own, which are older.
+//! Commands to the robot. Velocity commands also have functions of their own, which are older.
 
 use std::ffi::{c_char, c_void};
 
@@ -18,7 +18,7 @@ pub struct CommandPublisher {
     send: SendBytes,
 }
 
-/// Sends the bytes of one command.
+/// A function that sends the bytes of one command.
 type SendBytes = fn(&Publisher, &[u8]) -> Result<(), Failure>;
 
 impl CommandPublisher {
@@ -30,7 +30,7 @@ impl CommandPublisher {
             Some(kind @ Kind::MotorPower) => (kind, send::<payload::MotorPower>),
             _ => {
                 return Err(Failure::invalid_argument(
-                    "kind is none that a robot is told: use BV_KIND_VELOCITY_COMMAND, \
+                    "kind must be that of a command to a robot: BV_KIND_VELOCITY_COMMAND, \
                      BV_KIND_RESET_ODOMETRY or BV_KIND_MOTOR_POWER"
                         .to_owned(),
                 ));
@@ -57,9 +57,9 @@ fn send<T: Message>(publisher: &Publisher, bytes: &[u8]) -> Result<(), Failure> 
     Ok(())
 }
 
-/// Opens a stream of commands of a kind for sending; several processes may. A bv_kind, and the topic of a TurtleBot:
-/// BV_KIND_VELOCITY_COMMAND, "cmd_vel"; BV_KIND_RESET_ODOMETRY, "mobile_base/commands/reset_odometry";
-/// BV_KIND_MOTOR_POWER, "mobile_base/commands/motor_power".
+/// Opens a stream of commands of one bv_kind for sending; several processes may. The topics of a TurtleBot are
+/// "cmd_vel" for BV_KIND_VELOCITY_COMMAND, "mobile_base/commands/reset_odometry" for BV_KIND_RESET_ODOMETRY and
+/// "mobile_base/commands/motor_power" for BV_KIND_MOTOR_POWER.
 ///
 /// # Safety
 /// `node` is open; `topic` is NUL-terminated; `out` can be written.
@@ -78,8 +78,8 @@ pub unsafe extern "C" fn bv_command_open(
     })
 }
 
-/// Sends a command: the struct of the publisher's kind, and its size. The robot takes the newest of those that have
-/// come since its last step.
+/// Sends a command: the struct of the publisher's kind, and its size. The robot uses the newest command that has
+/// arrived since its last step.
 ///
 /// # Safety
 /// `publisher` is open; `size` bytes of `command` can be read.
@@ -101,8 +101,8 @@ pub unsafe extern "C" fn bv_command_send(
     })
 }
 
-/// Closes it; NULL is ignored. A receiver that has not looked since this was opened misses what was sent: leave the
-/// robot a step or two of its simulation.
+/// Closes the publisher; NULL is ignored. If the receiver has not polled since the publisher was opened, it misses its
+/// commands: give the robot one or two steps of simulation before closing.
 ///
 /// # Safety
 /// `publisher` came from bv_command_open and is not used afterwards.
@@ -115,7 +115,7 @@ pub unsafe extern "C" fn bv_command_close(publisher: *mut CommandPublisher) {
 /// The sending end of a velocity command stream.
 pub struct VelocityPublisher(CommandPublisher);
 
-/// Opens a velocity command stream ("cmd_vel") for sending; several processes may. As bv_command_open with
+/// Opens a velocity command stream ("cmd_vel") for sending; several processes may. Equivalent to bv_command_open with
 /// BV_KIND_VELOCITY_COMMAND.
 ///
 /// # Safety
@@ -135,7 +135,7 @@ pub unsafe extern "C" fn bv_velocity_open(
     })
 }
 
-/// Sends a command; the robot stops when none comes for its time-out.
+/// Sends a velocity command. The robot stops if no command arrives within its timeout.
 ///
 /// # Safety
 /// `publisher` is open; `command` can be read.
@@ -153,7 +153,7 @@ pub unsafe extern "C" fn bv_velocity_send(
     })
 }
 
-/// Closes it; NULL is ignored. As bv_command_close.
+/// Closes the publisher; NULL is ignored. See bv_command_close.
 ///
 /// # Safety
 /// `publisher` came from bv_velocity_open and is not used afterwards.

@@ -12,10 +12,10 @@ use crate::{
     status::{Status, close, give, guard, handle_arg, null, str_arg},
 };
 
-/// The commanding end of a simulation.
+/// The client side of simulation control.
 pub struct Control(SimulationControl);
 
-/// Gets ready to control the simulation of a domain, whether it runs already or not.
+/// Opens the control streams of a domain. The simulator may start later.
 ///
 /// # Safety
 /// `node` is open; `out` can be written.
@@ -30,9 +30,9 @@ pub unsafe extern "C" fn bv_control_open(node: *mut Node, out: *mut *mut Control
     })
 }
 
-/// Sends a command, with a text (NULL: none), and waits for its result; 1 when none came in time, or the simulator
-/// ended. An id of 0 is replaced by one that no other has; text_len is that of the text. A command that was refused is
-/// a success of this function: look at result->done.
+/// Sends a command, with a text (NULL for none), and waits for its result. Returns BV_STATUS_NOTHING if no result
+/// arrives in time or the simulator ends. An id of 0 is replaced by a unique one; text_len is set from the text. A
+/// refused command is a success of this function: check result->done.
 ///
 /// # Safety
 /// `control` is open; `command` can be read; `text` is NUL-terminated or NULL; `result` can be written.
@@ -64,7 +64,7 @@ pub unsafe extern "C" fn bv_control_call(
     })
 }
 
-/// Whether there is a simulator that listens now; never sleeps.
+/// Writes true if a simulator is listening now; never sleeps.
 ///
 /// # Safety
 /// `control` is open; `connected` can be written.
@@ -83,8 +83,8 @@ pub unsafe extern "C" fn bv_control_is_connected(control: *mut Control, connecte
     })
 }
 
-/// When the last result was sent, on the clock of bv_mono_ns; 0 before the first. Frames with a later publish_mono_ns
-/// show what the command has changed.
+/// Returns when the last result was sent, on the clock of bv_mono_ns; 0 before the first. Frames with a later
+/// publish_mono_ns show the effect of the command.
 ///
 /// # Safety
 /// `control` is open or NULL.
@@ -94,7 +94,7 @@ pub unsafe extern "C" fn bv_control_answered_ns(control: *const Control) -> u64 
     unsafe { control.as_ref() }.map_or(0, |control| control.0.answered_ns())
 }
 
-/// Closes it; NULL is ignored.
+/// Closes the control; NULL is ignored.
 ///
 /// # Safety
 /// `control` came from bv_control_open and is not used afterwards.
@@ -104,7 +104,7 @@ pub unsafe extern "C" fn bv_control_close(control: *mut Control) {
     unsafe { close(control) };
 }
 
-/// What is sent: the command with an id, and nothing of which the rest is made here.
+/// Fills in an id if it is 0, and clears the fields that the library sets itself.
 fn with_id(command: &SimulationCommand) -> SimulationCommand {
     let fresh = SimulationCommand::new(Operation::Pause);
     let id = if command.id == 0 { fresh.id } else { command.id };

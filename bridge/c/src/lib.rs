@@ -1,11 +1,11 @@
 //! C interface of the bridge: opaque handles, plain structs, status codes with a text.
 //!
-//! The structs are those of `belvedere_bridge`, which the header has in C. [`status`] keeps errors and panics on this side, the others wrap one
-//! Rust type each. `include/belvedere.h` is made from these files by cbindgen, and from the schema of the
-//! wire format by `tests/bindings`.
-// These comments become the C header, which has no use for backticks; errors are explained there once for all.
+//! The structs are those of `belvedere_bridge`, which the header declares in C. [`status`] keeps errors and panics on
+//! this side; each of the other modules wraps one Rust type. cbindgen generates the functions of `include/belvedere.h`
+//! from these files, and `tests/bindings` generates its structs from the schema of the wire format.
+// These comments become the C header, where backticks have no meaning and errors are documented once for all functions.
 #![allow(clippy::doc_markdown)]
-// What C sees is public to the linker, not to Rust.
+// The C functions are public to the linker, not to Rust.
 #![allow(unreachable_pub)]
 
 mod command;

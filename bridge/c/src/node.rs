@@ -1,4 +1,4 @@
-//! Joining a domain, and what there is in it.
+//! Joining a domain and listing its streams.
 
 use std::ffi::c_char;
 
@@ -9,14 +9,14 @@ use crate::status::{Status, close, give, guard, handle_arg, null, str_arg};
 /// Membership of a domain.
 pub struct Node(pub(crate) belvedere_bridge::Node);
 
-/// A stream that exists.
+/// An existing stream.
 #[repr(C)]
 pub struct StreamInfo {
     /// without a leading slash
     pub topic: [c_char; 256],
-    /// the frame that the data are given in
+    /// coordinate frame of the data
     pub frame_id: [c_char; 64],
-    /// intended rate; 0 when frames come as they come
+    /// intended rate; 0 if the stream has no fixed rate
     pub rate_hz: f64,
     /// largest payload in bytes
     pub max_payload_len: u64,
@@ -32,8 +32,8 @@ pub struct StreamInfo {
     pub layers: u32,
 }
 
-/// Joins a domain (NULL: that of the environment variable BELVEDERE_DOMAIN, else "default") under a name for
-/// listings. Close it with bv_node_close; what was made from it stays usable after that.
+/// Joins a domain under a name, which listings show. If the domain is NULL, it is that of the environment variable
+/// BELVEDERE_DOMAIN, or "default". Close the node with bv_node_close; objects made from it remain usable after that.
 ///
 /// # Safety
 /// The texts are NUL-terminated or NULL; `out` can be written.
@@ -90,7 +90,7 @@ pub unsafe extern "C" fn bv_streams(node: *mut Node, out: *mut *mut StreamInfo, 
     })
 }
 
-/// Frees what bv_streams has given; NULL is ignored.
+/// Frees an array from bv_streams; NULL is ignored.
 ///
 /// # Safety
 /// `streams` and `count` came from one call of bv_streams and are not used afterwards.
@@ -117,7 +117,7 @@ fn describe(stream: &Stream) -> StreamInfo {
     }
 }
 
-/// The text's first `N − 1` bytes and a NUL. Topics and frames are shorter than that.
+/// Returns the first `N − 1` bytes of the text and a NUL. Topics and frames are shorter than that.
 fn chars<const N: usize>(text: &str) -> [c_char; N] {
     let mut chars = [0; N];
     for (char, byte) in chars[..N - 1].iter_mut().zip(text.bytes()) {

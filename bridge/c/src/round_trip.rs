@@ -1,4 +1,4 @@
-//! The C functions called as C calls them, against a publisher in Rust.
+//! Tests of the C functions, called as from C, against a publisher in Rust.
 
 use std::{
     ffi::{CStr, CString},
@@ -38,7 +38,7 @@ fn last_error() -> String {
 }
 
 #[test]
-fn frames_and_commands_cross() {
+fn frames_and_commands_arrive() {
     let name = format!("c-{}", std::process::id());
     let domain = Domain::new(&name).unwrap();
     let rust = belvedere_bridge::Node::open(&domain, "test").unwrap();
@@ -50,8 +50,8 @@ fn frames_and_commands_cross() {
     let (mut node, mut subscriber, mut frame, mut velocity) =
         (null_mut(), null_mut(), null_mut(), null_mut());
     let (mut streams, mut count) = (null_mut(), 0);
-    // SAFETY: handles are used between their making and their closing; texts are NUL-terminated; out pointers are
-    // those of local variables.
+    // SAFETY: handles are used between their creation and their closing; texts are NUL-terminated; out pointers point
+    // to local variables.
     unsafe {
         assert_eq!(
             bv_node_open(name.as_ptr(), c"test".as_ptr(), &raw mut node),
@@ -98,9 +98,9 @@ fn frames_and_commands_cross() {
     }
 }
 
-/// All coefficients of a lens, in a picture and in its info.
+/// All coefficients of a lens arrive, in an image and in its camera_info.
 #[test]
-fn a_lens_crosses() {
+fn lens_coefficients_arrive() {
     let name = format!("cl-{}", std::process::id());
     let rust = belvedere_bridge::Node::open(&Domain::new(&name).unwrap(), "test").unwrap();
     let pictures = rust.publisher(&StreamSpec::new("image", Kind::Image, Encoding::Mono8, 1)).unwrap();
@@ -146,9 +146,9 @@ fn a_lens_crosses() {
     }
 }
 
-/// Each kind of command as its struct, and nothing else.
+/// Each kind of command is accepted as its struct, and as nothing else.
 #[test]
-fn a_robot_is_told() {
+fn commands_are_accepted_as_their_struct_only() {
     let name = format!("ct-{}", std::process::id());
     let rust = belvedere_bridge::Node::open(&Domain::new(&name).unwrap(), "test").unwrap();
     let receiver = |topic, kind| rust.command_subscriber(&StreamSpec::command(topic, kind)).unwrap();
@@ -198,7 +198,7 @@ fn a_robot_is_told() {
     }
 }
 
-/// A simulator that refuses everything, in the words that it was sent.
+/// The simulator refuses every command, with the text that it was sent.
 #[test]
 fn a_simulation_is_controlled() {
     let name = format!("cc-{}", std::process::id());
@@ -252,7 +252,7 @@ fn send(publisher: &Publisher, stamp_ns: u64) {
 }
 
 #[test]
-fn a_foreign_loop_and_sets_of_one_stamp() {
+fn poll_and_sets_of_equal_stamps() {
     let name = format!("cs-{}", std::process::id());
     let rust = belvedere_bridge::Node::open(&Domain::new(&name).unwrap(), "test").unwrap();
     let [rgb, depth] = ["rgb", "depth"]
@@ -270,7 +270,7 @@ fn a_foreign_loop_and_sets_of_one_stamp() {
         assert_eq!(open(1, &raw mut sets), Status::InvalidArgument);
         assert_eq!(last_error(), "1 streams: a set is of 2 to 8");
         assert_eq!(open(2, &raw mut sets), Status::Ok);
-        // Connects: what was sent before comes with the publisher's next frame only.
+        // Connects; frames that were sent earlier arrive with the publisher's next frame only.
         let mut frame = null_mut();
         assert_eq!(bv_synchronizer_take(sets, frames.as_mut_ptr()), Status::Nothing);
         assert_eq!(bv_subscriber_take(subscriber, &raw mut frame), Status::Nothing);
@@ -299,7 +299,7 @@ fn a_foreign_loop_and_sets_of_one_stamp() {
 }
 
 #[test]
-fn mistakes_are_codes_with_words() {
+fn errors_are_codes_with_messages() {
     let (mut node, mut subscriber) = (null_mut(), null_mut());
     // SAFETY: null pointers are allowed everywhere; the rest as above.
     unsafe {
@@ -320,7 +320,7 @@ fn mistakes_are_codes_with_words() {
 }
 
 #[test]
-fn a_panic_does_not_cross() {
+fn a_panic_becomes_a_status() {
     assert_eq!(guard(|| panic!("on purpose")), Status::Internal);
     assert!(last_error().contains("report"), "{}", last_error());
 }

@@ -1,4 +1,4 @@
-//! Errors as codes with a text; panics stopped at the border.
+//! Errors as codes with messages; panics are caught at the language boundary.
 
 use std::{
     cell::RefCell,
@@ -8,32 +8,33 @@ use std::{
 
 use belvedere_bridge::Error;
 
-/// How a call went. Negative values are errors; bv_last_error() has the words.
+/// The result of a call. Negative values are errors, which bv_last_error() describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(i32)]
 pub enum Status {
-    /// Done.
+    /// Success.
     Ok = 0,
-    /// Nothing is there: the time passed without a frame, or none waits.
+    /// Nothing is available: the timeout passed without a frame, or no frame is queued.
     Nothing = 1,
     /// A pointer is null, a text is not UTF-8, or a number is out of range.
     InvalidArgument = -1,
-    /// The name of a domain or topic cannot be one.
+    /// The name of a domain or topic is unusable.
     InvalidName = -2,
     /// Another process publishes this stream already.
     DomainInUse = -3,
-    /// The stream is of another version, or not a Belvedere stream, or kept open as an earlier publisher made it.
+    /// The stream is of another version, is not a Belvedere stream, or is kept open with the settings of an earlier
+    /// publisher.
     Incompatible = -4,
     /// The shared memory belongs to another user.
     Permission = -5,
     /// /dev/shm is too small.
     SharedMemoryTooSmall = -6,
-    /// All places are taken: publishers or subscribers of the stream, frames held at a time, or files that the process
-    /// may have open.
+    /// A limit is reached: publishers or subscribers of the stream, frames held at a time, or open files of the
+    /// process.
     Limit = -7,
-    /// A frame's header is wrong; the frame was dropped.
+    /// The header of a frame is invalid; the frame was dropped.
     BadFrame = -8,
-    /// A failure of the transport below.
+    /// The transport (iceoryx2 or the system) failed.
     Transport = -9,
     /// A defect in Belvedere; please report it.
     Internal = -10,
@@ -48,7 +49,7 @@ pub(crate) fn set_last_error(text: &str) {
     LAST_ERROR.with_borrow_mut(|last| *last = text);
 }
 
-/// What a failing part of a call ends with.
+/// The status and message of a failed call.
 pub(crate) struct Failure(Status, String);
 
 impl From<Error> for Failure {
@@ -87,7 +88,7 @@ pub(crate) fn null(what: &str) -> Failure {
     Failure::invalid_argument(format!("{what} is a null pointer"))
 }
 
-/// Runs the body of a call; errors and panics become a status and a text.
+/// Runs the body of a call; turns errors and panics into a status and a message.
 pub(crate) fn guard(body: impl FnOnce() -> Result<Status, Failure>) -> Status {
     match catch_unwind(AssertUnwindSafe(body)) {
         Ok(Ok(status)) => status,
@@ -102,12 +103,12 @@ pub(crate) fn guard(body: impl FnOnce() -> Result<Status, Failure>) -> Status {
     }
 }
 
-/// As [`guard`] for calls that cannot fail but might have a defect.
+/// Runs the body of a call that cannot fail; returns `fallback` if it panics.
 pub(crate) fn guard_value<T>(fallback: T, body: impl FnOnce() -> T) -> T {
     catch_unwind(AssertUnwindSafe(body)).unwrap_or(fallback)
 }
 
-/// A C string as text.
+/// Converts a C string to text.
 ///
 /// # Safety
 /// `text` is null or points to a NUL-terminated string that outlives `'a`.
@@ -120,17 +121,17 @@ pub(crate) unsafe fn str_arg<'a>(text: *const c_char, what: &str) -> Result<&'a 
     text.to_str().map_err(|_| Failure::invalid_argument(format!("{what} is not UTF-8")))
 }
 
-/// The handle behind a pointer from C.
+/// Returns the handle behind a pointer from C.
 ///
 /// # Safety
-/// `handle` is null or came from the function that makes such handles, was not closed, and nobody else uses it
-/// during `'a`.
+/// `handle` is null, or was created by the function for such handles and not closed, and is not used elsewhere during
+/// `'a`.
 pub(crate) unsafe fn handle_arg<'a, T>(handle: *mut T, what: &str) -> Result<&'a mut T, Failure> {
     // SAFETY: valid, aligned and exclusive by the contract of this function.
     unsafe { handle.as_mut() }.ok_or_else(|| null(what))
 }
 
-/// Gives `value` to C as a new handle.
+/// Passes `value` to C as a new handle.
 ///
 /// # Safety
 /// `out` is null or can be written.
@@ -143,7 +144,7 @@ pub(crate) unsafe fn give<T>(out: *mut *mut T, value: T) -> Result<Status, Failu
     Ok(Status::Ok)
 }
 
-/// Ends a handle.
+/// Closes a handle.
 ///
 /// # Safety
 /// `handle` is null or came from [`give`] and was not closed.
@@ -155,14 +156,14 @@ pub(crate) unsafe fn close<T>(handle: *mut T) {
     }
 }
 
-/// What went wrong last in this thread, in words; empty when nothing has. Valid until the next call that fails in
-/// this thread.
+/// Returns a description of the last error in this thread; empty if there was none. Valid until the next failing call
+/// in this thread.
 #[unsafe(no_mangle)]
 pub extern "C" fn bv_last_error() -> *const c_char {
     LAST_ERROR.with_borrow(|last| last.as_ptr())
 }
 
-/// Belvedere's version, such as "0.1.0".
+/// Returns Belvedere's version, such as "0.1.0".
 #[unsafe(no_mangle)]
 pub extern "C" fn bv_version() -> *const c_char {
     const VERSION: &CStr =
@@ -173,7 +174,7 @@ pub extern "C" fn bv_version() -> *const c_char {
     VERSION.as_ptr()
 }
 
-/// CLOCK_MONOTONIC in nanoseconds: compare with publish_mono_ns of a header.
+/// Returns CLOCK_MONOTONIC in nanoseconds, to compare with publish_mono_ns of a header.
 #[unsafe(no_mangle)]
 pub extern "C" fn bv_mono_ns() -> u64 {
     belvedere_bridge::clock::mono_ns()

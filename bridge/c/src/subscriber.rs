@@ -1,4 +1,4 @@
-//! Following a stream.
+//! Subscribing to a stream.
 
 use std::{
     ffi::{c_char, c_int},
@@ -12,11 +12,11 @@ use crate::{
     status::{Failure, Status, close, give, guard, guard_value, handle_arg, str_arg},
 };
 
-/// The reading end of a stream: there before its publisher, and after.
+/// The reading end of a stream. It may exist before its publisher and after it.
 pub struct Subscriber(belvedere_bridge::Subscriber);
 
-/// Follows a stream, whether it exists already or not. A leading slash of the topic is ignored. When the publisher
-/// ends, or is killed, and starts again, the subscriber goes on with the new one.
+/// Subscribes to a stream, which may be created later. A leading slash of the topic is ignored. If the publisher ends
+/// or is killed, and starts again, the subscriber continues with the new one.
 ///
 /// # Safety
 /// `node` is open; `topic` is NUL-terminated; `out` can be written.
@@ -35,7 +35,7 @@ pub unsafe extern "C" fn bv_subscribe(
     })
 }
 
-/// Ends the subscription; NULL is ignored. Frames that are held stay valid.
+/// Closes the subscription; NULL is ignored. Frames that are held remain valid.
 ///
 /// # Safety
 /// `subscriber` came from bv_subscribe and is not used afterwards.
@@ -45,8 +45,8 @@ pub unsafe extern "C" fn bv_subscriber_close(subscriber: *mut Subscriber) {
     unsafe { close(subscriber) };
 }
 
-/// Sleeps until there is a frame to take: BV_STATUS_OK; BV_STATUS_NOTHING when the time has passed, or a signal
-/// came, without one.
+/// Sleeps until a frame is available. Returns BV_STATUS_OK, or BV_STATUS_NOTHING if the timeout passes, or a signal
+/// arrives, without one.
 ///
 /// # Safety
 /// `subscriber` is open.
@@ -60,15 +60,17 @@ pub unsafe extern "C" fn bv_subscriber_wait(subscriber: *mut Subscriber, timeout
     })
 }
 
-/// Looks for frames without sleeping when they are due, for at most `limit_us` a frame; 0, as at first: never.
+/// Enables busy polling: when a frame is due, the subscriber polls for it without sleeping, for at most `limit_us` per
+/// frame. 0, the default, disables it.
 ///
-/// It takes the system 30 to 100 us to wake a process, which is most of a frame's age where it arrives. With this,
-/// bv_subscriber_wait, and bv_subscriber_take in a loop that waits for bv_subscriber_fd, begin to look shortly before
-/// the next frame of a periodic stream is due, by the times of those before, and have it a few microseconds after it
-/// was sent. What comes much earlier or later, or without a period, wakes them as ever.
+/// The system takes 30 to 100 us to wake a process, which is most of the latency of a frame. With busy polling, a
+/// process that sleeps in bv_subscriber_wait, or calls bv_subscriber_take in a loop that polls bv_subscriber_fd, begins
+/// to poll shortly before the next frame of a periodic stream is due, as predicted from the previous send times. It has
+/// the frame a few microseconds after it was sent. Frames that arrive much earlier or later, or without a period, wake
+/// the process as usual.
 ///
-/// The price is processor time: three mean deviations of the times of sending, 0.15 ms at least and half of
-/// `limit_us` at most, of a core for each frame. On a single core it does nothing.
+/// The cost is processor time for each frame: three mean deviations of the send times, at least 0.15 ms and at most
+/// half of `limit_us`. On a single core it does nothing.
 ///
 /// # Safety
 /// `subscriber` is open.
@@ -82,9 +84,9 @@ pub unsafe extern "C" fn bv_subscriber_set_busy_poll(subscriber: *mut Subscriber
     })
 }
 
-/// A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life, and
-/// closed by bv_subscriber_close only. It is readable when frames may wait or it is time to look for the publisher:
-/// call bv_subscriber_take then until it gives BV_STATUS_NOTHING. Do not read from it.
+/// Writes a descriptor for the poll, select or epoll of another event loop. It is the same over the subscriber's whole
+/// life, and only bv_subscriber_close closes it. It is readable if frames may be queued or the publisher must be
+/// checked: then call bv_subscriber_take until it returns BV_STATUS_NOTHING. Do not read from it.
 ///
 /// # Safety
 /// `subscriber` is open; `fd` can be written.
@@ -103,8 +105,8 @@ pub unsafe extern "C" fn bv_subscriber_fd(subscriber: *mut Subscriber, fd: *mut 
     })
 }
 
-/// Takes the oldest frame that waits; BV_STATUS_NOTHING when none does (`*out` is NULL then). Never sleeps.
-/// Two frames may be held at a time, or as many as the publisher allows.
+/// Takes the oldest queued frame; BV_STATUS_NOTHING if there is none (`*out` is NULL then). Never sleeps. Two frames
+/// may be held at a time, or as many as the publisher allows.
 ///
 /// # Safety
 /// `subscriber` is open; `out` can be written.
@@ -114,7 +116,7 @@ pub unsafe extern "C" fn bv_subscriber_take(subscriber: *mut Subscriber, out: *m
     unsafe { take(subscriber, out, belvedere_bridge::Subscriber::take) }
 }
 
-/// Takes the newest frame that waits and drops those before it; otherwise as bv_subscriber_take.
+/// Takes the newest queued frame and drops older ones; otherwise like bv_subscriber_take.
 ///
 /// # Safety
 /// `subscriber` is open; `out` can be written.
@@ -149,7 +151,7 @@ unsafe fn take(subscriber: *mut Subscriber, out: *mut *mut Frame, take: Take) ->
     })
 }
 
-/// Frames that were sent and never taken, over this subscriber's life.
+/// Returns the number of frames that were sent and never taken, over this subscriber's life.
 ///
 /// # Safety
 /// `subscriber` is open or NULL.
@@ -159,7 +161,7 @@ pub unsafe extern "C" fn bv_subscriber_missed_total(subscriber: *mut Subscriber)
     unsafe { value(subscriber, belvedere_bridge::Subscriber::missed_total) }
 }
 
-/// Publishers now; 0 before the first, and after the last has ended or was found dead.
+/// Returns the number of publishers now: 0 before the first, and after the last has ended or was found dead.
 ///
 /// # Safety
 /// `subscriber` is open or NULL.
@@ -169,7 +171,7 @@ pub unsafe extern "C" fn bv_subscriber_publishers(subscriber: *mut Subscriber) -
     unsafe { value(subscriber, belvedere_bridge::Subscriber::publishers) }
 }
 
-/// Nanoseconds since the last frame: the sign that a stream has stopped.
+/// Returns the nanoseconds since the last frame: a long silence is the only reliable sign that a stream has stopped.
 ///
 /// # Safety
 /// `subscriber` is open or NULL.

@@ -1,4 +1,4 @@
-//! Sets of frames that belong together.
+//! Sets of frames with matching stamps.
 
 use std::{ffi::c_char, time::Duration};
 
@@ -10,14 +10,15 @@ use crate::{
     status::{Failure, Status, close, give, guard, guard_value, handle_arg, null, str_arg},
 };
 
-/// Gives the frames of several streams that were taken at the same time: a picture with its depth and its camera_info.
+/// A synchroniser, which returns frames of several streams that were captured at the same time: an image with its depth
+/// image and its camera_info.
 ///
-/// Time is that of the stamps. Each frame is in one set at most, sets come in order, and a frame that can find no
-/// partner any more is skipped. It holds one frame of each stream at most: with the two that may be held, one set may
-/// be kept while the next is waited for.
+/// The stamps are in simulated time. Each frame is in at most one set, sets come in order, and a frame that cannot find
+/// a partner any more is skipped. It holds at most one frame of each stream. A subscriber may hold two, so one set may
+/// be kept while the next is awaited.
 pub struct Synchronizer(Box<dyn Synchronized>);
 
-/// Most streams of a set.
+/// The largest number of streams of a set.
 pub const BV_SYNCHRONIZER_MAX: usize = 8;
 
 /// A synchroniser of any number of streams.
@@ -51,8 +52,8 @@ impl<const N: usize> Synchronized for Sets<N> {
     }
 }
 
-/// Synchronises `count` streams, 2 to BV_SYNCHRONIZER_MAX, whether they exist already or not. Stamps of a set differ
-/// by at most `tolerance_ns`: 0 for what is captured at one moment, more for sensors of different rates.
+/// Opens a synchroniser of `count` streams, 2 to BV_SYNCHRONIZER_MAX, which may be created later. The stamps of a set
+/// differ by at most `tolerance_ns`: 0 for frames captured at the same time, more for sensors of different rates.
 ///
 /// # Safety
 /// `node` is open; `topics` has `count` NUL-terminated texts; `out` can be written.
@@ -86,7 +87,7 @@ pub unsafe extern "C" fn bv_synchronizer_open(
     })
 }
 
-/// The number of streams is part of the type in Rust, and a number in C.
+/// Opens the synchroniser of this number of streams, which is part of the type in Rust.
 fn open(
     node: &belvedere_bridge::Node,
     topics: &[&str],
@@ -116,7 +117,7 @@ fn wrong_count(count: usize) -> Failure {
     Failure::invalid_argument(format!("{count} streams: a set is of 2 to {BV_SYNCHRONIZER_MAX}"))
 }
 
-/// Ends it; NULL is ignored. Frames that are held stay valid.
+/// Closes the synchroniser; NULL is ignored. Frames that are held remain valid.
 ///
 /// # Safety
 /// `synchronizer` came from bv_synchronizer_open and is not used afterwards.
@@ -126,8 +127,8 @@ pub unsafe extern "C" fn bv_synchronizer_close(synchronizer: *mut Synchronizer) 
     unsafe { close(synchronizer) };
 }
 
-/// Sleeps until there is a set to take: BV_STATUS_OK; BV_STATUS_NOTHING when the time has passed, or a signal came,
-/// without one.
+/// Sleeps until a set is available. Returns BV_STATUS_OK, or BV_STATUS_NOTHING if the timeout passes, or a signal
+/// arrives, without one.
 ///
 /// # Safety
 /// `synchronizer` is open.
@@ -141,11 +142,11 @@ pub unsafe extern "C" fn bv_synchronizer_wait(synchronizer: *mut Synchronizer, t
     })
 }
 
-/// Takes the next set: one frame of each stream, in the order of the topics, each to be released;
-/// BV_STATUS_NOTHING when none is complete (all of `out` are NULL then). Never sleeps.
+/// Takes the next set: one frame of each stream, in the order of the topics, each of which the caller must release.
+/// BV_STATUS_NOTHING if no set is complete (all of `out` are NULL then). Never sleeps.
 ///
 /// # Safety
-/// `synchronizer` is open; `out` has room for as many frames as it has streams.
+/// `synchronizer` is open; `out` has room for one frame of each stream.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn bv_synchronizer_take(
     synchronizer: *mut Synchronizer,
@@ -170,7 +171,7 @@ pub unsafe extern "C" fn bv_synchronizer_take(
     })
 }
 
-/// Frames that were taken and found no partner.
+/// Returns the number of frames that were taken and found no partner.
 ///
 /// # Safety
 /// `synchronizer` is open or NULL.
@@ -180,7 +181,7 @@ pub unsafe extern "C" fn bv_synchronizer_skipped(synchronizer: *const Synchroniz
     unsafe { synchronizer.as_ref() }.map_or(0, |it| guard_value(0, || it.0.skipped()))
 }
 
-/// Frames that were sent and never taken, over all streams.
+/// Returns the number of frames that were sent and never taken, over all streams.
 ///
 /// # Safety
 /// `synchronizer` is open or NULL.

@@ -1,12 +1,12 @@
-//! The binary interface is frozen per major version: `abi/MAJOR.txt` is what programs were linked with.
+//! The binary interface is frozen per major version: `abi/MAJOR.txt` is the interface that programs were linked with.
 //!
 //! It has one line for each constant, enumerator, type, field and function of `include/belvedere.h`, with sizes and
-//! offsets as a C compiler sees them. Lines may be added, never changed or removed, until the major version, and with
-//! it the soname, is another. This holds for 0 as well: it is the soname of every 0.x.
+//! offsets as a C compiler computes them. Lines may be added. They may not be changed or removed until the major
+//! version, and with it the soname, changes. This holds for 0 as well: it is the soname of every 0.x.
 //!
-//! That the library exports these functions, and nothing else, `.ci/install` sees on the one that is installed.
+//! `.ci/install` checks on the installed library that it exports these functions and nothing else.
 //!
-//! `BELVEDERE_UPDATE_ABI=1 cargo test -p belvedere-bridge-c --test abi` adds what is new.
+//! `BELVEDERE_UPDATE_ABI=1 cargo test -p belvedere-bridge-c --test abi` adds new lines.
 
 use std::{
     fmt::Write as _,
@@ -20,7 +20,7 @@ const MAJOR: &str = env!("CARGO_PKG_VERSION_MAJOR");
 const CRATE: &str = env!("CARGO_MANIFEST_DIR");
 
 #[test]
-fn nothing_that_programs_were_linked_with_has_changed() {
+fn the_frozen_interface_has_not_changed() {
     let now = interface(&fs::read_to_string(Path::new(CRATE).join("include/belvedere.h")).unwrap());
     let path = Path::new(CRATE).join(format!("abi/{MAJOR}.txt"));
     let frozen = fs::read_to_string(&path).unwrap_or_default();
@@ -50,13 +50,13 @@ fn nothing_that_programs_were_linked_with_has_changed() {
 }
 
 #[test]
-fn a_moved_field_and_a_changed_signature_are_seen() {
+fn a_moved_field_and_a_changed_signature_are_detected() {
     let header = fs::read_to_string(Path::new(CRATE).join("include/belvedere.h")).unwrap();
     let now = interface(&header);
     for (what, with, says) in [
         (
-            "float near;\n    // Farthest depth that is measured, metres.\n    float far;",
-            "float far;\n    // Farthest depth that is measured, metres.\n    float near;",
+            "float near;\n    // Largest measured depth, metres.\n    float far;",
+            "float far;\n    // Largest measured depth, metres.\n    float near;",
             "near at 152",
         ),
         ("uint32_t timeout_ms", "uint64_t timeout_ms", "bv_subscriber_wait("),
@@ -71,7 +71,7 @@ fn a_moved_field_and_a_changed_signature_are_seen() {
     }
 }
 
-/// The interface, a line for each part of it, in the header's order.
+/// Returns the interface, one line for each part of it, in the header's order.
 fn interface(header: &str) -> Vec<String> {
     let declarations = declarations(header);
     let mut program = format!("{header}\n#include <stdio.h>\n\nint main(void) {{\n");
@@ -111,7 +111,7 @@ fn interface(header: &str) -> Vec<String> {
     run(&program).lines().map(str::to_owned).collect()
 }
 
-/// What the header declares, each on one line, without comments and preprocessor lines.
+/// Returns the declarations of the header, each on one line, without comments and preprocessor lines.
 fn declarations(header: &str) -> Vec<String> {
     let start = header.find("#ifndef BELVEDERE_H").unwrap();
     let code = header[start..]
@@ -133,13 +133,13 @@ fn declarations(header: &str) -> Vec<String> {
     found
 }
 
-/// Name and body of a declaration that begins with `keyword` and has a body.
+/// Returns name and body of a declaration that begins with `keyword` and has a body.
 fn braced<'a>(declaration: &'a str, keyword: &str) -> Option<(&'a str, &'a str)> {
     let (name, rest) = declaration.strip_prefix(keyword)?.split_once('{')?;
     Some((name.trim(), rest.rsplit_once('}')?.0))
 }
 
-/// The functions, without the names of their parameters, which no program is linked with.
+/// Returns the functions, without the names of their parameters, which are not part of the binary interface.
 fn functions(declarations: &[String]) -> Vec<String> {
     let mut found = Vec::new();
     for declaration in declarations {
@@ -158,7 +158,7 @@ fn first(text: &str) -> &str {
     text.split_whitespace().next().unwrap_or(text)
 }
 
-/// What a C program prints.
+/// Returns the output of a C program.
 fn run(program: &str) -> String {
     let directory = tempfile::tempdir().unwrap();
     let executable = directory.path().join("interface");

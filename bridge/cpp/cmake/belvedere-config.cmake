@@ -1,10 +1,10 @@
-# find_package(belvedere CONFIG) from Belvedere's source tree: gives the target belvedere::belvedere.
+# find_package(belvedere CONFIG) from Belvedere's source tree: defines the target belvedere::belvedere.
 #
 #   BELVEDERE_ROOT         the source tree; this file's own by default
 #   BELVEDERE_LIBRARY_DIR  where libbelvedere_bridge is; by default where cargo puts release builds
 #   BELVEDERE_SHARED       link the shared library instead of the static one
 #
-# A library that is not there is built with cargo.
+# If the library does not exist, it is built with cargo.
 cmake_minimum_required(VERSION 3.16)
 
 get_filename_component(_belvedere_default_root "${CMAKE_CURRENT_LIST_DIR}/../../.." ABSOLUTE)
@@ -45,7 +45,7 @@ endif()
 if(NOT TARGET belvedere::belvedere)
   if(BELVEDERE_SHARED)
     add_library(belvedere::belvedere SHARED IMPORTED)
-    # cargo gives it no soname: found by name in the run path, not by the path of this moment.
+    # cargo sets no soname: link by name, to be found in the run path, not by the current path.
     set_target_properties(belvedere::belvedere PROPERTIES IMPORTED_NO_SONAME TRUE)
   else()
     find_package(Threads REQUIRED)

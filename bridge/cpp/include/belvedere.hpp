@@ -4,12 +4,13 @@
 //   belvedere::Subscriber camera = node.subscribe("camera/rgb/image_raw");
 //   while (camera.wait(std::chrono::seconds(1)))
 //       while (std::optional<belvedere::Frame> frame = camera.take())
-//           look_at(frame->row<std::uint8_t>(0));  // where the simulator wrote it
+//           process(frame->row<std::uint8_t>(0));  // the simulator's own memory, not a copy
 //
-// Every object owns its handle and may be moved, also to another thread; one thread at a time may use it. Failures
-// are belvedere::Error with the words of bv_last_error().
+// Every object owns its handle and can be moved, also to another thread; only one thread at a time may use it. Failures
+// are reported as belvedere::Error with the message of bv_last_error().
 //
-// belvedere/opencv.hpp, belvedere/eigen.hpp and belvedere/pcl.hpp show frames as the types of these libraries.
+// belvedere/opencv.hpp, belvedere/eigen.hpp and belvedere/pcl.hpp give access to frames as the types of these
+// libraries.
 #ifndef BELVEDERE_HPP
 #define BELVEDERE_HPP
 
@@ -28,23 +29,23 @@
 
 namespace belvedere {
 
-/// Membership of a domain; what was made from it outlives it.
+/// Membership of a domain. Objects made from it outlive it.
 class Node {
 public:
-    /// Without a domain it is that of the environment variable BELVEDERE_DOMAIN, else "default".
+    /// Joins a domain; by default that of the environment variable BELVEDERE_DOMAIN, or "default".
     explicit Node(const std::string& domain = {}, const std::string& name = "belvedere-cpp") {
         bv_node* node = nullptr;
         detail::check(bv_node_open(domain.empty() ? nullptr : domain.c_str(), name.c_str(), &node));
         handle_.reset(node);
     }
-    /// Follows a stream, whether it exists already or not.
+    /// Subscribes to a stream, which may be created later.
     Subscriber subscribe(const std::string& topic) {
         bv_subscriber* subscriber = nullptr;
         detail::check(bv_subscribe(handle_.get(), topic.c_str(), &subscriber));
         return Subscriber(subscriber);
     }
-    /// Follows several streams at once. Stamps of a set differ by at most the tolerance: none for what is captured at
-    /// one moment, more for sensors of different rates.
+    /// Subscribes to several streams at once. The stamps of a set differ by at most the tolerance: zero for frames
+    /// captured at the same time, more for sensors of different rates.
     template <class... Topics>
     Synchronizer<sizeof...(Topics)> synchronize(std::chrono::nanoseconds tolerance, const Topics&... topics) {
         const std::array<std::string, sizeof...(Topics)> names{std::string(topics)...};
@@ -55,7 +56,7 @@ public:
         detail::check(bv_synchronizer_open(handle_.get(), texts.data(), texts.size(), tolerance_ns, &synchronizer));
         return Synchronizer<sizeof...(Topics)>(synchronizer);
     }
-    /// Commands to the robot of a kind, under the name that a TurtleBot has for them, or another.
+    /// Opens a stream of commands to the robot, by default under the topic of a TurtleBot.
     template <class Command>
     CommandPublisher<Command> commands(const std::string& topic = detail::CommandStream<Command>::topic) {
         return CommandPublisher<Command>(open_commands<Command>(topic));
@@ -63,13 +64,13 @@ public:
     VelocityPublisher velocity(const std::string& topic = detail::CommandStream<bv_velocity_command>::topic) {
         return VelocityPublisher(open_commands<bv_velocity_command>(topic));
     }
-    /// Controls the simulation of the domain, whether it runs already or not. The timeout is that of each answer.
+    /// Opens the control of the domain's simulation, which may start later. The timeout applies to each call.
     Control control(std::chrono::milliseconds timeout = std::chrono::seconds(5)) {
         bv_control* control = nullptr;
         detail::check(bv_control_open(handle_.get(), &control));
         return Control(control, timeout);
     }
-    /// What is published in the domain, by topic.
+    /// Returns the streams of the domain, by topic.
     std::vector<bv_stream_info> streams() {
         bv_stream_info* streams = nullptr;
         std::size_t count = 0;

@@ -1,4 +1,4 @@
-// What a robot and a simulation are told, and what they do then. The robot stands still if nobody drives it.
+// Commands to a robot and to a simulation, and their effects. No other process drives the robot.
 //
 //   commands [domain]
 #include <cmath>
@@ -21,7 +21,7 @@ std::string refusal(F&& call) {
     } catch (const belvedere::Refused& refused) {
         return refused.what();
     }
-    throw std::runtime_error("it was not refused");
+    throw std::runtime_error("the command was not refused");
 }
 
 constexpr const char* kCrate = "<sdf version='1.6'><model name='crate'><link name='l'><collision name='c'><geometry>"
@@ -31,7 +31,7 @@ class Robot {
 public:
     explicit Robot(belvedere::Node& node) : velocity_(node.velocity()), odometry_(node.subscribe("odom")) {}
 
-    /// Odometry after so many more of it, 50 in a second, while it is told to go forward.
+    /// Drives forward for `count` odometry messages, 50 per second, and returns the last one.
     bv_odometry drive(int count, double forward) {
         bv_odometry last{};
         while (count > 0) {
@@ -97,7 +97,7 @@ void check_simulation(belvedere::Node& node) {
     belvedere::Node nowhere("nobody-is-in-this-one", "commands");
     try {
         nowhere.control(std::chrono::milliseconds(50)).pause();
-        throw std::runtime_error("somebody answers");
+        throw std::runtime_error("a simulator answers");
     } catch (const belvedere::Error& error) {
         require(error.status() == BV_STATUS_NOTHING, error.what());
     }

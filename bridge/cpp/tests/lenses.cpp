@@ -1,4 +1,4 @@
-// The lenses of tests/lenses.urdf, as the simulator's cameras say them in pictures and infos.
+// Checks the lenses of tests/lenses.urdf, as reported by the simulator's cameras in images and camera_info.
 
 #include <belvedere.hpp>
 #if BELVEDERE_TEST_OPENCV

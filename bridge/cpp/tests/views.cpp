@@ -1,8 +1,8 @@
-// Frames of a live robot with a depth camera, as the types of OpenCV, Eigen and PCL: whichever is there.
+// Views of frames of a live robot with a depth camera as the types of OpenCV, Eigen and PCL, as far as installed.
 //
 //   views [domain]
 //
-// Picture, depth and points of one moment must agree, seen by each of them.
+// Image, depth and points of the same stamp must agree in each library's view.
 #include <cmath>
 #include <cstdio>
 #include <iostream>
@@ -35,14 +35,14 @@ void require_throws(F&& call, const char* what) {
     throw std::runtime_error(what);
 }
 
-// A map of a frame that is about to go does not compile.
+// A map of a temporary frame must not compile.
 template <class F, class = void>
 struct maps : std::false_type {};
 template <class F>
 struct maps<F, decltype(void(belvedere::eigen_points(std::declval<F>())))> : std::true_type {};
 static_assert(maps<const Frame&>::value && !maps<Frame>::value, "a temporary frame is refused");
 
-// Nor does what looks into it.
+// Nor must a view of its rows.
 template <class F, class = void>
 struct has_rows : std::false_type {};
 template <class F>
@@ -59,7 +59,7 @@ static_assert(has_rows<const Frame&>::value && !has_rows<Frame>::value, "rows of
 static_assert(has_header<const Frame&>::value && !has_header<Frame>::value, "its header, too");
 static_assert(has_payload<const Frame&>::value && !has_payload<Frame>::value, "and its payload");
 
-// Nor `camera.take()->…`, which would ask a frame that is about to go, or that is not there.
+// Nor must `camera.take()->…`, which would access a temporary frame or an empty optional.
 template <class T, class = void>
 struct has_arrow : std::false_type {};
 template <class T>
@@ -78,7 +78,7 @@ void check_eigen(const Frame& picture, const Frame& depth, const Frame& cloud) {
     require_throws([&] { belvedere::eigen_grid<std::uint16_t>(depth); }, "float depth as integers");
     require_throws([&] { belvedere::eigen_points(depth); }, "depth as points");
 
-    // Each point is its pixel's depth through the inverse of the camera matrix.
+    // Each point equals its pixel's depth times the ray through the inverse camera matrix.
     const Eigen::Matrix3d rays_from_pixels = belvedere::eigen_camera_matrix(cloud).inverse();
     int compared = 0;
     for (int v = 0; v < 480; v += 7)

@@ -1,11 +1,11 @@
-// How old a picture is where it arrives, on every way there is, over the same seconds.
+// The latency of an image over each transport, measured over the same seconds.
 //
-//   latency publish                 a process that publishes 640 x 480 RGB at 30 Hz on /plain
+//   latency publish                 publishes 640 x 480 RGB at 30 Hz on /plain
 //   latency between SECONDS TOPIC   between processes: shared memory; the bridge over TCPROS; the plain publisher
-//   latency inside SECONDS TOPIC    in the process of a bridge, one after the other: its frames; frames that are looked for when
-//                                   they are due; frames and messages; all beside a plain publisher
+//   latency inside SECONDS TOPIC    in the process of a bridge, one after the other: its frames; frames with busy polling;
+//                                   frames and messages; all next to a plain publisher
 //
-// Prints the p50 and p99 of each in milliseconds. bench/latency.py starts it all, and compares.
+// Prints the p50 and p99 of each in milliseconds. bench/latency.py starts everything, and compares.
 
 #include <belvedere_ros/frame_subscriber.hpp>
 #include <boost/make_shared.hpp>
@@ -27,7 +27,7 @@ namespace {
 
 using Milliseconds = std::vector<double>;
 
-// The times at which frames of the simulator are sent deviate by one to two milliseconds, as the times of rendering do.
+// The send times of the simulator's frames deviate by one to two milliseconds, like the times of rendering.
 constexpr std::chrono::milliseconds kBusyPoll{8};
 
 double ms(std::uint64_t from, std::uint64_t to) {
@@ -41,7 +41,7 @@ void print(const char* what, Milliseconds& values) {
     std::printf("%-26s p50 %7.3f ms   p99 %7.3f ms   of %zu\n", what, at(0.5), at(0.99), values.size());
 }
 
-// What a consumer does with it, after the time was taken: the caches are then what they are for one.
+// Reads the data as a consumer would, after the time was taken, so that caches are realistic.
 template <class Bytes>
 void read_all(const Bytes& bytes) {
     static std::atomic<unsigned> sink;
@@ -50,7 +50,7 @@ void read_all(const Bytes& bytes) {
     sink = mixed;
 }
 
-/// Publishes a message a picture, as the bridge does, until it is stopped; the time of sending travels in the frame_id.
+/// Publishes one message per image, as the bridge does, until it is stopped; the send time is in the frame_id.
 void publish(const std::atomic<bool>& stopping) {
     ros::NodeHandle nh;
     const auto publisher = nh.advertise<sensor_msgs::Image>("/plain", 2);
@@ -70,7 +70,7 @@ void publish(const std::atomic<bool>& stopping) {
     }
 }
 
-/// Ages of a plain publisher's pictures.
+/// Records the latencies of a plain publisher's images.
 ros::Subscriber follow_plain(ros::NodeHandle& nh, Milliseconds& ages) {
     const boost::function<void(const sensor_msgs::ImageConstPtr&)> receive = [&ages](const sensor_msgs::ImageConstPtr& image) {
         ages.push_back(ms(std::stoull(image->header.frame_id), bv_mono_ns()));
@@ -79,7 +79,7 @@ ros::Subscriber follow_plain(ros::NodeHandle& nh, Milliseconds& ages) {
     return nh.subscribe<sensor_msgs::Image>("/plain", 2, receive, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay());
 }
 
-/// When the simulator sent each picture and when its message arrived, by its stamp.
+/// The send time of each image and the arrival of its message, by stamp.
 class Messages {
 public:
     ros::Subscriber follow(ros::NodeHandle& nh, const std::string& topic) {
@@ -137,7 +137,7 @@ void measure_between(int seconds, const std::string& topic) {
     print("plain over TCPROS", plain);
 }
 
-/// For so long; `messages` learns when frames were sent.
+/// Subscribes for this many seconds; `messages` receives the send times of frames.
 void follow_frames(ros::NodeHandle& nh, const std::string& topic, int seconds, std::chrono::microseconds busy_poll,
                    Milliseconds& ages, Messages* messages) {
     const auto receive = [&](const belvedere_ros::FrameViewConstPtr& view) {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""How old a picture is where it arrives, beside what ROS does by itself; fails when a ratio is missed three times.
+"""Latency of an image over each transport, compared with plain ROS; fails if a ratio is exceeded three times.
 
-640 x 480 RGB at 30 Hz from a live simulator, of the node in BELVEDERE_ROS_BRIDGE and the program of latency.cpp in
+640 x 480 RGB at 30 Hz from a live simulator, by the node in BELVEDERE_ROS_BRIDGE and the program of latency.cpp in
 BELVEDERE_ROS_LATENCY. Needs a master at ROS_MASTER_URI. BELVEDERE_ROS_SECONDS says how long each measurement takes.
 """
 
@@ -19,20 +19,20 @@ PROGRAM = os.environ["BELVEDERE_ROS_LATENCY"]
 SECONDS = os.environ.get("BELVEDERE_ROS_SECONDS", "8")
 DOMAIN = f"latency-{os.getpid()}"
 
-#: What p50 is compared with what, and how many times it may be that.
+#: The compared p50 values, and their largest ratio.
 BUDGETS = [
     ("shared memory", "bridge over TCPROS", 1 / 5),
     ("bridge over TCPROS", "plain over TCPROS", 1.3),
     ("frames beside messages", "messages inside", 1.0),
 ]
-#: Without a limit. Asleep, a nodelet is not within 1: a frame comes from a simulator that has just rendered it, through a socket
-#: (42 us, as the caches are cold) to another process; the plain publisher, with nothing else to do, wakes a thread beside it.
-#: Looking for frames when they are due it is at times (0.8 to 1.5 on two cores, both of which render, so that looking delays).
+#: Ratios without a limit. A sleeping nodelet does not reach 1: its frame comes from a simulator that has just rendered it,
+#: through a socket (42 us with cold caches) to another process, while the idle plain publisher wakes a thread next to it.
+#: With busy polling it is sometimes reached (0.8 to 1.5 on two cores, both of which render, so that polling delays).
 NO_BUDGET = [("frames inside", "plain inside"), ("frames inside, looked for", "plain inside")]
 
 
 def measure():
-    """The p50 of every way, in ms."""
+    """Return the p50 of every transport, in ms."""
     environment = {**os.environ, "BELVEDERE_DOMAIN": DOMAIN}
     said = ""
     with simulator(DOMAIN), bridge(DOMAIN):

@@ -1,16 +1,16 @@
-# Message packages of our own: C++ headers and Python modules by ROS's own generators, without catkin.
+# Generates message packages, C++ headers and Python modules, with ROS's own generators and without catkin.
 
 include(CMakePackageConfigHelpers)
 
 # ros_message_package(<package> [DEPENDS <package>...])
 #
-# Makes the package in the folder of that name: its package.xml, msg/*.msg, srv/*.srv and action/*.action. DEPENDS names the
-# packages whose messages are fields of its own, and of these. Link with the library <package>_headers to include
-# <package>/Message.h.
+# Builds the package in the folder of that name from its package.xml, msg/*.msg, srv/*.srv and action/*.action. DEPENDS
+# names the packages whose messages are fields of its own, including indirect ones. Link with the library
+# <package>_headers to include <package>/Message.h.
 #
-# Installed are headers, Python modules, the definitions, by which rosmsg and rossrv know them, and what find_package and
-# catkin look for. In a catkin workspace a package of that name which ROS or the workspace has already is used instead; else
-# it is made in the devel space.
+# Installs headers, Python modules, the definitions, which rosmsg and rossrv read, and the files for find_package and
+# catkin. In a catkin workspace, an existing package of that name in ROS or the workspace is used instead; otherwise the
+# package is built in the devel space.
 function(ros_message_package package)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "" DEPENDS)
   add_library(${package}_headers INTERFACE)
@@ -19,7 +19,7 @@ function(ros_message_package package)
   set(python "${Python3_EXECUTABLE}")
   if(COMMAND catkin_package)
     find_package(${package} QUIET)
-    # One of ours that lies under another prefix is for programs without a workspace.
+    # Belvedere's package under another prefix is for programs without a workspace.
     if(${package}_FOUND AND NOT ${package}_IS_OF_BELVEDERE)
       target_include_directories(${package}_headers SYSTEM INTERFACE ${${package}_INCLUDE_DIRS})
       if(${package}_EXPORTED_TARGETS)
@@ -32,11 +32,11 @@ function(ros_message_package package)
     set(python_dir "${CATKIN_GLOBAL_PYTHON_DESTINATION}")
   else()
     find_package(Python3 REQUIRED COMPONENTS Interpreter)
-    # Debian's Python looks there by itself when the prefix is /usr/local.
+    # Debian's Python searches this directory by default if the prefix is /usr/local.
     set(python_dir "lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/dist-packages")
   endif()
 
-  # To look for the generators by find_package would need catkin.
+  # Finding the generators with find_package would need catkin.
   _ros_path(gencpp_scripts lib/gencpp gen_cpp.py ros-message-generation)
   _ros_path(genpy_scripts lib/genpy genmsg_py.py ros-message-generation)
   _ros_path(gencpp_share share gencpp/msg.h.template ros-message-generation)
@@ -49,7 +49,7 @@ function(ros_message_package package)
   endforeach()
 
   file(GLOB definitions CONFIGURE_DEPENDS "${source}/msg/*.msg" "${source}/srv/*.srv")
-  # Seven messages of each action, made now: what is generated of them has to be known.
+  # The seven messages of each action are generated now, since the files generated from them must be known.
   file(GLOB actions CONFIGURE_DEPENDS "${source}/action/*.action")
   set(of_actions "${PROJECT_BINARY_DIR}/actions/${package}")
   if(actions)
@@ -87,7 +87,7 @@ function(ros_message_package package)
       if(kind STREQUAL srv)
         list(APPEND own_headers "${out}/include/${package}/${name}Request.h" "${out}/include/${package}/${name}Response.h")
       endif()
-      # Any may be a field of any other: each depends on all.
+      # Any message may be a field of any other, so each depends on all.
       add_custom_command(OUTPUT ${own_headers}
         COMMAND "${python}" "${gencpp_scripts}/gen_cpp.py" "${definition}" ${includes} -p ${package}
           -o "${out}/include/${package}" -e "${gencpp_share}/gencpp"
@@ -112,7 +112,7 @@ function(ros_message_package package)
   add_dependencies(${package}_headers ${package}_generated)
   target_include_directories(${package}_headers SYSTEM INTERFACE "${out}/include")
 
-  # Where the definitions lie from the folder of the configuration, which other message packages ask.
+  # The path of the definitions relative to the configuration's folder, which other message packages read.
   file(STRINGS "${source}/package.xml" version REGEX "<version>")
   string(REGEX REPLACE ".*<version>(.*)</version>.*" "\\1" version "${version}")
   set(configuration "${PROJECT_BINARY_DIR}/configurations/${package}")
@@ -123,7 +123,8 @@ function(ros_message_package package)
   endif()
 endfunction()
 
-# Writes what find_package(<package>) and genmsg read into a folder, for ros_message_package() and with its variables.
+# Writes the files that find_package(<package>) and genmsg read into a folder, for ros_message_package() and with its
+# variables.
 function(_message_package_configuration folder message_dirs)
   configure_file("${CMAKE_CURRENT_SOURCE_DIR}/cmake/message_package-config.cmake.in" "${folder}/${package}Config.cmake" @ONLY)
   file(WRITE "${folder}/${package}-msg-paths.cmake"
@@ -131,7 +132,7 @@ function(_message_package_configuration folder message_dirs)
   write_basic_package_version_file("${folder}/${package}Config-version.cmake" VERSION "${version}" COMPATIBILITY AnyNewerVersion)
 endfunction()
 
-# Sets <variable> to the folder that has <file>: one named <suffix> under some prefix.
+# Sets <variable> to the folder that contains <file>: one named <suffix> under some prefix.
 function(_ros_path variable suffix file debian)
   find_path(${variable} NAMES ${file} PATH_SUFFIXES ${suffix})
   mark_as_advanced(${variable})

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint32_t kQueue = 10;
 
-/// The name of a value, or its number.
+/// Returns the name of a value, or its number.
 std::string name_of(unsigned value, const std::vector<std::string>& names) {
     return value < names.size() ? names[value] : std::to_string(value);
 }
@@ -54,7 +54,7 @@ void Accessories::keep(const std::string& name, const std::string& value) {
     std::string& now = told_[name];
     if (now == value) return;
     now = value;
-    ROS_INFO_STREAM(base_ << ": " << name << " is told " << value << ", which is not simulated");
+    ROS_INFO_STREAM(base_ << ": " << name << " is set to " << value << ", which is not simulated");
 }
 
 void Accessories::diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const {

@@ -1,4 +1,4 @@
-// What a Kobuki has besides its sensors and wheels: lamps, sounds, sockets, buttons.
+// Accessories of a Kobuki besides its sensors and wheels: lamps, sounds, sockets, buttons.
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -11,25 +11,25 @@
 
 namespace belvedere_ros {
 
-/// Takes the commands for them that kobuki_node takes, and advertises its events of them. Nothing of them is simulated: a
-/// command changes what diagnostics say of it, and nobody presses a button.
+/// Accepts the commands for accessories that kobuki_node accepts, and advertises its events. Accessories are not
+/// simulated: a command only changes what diagnostics report, and no button event is sent.
 class Accessories {
 public:
-    /// `space` is the robot's namespace, with its slash; empty: none.
+    /// Subscribes and advertises; `space` is the robot's namespace with its slash, or empty.
     Accessories(ros::NodeHandle nh, const std::string& space);
 
-    /// What each was last told.
+    /// Reports the last command of each accessory.
     void diagnose(diagnostic_updater::DiagnosticStatusWrapper& status) const;
 
 private:
-    /// Says it once, in the log, whenever it changes.
+    /// Records a value, and logs it whenever it changes.
     void keep(const std::string& name, const std::string& value);
 
     const std::string base_;
     mutable std::mutex mutex_;
     std::map<std::string, std::string> told_;
     std::vector<ros::Publisher> events_;
-    // The first that end: they use what is above.
+    // Declared last so that they end first: they use the members above.
     std::vector<ros::Subscriber> commands_;
 };
 

@@ -22,7 +22,7 @@ void Bell::ring() {
 }
 
 void Bell::sleep(std::chrono::milliseconds patience, int descriptor) {
-    pollfd both[] = {{event_, POLLIN, 0}, {descriptor, POLLIN, 0}};  // poll passes over a negative one
+    pollfd both[] = {{event_, POLLIN, 0}, {descriptor, POLLIN, 0}};  // poll ignores a negative descriptor
     poll(both, 2, static_cast<int>(patience.count()));
     eventfd_t rings;
     eventfd_read(event_, &rings);

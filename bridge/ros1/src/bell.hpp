@@ -1,11 +1,11 @@
-// What wakes a thread that has nothing to do.
+// An event that wakes an idle thread.
 #pragma once
 
 #include <chrono>
 
 namespace belvedere_ros {
 
-/// Rung by any thread; one thread sleeps. A ring while it is awake wakes it from its next sleep.
+/// Any thread may ring; one thread sleeps. A ring while that thread is awake ends its next sleep.
 class Bell {
 public:
     Bell();
@@ -15,7 +15,7 @@ public:
 
     void ring();
 
-    /// Sleeps until it is rung, `descriptor` can be read, or `patience` is over.
+    /// Sleeps until the bell is rung, `descriptor` is readable, or `patience` has passed.
     void sleep(std::chrono::milliseconds patience, int descriptor = -1);
 
 private:

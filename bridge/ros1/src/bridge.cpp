@@ -10,10 +10,10 @@ using Status = diagnostic_msgs::DiagnosticStatus;
 
 // REP-107.
 constexpr double kDiagnosticPeriod = 1.0;
-// What share of its rate a stream must reach.
+// The share of its rate that a stream must reach.
 constexpr double kEnough = 0.9;
 
-/// What stands before the name of a stream that a robot is told by: "robot1/" of robot1/cmd_vel, nothing of cmd_vel.
+/// Returns the robot's namespace in the name of a stream of commands: "robot1/" for robot1/cmd_vel, empty for cmd_vel.
 std::string namespace_of(const bv_stream_info& stream) {
     const std::string name = stream.topic;
     for (const std::string own : {"cmd_vel", "mobile_base/commands/reset_odometry", "mobile_base/commands/motor_power"}) {
@@ -32,25 +32,25 @@ Bridge::Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh)
     diagnostics_.setHardwareID("belvedere domain " + domain_.name());
     diagnostics_.add("simulator", [this](auto& status) { diagnose_simulator(status); });
     streams_ = std::make_unique<Streams>(domain_, [this](const bv_stream_info& stream) { serve(stream); });
-    // Of the wall: simulated time stands still when the simulator does, which is when diagnostics matter.
+    // By wall time: simulated time stops with the simulator, which is when diagnostics matter.
     diagnostics_timer_ =
         nh_.createWallTimer(ros::WallDuration(kDiagnosticPeriod), [this](const ros::WallTimerEvent&) { diagnostics_.force_update(); });
 }
 
 void Bridge::serve(const bv_stream_info& stream) {
-    // Whoever changes relays_ has both locks, and reads it with either. The updater calls diagnose_topic() with a lock of
-    // its own held: it is not to be called with the one that is taken there.
+    // Lock order: serving_, then mutex_. Writers of relays_ hold both, readers either. The updater must not be called
+    // with mutex_ held: it calls diagnose_topic(), which takes mutex_, with a lock of its own held.
     const std::lock_guard<std::mutex> serving(serving_);
     const std::string name = stream.topic;
     try {
         const auto others = parameters_.command_topics.find(stream.kind);
         if (others != parameters_.command_topics.end()) {
-            // In the namespace of the robot that is told.
+            // Topics are in the namespace of the commanded robot.
             const std::string space = namespace_of(stream);
             std::set<std::string> topics{name};
             for (const std::string& other : others->second) topics.insert(space + other);
             if (commands_.count(name) == 0) commands_[name] = Commands::to(stream, domain_, nh_, topics);
-            // A base whose motors can be turned off is a Kobuki, or what takes its commands.
+            // A base with a motor power command is a Kobuki, or accepts its commands.
             if (stream.kind == BV_KIND_MOTOR_POWER && accessories_.count(space) == 0) {
                 Accessories& its = *(accessories_[space] = std::make_unique<Accessories>(nh_, space));
                 diagnostics_.add(space + "mobile_base", [&its](auto& status) { its.diagnose(status); });
@@ -58,7 +58,8 @@ void Bridge::serve(const bv_stream_info& stream) {
             return;
         }
         if (stream.kind == BV_KIND_SIMULATION_RESULT) {
-            // With the first simulator, as with Gazebo: who waits for a service waits for the world too.
+            // Served once the first simulator is found, as in Gazebo: a program that waits for a service also waits for
+            // the world.
             if (stream.publishers > 0) gazebo_.look();
             return;
         }
@@ -68,7 +69,7 @@ void Bridge::serve(const bv_stream_info& stream) {
             return;
         }
         if (known != relays_.end()) {
-            // Another simulator may give the name to something else.
+            // Another simulator may use the name for a different stream.
             const Serving& now = known->second;
             const bool same = now.relay->kind() == stream.kind && now.layers == stream.layers;
             if (same || stream.kind == 0 || stream.publishers == 0) return;
@@ -91,7 +92,7 @@ void Bridge::serve(const bv_stream_info& stream) {
         }
         diagnostics_.add(name, [this, name](auto& status) { diagnose_topic(name, status); });
     } catch (const std::exception& error) {
-        // Once: whatever it is will not change by itself.
+        // Warn once, since the cause will not change by itself.
         if (skipped_.insert(name).second) ROS_WARN_STREAM("stream " << name << " is skipped: " << error.what());
     }
 }
@@ -120,7 +121,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     else if (!streams_ || !streams_->simulator_is_there())
         status.summary(Status::WARN, "the simulator is gone");
     else if (report.subscribers == 0)
-        status.summary(Status::OK, "nobody subscribes");
+        status.summary(Status::OK, "no subscribers");
     else if (!report.followed || report.publishers == 0)
         status.summary(Status::WARN, "the stream is not published");
     else if (slow)
@@ -132,7 +133,7 @@ void Bridge::diagnose_topic(const std::string& stream, diagnostic_updater::Diagn
     status.addf("rate (Hz)", "%.2f", report.rate_hz);
     status.addf("nominal rate (Hz)", "%.2f", report.nominal_rate_hz);
     if (const auto time_offset = found->second.time_offset) {
-        // REP-138's keys of laser scanners, as far as they mean something here.
+        // REP-138's diagnostic keys of laser scanners, as far as they apply.
         status.add("Vendor Name", "Belvedere");
         status.add("Device ID", domain_.name() + "/" + stream);
         status.addf("User Time Offset", "%.3f s", *time_offset);

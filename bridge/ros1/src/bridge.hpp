@@ -1,4 +1,4 @@
-// A domain of the simulator, served to ROS.
+// The bridge from a domain of the simulator to ROS.
 #pragma once
 
 #include <diagnostic_updater/diagnostic_updater.h>
@@ -24,21 +24,22 @@
 
 namespace belvedere_ros {
 
-/// All that the node and the nodelet do.
+/// The implementation shared by the node and the nodelet.
 class Bridge {
 public:
-    /// Throws BadParameter, and belvedere::Error when the domain cannot be joined.
+    /// Starts the bridge. Throws BadParameter, and belvedere::Error if the domain cannot be joined.
     Bridge(const ros::NodeHandle& nh, const ros::NodeHandle& private_nh);
 
-    /// Serves a stream that is there, if it is not served yet; skips for ever, with one warning, what cannot be served.
+    /// Serves a stream, unless it is served already. A stream that cannot be served is skipped for ever, with one
+    /// warning.
     void serve(const bv_stream_info& stream);
 
 private:
-    /// A stream that is served, to other processes and in this one.
+    /// A stream that is served, to other processes and within this one.
     struct Serving {
         std::unique_ptr<Relay> relay;
         std::unique_ptr<Served::Place> place;
-        /// Of a laser scanner, else 0 and none.
+        /// Set for laser scanners only.
         std::uint32_t layers = 0;
         std::optional<double> time_offset = std::nullopt;
     };
@@ -55,12 +56,12 @@ private:
     std::mutex serving_, mutex_;
     std::map<std::string, Serving> relays_;
     std::map<std::string, std::unique_ptr<Commands>> commands_;
-    /// By the robot's namespace.
+    /// Keyed by the robot's namespace.
     std::map<std::string, std::unique_ptr<Accessories>> accessories_;
     std::set<std::string> skipped_;
     Settings settings_;
     gazebo::Namespace gazebo_;
-    // The last that begin, the first that end: they use what is above.
+    // Declared last so that they start last and end first: they use the members above.
     std::unique_ptr<Streams> streams_;
     ros::WallTimer diagnostics_timer_;
 };

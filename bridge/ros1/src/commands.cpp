@@ -22,7 +22,7 @@ public:
         for (const std::string& topic : topics) {
             const boost::function<void(const boost::shared_ptr<const Message>&)> received =
                 [this, topic](const boost::shared_ptr<const Message>& message) { send(*message, topic); };
-            // The newest command is the one that matters.
+            // A queue of one: only the newest command matters.
             subscribers_.push_back(
                 nh.subscribe<Message>(topic, 1, received, ros::VoidConstPtr(), ros::TransportHints().tcpNoDelay()));
         }
@@ -42,7 +42,7 @@ private:
     std::mutex mutex_;
     Reminder trouble_;
     belvedere::CommandPublisher<Command> publisher_;
-    // The first that end: they use what is above.
+    // Declared last so that they end first: they use the members above.
     std::vector<ros::Subscriber> subscribers_;
 };
 

@@ -1,4 +1,4 @@
-// What ROS says to the robot.
+// Commands from ROS to the robot.
 #pragma once
 
 #include <ros/ros.h>
@@ -11,10 +11,10 @@
 
 namespace belvedere_ros {
 
-/// Takes commands of a kind from several topics, and passes them on to one stream. Whatever comes last holds.
+/// Subscribes to several topics of one kind of command, and forwards them to one stream. The newest command applies.
 class Commands {
 public:
-    /// Those that a stream takes, or null for a stream of a kind that the robot is not told.
+    /// Returns the commands for a stream, or null if the stream does not carry commands to a robot.
     static std::unique_ptr<Commands> to(const bv_stream_info& stream, Domain& domain, ros::NodeHandle nh,
                                         const std::set<std::string>& topics);
 

@@ -1,4 +1,4 @@
-// Membership of a domain of streams, shared by the threads of the bridge.
+// Membership of a domain, shared by the threads of the bridge.
 #pragma once
 
 #include <belvedere.hpp>
@@ -12,7 +12,8 @@ namespace belvedere_ros {
 /// A belvedere::Node that several threads may use.
 class Domain {
 public:
-    /// An empty name is that of BELVEDERE_DOMAIN, else "default". Throws belvedere::Error for one that cannot be a name.
+    /// Joins a domain. An empty name selects that of BELVEDERE_DOMAIN, or "default". Throws belvedere::Error for an
+    /// unusable name.
     explicit Domain(const std::string& name);
 
     const std::string& name() const { return name_; }

@@ -6,7 +6,7 @@ namespace belvedere_ros {
 
 namespace {
 
-// How many reports the rate is measured over.
+// The number of reports over which the rate is measured.
 constexpr std::size_t kReports = 5;
 
 }  // namespace
@@ -14,7 +14,7 @@ constexpr std::size_t kReports = 5;
 void Flow::expect(double nominal_rate_hz) {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (std::exchange(nominal_rate_hz_, nominal_rate_hz) == nominal_rate_hz) return;
-    // What came at the old rate says nothing of the new one.
+    // Frames at the old rate do not count towards the new one.
     if (!marks_.empty()) marks_ = {{Clock::now(), frames_total_}};
 }
 

@@ -1,4 +1,4 @@
-// How a stream flows, for diagnostics.
+// The rate and losses of a stream, for diagnostics.
 #pragma once
 
 #include <chrono>
@@ -16,27 +16,27 @@ public:
 
     struct Report {
         std::uint32_t subscribers;
-        /// Whether frames were asked for through the whole time.
+        /// True if the stream had subscribers for the whole time.
         bool followed;
         std::size_t publishers;
         double rate_hz;
-        /// 0: as they come.
+        /// 0 without a fixed rate.
         double nominal_rate_hz;
         std::uint64_t frames_total;
         std::uint64_t missed_total;
-        /// The last problem since the report before, or empty.
+        /// The last problem since the previous report, or empty.
         std::string problem;
     };
 
     explicit Flow(double nominal_rate_hz) : nominal_rate_hz_(nominal_rate_hz) {}
 
-    /// Another rate is intended from now on.
+    /// Sets the intended rate.
     void expect(double nominal_rate_hz);
     void begin();
     void end();
     void publishers(std::size_t count);
     void count(std::uint64_t missed);
-    /// Whether it is another one than before, and worth a line.
+    /// Records a problem. Returns true if it differs from the previous one, and should be logged.
     bool problem(const std::string& text);
     Report report(std::uint32_t subscribers);
 
@@ -49,7 +49,8 @@ private:
     std::uint64_t missed_total_ = 0;
     std::string problem_;
     std::string last_problem_;
-    // Frames so far at the last reports, the oldest first: the rate is that over some seconds, as slow streams need it.
+    // The frame counts at the last reports, the oldest first. The rate is measured over several seconds, as slow
+    // streams require.
     struct Mark {
         Clock::time_point time;
         std::uint64_t frames;

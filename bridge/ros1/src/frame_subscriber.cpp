@@ -10,7 +10,7 @@ namespace belvedere_ros {
 
 namespace {
 
-/// Hands frames to a callback as they are.
+/// An output that passes frames to a callback unchanged.
 class FrameOutput : public Output {
 public:
     FrameOutput(std::string topic, FrameSubscriber::Callback callback) : topic_(std::move(topic)), callback_(std::move(callback)) {}

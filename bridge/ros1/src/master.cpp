@@ -56,8 +56,8 @@ bool Master::answers() {
 Master::State Master::look(const std::string& node) const {
     const int status = ask("lookupNode", node).status;
     if (status == kSilence) return State::gone;
-    // One that knows the node may be another one all the same: roscpp registers again with it what it was about to
-    // register with the one before, and nothing else.
+    // A restarted master may already list this node, since roscpp repeats pending registrations with it. Only its pid
+    // shows that it is another master.
     const Answer pid = ask("getPid", {});
     const bool is_other = pid.status == kSuccess && pid.value != pid_;
     return status == kSuccess && !is_other ? State::fine : State::forgetful;

@@ -1,43 +1,43 @@
-// The master (roscore): waiting for it, and noticing that it was started again.
+// The master (roscore): waiting for it, and detecting a restart.
 #pragma once
 
 #include <string>
 
 namespace belvedere_ros {
 
-/// Asked directly, not through roscpp, which would wait inside ros::init when there is none.
+/// A client of the master's API, independent of roscpp, which would block in ros::init without a master.
 class Master {
 public:
     enum class State {
-        /// It answers, and knows the node.
+        /// It answers, and lists the node.
         fine,
         /// It does not answer.
         gone,
-        /// It answers, and was started again: it does not know what was registered with the one before.
+        /// It answers but was restarted, so earlier registrations are lost.
         forgetful,
     };
 
-    /// That of __master:=URI, else of ROS_MASTER_URI, else the one on this machine.
+    /// Uses the master of __master:=URI, or of ROS_MASTER_URI, or the one on this machine.
     Master(int argc, char** argv);
 
     const std::string& uri() const { return uri_; }
-    /// Remembers which one it is.
+    /// Returns true if the master answers, and remembers its pid.
     bool answers();
-    /// Asks it about a node that is registered there.
+    /// Checks a registered node.
     State look(const std::string& node) const;
 
 private:
-    /// What it answers: a status, 1 is success, a text, and the value that was asked for.
+    /// An answer of the master: a status, where 1 is success, a text, and the requested value.
     struct Answer {
-        /// Nothing answered: negative.
+        /// Negative if there was no answer.
         int status;
-        /// If it is a number; 0 otherwise.
+        /// The value if it is a number, else 0.
         int value;
     };
     Answer ask(const char* method, const std::string& argument) const;
 
     std::string uri_;
-    /// Process of the master that answered first.
+    /// Process id of the master that answered first.
     int pid_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The bridge as a node of its own.
+// The bridge as a node.
 
 #include <ros/ros.h>
 #include <signal.h>
@@ -19,8 +19,8 @@ namespace {
 using belvedere_ros::Bridge;
 using belvedere_ros::Master;
 
-// SIGINT and SIGTERM are taken by the main thread alone, and by nothing that roscpp installs: roscpp ends at SIGTERM
-// without telling the master, which would go on listing this node.
+// Blocks SIGINT and SIGTERM, so that only the main thread receives them, and not a handler of roscpp: at SIGTERM roscpp
+// exits without unregistering from the master, which would still list this node.
 sigset_t block_signals() {
     sigset_t signals;
     sigemptyset(&signals);
@@ -30,13 +30,13 @@ sigset_t block_signals() {
     return signals;
 }
 
-// Whether one of them came within half a second.
+// Returns true if one of the signals arrives within half a second.
 bool signalled(const sigset_t& signals) {
     const timespec patience{0, 500'000'000};
     return sigtimedwait(&signals, nullptr, &patience) > 0;
 }
 
-// False when a signal came first.
+// Waits for the master. Returns false if a signal arrives first.
 bool wait_for(Master& master, const sigset_t& signals) {
     belvedere_ros::Reminder reminder;
     while (!master.answers()) {
@@ -46,13 +46,14 @@ bool wait_for(Master& master, const sigset_t& signals) {
     return true;
 }
 
-// As Gazebo's ROS plugin does, so that launch files need not. Before the first handle: roscpp looks at it then.
+// Sets use_sim_time as Gazebo's ROS plugin does, so that launch files need not. Must be called before the first handle,
+// when roscpp reads it.
 void use_simulated_time() {
     if (ros::param::param("~publish_clock", true) && !ros::param::has("/use_sim_time")) ros::param::set("/use_sim_time", true);
 }
 
-// The node's private parameters as they were at the start, whether roslaunch, the command line or another program has set
-// them, and /use_sim_time: a roscore that is started again has none of them.
+// The private parameters of the node at the start, from roslaunch, the command line or another program, and
+// /use_sim_time: a restarted roscore has lost them.
 class KeptParameters {
 public:
     KeptParameters() {
@@ -62,7 +63,7 @@ public:
         for (const auto& parameter : own) keep("~" + parameter.first);
     }
 
-    // Sets those that are not set there.
+    // Sets those that are missing on the master.
     void restore() const {
         for (const auto& [name, value] : values_)
             if (!ros::param::has(name)) ros::param::set(name, value);
@@ -78,9 +79,9 @@ private:
     std::map<std::string, Value> values_;
 };
 
-// Serves until a signal or `rosnode kill`; false when it cannot.
+// Serves until a signal or `rosnode kill`. Returns false on an error.
 bool serve(Master& master, const sigset_t& signals) {
-    const ros::NodeHandle nh;  // as long as there is one, roscpp runs, and logs
+    const ros::NodeHandle nh;  // keeps roscpp running, for logging
     const KeptParameters parameters;
     try {
         const Bridge bridge{nh, ros::NodeHandle("~")};
@@ -89,7 +90,7 @@ bool serve(Master& master, const sigset_t& signals) {
         bool gone = false, registered = true;
         while (!signalled(signals) && ros::ok()) {
             const Master::State state = master.look(ros::this_node::getName());
-            // Told to end by `rosnode kill`, it is unregistered a moment before it is not ok.
+            // `rosnode kill` unregisters the node shortly before ros::ok() becomes false.
             if (ros::isShuttingDown()) break;
             registered = registered && state != Master::State::forgetful;
             if (!registered && master.answers()) {
@@ -105,7 +106,7 @@ bool serve(Master& master, const sigset_t& signals) {
                     ROS_INFO("roscore answers again");
             }
         }
-        // Before the bridge, whose threads may be waiting for a roscore that is gone, to register something.
+        // Before the bridge ends: its threads may be waiting for a roscore that is gone, to register.
         ros::shutdown();
     } catch (const std::exception& error) {
         ROS_FATAL_STREAM(error.what());
@@ -118,7 +119,7 @@ bool serve(Master& master, const sigset_t& signals) {
 
 int main(int argc, char** argv) try {
     const sigset_t signals = block_signals();
-    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // into a file or a pipe, what is said would come late
+    std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);  // lines reach a file or pipe at once
     Master master(argc, argv);
     if (!wait_for(master, signals)) return 0;
     ros::init(argc, argv, "belvedere", ros::init_options::NoSigintHandler);

@@ -1,4 +1,4 @@
-// The bridge as a nodelet: subscribers in the same manager get its messages without a copy.
+// The bridge as a nodelet: subscribers in the same manager receive its messages without a copy.
 
 #include <nodelet/nodelet.h>
 #include <pluginlib/class_list_macros.hpp>

@@ -1,4 +1,4 @@
-// A topic of ROS, and how a frame becomes its message.
+// A ROS topic, with the conversion of frames to its messages.
 #pragma once
 
 #include <image_transport/image_transport.h>
@@ -13,23 +13,23 @@
 
 namespace belvedere_ros {
 
-/// Where a relay sends its frames.
+/// The destination of a relay's frames.
 class Output {
 public:
     virtual ~Output() = default;
-    /// The topic with its namespace, as it is after remapping.
+    /// Returns the topic with its namespace, after remapping.
     virtual std::string topic() const = 0;
-    /// Who listens now, in this process or another.
+    /// Returns the number of subscribers now, in this process or others.
     virtual std::uint32_t subscribers() const = 0;
-    /// Converts and publishes. Throws Unrepresentable.
+    /// Converts and publishes a frame. Throws Unrepresentable.
     virtual void publish(belvedere::Frame frame) = 0;
 };
 
-/// A converter: the message of a frame, or null when there is nothing to say.
+/// A converter, which returns the message of a frame, or null if there is none to publish.
 template <class Message>
 using Convert = std::function<boost::shared_ptr<Message>(const Sample&)>;
 
-/// A topic as roscpp publishes it. `bell` is rung when somebody comes or goes.
+/// A topic published by roscpp. It rings `bell` when a subscriber connects or disconnects.
 template <class Message>
 class TopicOutput : public Output {
 public:
@@ -51,7 +51,7 @@ private:
     ros::Publisher publisher_;
 };
 
-/// Images, with all the transports that are installed.
+/// A topic of images, with all installed transports.
 class ImageOutput : public Output {
 public:
     ImageOutput(const ros::NodeHandle& nh, const std::string& topic, std::uint32_t queue, const std::shared_ptr<Bell>& bell,

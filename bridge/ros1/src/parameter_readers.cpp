@@ -17,7 +17,7 @@ std::string text_of(const Value& value) {
 
 }  // namespace
 
-// A name of digits comes from the command line as a number.
+// The command line converts a name of digits to a number.
 std::string to_text(Value& value) {
     if (value.getType() == Value::TypeInt) return std::to_string(static_cast<int>(value));
     if (value.getType() != Value::TypeString) throw BadParameter("text");

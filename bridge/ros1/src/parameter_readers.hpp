@@ -1,4 +1,4 @@
-// Values on the parameter server, read and checked.
+// Reading and checking of values on the parameter server.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -10,21 +10,21 @@
 
 namespace belvedere_ros {
 
-/// A parameter that cannot be what it is; its text names it, its value and what it may be.
+/// The error for an invalid parameter, with its name, its value and the valid values.
 class BadParameter : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// How parameters are read, by name; what a reader throws is a BadParameter of the kind of value that is expected.
+/// Readers of parameters by name. A reader throws BadParameter with the expected kind of value.
 using Readers = std::map<std::string, std::function<void(XmlRpc::XmlRpcValue&)>>;
 
-/// Reads those that are set in the namespace of `nh`. Throws BadParameter.
+/// Reads the parameters that are set in the namespace of `nh`. Throws BadParameter.
 void read_all(const ros::NodeHandle& nh, const Readers& readers);
 
 std::string to_text(XmlRpc::XmlRpcValue& value);
 bool to_bool(XmlRpc::XmlRpcValue& value);
-/// Finite; whole or not.
+/// Reads a finite number, integer or not.
 double to_number(XmlRpc::XmlRpcValue& value);
 
 }  // namespace belvedere_ros

@@ -61,7 +61,7 @@ Parameters Parameters::read(const ros::NodeHandle& private_nh) {
     const std::string own = private_nh.getNamespace();
     if (private_nh.getParam(own, all) && all.getType() == Value::TypeStruct) {
         for (const auto& entry : all) {
-            // Those of diagnostic_updater and of image transports are not ours to know.
+            // Parameters of diagnostic_updater and of image transports are not checked here.
             if (readers.count(entry.first) != 0 || entry.first == "diagnostic_period" ||
                 entry.second.getType() == Value::TypeStruct)
                 continue;

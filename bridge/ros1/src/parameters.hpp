@@ -14,38 +14,39 @@
 namespace belvedere_ros {
 
 struct Parameters {
-    /// Which of the moving transforms are sent.
+    /// The moving transforms that are published.
     enum class Transforms {
         all,
-        /// Those in the frame of the odometry, when robot_state_publisher sends the robot's own; no fixed ones either.
+        /// Those in the odometry frame, for use with robot_state_publisher, which publishes the robot's own; no fixed
+        /// ones either.
         odometry,
         none,
     };
 
-    /// Reads and checks them all. Throws BadParameter; warns of names that it does not know.
+    /// Reads and checks all parameters. Throws BadParameter; warns about unknown names.
     static Parameters read(const ros::NodeHandle& private_nh);
 
-    /// ~domain (text): where the simulator is; empty: BELVEDERE_DOMAIN, else "default".
+    /// ~domain (text): the simulator's domain; empty: BELVEDERE_DOMAIN, or "default".
     std::string domain;
-    /// ~publish_clock (true): whether /clock is sent, and (by the node) use_sim_time set unless it is set already.
+    /// ~publish_clock (true): publishes /clock, and (by the node) sets use_sim_time unless it is set already.
     bool publish_clock = true;
     /// ~transforms (all): all, odometry or none.
     Transforms transforms = Transforms::all;
-    /// ~odom_frame (odom): the frame that odometry is given in.
+    /// ~odom_frame (odom): the frame of odometry.
     std::string odom_frame = "odom";
-    /// ~velocity_topics, ~reset_odometry_topics, ~motor_power_topics (lists): the topics of what the robot is told, by the
-    /// kinds of the streams that they go to, besides the names of these streams.
+    /// ~velocity_topics, ~reset_odometry_topics, ~motor_power_topics (lists): additional topics of commands to the
+    /// robot, by the kind of the command stream.
     std::map<std::uint16_t, std::vector<std::string>> command_topics = {
         {BV_KIND_VELOCITY_COMMAND, {"commands/velocity", "mobile_base/commands/velocity"}},
         {BV_KIND_RESET_ODOMETRY, {"commands/reset_odometry", "mobile_base/commands/reset_odometry"}},
         {BV_KIND_MOTOR_POWER, {"commands/motor_power", "mobile_base/commands/motor_power"}},
     };
-    /// ~gazebo_namespace (/gazebo): where the services and topics of Gazebo are; relative to the node's own namespace
-    /// without the slash; empty: nowhere.
+    /// ~gazebo_namespace (/gazebo): the namespace of Gazebo's services and topics; without the slash, relative to the
+    /// node's own namespace; if empty, they are not offered.
     std::string gazebo_namespace = "/gazebo";
-    /// ~camera_info_url (text): where calibrations made by set_camera_info are kept, with ${NAME} for the camera's name.
+    /// ~camera_info_url (text): the storage of calibrations set by set_camera_info, with ${NAME} for the camera's name.
     std::string camera_info_url;
-    /// Those of laser scanners that hold for every scan.
+    /// The parameters of laser scanners that apply to every scan.
     ScanParameters scan;
 };
 

@@ -22,17 +22,17 @@ constexpr Parameter kParameters[] = {
     {"exposure", &bv_sensor_settings::exposure, "Factor of the light: 1 as described"},
 };
 
-// dynamic_reconfigure's own name of the group that all parameters are in.
+// dynamic_reconfigure's name of the group of all parameters.
 constexpr const char* kGroup = "Default";
 
-/// Calls for each parameter that the sensor has.
+/// Calls `function` for each parameter that the sensor has.
 template <class Function>
 void for_each(const bv_sensor_settings& sensor, Function function) {
     for (const Parameter& parameter : kParameters)
         if (const bv_setting& setting = sensor.*parameter.setting; !std::isnan(setting.value)) function(parameter, setting);
 }
 
-/// The values, or the limits, of all.
+/// Returns the values, or the limits, of all parameters.
 dynamic_reconfigure::Config to_config(const bv_sensor_settings& sensor, double bv_setting::*part) {
     dynamic_reconfigure::Config config;
     for_each(sensor, [&](const Parameter& parameter, const bv_setting& setting) {
@@ -48,7 +48,7 @@ dynamic_reconfigure::Config to_config(const bv_sensor_settings& sensor, double b
     return config;
 }
 
-/// The shortest text that is read as the same number.
+/// Returns the shortest text that is read as the same number.
 std::string to_word(const char* name, double value) {
     char digits[32];
     const auto [end, error] = std::to_chars(digits, digits + sizeof digits, value);
@@ -59,7 +59,7 @@ bool same_limits(const bv_sensor_settings& one, const bv_sensor_settings& other)
     bool same = true;
     for (const Parameter& parameter : kParameters) {
         const bv_setting &left = one.*parameter.setting, &right = other.*parameter.setting;
-        // By bits: what a sensor has not is NaN.
+        // Compare bits: missing settings are NaN.
         same = same && std::memcmp(&left.min, &right.min, sizeof left.min) == 0 &&
                std::memcmp(&left.max, &right.max, sizeof left.max) == 0;
     }
@@ -129,7 +129,7 @@ bool Reconfigure::set(dynamic_reconfigure::Reconfigure::Request& request, dynami
             reason = "there is no parameter " + value.name;
             continue;
         }
-        // Clients send all that they know: what is as it is, is not asked for.
+        // Clients send all parameters: skip unchanged ones.
         if ((wanted.*setting).value == value.value) continue;
         (wanted.*setting).value = value.value;
         words += to_word(value.name.c_str(), value.value);

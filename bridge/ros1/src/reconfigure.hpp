@@ -1,4 +1,4 @@
-// The settings of one sensor, as dynamic_reconfigure serves them.
+// The settings of one sensor, served by dynamic_reconfigure.
 #pragma once
 
 #include <belvedere.hpp>
@@ -14,22 +14,22 @@
 
 namespace belvedere_ros {
 
-/// Speaks dynamic_reconfigure's messages itself: the parameters of that library's Server<> are fixed when a program is
-/// compiled, and which ones a sensor has, within which limits, the simulator says.
+/// A server of dynamic_reconfigure's messages. The library's Server<> has parameters that are fixed at compile time,
+/// but the simulator defines which ones a sensor has, and their limits.
 ///
-/// Unlike that class it does not keep values on the parameter server, where they would outlive the simulator that had them,
-/// and it refuses what is out of its limits instead of changing it.
+/// Unlike that class, it does not keep values on the parameter server, where they would outlive the simulator. It
+/// refuses values beyond their limits instead of changing them.
 class Reconfigure {
 public:
-    /// Asks the simulator to change a sensor; gives its reason when it refuses, else nothing.
+    /// A request to the simulator to change a sensor; returns the reason if it refuses, else an empty string.
     using Change = std::function<std::string(const bv_sensor_settings& sensor, const std::string& words)>;
 
-    /// Serves in the namespace of `nh`: that of the sensor.
+    /// Serves in the namespace of `nh`, the sensor's.
     Reconfigure(ros::NodeHandle nh, Change change);
 
-    /// What the simulator says they are now.
+    /// Publishes the current settings from the simulator.
     void tell(const bv_sensor_settings& sensor);
-    /// Asks for the values of parameters that somebody has set in the namespace.
+    /// Requests the values of parameters that are set in the namespace.
     void apply_given();
 
 private:

@@ -21,8 +21,8 @@ namespace {
 
 using Value = XmlRpc::XmlRpcValue;
 
-// A node lists its topics by its slave API, and its services nowhere: roscpp has them in a private member, which an explicit
-// instantiation may name. If the installed header has other members, this does not compile.
+// The slave API lists a node's topics, but nothing lists its services: roscpp stores them in a private member, which an
+// explicit instantiation may access. If the installed header has other members, this does not compile.
 using Services = ros::L_ServicePublication ros::ServiceManager::*;
 using Mutex = boost::mutex ros::ServiceManager::*;
 std::pair<Services, Mutex> members();
@@ -55,7 +55,7 @@ bool enter(const char* method, const std::string& name, const std::string& what,
     return ros::master::execute(method, arguments, response, answer, false);
 }
 
-/// Asks this node itself, by the slave API that every node has.
+/// Calls the slave API of this node.
 bool ask_self(const char* method, Value arguments, Value& answer) {
     std::string host;
     std::uint32_t port = 0;
@@ -74,12 +74,12 @@ bool ask_self(const char* method, Value& answer) {
     return ask_self(method, arguments, answer);
 }
 
-/// The publishers that each topic is received from, by the addresses of their nodes.
+/// Returns the connected publishers of each topic, by the addresses of their nodes.
 bool connected_publishers(std::map<std::string, std::set<std::string>>& publishers) {
     Value connections;
     if (!ask_self("getBusInfo", connections)) return false;
     for (int index = 0; index < connections.size(); ++index) {
-        // Number, address of the other node, direction, transport, topic.
+        // A connection has a number, the address of the other node, direction, transport and topic.
         Value& connection = connections[index];
         if (static_cast<std::string>(connection[2]) == "i")
             publishers[static_cast<std::string>(connection[4])].insert(static_cast<std::string>(connection[1]));
@@ -87,8 +87,8 @@ bool connected_publishers(std::map<std::string, std::set<std::string>>& publishe
     return true;
 }
 
-/// Connects a subscriber to the publishers that the master knows. The list that roscpp is given has those that are connected
-/// already, too: it drops the others.
+/// Connects a subscriber to the publishers that the master lists. The list given to roscpp includes those that are
+/// connected already: it disconnects from all others.
 bool connect(const std::string& topic, Value& known, const std::set<std::string>& connected) {
     std::set<std::string> publishers = connected;
     for (int index = 0; index < known.size(); ++index)

@@ -9,9 +9,9 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// How soon a stream that could not be followed is tried again, and all is looked at even if nothing has happened.
+// The interval of retries to subscribe, and of checks without an event.
 constexpr milliseconds kPatience{1000};
-// How soon it is looked whether a held frame was let go.
+// The interval of checks whether a held frame was released.
 constexpr milliseconds kRoom{10};
 
 }  // namespace
@@ -47,7 +47,7 @@ void Relay::run() {
         } catch (const std::exception& error) {
             complain(error.what());
         }
-        // The ring of the end may have been heard already.
+        // A ring at the end may have been consumed already.
         if (!stopping_) bell_->sleep(kPatience);
     }
 }
@@ -71,7 +71,7 @@ void Relay::follow() {
             complain(error.what());
         }
         flow_.publishers(subscriber.publishers());
-        // While all that may be held is held, there is something to read and no way to take it.
+        // While the maximum number of frames is held, the descriptor is readable but no frame can be taken.
         if (full)
             bell_->sleep(kRoom);
         else
@@ -87,10 +87,10 @@ void Relay::pass_on(belvedere::Frame frame) {
         session_ = header.session;
         last_stamp_ns_ = 0;
     }
-    // Kept from before the subscription: too old to be news.
+    // Sent before the subscription, and so too old to publish.
     if (stamps_ != Stamps::any && frame.is_from_history()) return;
     if (stamps_ == Stamps::rising) {
-        // The same again is no news either. After a reset stamps begin anew.
+        // A repeated stamp is not published again. After a reset stamps restart.
         if (header.stamp_ns == 0 || header.stamp_ns == last_stamp_ns_) return;
         last_stamp_ns_ = header.stamp_ns;
     }

@@ -1,4 +1,4 @@
-// One stream, served as one topic for as long as somebody subscribes.
+// One stream, served as one topic while it has subscribers.
 #pragma once
 
 #include <atomic>
@@ -15,25 +15,26 @@
 
 namespace belvedere_ros {
 
-/// Follows a stream in a thread of its own while its output has subscribers, and at no other time: a stream that nobody
-/// wants is neither read nor converted, and the simulator sees no subscriber. Goes on by itself when the simulator is
-/// started again.
+/// A relay, which subscribes to a stream in its own thread while its output has subscribers. A stream without ROS
+/// subscribers is neither read nor converted, and the simulator sees no subscriber. The relay continues by itself if
+/// the simulator is restarted.
 class Relay {
 public:
-    /// What a frame's stamp must be to be passed on.
+    /// The condition on a frame's stamp for it to be published.
     enum class Stamps {
-        /// Another than that before, and not zero; and not older than the subscription.
+        /// Different from the previous stamp and not zero; the frame must not be older than the subscription.
         rising,
-        /// Whatever it is, as several events may happen at one time; but not older than the subscription.
+        /// Any stamp, as several events may have the same; the frame must not be older than the subscription.
         new_ones,
-        /// Whatever it is: what is sent holds always.
+        /// Any stamp and age, for latched data.
         any,
     };
 
-    /// What a stream needs.
+    /// Returns the condition for a stream.
     static Stamps stamps_of(const bv_stream_info& stream);
 
-    /// Frames are looked for when they are due for at most `busy_poll`, see belvedere::Subscriber::set_busy_poll.
+    /// Starts a relay. Frames that are due are polled for, for at most `busy_poll`: see
+    /// belvedere::Subscriber::set_busy_poll.
     Relay(Domain& domain, const bv_stream_info& stream, std::unique_ptr<Output> output, std::shared_ptr<Bell> bell, Stamps stamps,
           std::chrono::microseconds busy_poll = {});
     ~Relay();
@@ -43,9 +44,9 @@ public:
     const std::string& stream() const { return stream_; }
     std::uint16_t kind() const { return kind_; }
     std::string topic() const { return output_->topic(); }
-    /// Another rate is intended than the stream was made with.
+    /// Sets the intended rate, which may differ from the stream's original one.
     void expect(double rate_hz) { flow_.expect(rate_hz); }
-    /// How it went since this was last asked.
+    /// Returns the report since the previous call.
     Flow::Report report();
 
 private:

@@ -1,15 +1,15 @@
-// Saying the same thing again, but not too often.
+// Throttling of repeated messages.
 #pragma once
 
 #include <chrono>
 
 namespace belvedere_ros {
 
-/// By the clock on the wall: the throttles of rosconsole go by simulated time, which stands still when there is most to
-/// say. One thread may use it.
+/// A throttle by wall time: the throttles of rosconsole use simulated time, which stops when messages matter most. Only
+/// one thread may use it.
 class Reminder {
 public:
-    /// Whether ten seconds have passed since it was last due; at first, yes.
+    /// Returns true if ten seconds have passed since it last returned true, and at first.
     bool due() {
         const auto now = std::chrono::steady_clock::now();
         if (now < next_) return false;

@@ -1,12 +1,11 @@
-// What the converters look at: a header and its payload, wherever they lie.
+// The input of converters: a header and its payload, wherever they are stored.
 #pragma once
 
 #include <belvedere.hpp>
 
 namespace belvedere_ros {
 
-/// A frame of a stream, seen without owning it. The header has been checked by the bridge: rows, elements and structs lie
-/// within the payload.
+/// A view of a frame. The bridge has checked the header: rows, elements and structs lie within the payload.
 struct Sample {
     Sample(const belvedere::Header& frame_header, belvedere::Span<const std::uint8_t> bytes)
         : header(frame_header), payload(bytes) {}

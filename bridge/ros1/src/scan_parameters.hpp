@@ -10,26 +10,27 @@
 
 namespace belvedere_ros {
 
-/// As REP-138 names them. They are read once; `~NAME` holds for every scan, `~TOPIC/NAME` for that of the topic.
+/// Parameters with the names of REP-138. They are read once; `~NAME` applies to every scan, `~TOPIC/NAME` to that of
+/// the topic.
 struct ScanParameters {
-    /// ~frame_id (text): the frame in place of the simulator's; empty: that.
+    /// ~frame_id (text): replaces the simulator's frame; empty: keeps it.
     std::string frame_id;
-    /// ~angle_min, ~angle_max (radians): what lies outside is left out, ray by ray.
+    /// ~angle_min, ~angle_max (radians): rays outside are removed.
     double angle_min = -std::numeric_limits<double>::infinity();
     double angle_max = std::numeric_limits<double>::infinity();
-    /// More than any clock is off, in seconds.
+    /// The largest absolute offset in seconds, beyond any real clock error.
     static constexpr double most_offset = 1e9;
-    /// ~time_offset (seconds, at most `most_offset` either way): added to every stamp.
+    /// ~time_offset (seconds, absolute value at most `most_offset`): added to every stamp.
     double time_offset = 0.0;
-    /// ~publish_intensity (true): whether intensities are sent.
+    /// ~publish_intensity (true): publishes intensities.
     bool publish_intensity = true;
 
-    /// These, but for what is given for the topic. Throws BadParameter.
+    /// Returns these parameters with the overrides of the topic. Throws BadParameter.
     ScanParameters of_topic(const ros::NodeHandle& private_nh, const std::string& topic) const;
 
-    /// How each is read into this one.
+    /// Returns the readers of the parameters into this object.
     Readers readers();
-    /// Throws BadParameter when they cannot hold together.
+    /// Throws BadParameter if the values contradict each other.
     void check(const std::string& where) const;
 };
 

@@ -1,4 +1,4 @@
-// The topics that the bridges of this process serve, for whoever wants their frames rather than their messages.
+// The topics that the bridges of this process serve, for subscribers to frames instead of messages.
 #pragma once
 
 #include <belvedere.hpp>
@@ -13,25 +13,25 @@
 
 namespace belvedere_ros {
 
-/// A stream, and where it is.
+/// A stream and its domain.
 struct Source {
     Domain& domain;
     bv_stream_info stream;
 };
 
-/// Brings together those who serve topics and those who look for them, in whichever order they come.
+/// A registry that connects servers of topics with seekers, in whichever order they register.
 class Served {
 public:
-    /// Who looks for a topic.
+    /// A client that waits for a topic.
     class Seeker {
     public:
         virtual ~Seeker() = default;
-        /// The source of the topic now; null when it is served no more, and is about to go.
+        /// Receives the current source of the topic; null if it is no longer served and about to be destroyed.
         virtual void serve(const Source* source) = 0;
     };
 
-    /// As long as this lives, the topic is served. Of several bridges that serve one topic, as nodelets of one manager may,
-    /// the first holds; when it ends, the next.
+    /// A registration of a served topic, for the lifetime of this object. If several bridges serve one topic, as
+    /// nodelets of one manager may, the first registration applies; when it ends, the next one does.
     class Place {
     public:
         Place(std::string topic, Domain& domain, const bv_stream_info& stream);
@@ -46,16 +46,16 @@ public:
 
     static Served& here();
 
-    /// The seeker is told at once if the topic is served.
+    /// Registers a seeker, and notifies it at once if the topic is served.
     void seek(const std::string& topic, Seeker& seeker);
-    /// It is told nothing afterwards, not even that the topic is gone.
+    /// Removes a seeker, which receives no further notifications, not even of the end of the topic.
     void forget(const std::string& topic, Seeker& seeker);
 
 private:
     void tell(const std::string& topic, const Source* source);
 
     std::mutex mutex_;
-    /// By topic; the first of each holds.
+    /// Keyed by topic; the first source of each applies.
     std::map<std::string, std::list<Source>> sources_;
     std::map<std::string, std::set<Seeker*>> seekers_;
 };

@@ -13,12 +13,12 @@ namespace belvedere_ros {
 namespace {
 
 constexpr const char* kStream = "simulation/sensor_settings";
-// How soon a stream that could not be followed is tried again, and all is looked at even if nothing has happened.
+// The interval of retries to subscribe, and of checks without an event.
 constexpr std::chrono::milliseconds kPatience{1000};
-// How long a simulator may take to answer: as long as it works at a frame.
+// The timeout of an answer, which may take as long as a frame.
 constexpr std::chrono::milliseconds kAnswer{3000};
 
-// Names of ROS are of letters, digits and underscores, and begin with a letter.
+// ROS names consist of letters, digits and underscores, and begin with a letter.
 std::string ros_name(std::string name) {
     std::replace_if(name.begin(), name.end(), [](unsigned char c) { return std::isalnum(c) == 0 || c > 0x7f; }, '_');
     return name.empty() || std::isalpha(static_cast<unsigned char>(name[0])) == 0 ? "sensor_" + name : name;
@@ -48,7 +48,7 @@ void Settings::run() {
         } catch (const std::exception& error) {
             if (trouble_.due()) ROS_WARN_STREAM("settings of sensors cannot be followed: " << error.what());
         }
-        // The ring of the end may have been heard already.
+        // A ring at the end may have been consumed already.
         if (!stopping_) bell_.sleep(kPatience);
     }
 }
@@ -79,7 +79,7 @@ void Settings::take(const belvedere::Frame& frame) {
     std::vector<std::pair<Reconfigure*, const bv_sensor_settings*>> told;
     for (const bv_sensor_settings& sensor : sensors) {
         std::string name = ros_name(to_text(sensor.name));
-        // Two of one name, which their links tell apart in the description: by what they send.
+        // Two sensors of one name, on different links in the description, are distinguished by their topics.
         if (servers.count(name) != 0) name = ros_name(to_text(sensor.topics[0]));
         auto& server = servers[name] = std::move(servers_[name]);
         if (!server)
@@ -91,16 +91,16 @@ void Settings::take(const belvedere::Frame& frame) {
     servers_ = std::move(servers);
     for (const auto& [server, sensor] : told) server->tell(*sensor);
     if (!is_new) return;
-    // Told at last, and of all of them: each is answered by a message of its own.
+    // Applied last and to all sensors: each change causes a new message.
     for (const auto& [server, sensor] : told) server->apply_given();
 }
 
-/// Why it was refused; nothing when it was done.
+/// Returns the reason of a refusal; empty on success.
 std::string Settings::change(const bv_sensor_settings& sensor, const std::string& words) {
     const std::lock_guard<std::mutex> lock(control_mutex_);
     bv_simulation_command command{};
     command.operation = BV_OPERATION_CONFIGURE;
-    // A topic is of one sensor only.
+    // A topic belongs to one sensor only.
     const std::string topic = to_text(sensor.topics[0]);
     const std::string name = topic.size() < sizeof command.name ? topic : to_text(sensor.name);
     std::copy(name.begin(), name.end(), command.name);

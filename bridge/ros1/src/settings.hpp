@@ -1,4 +1,4 @@
-// The settings of the simulator's sensors, followed and changed.
+// The settings of the simulator's sensors.
 #pragma once
 
 #include <ros/ros.h>
@@ -18,8 +18,8 @@
 
 namespace belvedere_ros {
 
-/// Follows what the simulator tells of its sensors, in a thread of its own, and serves each by dynamic_reconfigure in the
-/// private namespace of the node, under the sensor's name. A parameter that is given there, before the node is started or
+/// A client of the simulator's sensor settings in its own thread, which serves each sensor by dynamic_reconfigure in
+/// the private namespace of the node, under the sensor's name. A parameter that is set there, before the node starts or
 /// later, is applied to each simulator that is found.
 class Settings {
 public:
@@ -28,7 +28,7 @@ public:
     Settings(const Settings&) = delete;
     Settings& operator=(const Settings&) = delete;
 
-    /// The rate that a stream has now, where the simulator tells it.
+    /// Returns the current rate of a stream, if the simulator reports it.
     std::optional<double> rate_hz(const std::string& stream) const;
 
 private:

@@ -1,4 +1,4 @@
-// What /tf_static says: of all robots together.
+// The content of /tf_static for all robots together.
 #pragma once
 
 #include <boost/make_shared.hpp>
@@ -11,11 +11,12 @@
 
 namespace belvedere_ros {
 
-/// All transforms that never change. A latched topic keeps one message of a node: with several robots it has to be that of
-/// all of them, or who comes late knows only the last.
+/// The set of all fixed transforms. A latched topic keeps one message per node. With several robots it must contain the
+/// transforms of all of them, or late subscribers would receive only the last one.
 class StaticTransforms {
 public:
-    /// All of them, with those of a message; null if these say nothing new: what is latched is sent once.
+    /// Adds the transforms of a message and returns all of them; null if nothing is new, since a latched message is
+    /// published once.
     tf2_msgs::TFMessagePtr with(const tf2_msgs::TFMessagePtr& message) {
         const std::lock_guard<std::mutex> lock(mutex_);
         const bool same = std::all_of(message->transforms.begin(), message->transforms.end(), [&](const auto& transform) {
@@ -32,7 +33,7 @@ public:
 
 private:
     std::mutex mutex_;
-    /// By the child's frame.
+    /// Keyed by the child frame.
     std::map<std::string, geometry_msgs::TransformStamped> known_;
 };
 

@@ -11,10 +11,10 @@ namespace belvedere_ros {
 
 namespace {
 
-// How often the domain is looked at.
+// The interval at which the domain is listed.
 constexpr std::chrono::milliseconds kPeriod{500};
 
-/// Whether such a stream has consumers of the simulator for publishers.
+/// Returns true for streams whose publishers are consumers of the simulator.
 bool is_command(std::uint16_t kind) {
     switch (kind) {
         case BV_KIND_VELOCITY_COMMAND:

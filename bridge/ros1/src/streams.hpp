@@ -1,4 +1,4 @@
-// What is published in the domain, and what appears there later.
+// The streams of the domain, including those that appear later.
 #pragma once
 
 #include <belvedere.hpp>
@@ -13,18 +13,18 @@
 
 namespace belvedere_ros {
 
-/// Watches a domain in a thread of its own.
+/// A watcher of a domain in its own thread.
 class Streams {
 public:
     using Found = std::function<void(const bv_stream_info&)>;
 
-    /// `found` is called in that thread for every stream at every look, so that one which has changed is noticed.
+    /// Calls `found` in that thread for every stream at every check, so that changed streams are noticed.
     Streams(Domain& domain, Found found);
     ~Streams();
     Streams(const Streams&) = delete;
     Streams& operator=(const Streams&) = delete;
 
-    /// Whether a simulator publishes there now.
+    /// Returns true if a simulator publishes in the domain now.
     bool simulator_is_there() const { return simulator_is_there_; }
 
 private:

@@ -26,11 +26,12 @@ namespace belvedere_ros {
 
 namespace {
 
-// Large messages wait for a slow subscriber by two at most, as in Gazebo's camera plugin; small ones a second or so.
+// Queue sizes: at most two large messages for a slow subscriber, as in Gazebo's camera plugin, and about one second of
+// small ones.
 constexpr std::uint32_t kLarge = 2;
 constexpr std::uint32_t kSmall = 50;
 
-/// Converts a scan as its parameters want it. An offset may put it before time began, where there are no stamps.
+/// Converts a scan adjusted by its parameters. An offset may move it before time 0, where there are no stamps.
 template <class Message>
 Convert<Message> adjusted(boost::shared_ptr<Message> (*convert)(const Sample&), const ScanParameters& parameters) {
     return [convert, parameters](const Sample& sample) -> boost::shared_ptr<Message> {
@@ -74,7 +75,7 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_IMU: return serve(to_imu, topic, kSmall);
         case BV_KIND_JOINT_STATES: return serve(to_joint_states, topic, kSmall);
         case BV_KIND_CORE_SENSORS: return serve(to_core_sensors, topic, kSmall);
-        // Of one kind for the simulator, of three types for ROS: the stream's name says which.
+        // The simulator has one kind for three ROS types: the stream's name distinguishes them.
         case BV_KIND_ROBOT_EVENT: {
             const std::string event = topic.substr(topic.rfind('/') + 1);
             if (event == "bumper") return serve(to_bumper_event, topic, kSmall);
@@ -97,26 +98,26 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
             if (!parameters_.publish_clock) return nullptr;
             return serve(to_clock, "/clock", kSmall);
         case BV_KIND_MODEL_STATES: {
-            // As Gazebo names them, and again in a pause for those who have come since.
+            // Names as in Gazebo. While paused they are repeated for new subscribers.
             const std::string name = topic.substr(topic.rfind('/') + 1), there = parameters_.gazebo_namespace + '/' + name;
             if (name == "model_states") return serve(to_model_states, there, kSmall);
             if (name == "link_states") return serve(to_link_states, there, kSmall);
             throw Unrepresentable("whose states they are is not known here");
         }
-        // Not for ROS: the services of Gazebo are in their place.
+        // Not published: Gazebo's services replace them.
         case BV_KIND_SIMULATION_COMMAND:
         case BV_KIND_SIMULATION_RESULT:
-        // No message of ROS's own fits: whoever wants them follows the stream itself.
+        // No standard ROS message fits: subscribe to the stream itself.
         case BV_KIND_BOUNDING_BOXES:
         case BV_KIND_TAG_DETECTIONS:
-        // By dynamic_reconfigure: see settings.hpp.
+        // Served by dynamic_reconfigure: see settings.hpp.
         case BV_KIND_SENSOR_SETTINGS: return nullptr;
         default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");
     }
 }
 
-/// With the service set_camera_info beside the topic: a calibration that was made of the camera's pictures takes the place
-/// of what the simulator knows, as it would with a real camera.
+/// Returns a converter with the service set_camera_info next to the topic: a calibration from the camera's images
+/// replaces the simulator's values, as with a real camera.
 Convert<sensor_msgs::CameraInfo> Topics::camera_info_converter(const std::string& topic) const {
     const std::size_t slash = topic.rfind('/');
     const std::string camera = slash == std::string::npos ? "" : topic.substr(0, slash);

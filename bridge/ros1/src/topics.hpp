@@ -1,4 +1,4 @@
-// Which topic and type of ROS a stream is served as.
+// The ROS topic and type of each stream.
 #pragma once
 
 #include <camera_info_manager/camera_info_manager.h>
@@ -14,16 +14,17 @@
 
 namespace belvedere_ros {
 
-/// Makes relays. Topics are named as the streams, relative to the node's namespace; tf, tf_static and clock are global.
+/// A factory of relays. Topics are named like the streams, relative to the node's namespace; tf, tf_static and clock
+/// are global.
 class Topics {
 public:
     Topics(ros::NodeHandle nh, ros::NodeHandle private_nh, Parameters parameters)
         : nh_(std::move(nh)), private_nh_(std::move(private_nh)), parameters_(std::move(parameters)) {}
 
-    /// The relay of a stream, or null when the parameters leave it out. Throws Unrepresentable for a kind that is not known.
+    /// Returns the relay of a stream, or null if the parameters exclude it. Throws Unrepresentable for an unknown kind.
     std::unique_ptr<Relay> relay(Domain& domain, const bv_stream_info& stream) const;
 
-    /// What a laser scanner's stream is adjusted by. Throws BadParameter.
+    /// Returns the parameters that adjust a laser scanner's stream. Throws BadParameter.
     ScanParameters scan_parameters(const std::string& stream) const { return parameters_.scan.of_topic(private_nh_, stream); }
 
 private:

@@ -1,6 +1,6 @@
-"""A world of chessboards, and a robot that is nothing but three cameras: one that calibrates them needs no more.
+"""A world of chessboards, and a robot that consists only of three cameras, for their calibration.
 
-The boards stand far apart along y. Seen from (0, y of the board, 0) along x each fills another part of the picture, at
+The boards stand far apart along y. Seen from (0, y of the board, 0) along x, each fills another part of the image, at
 another distance and slant, and no other board is in view.
 """
 
@@ -18,11 +18,11 @@ FISHEYE = 0.03, -0.01, 0.004, -0.001  # of the third: k1 k2 k3 k4
 MARGIN_PX = 12
 PIXELS_PER_SQUARE = 64
 
-PLATE = (COLUMNS + 3) * SQUARE_M, (ROWS + 3) * SQUARE_M  # all squares and a white margin as wide as one
+PLATE = (COLUMNS + 3) * SQUARE_M, (ROWS + 3) * SQUARE_M  # all squares, with a white margin of one square
 
 
 def texture():
-    """Squares, with a white margin round them."""
+    """Return the squares with a white margin around them."""
     rows, columns = numpy.indices((ROWS + 3, COLUMNS + 3))
     black = (rows + columns) % 2 == 0
     black[[0, -1], :] = black[:, [0, -1]] = False
@@ -30,7 +30,7 @@ def texture():
 
 
 def turn(roll, pitch, yaw):
-    """The rotation of an SDF pose."""
+    """Return the rotation matrix of an SDF pose."""
     (cr, sr), (cp, sp), (cy, sy) = [(numpy.cos(angle), numpy.sin(angle)) for angle in (roll, pitch, yaw)]
     return numpy.array([
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
@@ -40,13 +40,13 @@ def turn(roll, pitch, yaw):
 
 
 def poses():
-    """Where each board is, seen from the camera's place (x forward, z up): x, y, z, roll, pitch, yaw."""
+    """Return the pose of each board relative to the camera (x forward, z up): x, y, z, roll, pitch, yaw."""
     random, found = numpy.random.RandomState(1), []
     corners = numpy.array([[x * PLATE[0] / 2, y * PLATE[1] / 2, 0] for x in (-1, 1) for y in (-1, 1)])
     while len(found) < BOARDS:
         slant, side, spin = random.uniform(-0.6, 0.6, 3)
         place = numpy.array([random.uniform(0.5, 1.0), random.uniform(-0.5, 0.5), random.uniform(-0.4, 0.4)])
-        angles = spin, -numpy.pi / 2 + slant, side  # the plate's own z looks at the camera
+        angles = spin, -numpy.pi / 2 + slant, side  # the plate's own z points to the camera
         x, y, z = place[:, None] + turn(*angles) @ corners.T
         across, down = FOCAL * abs(y / x), FOCAL * abs(z / x)
         if across.max() < WIDTH / 2 - MARGIN_PX and down.max() < HEIGHT / 2 - MARGIN_PX:
@@ -80,7 +80,7 @@ def camera(name, distortion=(0.0,) * 5, fisheye=()):
 
 
 def write(folder):
-    """Makes robot and world in a folder; gives the options of `belvedere run` for them."""
+    """Write robot and world into a folder; return the options of `belvedere run` for them."""
     folder = Path(folder)
     cv2.imwrite(str(folder / "board.png"), texture())
     (folder / "board.material").write_text(

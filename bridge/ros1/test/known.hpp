@@ -1,4 +1,4 @@
-// Frames whose bytes are known, for tests of converters.
+// Frames with known bytes, for tests of converters.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-"""Topics, as a test listens to them."""
+"""Subscribers for tests."""
 
 import collections
 import threading
@@ -9,7 +9,7 @@ import rospy
 
 
 class Listener:
-    """Subscribes to a topic; keeps the stamps of all messages, and the last `most` of them (None: all)."""
+    """A subscriber to a topic that keeps the stamps of all messages, and the last `most` of them (None: all)."""
 
     def __init__(self, topic, kind, most=1):
         self.lock, self.stamps_ns, self.messages = threading.Lock(), [], collections.deque(maxlen=most)
@@ -35,7 +35,7 @@ class Listener:
             return list(self.messages)
 
     def period(self, count=4):
-        """Between the last stamps, in seconds, if it is the same between all of them."""
+        """Return the period of the last stamps in seconds, if it is constant."""
         with self.lock:
             last = self.stamps_ns[-count:]
         periods = [after - before for before, after in zip(last, last[1:])]
@@ -55,7 +55,7 @@ class Listener:
 
 
 def stamp_of(message):
-    """When a message was true; 0 for one that does not say."""
+    """Return the stamp of a message; 0 if it has none."""
     if hasattr(message, "header"):
         return message.header.stamp
     if hasattr(message, "clock"):
@@ -66,5 +66,5 @@ def stamp_of(message):
 
 
 def published():
-    """Topics that have a publisher now."""
+    """Return the topics that have a publisher now."""
     return {topic for topic, _ in rosgraph.Master("/test").getSystemState()[0]}

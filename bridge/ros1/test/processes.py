@@ -1,4 +1,4 @@
-"""Simulator, bridge node and roscore as child processes of a test, and what they say."""
+"""Simulator, bridge node and roscore as child processes of a test, with their output."""
 
 import os
 import signal
@@ -12,7 +12,7 @@ BRIDGE = os.environ["BELVEDERE_ROS_BRIDGE"]  # the installed node
 
 
 class Process:
-    """A child with its output in a file; killed for certain at the end."""
+    """A child process with its output in a file, which is killed at the end in any case."""
 
     def __init__(self, *command, **environment):
         self.log = tempfile.TemporaryFile(mode="w+", errors="replace")
@@ -22,7 +22,7 @@ class Process:
             stdout=self.log,
             stderr=subprocess.STDOUT,
             start_new_session=True,
-            # A script's background job ignores SIGINT, and so would its children.
+            # Background jobs of a script ignore SIGINT, and so would their children.
             preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
         )
 
@@ -37,7 +37,7 @@ class Process:
         return eventually(lambda: text in self.output(), timeout)
 
     def stop(self, how=signal.SIGINT, timeout=15.0):
-        """Ends it; gives the exit code."""
+        """Stop it and return the exit code."""
         if self.running():
             self.child.send_signal(how)
         try:
@@ -56,17 +56,17 @@ class Process:
 
 
 def simulator(domain, *arguments, **environment):
-    """A simulator whose robot stands still."""
+    """Start a simulator whose robot stands still."""
     return Process(SIMULATOR, "run", "--domain", domain, "--drive", "still", *arguments, **environment)
 
 
 def bridge(domain, *arguments, **environment):
-    """The bridge node of a domain, /belvedere if no argument names it otherwise."""
+    """Start the bridge node of a domain, /belvedere unless an argument names it otherwise."""
     return Process(BRIDGE, f"_domain:={domain}", *arguments, **environment)
 
 
 def roscore(port):
-    """The master alone, as one process that can be killed."""
+    """Start only the master, as one process that can be killed."""
     return Process("rosmaster", "--core", "-p", port)
 
 
@@ -83,12 +83,12 @@ COMMANDS = {
     "/mobile_base/commands/reset_odometry",
     "/simulation/command",
 }
-#: One that the bridge itself reads, whoever subscribes to what.
+#: The stream that the bridge itself always reads.
 SETTINGS = "/simulation/sensor_settings"
 
 
 def subscribers_of_streams(domain):
-    """How many subscribers each stream of a domain has but commands and settings, by `belvedere list`."""
+    """Return the number of subscribers of each stream of a domain except commands and settings, by `belvedere list`."""
     lines = subprocess.run(
         [SIMULATOR, "list", "--domain", domain], check=True, capture_output=True, text=True, timeout=20
     ).stdout.splitlines()
@@ -98,7 +98,7 @@ def subscribers_of_streams(domain):
 
 
 def eventually(condition, timeout=10.0):
-    """Whether a condition comes true in time."""
+    """Return True if a condition becomes true in time."""
     end = time.monotonic() + timeout
     while time.monotonic() < end:
         if condition():

@@ -4,7 +4,7 @@ import roslib.packages
 
 
 def program(package, name):
-    """The executable of a node."""
+    """Return the executable of a node."""
     found = roslib.packages.find_node(package, name)
     assert found, f"{package} has no {name}: is it installed?"
     return found[0]

@@ -1,4 +1,4 @@
-"""The articles' robots, and what a ROS program sees of each: topics, types, frames, rates, sizes and intrinsics.
+"""The articles' robots as seen by a ROS program: topics, types, frames, rates, sizes and intrinsics.
 
 Focal lengths are those of the field of view. The principal point is ((w - 1) / 2, (h - 1) / 2) with pixel centres at
 integers, or ((w + 1) / 2, (h + 1) / 2) as Gazebo says in its camera_info.
@@ -12,9 +12,9 @@ from math import isnan, nan, pi, tan
 class Topic:
     type: str
     frame: str = ""
-    rate: float = 0.0  # Hz; 0: once; NaN: when something happens
-    fields: dict = field(default_factory=dict)  # of the message, by name
-    length: int = -1  # of the payload
+    rate: float = 0.0  # Hz; 0: once; NaN: events
+    fields: dict = field(default_factory=dict)  # expected fields of the message, by name
+    length: int = -1  # length of the payload
 
     def is_event(self):
         return isnan(self.rate)
@@ -46,7 +46,7 @@ def scan(frame, rate, samples, half_angle, near, far, compat):
     return Topic("sensor_msgs/LaserScan", frame, rate, {
         "angle_min": -half_angle, "angle_max": half_angle, "angle_increment": 2 * half_angle / (samples - 1),
         "range_min": near, "range_max": far,
-        # All rays of one moment; gazebo_ros_laser leaves both at 0.
+        # All rays have the same time; gazebo_ros_laser leaves both at 0.
         "time_increment": 0.0, "scan_time": 0.0 if compat else 1.0 / rate,
     }, samples)  # fmt: skip
 
@@ -56,7 +56,7 @@ def cloud(frame, rate):
     return Topic("sensor_msgs/PointCloud2", frame, rate, fields, 640 * 480 * 32)
 
 
-#: Of x, y and yaw; the plane says nothing of the rest.
+#: Covariance of x, y and yaw; planar odometry does not measure the rest.
 POSE_COVARIANCE = [[0.1, 0.1, 1e6, 1e6, 1e6, 0.05][i // 7] if i % 7 == 0 else 0.0 for i in range(36)]
 
 ROBOT = {
@@ -76,8 +76,8 @@ ROBOT = {
 
 
 def ceiling_camera(compat):
-    """The monocular camera that looks at the ceiling, with the lidar that its robot carries."""
-    # Gazebo stamps the pictures with the link, which looks along x.
+    """Return the set-up of the monocular camera that faces the ceiling, with the robot's lidar."""
+    # Gazebo gives images the frame of the link, which faces along x.
     frame = "base_camera_link" if compat else "base_camera_link_optical"
     return Setup(
         {"TURTLEBOT_STACKS": "nostack", "TURTLEBOT_3D_SENSOR": "camera"},
@@ -91,7 +91,7 @@ def ceiling_camera(compat):
 
 
 def rplidar(compat):
-    """The lidar alone. With 360 rays over the whole circle the first and the last are the same ray, as in Gazebo."""
+    """Return the set-up of the lidar alone. With 360 rays over the circle the first equals the last, as in Gazebo."""
     return Setup(
         {"TURTLEBOT_STACKS": "nostack", "TURTLEBOT_3D_SENSOR": "rplidar"},
         {**ROBOT, "/scan": scan("base_laser_link", 5.5, 360, 3.1415926, 0.10, 6.0, compat)},
@@ -99,9 +99,9 @@ def rplidar(compat):
 
 
 def kinect_hokuyo(compat):
-    """The Kinect (20 Hz, 10 Hz by its plugin) and the Hokuyo."""
+    """Return the set-up of the Kinect (20 Hz, 10 Hz by its plugin) and the Hokuyo."""
     frame = "camera_depth_optical_frame"
-    # Its <baseline> of 0.1 is none that the plugin reads (that would be <hackBaseline>).
+    # The plugin does not read its <baseline> of 0.1 (it would read <hackBaseline>).
     info = camera_info(frame, 10.0, 60.0 * pi / 180.0, 0.0, compat)
     return Setup(
         {"TURTLEBOT_STACKS": "hexagons", "TURTLEBOT_3D_SENSOR": "KinectHokuyo"},
@@ -117,5 +117,5 @@ def kinect_hokuyo(compat):
     )
 
 
-#: By name; each as described, or as Gazebo has it.
+#: The set-ups by name; each as described, or with Gazebo's values.
 SETUPS = {"the ceiling camera": ceiling_camera, "RPLidar": rplidar, "Kinect and Hokuyo": kinect_hokuyo}

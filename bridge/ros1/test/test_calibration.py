@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What nodes that nobody here wrote make of the numbers that our cameras tell: camera_calibration finds them in the pictures
-of chessboards, image_proc takes the lens out by them. Needs a master at ROS_MASTER_URI."""
+"""External nodes with our cameras: camera_calibration finds their parameters from images of chessboards, and image_proc
+rectifies images with them. Needs a master at ROS_MASTER_URI."""
 
 import contextlib
 import io
@@ -22,8 +22,8 @@ from sensor_msgs.msg import CameraInfo, Image
 DOMAIN = f"calibration-{os.getpid()}"
 FOCAL_TOLERANCE = 0.002
 CENTRE_TOLERANCE_PX = 0.6
-DISTORTION_TOLERANCE_PX = 0.6  # at the edge of the picture
-LEAST_PSNR = 35.0  # dB, of the rectified picture against a pinhole's
+DISTORTION_TOLERANCE_PX = 0.6  # at the edge of the image
+LEAST_PSNR = 35.0  # dB, of the rectified image against a pinhole's
 GREY_TOLERANCE = 0.2  # of 255, on average: the table of the lens is in fixed point
 
 
@@ -32,13 +32,13 @@ def picture(message):
 
 
 def project(model, points, camera, lens):
-    """Pixels of points (x, y, 1) by one of OpenCV's models."""
+    """Return the pixels of points (x, y, 1) by one of OpenCV's models."""
     points = numpy.column_stack([points, numpy.ones(len(points))])[:, None]
     return model(points, numpy.zeros(3), numpy.zeros(3), camera, lens)[0].reshape(-1, 2)
 
 
 class Newest:
-    """The last messages of some topics."""
+    """The last messages of several topics."""
 
     def __init__(self, **topics):
         self.changed, self.last = threading.Condition(), {}
@@ -54,7 +54,7 @@ class Newest:
             self.changed.notify_all()
 
     def after(self, time_s, timeout=20):
-        """Messages of one stamp later than a time, one of each topic."""
+        """Return messages of one stamp later than a time, one of each topic."""
 
         def complete():
             stamps = {message.header.stamp for message in self.last.values()}
@@ -70,7 +70,7 @@ class Newest:
 
 
 def look_at(board):
-    """Puts the cameras before a board; the simulated time in s when they were there."""
+    """Move the cameras in front of a board; return the simulated time in s."""
     place = f"0,{board * chessboards.APART_M}"
     command = SIMULATOR, "control", "move", "cameras", place, "--domain", DOMAIN
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=20)
@@ -93,7 +93,7 @@ class Calibration(unittest.TestCase):
         cls.folder.cleanup()
 
     def calibrated(self, name, model, *flags):
-        """What camera_calibration finds for a camera, and the camera_info that this tells."""
+        """Return the result of camera_calibration for a camera, and its published camera_info."""
         board = ChessboardInfo(n_cols=chessboards.COLUMNS, n_rows=chessboards.ROWS, dim=chessboards.SQUARE_M)
         calibrator = MonoCalibrator([board], *flags, pattern=Patterns.Chessboard)
         calibrator.set_cammodel(model)
@@ -109,15 +109,15 @@ class Calibration(unittest.TestCase):
         return calibrator, seen["info"]
 
     def check(self, calibrator, info, model):
-        """Holds what was found against what is told; `model` is the one of OpenCV's that draws points."""
+        """Compare the result with the published values; `model` is the OpenCV model that projects points."""
         found, told = calibrator.intrinsics, numpy.reshape(info.K, (3, 3))
         off = numpy.abs(found[[0, 1], [0, 1]] / told[0, 0] - 1)
         centre = numpy.abs(found[:2, 2] - told[:2, 2])
-        # At the border of what a straight camera sees: so far boards have been.
+        # At the border of a straight camera's view: the boards reached that far.
         border = numpy.array([[0.0, 0.0], [639.0, 479.0], [0.0, 239.5], [319.5, 0.0]])
         points = (border - [319.5, 239.5]) / chessboards.FOCAL
         drawn = [project(model, points, *lens) for lens in [(found, calibrator.distortion), (told, numpy.array(info.D))]]
-        # Beside the middle: where that is has been looked at.
+        # Relative to the principal point, which was checked above.
         as_found, as_told = (pixels - camera[:2, 2] for pixels, camera in zip(drawn, (found, told)))
         bent = numpy.linalg.norm(as_found - as_told, axis=1).max()
         print(
@@ -149,7 +149,7 @@ class Calibration(unittest.TestCase):
             camera.close()
         info, raw, rectified = seen["info"], picture(seen["image"]), picture(seen["rectified_image"])
         self.assertEqual((info.distortion_model, info.D), ("plumb_bob", chessboards.DISTORTION))
-        # The same in our own words: each pixel of the straight picture is where the lens would have drawn it.
+        # The same computed here: each pixel of the straight image is taken from where the lens would map it.
         camera, y, x = numpy.reshape(info.K, (3, 3)), *numpy.indices(raw.shape).astype(float)
         x, y = (x - camera[0, 2]) / camera[0, 0], (y - camera[1, 2]) / camera[1, 1]
         (k1, k2, t1, t2, k3), r2 = info.D, x * x + y * y
@@ -162,7 +162,7 @@ class Calibration(unittest.TestCase):
         difference = numpy.abs(rectified[2:-2, 2:-2].astype(int) - expected[2:-2, 2:-2])
         print(f"image_proc's picture differs by {difference.max()} at most, {difference.mean():.4f} on average")
         self.assertLess(difference.mean(), GREY_TOLERANCE)
-        # What a camera without a lens sees at that moment, of the same place.
+        # The image of a camera without a lens at the same time and place.
         straight = picture(seen["straight_image"])[2:-2, 2:-2].astype(float)
         psnr = 10 * numpy.log10(255**2 / numpy.square(rectified[2:-2, 2:-2] - straight).mean())
         beside = 10 * numpy.log10(255**2 / numpy.square(rectified[2:-2, 3:-1] - straight).mean())

@@ -1,4 +1,4 @@
-// Every converter against frames whose bytes are known; neither a master nor shared memory is needed.
+// Tests of every converter with frames of known bytes, without a master or shared memory.
 
 #include <gtest/gtest.h>
 
@@ -70,13 +70,13 @@ TEST(Image, KeepsEveryByteAndTheRowStride) {
     }
 }
 
-TEST(Image, TheLastRowMayComeWithoutItsPadding) {
+TEST(Image, TheLastRowMayBeUnpadded) {
     Known known(BV_KIND_IMAGE, BV_ENCODING_MONO8, 5, 4, 1, 3);
     known.bytes.resize(known.bytes.size() - 3);
     EXPECT_EQ(to_image(known.sample())->data.size(), 32u);
 }
 
-TEST(Image, TakesNoMoreMemoryThanThePayload) {
+TEST(Image, TakesAtMostTwiceThePayload) {
     Known known(BV_KIND_IMAGE, BV_ENCODING_RGB8, 2, 1, 3);
     known.header.row_stride = 4'000'000'000;
     EXPECT_EQ(to_image(known.sample())->step, 6u);
@@ -88,18 +88,18 @@ TEST(Image, TakesNoMoreMemoryThanThePayload) {
     points.header.row_stride = 4'000'000'000;
     EXPECT_EQ(to_point_cloud(points.sample())->row_step, 64u);
     EXPECT_EQ(to_point_cloud(points.sample())->data.size(), 64u);
-    // Nothing says how far the next element would be, if there is one alone.
+    // For a single element nothing bounds the element stride.
     Known point(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_RGB_F32, 1, 1, 32);
     EXPECT_EQ(to_point_cloud(point.sample())->data, point.bytes);
     point.header.elem_stride = std::numeric_limits<std::uint32_t>::max();
     EXPECT_THROW(to_point_cloud(point.sample()), Unrepresentable);
-    // A row of 2³² bytes, whose length ends at 2³² − 1.
+    // A row of 2³² bytes, whose length exceeds 2³² − 1.
     Known row(BV_KIND_POINT_CLOUD, BV_ENCODING_XYZ_RGB_F32, 2, 1, 32);
     row.header.elem_stride = 1u << 31;
     EXPECT_THROW(to_point_cloud(row.sample()), Unrepresentable);
 }
 
-TEST(Image, RefusesWhatItCannotSay) {
+TEST(Image, RefusesUnrepresentableFrames) {
     EXPECT_THROW(to_image(Known(BV_KIND_IMAGE, BV_ENCODING_XYZ_RGB_F32, 1, 1, 32).sample()), Unrepresentable);
     EXPECT_THROW(to_image(Known(BV_KIND_IMAGE, BV_ENCODING_RGB8, 2, 2, 4).sample()), Unrepresentable);
 }
@@ -123,7 +123,7 @@ TEST(CameraInfo, HasMatricesAndTheModelsCoefficients) {
     EXPECT_TRUE(std::equal(info->K.begin(), info->K.end(), from.k));
     EXPECT_TRUE(std::equal(info->R.begin(), info->R.end(), from.r));
     EXPECT_TRUE(std::equal(info->P.begin(), info->P.end(), from.p));
-    // As many as the model has, and never more than there are.
+    // As many parameters as the model has, and never more than exist.
     for (const auto& [said, told] : {std::pair{5u, 5u}, {4u, 4u}, {0u, 0u}, {4'000'000'000u, 14u}}) {
         from.d_len = said;
         known = Known::structs<bv_camera_info>(BV_KIND_CAMERA_INFO, {from});
@@ -265,7 +265,7 @@ TEST(Odometry, HasPoseVelocityAndCovariances) {
     EXPECT_EQ(odometry->twist.covariance[0], 200);
 }
 
-TEST(Imu, HasWhatIsMeasured) {
+TEST(Imu, HasTheMeasurement) {
     bv_imu from{};
     for (int i = 0; i < 4; ++i) from.orientation[i] = 1 + i;
     for (int i = 0; i < 3; ++i) from.angular_velocity[i] = 5 + i, from.linear_acceleration[i] = 8 + i;
@@ -299,7 +299,7 @@ TEST(JointStates, AreInOrder) {
     EXPECT_EQ(joints->effort, (std::vector<double>{3, 0}));
 }
 
-TEST(Transforms, CanBeThoseOfOneParent) {
+TEST(Transforms, CanBeRestrictedToOneParent) {
     bv_transform odom{}, wheel{};
     std::strcpy(odom.parent, "odom");
     std::strcpy(odom.child, "/base_footprint");
@@ -320,7 +320,7 @@ TEST(Transforms, CanBeThoseOfOneParent) {
     EXPECT_EQ(of_odom->transforms[0].child_frame_id, "base_footprint");
 }
 
-TEST(Clock, IsTheSimulations) {
+TEST(Clock, HasSimulatedTime) {
     auto known = Known::structs<bv_clock>(BV_KIND_CLOCK, {{3'010'000'000}});
     EXPECT_EQ(to_clock(known.sample())->clock, ros::Time(3, 10'000'000));
 }

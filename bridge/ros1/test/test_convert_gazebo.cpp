@@ -1,4 +1,4 @@
-// What is said of models and links, against known bytes; how it is seen from other frames; and what a command may name.
+// Tests of states of models and links with known bytes, of relative states, and of names in commands.
 
 #include <gtest/gtest.h>
 
@@ -28,7 +28,7 @@ bv_model_state state(const char* name, double x, double y, double yaw, double fo
     return state;
 }
 
-TEST(ModelStates, AreThoseOfTheFrame) {
+TEST(ModelStates, HaveTheStatesOfTheFrame) {
     auto known = Known::structs<bv_model_state>(BV_KIND_MODEL_STATES, {state("room", 0, 0, 0), state("robot", 1, 2, M_PI / 2, 0.5, 0.25)});
     const auto models = to_model_states(known.sample());
     EXPECT_EQ(models->name, (std::vector<std::string>{"room", "robot"}));
@@ -76,7 +76,7 @@ TEST(Motion, IsSeenFromAnother) {
     EXPECT_NEAR(itself.to_pose().orientation.w, 1, 1e-12);
 }
 
-TEST(Command, NamesWhatFits) {
+TEST(Command, RefusesLongNames) {
     bv_simulation_command command = gazebo::command_of(BV_OPERATION_SET_MODEL_STATE);
     gazebo::set_name(command.name, std::string(63, 'n'));
     EXPECT_EQ(to_text(command.name), std::string(63, 'n'));

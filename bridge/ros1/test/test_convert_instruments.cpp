@@ -1,4 +1,4 @@
-// Receivers, magnetometers, barometers and altimeters.
+// Tests of satellite receivers, magnetometers, barometers and altimeters.
 
 #include <gtest/gtest.h>
 

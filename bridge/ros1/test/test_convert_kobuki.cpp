@@ -1,4 +1,4 @@
-// The converters of what a Kobuki says and is told, against known bytes; and that its messages are those of its driver.
+// Tests of the converters of a Kobuki's messages and commands with known bytes, and of the messages' MD5 sums.
 
 #include <gtest/gtest.h>
 #include <kobuki_msgs/AutoDockingAction.h>
@@ -43,8 +43,8 @@ const char* sum() {
     return ros::message_traits::md5sum<Message>();
 }
 
-// The sums that roscpp and rospy compare: those of the released kobuki_msgs.
-TEST(KobukiMessages, AreThoseOfItsDriver) {
+// The MD5 sums that roscpp and rospy compare: those of the released kobuki_msgs.
+TEST(KobukiMessages, HaveTheSumsOfItsDriver) {
     EXPECT_STREQ(sum<kobuki_msgs::AutoDockingAction>(), "44be114f3afc06365a090db0a5e982b5");
     EXPECT_STREQ(sum<kobuki_msgs::AutoDockingActionFeedback>(), "6f7132467beab5153587d9ebb8d8262d");
     EXPECT_STREQ(sum<kobuki_msgs::AutoDockingActionGoal>(), "4b30be6cd12b9e72826df56b481f40e0");
@@ -94,7 +94,7 @@ TEST(RobotEvent, HasItsPlaceAndState) {
     }
 }
 
-TEST(RobotEvent, TheRightWheelIsTheSecond) {
+TEST(RobotEvent, TheRightWheelIsNumberOne) {
     using kobuki_msgs::WheelDropEvent;
     EXPECT_EQ(to_wheel_drop_event(event(2, 0, 1).sample())->wheel, WheelDropEvent::LEFT);
     const auto right = to_wheel_drop_event(event(2, 2, 1).sample());
@@ -102,10 +102,10 @@ TEST(RobotEvent, TheRightWheelIsTheSecond) {
     EXPECT_EQ(right->wheel, 1);
     EXPECT_EQ(right->state, WheelDropEvent::DROPPED);
     EXPECT_EQ(to_wheel_drop_event(event(2, 2, 0).sample())->state, WheelDropEvent::RAISED);
-    EXPECT_THROW(to_wheel_drop_event(event(2, 1, 1).sample()), Unrepresentable);  // none in the middle
+    EXPECT_THROW(to_wheel_drop_event(event(2, 1, 1).sample()), Unrepresentable);  // there is no centre wheel
 }
 
-TEST(RobotEvent, RefusesWhatItCannotSay) {
+TEST(RobotEvent, RefusesUnrepresentableFrames) {
     EXPECT_THROW(to_bumper_event(event(1, 0, 1).sample()), Unrepresentable);
     EXPECT_THROW(to_cliff_event(event(0, 0, 1).sample()), Unrepresentable);
     EXPECT_THROW(to_bumper_event(event(0, 3, 1).sample()), Unrepresentable);
@@ -148,7 +148,7 @@ TEST(CoreSensors, HasEveryField) {
     EXPECT_THROW(to_core_sensors(event(0, 0, 0).sample()), Unrepresentable);
 }
 
-TEST(Commands, AreTheSimulators) {
+TEST(Commands, AreConverted) {
     geometry_msgs::Twist twist;
     twist.linear.x = 1, twist.linear.y = 2, twist.linear.z = 3;
     twist.angular.x = 4, twist.angular.y = 5, twist.angular.z = 6;

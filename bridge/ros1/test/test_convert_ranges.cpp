@@ -1,4 +1,4 @@
-// Rangefinders, lidars of several layers, and scans as their parameters want them.
+// Tests of rangefinders, lidars with several layers, and scans adjusted by their parameters.
 
 #include <gtest/gtest.h>
 
@@ -34,7 +34,7 @@ TEST(Range, HasItsConeLimitsAndRange) {
     EXPECT_EQ(to_range(sound.sample())->range, -kInf);
 }
 
-/// Of so many rays and layers, 0.5 rad and 0.25 rad apart from −0.5 on.
+/// Returns a scan of this many rays and layers, 0.5 rad and 0.25 rad apart from −0.5 on.
 Known layers_of(std::uint32_t rays, std::uint32_t layers, const std::vector<float>& planes, std::uint32_t flags) {
     Known known(BV_KIND_LASER_SCAN, BV_ENCODING_RANGES_F32, rays, layers, 4);
     known.header.flags = flags;
@@ -86,14 +86,14 @@ TEST(ScanCloud, IsOrganisedWithTheFieldsOfAVelodyne) {
     }
 }
 
-TEST(ScanCloud, IsDenseWhenEveryRayMeasures) {
+TEST(ScanCloud, IsDenseIfEveryRayHasARange) {
     const auto cloud = to_scan_cloud(layers_of(2, 2, {1, 2, 3, 4}, 0).sample());
     EXPECT_TRUE(cloud->is_dense);
     EXPECT_EQ(cloud->fields.size(), 5u);
     EXPECT_EQ(cloud->point_step, 18u);
 }
 
-TEST(ScanCloud, TakesNoMemoryForRaysThatAreNotThere) {
+TEST(ScanCloud, AllocatesNothingForMissingRays) {
     for (const auto& [width, height, row_stride] : std::vector<std::array<std::uint32_t, 3>>{
              {4'000'000'000, 1, 16}, {2, 60'000, 8}, {2, 60'000, 0}, {2, 4'000'000'000, 8}, {2, 2, 4}, {2, 3, 4'000'000'000}}) {
         auto known = layers_of(2, 2, {1, 2, 3, 4}, 0);
@@ -108,11 +108,11 @@ TEST(ScanCloud, TakesNoMemoryForRaysThatAreNotThere) {
     EXPECT_TRUE(to_scan_cloud(empty.sample())->data.empty());
 }
 
-TEST(ScanCloud, RefusesLinesThatItCannotCount) {
+TEST(ScanCloud, RefusesTooManyLayers) {
     auto known = layers_of(1, 1, {1}, 0);
     known.header.width = 250'000'000;  // of 18 bytes each: more than 2^32
     known.header.row_stride = known.header.width * 4;
-    // Refused before anything is read, of which there is only the first.
+    // Refused before reading the payload, of which only the first ray exists.
     const Sample sample(known.header, {known.bytes.data(), known.header.row_stride});
     EXPECT_THROW(to_scan_cloud(sample), Unrepresentable);
 }
@@ -128,7 +128,7 @@ TEST(AdjustedScan, IsCroppedToWholeRaysWithBothPlanes) {
     EXPECT_EQ(scan->intensities, (std::vector<float>{20, 30, 40}));
     EXPECT_FLOAT_EQ(scan->angle_min, 0.0f);
     EXPECT_FLOAT_EQ(scan->angle_max, 1.0f);
-    // Its first ray is taken a millisecond later.
+    // The new first ray is measured a millisecond later.
     EXPECT_EQ(scan->header.stamp.toNSec(), known.header.stamp_ns + 1'000'000);
     parameters.angle_max = 0.4;
     EXPECT_EQ(to_laser_scan(AdjustedScan(known.sample(), parameters).sample())->ranges, (std::vector<float>{2}));
@@ -166,12 +166,12 @@ TEST(AdjustedScan, HasAnotherFrameAndStampAndNoIntensities) {
     for (const double no_time : {1e300, std::nan("")}) {
         auto odd = known;
         odd.header.block.scan.time_increment = no_time;
-        parameters.angle_min = -0.1;  // the second ray is the first that is left
+        parameters.angle_min = -0.1;  // the second ray becomes the first one
         EXPECT_THROW(AdjustedScan(odd.sample(), parameters), Unrepresentable);
     }
     parameters.time_offset = 2e9;
     EXPECT_THROW(parameters.check("/belvedere"), BadParameter);
-    // Without any, it is what it was.
+    // Without parameters the scan is unchanged.
     EXPECT_EQ(to_laser_scan(AdjustedScan(known.sample(), {}).sample())->ranges, (std::vector<float>{1, 2}));
 }
 

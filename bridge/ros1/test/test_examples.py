@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The launch files and the examples, each as a user runs it. Brings its own roscore."""
+"""The launch files and the examples, each run as by a user. Starts its own roscore."""
 
 import json
 import os
@@ -36,7 +36,7 @@ class Examples(unittest.TestCase):
         self.master = xmlrpc.client.ServerProxy(os.environ["ROS_MASTER_URI"])
 
     def topics(self):
-        """Topics that have a publisher now."""
+        """Return the topics that have a publisher now."""
         try:
             return {topic for topic, _ in self.master.getSystemState("/test")[2][0]}
         except OSError:
@@ -49,14 +49,14 @@ class Examples(unittest.TestCase):
             return False
 
     def pid(self, node):
-        """The process of a node; None if it does not answer."""
+        """Return the pid of a node; None if it does not answer."""
         try:
             return xmlrpc.client.ServerProxy(self.master.lookupNode("/test", node)[2]).getPid("/test")[2]
         except OSError:
             return None
 
     def subscribed(self):
-        """Topics that have a subscriber now."""
+        """Return the topics that have a subscriber now."""
         return {topic for topic, _ in self.master.getSystemState("/test")[2][1]}
 
     def run_example(self, *command, timeout=90):
@@ -68,7 +68,7 @@ class Examples(unittest.TestCase):
         self.run_example("rostopic", "echo", "-n", "1", "--noarr", topic, timeout=20)
 
     def x(self):
-        """How far the robot went, in metres, by tf."""
+        """Return the distance that the robot went, in metres, by tf."""
         said = self.run_example(EXAMPLES / "where.py", "odom", "base_footprint", "1")
         return float(said.split(": ")[1].split()[0])
 
@@ -81,12 +81,12 @@ class Examples(unittest.TestCase):
         with self.roslaunch("belvedere_ros", "turtlebot_world.launch", *arguments, **sensors) as launch:
             self.assertTrue(eventually(lambda: "/camera/depth/points" in self.topics(), 20), launch.output())
             self.flows("/rrbot/laser/scan")
-            # As turtlebot_gazebo's launch file spawns it.
+            # The name that turtlebot_gazebo's launch file spawns it with.
             known = self.run_example("rosservice", "call", "/gazebo/get_model_state", "mobile_base", "", timeout=20)
             self.assertIn("success: True", known)
             self.assertTrue(self.master.getParam("/test", "/use_sim_time")[2])
 
-    def test_what_dies_is_started_again(self):
+    def test_dead_nodes_are_restarted(self):
         arguments = "gui:=false", f"domain:={self.domain}", "world_file:=playground"
         with self.roslaunch("belvedere_ros", "turtlebot_world.launch", *arguments) as launch:
             told = "/cmd_vel_mux/active"  # of the nodelet in the manager
@@ -95,13 +95,13 @@ class Examples(unittest.TestCase):
                 first = self.pid(node)
                 os.kill(first, signal.SIGKILL)
                 self.assertTrue(eventually(lambda: self.pid(node) not in (None, first), 20), launch.output())
-            # The master forgets what the dead had registered when the next of that name comes.
+            # The master drops the registrations of the dead node when the next one of that name registers.
             self.assertTrue(eventually(lambda: {"/odom", told} <= self.topics(), 30), launch.output())
             self.flows("/odom")
             self.flows(told)
 
-    def test_launch_files_clear_what_others_left(self):
-        """Parameters stay on a roscore that several launches share: those of a node are its launch file's alone."""
+    def test_launch_files_clear_old_parameters(self):
+        """Parameters remain on a roscore that several launches share: a node must only see its own launch file's."""
         for file in {*EXAMPLES.rglob("*.launch"), *(HERE.parent / "launch").glob("*.launch")}:
             for node in ElementTree.parse(file).iter("node"):
                 if node.get("type") == "bridge" or node.get("args", "").startswith("load ") or node.find("param") is not None:
@@ -115,7 +115,7 @@ class Examples(unittest.TestCase):
             self.assertTrue(eventually(lambda: "/odom" in self.topics(), 20), launch.output())
             self.assertTrue(eventually(lambda: senders("/tf_static") == ["/robot_state_publisher"]), launch.output())
             self.assertTrue(eventually(lambda: set(senders("/tf")) == {"/belvedere", "/robot_state_publisher"}), launch.output())
-            # A second bridge sends all that the simulator says, on topics of its own.
+            # A second bridge publishes all of the simulator's transforms, on its own topics.
             names = "__ns:=/own", "/tf:=/own/tf", "/tf_static:=/own/tf_static", "_publish_clock:=false"
             with bridge(self.domain, *names) as node:
                 self.assertTrue(eventually(lambda: {"/own/tf", "/own/tf_static"} <= self.topics()), node.output())
@@ -127,12 +127,12 @@ class Examples(unittest.TestCase):
         self.assertEqual(ours["base_link hokuyo_link"]["topic"], "tf_static")
         for edge, transform in ours.items():
             self.assertEqual(transform["topic"], theirs[edge]["topic"], edge)
-            # What moves may be of another moment: the robot settles on its wheels.
+            # Moving transforms may have another time: the robot settles on its wheels.
             tolerance = TRANSFORM_TOLERANCE if transform["topic"] == "tf_static" else 1e-3
             for a, b in zip(transform["matrix"], theirs[edge]["matrix"]):
                 self.assertAlmostEqual(a, b, delta=tolerance, msg=edge)
 
-    def test_a_robot_of_ones_own(self):
+    def test_a_custom_robot(self):
         with tempfile.TemporaryDirectory() as folder:
             package = Path(folder) / "my_description"
             package.mkdir()
@@ -159,7 +159,7 @@ class Examples(unittest.TestCase):
     def test_two_robots(self):
         self.enterContext(roscore(self.port))
         self.assertTrue(eventually(self.master_answers))
-        # As turtlebot_world.launch leaves it on a roscore that others started: /tf_static would be missing.
+        # A parameter that turtlebot_world.launch leaves on a shared roscore: /tf_static would be missing.
         self.master.setParam("/test", "/belvedere/transforms", "odometry")
         with self.roslaunch(EXAMPLES / "two_robots.launch") as launch:
             topics = "image_raw", "odom", "joint_states"
@@ -168,7 +168,7 @@ class Examples(unittest.TestCase):
             self.assertTrue(eventually(lambda: wanted <= self.topics(), 20), launch.output())
             self.flows("/robot1/image_raw")
             self.flows("/robot2/odom")
-            # Who comes late knows the frames of both; they stand side by side, as they were put.
+            # Late subscribers know the frames of both robots, which stand side by side.
             for n in (1, 2):
                 said = self.run_example(EXAMPLES / "where.py", f"robot{n}/base_footprint", f"robot{n}/base_link", "1")
                 self.assertIn(": ", said)
@@ -205,7 +205,7 @@ class Examples(unittest.TestCase):
             bag = os.path.join(folder, "run.bag")
             with simulator(self.domain), bridge(self.domain) as node:
                 self.assertTrue(eventually(lambda: {"/odom", "/image_raw", "/scan"} <= self.topics()), node.output())
-                # Nothing happens to the base here, and a topic without messages is not in a bag.
+                # The base has no events here, and a topic without messages is not in a bag.
                 sensed = {topic for topic in self.topics() - {"/diagnostics", "/rosout"} if "/events/" not in topic}
                 self.run_example("rosbag", "record", "--all", "--duration=3", "-O", bag, "__name:=record")
             self.assertTrue(eventually(lambda: not sensed & self.topics()))

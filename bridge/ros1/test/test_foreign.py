@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nodes that nobody here wrote, unchanged on our topics. Needs a master at ROS_MASTER_URI."""
+"""Unmodified external nodes on our topics. Needs a master at ROS_MASTER_URI."""
 
 import json
 import math
@@ -40,7 +40,7 @@ TAG_TOLERANCE_M = 0.03  # by one tag, 0.28 m wide and 2.1 m away, that fills 50 
 
 
 def pair(one, two, timeout=20):
-    """A message of each of two topics, of the same stamp."""
+    """Return messages of two topics with the same stamp."""
     got, arrived = [], threading.Event()
 
     def receive(*messages):
@@ -57,7 +57,7 @@ def pair(one, two, timeout=20):
 
 
 def points(cloud, every):
-    """Some of its points."""
+    """Yield some points of a cloud."""
     x = next(field.offset for field in cloud.fields if field.name == "x")
     for row in range(0, cloud.height, every):
         for column in range(0, cloud.width, every):
@@ -65,7 +65,7 @@ def points(cloud, every):
 
 
 def states(domain):
-    """Where every link truly is: position and x, y, z, w."""
+    """Return the true pose of every link: position and x, y, z, w."""
     command = SIMULATOR, "control", "states", "--links", "--json", "--domain", domain
     done = subprocess.run(command, check=True, capture_output=True, text=True, timeout=20)
     lines = map(json.loads, done.stdout.splitlines())
@@ -73,7 +73,7 @@ def states(domain):
 
 
 def rotation(quaternion):
-    """Its matrix."""
+    """Return the matrix of a quaternion."""
     x, y, z, w = quaternion
     return numpy.array([
         [1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
@@ -83,7 +83,7 @@ def rotation(quaternion):
 
 
 def turn_in(parent, child):
-    """How a frame is turned in its parent, by tf_static."""
+    """Return the rotation of a frame in its parent, by tf_static."""
     fixed = rospy.wait_for_message("/tf_static", TFMessage, timeout=20).transforms
     q = next(edge for edge in fixed if (edge.header.frame_id, edge.child_frame_id) == (parent, child)).transform.rotation
     return rotation((q.x, q.y, q.z, q.w))
@@ -128,7 +128,7 @@ class Kinect(Running):
         print(f"{len(distances)} points, at most {max(distances) * 1000:.4f} mm apart")
         self.assertLess(max(distances), 1e-3)
 
-    def test_image_proc_leaves_an_undistorted_picture_as_it_is(self):
+    def test_image_proc_does_not_change_an_undistorted_image(self):
         with Process(program("image_proc", "image_proc"), ROS_NAMESPACE="/camera/rgb") as theirs:
             images = pair(("/camera/rgb/image_raw", Image), ("/camera/rgb/image_rect_color", Image))
             self.assertEqual(len(images), 2, theirs.output())
@@ -138,7 +138,7 @@ class Kinect(Running):
         self.assertEqual(difference, 0, rectified.encoding)
 
     def tf_echo(self, outer, inner):
-        """What it prints last: translation and quaternion."""
+        """Return the last output of tf_echo: translation and quaternion."""
         with Process("stdbuf", "-oL", program("tf", "tf_echo"), outer, inner) as theirs:
             self.assertTrue(eventually(lambda: theirs.output().count("RPY (degree)") >= 2, 15), theirs.output())
             said = theirs.output()
@@ -148,7 +148,7 @@ class Kinect(Running):
         return numpy.array(translation, float), numpy.array(quaternion, float)
 
     def test_tf_echo_prints_the_truth(self):
-        # The Kinect's mount by its data: reference/turtlebot.md; the optical frame is turned by rpy −90°, 0, −90°.
+        # The data of the Kinect's mount: reference/turtlebot.md; the optical frame is rotated by rpy −90°, 0, −90°.
         for inner, position, quaternion in (
             ("camera_depth_optical_frame", [-0.087, 0.0125, 0.2972], [-0.5, 0.5, -0.5, 0.5]),
             ("hokuyo_link", [0.10, 0.0, 0.4352], [0, 0, 0, 1]),
@@ -156,7 +156,7 @@ class Kinect(Running):
             translation, turn = self.tf_echo("base_footprint", inner)
             self.assertLess(numpy.abs(translation - position).max(), TF_ECHO_TOLERANCE, inner)
             self.assertLess(numpy.abs(rotation(turn) - rotation(quaternion)).max(), 2 * TF_ECHO_TOLERANCE, inner)
-        # After a turn and a drive, against the physics.
+        # After a turn and a drive, compared with the physics.
         commands, twist = rospy.Publisher("cmd_vel", Twist, queue_size=1), Twist()
         before, _ = states(self.domain)["turtlebot::base_footprint"]
         self.assertTrue(eventually(lambda: commands.get_num_connections() > 0))
@@ -174,12 +174,12 @@ class Kinect(Running):
 
 
 class Ceiling(Running):
-    """The camera that looks at tags."""
+    """The camera that sees tags."""
 
     topic = "/image_raw"
 
     def test_image_saver_saves_our_pixels(self):
-        sent, lock = set(), threading.Lock()  # noise makes each picture another
+        sent, lock = set(), threading.Lock()  # noise makes each image different
 
         def receive(message):
             with lock:
@@ -199,17 +199,17 @@ class Ceiling(Running):
             picture = cv2.cvtColor(cv2.imread(str(saved())), cv2.COLOR_BGR2RGB)
         self.assertIn(picture.tobytes(), sent, "it is none of ours")
 
-    def test_the_april_tag_library_finds_where_tags_and_camera_are(self):
+    def test_the_april_tag_library_finds_tags_and_camera(self):
         image, info = pair(("/image_raw", Image), ("/camera_info", CameraInfo))
         links = states(self.domain)
         grey = cv2.cvtColor(numpy.frombuffer(image.data, numpy.uint8).reshape(image.height, image.width, 3), cv2.COLOR_RGB2GRAY)
         camera = numpy.reshape(info.K, (3, 3))
-        # The library counts from the first pixel's corner, ROS from its centre.
+        # The library's origin is the corner of the first pixel, that of ROS its centre.
         seen = {tag["id"]: tag["lb-rb-rt-lt"] - 0.5 for tag in apriltag("tag36h11").detect(grey)}
         listed = {code["id"]: code for code in json.loads(TAGS.read_text())["codes"] if code["family"] == "tag36h11"}
         seen = {tag: corners for tag, corners in seen.items() if tag in listed}
         self.assertGreaterEqual(len(seen), 3)
-        # Where the picture's frame is on its link, tf says; it looks along z, as OpenCV does.
+        # tf gives the pose of the image's frame on its link; it looks along z, as in OpenCV.
         position, quaternion = links["turtlebot::base_camera_link"]
         world_from_optical = rotation(quaternion) @ turn_in("base_camera_link", info.header.frame_id)
         for tag, corners in seen.items():
@@ -237,7 +237,7 @@ class Bags(unittest.TestCase):
 
     @staticmethod
     def contents(bag):
-        """The bytes of every message, by topic."""
+        """Return the bytes of every message, by topic."""
         messages = defaultdict(list)
         with rosbag.Bag(bag) as file:
             for topic, (kind, content, *_), _ in file.read_messages(raw=True):
@@ -265,7 +265,7 @@ class Bags(unittest.TestCase):
         self.assertEqual(recorded.keys(), replayed.keys())
         print({topic: len(messages) for (topic, _), messages in recorded.items()})
         self.assertGreater(len(recorded["/image_raw", "sensor_msgs/Image"]), 60)
-        # In simulated time several clocks are received at one time, of which rosbag play leaves some out.
+        # In simulated time several clocks are received at the same time, some of which rosbag play leaves out.
         clocks, replayed_clocks = recorded.pop(CLOCK), replayed.pop(CLOCK)
         self.assertLessEqual(set(replayed_clocks), set(clocks))
         self.assertGreater(len(replayed_clocks), 0.8 * len(clocks))
@@ -282,7 +282,7 @@ class Rates(unittest.TestCase):
             env={**os.environ, "BELVEDERE_DOMAIN": f"{DOMAIN}-rates"},
             capture_output=True, text=True, timeout=120, check=False,
         )  # fmt: skip
-        # With --text it always ends with 0, and its words are what counts.
+        # With --text the exit code is always 0, so check the output.
         results = re.findall(r"\* RESULT: (\w+)", done.stdout)
         self.assertEqual(results, ["SUCCESS", "SUCCESS"], done.stdout + done.stderr)
 

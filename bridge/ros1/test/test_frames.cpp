@@ -1,5 +1,5 @@
-// Frames without a copy, in a process that has the bridge in it. Needs a master, and a simulator in the domain of
-// BELVEDERE_DOMAIN: test_frames.py brings them.
+// Tests of frames without a copy, in the process of the bridge. Needs a master, and a simulator in the domain of
+// BELVEDERE_DOMAIN: test_frames.py starts them.
 
 #include <belvedere_ros/frame_subscriber.hpp>
 #include <gtest/gtest.h>
@@ -35,7 +35,7 @@ bool eventually(Condition condition, std::chrono::milliseconds patience = 20s) {
     return condition();
 }
 
-/// What came, by stamp.
+/// The received values, by stamp.
 template <class Value>
 class Received {
 public:
@@ -67,7 +67,7 @@ protected:
     ros::AsyncSpinner spinner_{2};
 };
 
-TEST_F(Frames, AreWhatTheMessagesSay) {
+TEST_F(Frames, EqualTheMessages) {
     Received<sensor_msgs::ImageConstPtr> images;
     const boost::function<void(const sensor_msgs::ImageConstPtr&)> keep = [&](const auto& image) { images.add(image->header.stamp, image); };
     std::map<std::uint64_t, std::vector<std::uint8_t>> bytes;
@@ -94,7 +94,7 @@ TEST_F(Frames, AreWhatTheMessagesSay) {
     EXPECT_GE(compared, 3U);
 }
 
-TEST_F(Frames, AreTheSameWhetherSleptOrLookedFor) {
+TEST_F(Frames, AreTheSameWithBusyPolling) {
     const auto served = bridge();
     Received<std::uint64_t> slept, looked;
     std::atomic<std::int64_t> last{-1};
@@ -121,7 +121,7 @@ TEST_F(Frames, AreTheSameWhetherSleptOrLookedFor) {
     EXPECT_GE(both, 30U);
 }
 
-TEST_F(Frames, ThatAreKeptStayAsTheyAre) {
+TEST_F(Frames, ThatAreKeptDoNotChange) {
     std::mutex mutex;
     std::vector<FrameViewConstPtr> kept;
     std::atomic<std::size_t> count{0};
@@ -139,7 +139,7 @@ TEST_F(Frames, ThatAreKeptStayAsTheyAre) {
     std::vector<std::uint8_t> before(kept[0]->frame().payload().begin(), kept[0]->frame().payload().end());
 
     const std::clock_t start = std::clock();
-    std::this_thread::sleep_for(1s);  // thirty pictures
+    std::this_thread::sleep_for(1s);  // thirty images
     const double share = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
     EXPECT_LT(share, 0.3) << "waiting for room must not be work";
     EXPECT_EQ(count, 2U);
@@ -168,7 +168,7 @@ TEST_F(Frames, ComeAndGoWithTheBridge) {
     }
 }
 
-// A simulator of a later version may have streams that this bridge knows nothing of.
+// A simulator of a later version may have streams that this bridge does not know.
 TEST_F(Frames, OfAnUnknownKindAreSkippedWithOneWarning) {
     std::atomic<std::size_t> warnings{0};
     const boost::function<void(const rosgraph_msgs::LogConstPtr&)> read = [&](const rosgraph_msgs::LogConstPtr& line) {
@@ -196,6 +196,6 @@ TEST_F(Frames, OfAnUnknownKindAreSkippedWithOneWarning) {
 int main(int argc, char** argv) {
     testing::InitGoogleTest(&argc, argv);
     ros::init(argc, argv, "test_frames");
-    const ros::NodeHandle nh;  // as long as there is one, roscpp runs, and logs
+    const ros::NodeHandle nh;  // keeps roscpp running, for logging
     return RUN_ALL_TESTS();
 }

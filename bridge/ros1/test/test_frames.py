@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Frames that nodelets take without a copy: inside one program, and in an example's nodelet. Needs a master at ROS_MASTER_URI,
+"""Frames that nodelets receive without a copy: inside one program, and in an example's nodelet. Needs a master at ROS_MASTER_URI,
 the program of test_frames.cpp in BELVEDERE_ROS_TEST_FRAMES, and examples/ros1/brightness installed."""
 
 import os
@@ -43,12 +43,12 @@ class Frames(unittest.TestCase):
 
         subscriber = rospy.Subscriber("/eyes/brightness", Float64, receive)
         with Process(nodelet, "manager", "__name:=manager") as manager:
-            # The one that looks comes first; under other names than the streams have.
+            # The consumer starts first, with topic names that differ from the streams'.
             look = Process(nodelet, "load", "brightness/brightness", "/manager", "__ns:=/eyes", "image_raw:=left/picture")
             names = "__ns:=/eyes", "__name:=bridge", f"_domain:={DOMAIN}", "_publish_clock:=false", "image_raw:=left/picture"
             with look, Process(nodelet, "load", "belvedere_ros/bridge", "/manager", *names):
                 self.assertTrue(arrived.wait(20), manager.output() + look.output())
-                # One follows, and it is not the message's relay.
+                # The only subscriber is the nodelet, not the message's relay.
                 self.assertEqual(subscribers_of_streams(DOMAIN)["/image_raw"], 1)
                 picture = rospy.wait_for_message("/eyes/left/picture", Image, 10).data
                 self.assertAlmostEqual(means[-1], sum(picture) / len(picture), delta=0.2)

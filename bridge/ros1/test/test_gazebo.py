@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a script that was written for Gazebo finds: its services and topics, and what they do. Brings its own roscore."""
+"""Gazebo's services and topics, as scripts for Gazebo use them. Starts its own roscore."""
 
 import math
 import os
@@ -27,7 +27,7 @@ from std_srvs.srv import Empty
 DOMAIN = f"gazebo-{os.getpid()}"
 EXAMPLES = Path(__file__).resolve().parents[3] / "examples" / "ros1"
 
-#: Those of ROS Noetic's gazebo_msgs.
+#: MD5 sums of ROS Noetic's gazebo_msgs.
 SUMS = {
     msg.LinkState: "0818ebbf28ce3a08d48ab1eaa7309ebe",
     msg.LinkStates: "48c080191eb15c41858319b4d8a609c2",
@@ -91,9 +91,9 @@ class Face:
 
 
 class Door(rosgraph.xmlrpc.ThreadingXMLRPCServer):
-    """A way to the master on which those who look for a service are answered together, when all have asked once."""
+    """A proxy of the master that answers the nodes that look for a service together, once all of them have asked."""
 
-    request_queue_size = 64  # nodes come with many calls at once
+    request_queue_size = 64  # nodes make many calls at once
     daemon_threads = True
 
     def __init__(self, master, askers):
@@ -140,7 +140,7 @@ class Gazebo(unittest.TestCase):
             return False
 
     def setUp(self):
-        """Everybody in place, and nobody else there."""
+        """Restore the initial models."""
         for name in set(self.face.get_world_properties().model_names) - {"tag_room", "tag_ceiling", "turtlebot"}:
             self.face.delete_model(name)
         self.face.unpause_physics()
@@ -165,7 +165,7 @@ class Gazebo(unittest.TestCase):
         return xyz(self.done(self.face.get_model_state(model, reference)).pose.position)
 
     def in_stream(self, model):
-        """Where a model is by the topic; None if it is not there."""
+        """Return the position of a model by the topic; None if it is missing."""
         states = rospy.wait_for_message("/gazebo/model_states", ModelStates, 5)
         return xyz(states.pose[states.name.index(model)].position) if model in states.name else None
 
@@ -252,7 +252,7 @@ class Gazebo(unittest.TestCase):
         there = ModelState("tag_ceiling", pose(0.25, 0, 2.7), Twist(), "turtlebot")
         self.done(self.face.set_model_state(there))
         self.near(self.in_stream("tag_ceiling"), (0.25, 0, 2.7), 0.02)
-        there.pose.orientation = Quaternion()  # not filled in, as many scripts have it
+        there.pose.orientation = Quaternion()  # not filled in, as in many scripts
         self.done(self.face.set_model_state(there))
 
         self.refused(self.face.set_model_state(ModelState("moon", pose(), Twist(), "")), "SetModelState: ", "no model 'moon'")
@@ -321,13 +321,13 @@ class Gazebo(unittest.TestCase):
         subscriber.unregister()
         commands.unregister()
 
-    def test_what_nobody_asks_for_is_not_followed(self):
+    def test_unused_streams_are_released(self):
         followed = lambda: [topic for topic in subscribers_of_streams(DOMAIN).items() if "/simulation/" in topic[0] and topic[1]]  # noqa: E731
         self.position("turtlebot")
         self.assertTrue(followed())
         self.assertTrue(eventually(lambda: not followed(), 20), followed())
 
-    def test_a_simulator_that_does_not_answer_keeps_nobody_else_waiting(self):
+    def test_a_simulator_that_does_not_answer_delays_nothing_else(self):
         answers = []
         self.simulator.child.send_signal(signal.SIGSTOP)
         try:
@@ -345,14 +345,14 @@ class Gazebo(unittest.TestCase):
             self.refused(answer, "no model 'nobody'")
         self.assertEqual(len(answers), 3)
 
-    def test_without_a_simulator_the_reason_is_said_at_once(self):
+    def test_without_a_simulator_requests_fail_at_once(self):
         domain = DOMAIN + "-gone"
         face = Face("/elsewhere/gazebo")
         with simulator(domain) as robot, bridge(domain, "__ns:=/elsewhere", "_gazebo_namespace:=gazebo") as node:
             face.wait()
             self.done(face.get_model_state("turtlebot", ""))
             robot.stop(signal.SIGKILL)
-            time.sleep(0.3)  # states as old as a quarter of a second are now
+            time.sleep(0.3)  # states are current for a quarter of a second
             arguments = {
                 "get_model_state": ("turtlebot", ""),
                 "get_link_state": ("turtlebot::base_link", ""),
@@ -377,7 +377,7 @@ class Gazebo(unittest.TestCase):
                 face.unpause_physics()
                 self.assertTrue(eventually(lambda: face.get_world_properties().sim_time > 0.1), node.output())
 
-    def test_whose_it_is(self):
+    def test_a_second_node_does_not_serve(self):
         with bridge(DOMAIN, "__name:=second", "_publish_clock:=false") as node:
             self.assertTrue(node.says("another node serves /gazebo, so this one does not while that runs"), node.output())
             self.assertIn("give it a ~gazebo_namespace of its own", node.output())
@@ -390,12 +390,12 @@ class Gazebo(unittest.TestCase):
             self.assertEqual(node.child.wait(10), 1)
 
     def servers(self, namespace):
-        """Who serves its services and publishes its topics, each as often as it does."""
+        """Count the services and topics of a namespace by node."""
         topics, _, services = self.master.getSystemState("/test")[2]
         return Counter(node for name, nodes in topics + services if name.startswith(namespace + "/") for node in nodes)
 
-    def test_of_two_that_begin_at_once_one_serves(self):
-        """The other says so, once, and serves when that one ends."""
+    def test_one_of_two_nodes_that_start_together_serves(self):
+        """The other node logs this once, and serves when the first one ends."""
         arguments = DOMAIN, "_publish_clock:=false", "_gazebo_namespace:=/both"
         everything = len(SERVICES) + len(("model_states", "link_states"))
         with (
@@ -405,7 +405,7 @@ class Gazebo(unittest.TestCase):
         ):
             nodes = {"/one": one, "/other": other}
             self.assertTrue(eventually(lambda: list(self.servers("/both").values()) == [everything]), self.servers("/both"))
-            time.sleep(1.5)  # three looks
+            time.sleep(1.5)  # three checks
             (winner,) = self.servers("/both")
             (loser,) = nodes.keys() - {winner}
             warning = "another node serves /both, so this one does not while that runs"
@@ -414,8 +414,8 @@ class Gazebo(unittest.TestCase):
             self.assertTrue(eventually(lambda: self.servers("/both") == {loser: everything}), self.servers("/both"))
             self.done(Face("/both").get_model_state("turtlebot", ""))
 
-    def test_whoever_takes_a_service_has_them_all(self):
-        """The master gives it to the last that registers it, and tells nobody."""
+    def test_a_node_that_takes_a_service_gets_all(self):
+        """The master gives a service to the last node that registers it, without notice to the others."""
         domain = DOMAIN + "-taken"
         with simulator(domain), bridge(domain, "__name:=robbed", "_publish_clock:=false", "_gazebo_namespace:=/taken") as node:
             served = lambda: self.servers("/taken")["/robbed"] == len(SERVICES) + 2  # noqa: E731

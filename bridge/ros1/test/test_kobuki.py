@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The base as a Kobuki's driver has it: bumpers, cliffs, wheels, core sensors, motors and odometry. Needs a master at
+"""The base with the interface of a Kobuki's driver: bumpers, cliffs, wheels, core sensors, motors and odometry. Needs a master at
 ROS_MASTER_URI."""
 
 import math
@@ -33,14 +33,14 @@ from std_msgs.msg import Empty
 WANDER = Path(__file__).resolve().parents[3] / "examples" / "ros1" / "wander.py"
 DOMAIN = f"kobuki-{os.getpid()}"
 ROBOT = "turtlebot"
-#: Of a Kobuki's encoders.
+#: Resolution of a Kobuki's encoders.
 TICKS_PER_METRE = 11724.41658
 WALL = """<sdf version="1.6"><model name="wall"><static>true</static><link name="link"><collision name="c"><geometry>
     <box><size>0.1 2 1</size></box></geometry></collision></link></model></sdf>"""
 
 
 def publisher(topic, kind):
-    """One that is connected."""
+    """Return a connected publisher."""
     publisher = rospy.Publisher(topic, kind, queue_size=1)
     assert eventually(lambda: publisher.get_num_connections() > 0), topic
     return publisher
@@ -68,7 +68,7 @@ class Kobuki(unittest.TestCase):
         return done.stdout
 
     def drive_until(self, condition, forward=0.2, timeout=10.0, turn=0.0):
-        """Goes on giving a velocity; gives whether it came true in time."""
+        """Send a velocity repeatedly; return whether the condition became true in time."""
         twist = Twist()
         twist.linear.x, twist.angular.z = forward, turn
         end = time.monotonic() + timeout
@@ -90,7 +90,7 @@ class Kobuki(unittest.TestCase):
             wall.write(WALL)
             wall.flush()
             self.assertTrue(eventually(lambda: core.last is not None and events.connected()))
-            # The relay has to have begun to follow before anything happens.
+            # The relay must have subscribed before the event.
             self.assertTrue(eventually(lambda: subscribers_of_streams(DOMAIN)["/mobile_base/events/bumper"] == 1))
             self.control("spawn", wall.name, "--pose", "0.5,0,0.5", "--relative-to", ROBOT)
             try:
@@ -110,7 +110,7 @@ class Kobuki(unittest.TestCase):
             self.assertEqual(late.all(), [], "what happened before is no event")
 
     def test_wandering(self):
-        """The example, before a wall."""
+        """Run the example in front of a wall."""
         with tempfile.NamedTemporaryFile("w", suffix=".sdf") as wall:
             wall.write(WALL)
             wall.flush()
@@ -123,8 +123,8 @@ class Kobuki(unittest.TestCase):
         self.assertEqual((done.returncode, done.stderr), (0, ""))
         self.assertIn("bumped ahead\n", done.stdout)
 
-    def test_what_happens_at_once_is_told_of_each(self):
-        """In the air, all cliff sensors lose the floor and both wheels drop in one report; on the ground they come back."""
+    def test_simultaneous_events_have_a_message_each(self):
+        """In the air, all cliff sensors lose the floor and both wheels drop in one report; on the ground they recover."""
         topics = {"cliff": CliffEvent, "wheel_drop": WheelDropEvent}
         listeners = {name: Listener(f"mobile_base/events/{name}", kind, most=None) for name, kind in topics.items()}
         with listeners["cliff"] as cliffs, listeners["wheel_drop"] as wheels:
@@ -150,7 +150,7 @@ class Kobuki(unittest.TestCase):
             self.stand()
             time.sleep(0.1)
             after, way = core.last, self.x() - x
-        # By the stamps; a busy machine may cost a subscriber some.
+        # By the stamps, since a busy machine may lose some messages.
         stamps = core.stamps_ns
         gaps = {b - a for a, b in zip(stamps, stamps[1:])}
         self.assertEqual(min(gaps), 20_000_000, "50 Hz")
@@ -162,8 +162,8 @@ class Kobuki(unittest.TestCase):
         self.assertEqual((after.battery, after.charger, after.buttons), (165, SensorState.DISCHARGING, 0))
         self.assertEqual((len(after.bottom), len(after.current), len(after.analog_input)), (3, 2, 4))
 
-    def test_lamps_and_sounds_are_taken_and_told_of(self):
-        """Nothing shows them: diagnostics say what each was told."""
+    def test_commands_of_lamps_and_sounds_are_reported(self):
+        """Accessories are not simulated: diagnostics report the last command of each."""
         commands = {
             "led1": (Led(Led.GREEN), ("led1", "green")),
             "led2": (Led(Led.RED), ("led2", "red")),
@@ -185,10 +185,10 @@ class Kobuki(unittest.TestCase):
         self.assertTrue(eventually(lambda: told == expected), told)
         listener.unregister()
         with Listener("mobile_base/events/button", ButtonEvent, most=None) as buttons:
-            self.assertTrue(eventually(buttons.connected), "somebody offers buttons, as the driver does")
+            self.assertTrue(eventually(buttons.connected), "button events are advertised, as by the driver")
             self.assertEqual(buttons.all(), [])
 
-    def test_odometry_begins_anew(self):
+    def test_odometry_is_reset(self):
         for topic in ("commands/reset_odometry", "mobile_base/commands/reset_odometry"):
             with self.subTest(topic):
                 self.assertTrue(self.drive_until(lambda: abs(self.x()) > 0.2, turn=0.3))

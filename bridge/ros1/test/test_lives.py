@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Any order of life: simulator, node and roscore start late, end, are killed, and come back. Brings its own roscore."""
+"""Life cycles: simulator, node and roscore start late, end, are killed and restart in any order. Starts its own roscore."""
 
 import os
 import signal
@@ -37,24 +37,24 @@ class Lives(unittest.TestCase):
             return False
 
     def topics(self):
-        """Topics that have a publisher now."""
+        """Return the topics that have a publisher now."""
         try:
             return {topic for topic, _ in self.master.getSystemState("/test")[2][0]}
         except OSError:
             return set()
 
     def registered(self, name="/belvedere"):
-        """What the master has of a node: topics that it publishes, topics that it subscribes to, services."""
+        """Return the master's entries of a node: published topics, subscribed topics, services."""
         return tuple({entry for entry, nodes in kind if name in nodes} for kind in self.master.getSystemState("/test")[2])
 
     def turns(self):
-        """Whether the robot turns as it is told to, by what a program that starts now gets."""
+        """Return whether the robot follows a turn command, as seen by a program that starts now."""
         command = ["rostopic", "echo", "-n", "1", "/odom/twist/twist/angular/z"]
         said = subprocess.run(command, capture_output=True, text=True, timeout=20).stdout.split()
         return bool(said) and abs(float(said[0]) - 0.5) < 0.1
 
     def flows(self, topic="/odom", timeout=20):
-        """Whether a program that starts now gets a message."""
+        """Return whether a program that starts now receives a message."""
         command = ["rostopic", "echo", "-n", "1", "--noarr", topic]
         try:
             return subprocess.run(command, capture_output=True, timeout=timeout).returncode == 0
@@ -62,7 +62,7 @@ class Lives(unittest.TestCase):
             return False
 
     def started(self, process):
-        """Stopped at the end, however that is."""
+        """Register a process to be stopped at the end in any case."""
         self.addCleanup(process.stop)
         return process
 
@@ -86,7 +86,7 @@ class Lives(unittest.TestCase):
             core.stop(signal.SIGKILL)
             self.assertTrue(node.says("is gone; waiting for it"), node.output())
             core = self.started(roscore(self.port))
-            # As roscpp does with a topic that it was about to register when the master went: the new one knows the node.
+            # roscpp repeats a pending registration with the new master, which then lists the node.
             self.assertTrue(eventually(self.master_answers))
             self.master.registerPublisher("/belvedere", "/late", "std_msgs/String", address)
             self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
@@ -96,15 +96,15 @@ class Lives(unittest.TestCase):
             with bridge(self.domain) as successor:
                 self.assertTrue(self.flows(), successor.output())
 
-    def test_a_new_roscore_has_all_of_it(self):
-        """Parameters, topics and services, and what was connected goes on. The parameters are where roslaunch puts them: on the
-        server, and not on the command line."""
+    def test_a_new_roscore_gets_all_registrations(self):
+        """Parameters, topics and services are registered again, and connections continue. The parameters are where roslaunch puts
+        them: on the server, and not on the command line."""
         core = self.started(roscore(self.port))
         self.assertTrue(eventually(self.master_answers))
         parameters = {"domain": self.domain, "transforms": "odometry", "laser": {"noise_stddev": 0.02}}
         self.master.setParam("/test", "/belvedere", parameters)
         with simulator(self.domain), Process(BRIDGE, BELVEDERE_DOMAIN="") as node:
-            # Of all that is registered, the last.
+            # The last of all registrations.
             topics, services = {"/odom", "/gazebo/link_states", "/gazebo/model_states"}, {"/belvedere/laser/set_parameters"}
             self.assertTrue(eventually(lambda: topics <= self.topics() and services <= self.registered()[2]), node.output())
             before = self.registered()
@@ -129,12 +129,12 @@ class Lives(unittest.TestCase):
                 self.assertIn("success: True", done.stdout + done.stderr)
                 led = ["rostopic", "pub", "-1", "/mobile_base/commands/led1", "kobuki_msgs/Led", "value: 3"]
                 subprocess.run(led, check=True, capture_output=True, timeout=20)
-                self.assertTrue(node.says("led1 is told red"), node.output())
+                self.assertTrue(node.says("led1 is set to red"), node.output())
             self.assertEqual(node.stop(), 0, node.output())
             self.assertEqual(self.registered(), (set(), set(), set()))
 
-    def test_a_subscriber_sees_it_go_on(self):
-        """The subscriber is one and the same throughout; simulator and node are killed and come back."""
+    def test_a_subscriber_survives_restarts(self):
+        """The subscriber stays the same throughout; simulator and node are killed and restarted."""
         with roscore(self.port), simulator(self.domain) as robot, bridge(self.domain) as node:
             self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
             with Process("rostopic", "echo", "-p", "/odom/header/stamp") as echo:
@@ -160,8 +160,8 @@ class Lives(unittest.TestCase):
                     self.assertFalse(self.knows_node(), f"{how.name} left the node registered")
                     self.assertNotIn("/odom", self.topics())
 
-    def test_it_ends_soon_however_much_is_followed(self):
-        """roslaunch kills what goes on 15 s after SIGINT, and then it stays registered. Once each topic took a second."""
+    def test_it_ends_soon_with_many_subscriptions(self):
+        """roslaunch kills nodes 15 s after SIGINT, which would stay registered. Each topic once took a second."""
         with roscore(self.port), simulator(self.domain, "--robot", "kobuki_hexagons_kinect"), bridge(self.domain) as node:
             self.assertTrue(eventually(lambda: "/camera/depth/points" in self.topics()), node.output())
             with tempfile.TemporaryDirectory() as folder, Process("rosbag", "record", "--all", "-O", f"{folder}/all.bag"):
@@ -179,8 +179,8 @@ class Lives(unittest.TestCase):
                 self.assertTrue(node.says("Failed to contact master"), node.output())
                 self.assertEqual(node.stop(), 0, node.output())
 
-    def test_time_of_others_may_loop(self):
-        """With a bag's /clock that jumps back again and again, topics and diagnostics go on."""
+    def test_external_time_may_loop(self):
+        """Topics and diagnostics continue while a bag's /clock jumps back repeatedly."""
         with tempfile.TemporaryDirectory() as folder, roscore(self.port), simulator(self.domain):
             bag = os.path.join(folder, "second.bag")
             with rosbag.Bag(bag, "w") as out:
@@ -202,13 +202,13 @@ class Lives(unittest.TestCase):
                 self.assertGreaterEqual(lines(diagnostics) - before[1], 4, node.output())
                 self.assertTrue(play.running(), play.output())
 
-    def test_a_slow_master_stops_nothing(self):
-        """While the node waits for it to register topics, diagnostics go on; once each waited for the other for ever."""
+    def test_a_slow_master_blocks_nothing(self):
+        """Diagnostics continue while the node waits for the master to register topics; once this was a deadlock."""
         with roscore(self.port) as core, bridge(self.domain) as node:
             with simulator(self.domain):
                 self.assertTrue(eventually(lambda: "/odom" in self.topics()), node.output())
             self.assertTrue(node.says("the simulator has gone"), node.output())
-            # Diagnostics speak of topics now. Those of another robot come up while the master stands still.
+            # Diagnostics report topics now. Those of another robot appear while the master is stopped.
             with Process("rostopic", "echo", "-p", "/diagnostics/header/stamp") as echo:
                 diagnostics = lambda: echo.output().count("\n")  # noqa: E731
                 self.assertTrue(eventually(lambda: diagnostics() > 1), echo.output())

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What rviz shows of the launch file with gui:=true, on a screen that is none. Needs Xvfb and ImageMagick; brings its own
+"""Display of the launch file in rviz with gui:=true, on a virtual screen. Needs Xvfb and ImageMagick; starts its own
 roscore. BELVEDERE_ROS_ARTIFACTS names a folder where the picture is left for people to look at.
 """
 
@@ -16,7 +16,7 @@ from processes import Process, eventually, free_port
 from sensor_msgs.msg import Image, PointCloud2
 
 DOMAIN = f"rviz-{os.getpid()}"
-#: All that the articles' robots have, on one: the camera that looks up (on a shelf behind), a Kinect, a lidar.
+#: All sensors of the articles' robots on one robot: the camera that faces up (on a shelf behind), a Kinect, a lidar.
 ROBOT = """<robot name="turtlebot" xmlns:xacro="http://ros.org/wiki/xacro">
   <xacro:include filename="$(find turtlebot_description)/urdf/turtlebot_library.urdf.xacro"/>
   <kobuki/>
@@ -30,12 +30,12 @@ ROBOT = """<robot name="turtlebot" xmlns:xacro="http://ros.org/wiki/xacro">
   <sensor_camera parent="shelf"/>
 </robot>
 """
-# As turtlebot.rviz has them.
+# The colours in turtlebot.rviz.
 BACKGROUND, SCAN = (48, 48, 48), (255, 0, 0)
-VIEW = slice(70, 700), slice(370, 850)  # rows and columns of the screen where it draws in three dimensions
-ROBOT_IN_VIEW = slice(230, 340), slice(195, 285)  # it looks at the robot
+VIEW = slice(70, 700), slice(370, 850)  # rows and columns of the 3D view on the screen
+ROBOT_IN_VIEW = slice(230, 340), slice(195, 285)  # the view is centred on the robot
 WOOD = numpy.array([0.55, 0.40, 0.25])  # the plates of the robot's stack, in turtlebot_description
-LIKENESS = 0.9  # correlation of a topic's picture with what is on the screen
+LIKENESS = 0.9  # correlation of a topic's image with the screen
 
 
 def pixels(image):
@@ -43,12 +43,12 @@ def pixels(image):
 
 
 def codes(rgb):
-    """A number for each colour."""
+    """Return a number for each colour."""
     return rgb.astype(int) @ [1 << 16, 1 << 8, 1]
 
 
 def colours(cloud):
-    """Those of its points."""
+    """Return the colours of the cloud's points."""
     offset = next(field.offset for field in cloud.fields if field.name == "rgb")
     points = numpy.frombuffer(cloud.data, numpy.uint8).reshape(-1, cloud.point_step)
     x = points[:, :4].copy().view(numpy.float32)[:, 0]
@@ -57,11 +57,11 @@ def colours(cloud):
 
 
 def likeness(screen, image):
-    """How well a topic's picture is found on the screen."""
+    """Return the correlation of a topic's image with the screen."""
     best, picture = 0.0, pixels(image)
     for width in range(300, 341, 10):
         small = cv2.resize(picture, (width, width * picture.shape[0] // picture.shape[1]), interpolation=cv2.INTER_AREA)
-        # A panel may cut the picture's sides.
+        # A panel may crop the sides of the image.
         best = max(best, cv2.matchTemplate(screen, small[10:-10, 20:-40], cv2.TM_CCOEFF_NORMED).max())
     return best
 
@@ -86,12 +86,12 @@ class Rviz(unittest.TestCase):
         self.launch = self.enterContext(Process(*command, **environment))
 
     def look(self):
-        """What is on the screen: red, green, blue."""
+        """Return the screen as red, green, blue."""
         subprocess.run(["import", "-display", self.display, "-window", "root", self.picture], check=True, timeout=30)
         return cv2.cvtColor(cv2.imread(str(self.picture)), cv2.COLOR_BGR2RGB)
 
     def measure(self):
-        """What is to be seen of each topic."""
+        """Measure the display of each topic."""
         screen = self.look()
         view = screen[VIEW]
         robot = view[ROBOT_IN_VIEW].astype(float)
@@ -129,7 +129,7 @@ class Rviz(unittest.TestCase):
 
 
 def rospy_is_up(launch):
-    """Whether the launch file has brought its roscore up."""
+    """Return whether the launch file has started its roscore."""
     return "started core service" in launch.output()
 
 

@@ -1,4 +1,4 @@
-// Who serves a topic within one process, when several bridges would.
+// Tests of several bridges in one process that serve the same topic.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr const char* kTopic = "/image_raw";
 
-/// Remembers what it was told.
+/// A seeker that records its notifications.
 class Seeks : public Served::Seeker {
 public:
     Seeks() { Served::here().seek(kTopic, *this); }
@@ -27,14 +27,14 @@ public:
     int told = 0;
 };
 
-TEST(Served, ATopicIsTheFirstBridgesAndThenTheNexts) {
+TEST(Served, ATopicBelongsToTheFirstBridgeAndThenTheNext) {
     const std::string name = "served-" + std::to_string(getpid());
     Domain one(name), other(name);
     const bv_stream_info stream{};
     const Seeks early;
     auto first = std::make_unique<Served::Place>(kTopic, one, stream);
     EXPECT_EQ(early.domain, &one);
-    // A second bridge comes and goes: nothing changes for those who have the first.
+    // A second bridge comes and goes: seekers of the first are not affected.
     std::make_unique<Served::Place>(kTopic, other, stream).reset();
     EXPECT_EQ(early.domain, &one);
     EXPECT_EQ(early.told, 1);
@@ -47,7 +47,7 @@ TEST(Served, ATopicIsTheFirstBridgesAndThenTheNexts) {
     EXPECT_EQ(early.told, 2);
 }
 
-TEST(Served, ATopicIsNobodysInTheEnd) {
+TEST(Served, ATopicEndsWithItsLastPlace) {
     Domain domain("served-" + std::to_string(getpid()));
     const Seeks early;
     std::make_unique<Served::Place>(kTopic, domain, bv_stream_info{}).reset();

@@ -32,7 +32,7 @@ def configure(domain, sensor, *words):
 
 
 def dynparam(*arguments):
-    """As `rosrun dynamic_reconfigure dynparam`."""
+    """Run `rosrun dynamic_reconfigure dynparam`."""
     program = roslib.packages.find_node("dynamic_reconfigure", "dynparam")[0]
     return subprocess.run(["/usr/bin/python3", program, *arguments], capture_output=True, text=True, timeout=20, check=False)
 
@@ -40,7 +40,7 @@ def dynparam(*arguments):
 class Settings(unittest.TestCase):
     maxDiff = None
 
-    def test_what_a_sensor_has_is_served_changed_and_followed(self):
+    def test_settings_are_served_and_changed(self):
         with simulator(DOMAIN) as running, bridge(DOMAIN) as node:
             laser, camera = Client("/belvedere/laser", timeout=20), Client("/belvedere/camera1", timeout=20)
             self.assertEqual(
@@ -57,21 +57,21 @@ class Settings(unittest.TestCase):
                 self.assertEqual(laser.update_configuration({"update_rate": 20})["update_rate"], 20.0)
                 self.assertTrue(eventually(lambda: abs((scans.period() or 0) - 0.05) < 1e-6))
                 self.assertAlmostEqual(scans.last.scan_time, 0.05, 6)
-                # A mean of −1 m is a metre nearer.
+                # A mean of −1 m shortens ranges by one metre.
                 before = min(scans.last.ranges)
                 laser.update_configuration({"noise_mean": -1.0, "noise_stddev": 0.0})
                 self.assertTrue(eventually(lambda: abs(before - 1.0 - min(scans.last.ranges)) < 0.1))
-                # By the command line, as it is printed and as it is set.
+                # Printed and set by the command line.
                 self.assertIn("'noise_mean': -1.0", dynparam("get", "/belvedere/laser").stdout)
                 self.assertEqual(dynparam("set", "/belvedere/camera1", "update_rate", "10").returncode, 0)
                 self.assertTrue(eventually(lambda: abs((infos.period() or 0) - 0.1) < 1e-6))
 
-                # What it may not be is refused: the reply has what holds.
+                # A value beyond the limits is refused: the reply has the current values.
                 held = laser.update_configuration({"update_rate": 5000.0, "noise_mean": 0.0})
                 self.assertEqual((held["update_rate"], held["noise_mean"]), (20.0, -1.0))
                 self.assertTrue(node.says("/belvedere/laser/set_parameters: update_rate is '5000'; it must be a number from"))
 
-                # Diagnostics expect the new rate: a slow one is as it should be.
+                # Diagnostics expect the new, slower rate.
                 statuses = {}
                 diagnostics = rospy.Subscriber(
                     "/diagnostics", DiagnosticArray, lambda array: statuses.update({status.name: status for status in array.status})
@@ -86,22 +86,22 @@ class Settings(unittest.TestCase):
                 )
                 diagnostics.unregister()
 
-            # Others change it, too.
+            # Other programs change it, too.
             configure(DOMAIN, "scan", "noise_mean=0.25")
             self.assertTrue(eventually(lambda: told(laser)["noise_mean"] == 0.25))
             self.assertEqual(running.stop(), 0)
-            # Nobody there to do it: what was told last is what is replied.
+            # Without a simulator, the reply has the last known values.
             self.assertEqual(laser.update_configuration({"noise_mean": 0.5})["noise_mean"], 0.25)
             self.assertTrue(node.says(f"no simulator answers in domain {DOMAIN}"))
             with simulator(DOMAIN, "--robot", "kobuki_hexagons_kinect"):
-                # Another robot: its sensors, and no longer the old ones.
+                # A simulator of another robot: its sensors replace the old ones.
                 depth = Client("/belvedere/camera", timeout=20)
                 self.assertEqual(told(depth)["update_rate"], 10.0)
                 self.assertTrue(eventually(lambda: not rospy_service_exists("/belvedere/laser/set_parameters")))
                 self.assertEqual(depth.update_configuration({"exposure": 2.5})["exposure"], 2.5)
                 self.assertTrue(eventually(lambda: told(depth)["exposure"] == 2.5))
 
-    def test_parameters_that_are_given_are_applied_to_each_simulator(self):
+    def test_given_parameters_are_applied_to_each_simulator(self):
         domain = f"{DOMAIN}-given"
         rospy.set_param("/given/laser", {"update_rate": 8.0})
         rospy.set_param("/given/camera1", {"exposure": 1e6})
@@ -117,7 +117,7 @@ class Settings(unittest.TestCase):
 class Ranges(unittest.TestCase):
     """Rangefinders, a lidar of several layers, and the parameters of laser scanners."""
 
-    def test_as_ros_has_them(self):
+    def test_ranges_and_scans_in_ros(self):
         domain = f"{DOMAIN}-ranges"
         rospy.set_param("/ranges", {"frame_id": "laser", "time_offset": -0.001})
         rospy.set_param("/ranges/scan", {"angle_min": -0.5235988, "angle_max": 0.5235988, "publish_intensity": False})
@@ -125,13 +125,14 @@ class Ranges(unittest.TestCase):
             first = functools.partial(rospy.wait_for_message, timeout=20)
             down = first("/sonar/down", Range)
             self.assertEqual((down.radiation_type, down.header.frame_id), (Range.ULTRASOUND, "sonar_link"))
-            # The box has to have settled on the ground.
+            # The box must have settled on the ground.
             self.assertTrue(eventually(lambda: abs(first("/sonar/down", Range).range - 0.55) < 0.005))
             self.assertAlmostEqual(down.field_of_view, 0.2, 6)
             self.assertEqual(first("/infrared/short", Range).range, math.inf)
             self.assertEqual(first("/infrared/far", Range).range, -math.inf)
 
-            # Half a radian and a bit to either side, a degree apart; the same stamps as before, less a millisecond.
+            # A little more than half a radian to either side in steps of a degree; the same stamps as before, less a
+            # millisecond.
             scan = first("/scan", LaserScan)
             self.assertEqual((len(scan.ranges), len(scan.intensities)), (61, 0))
             self.assertAlmostEqual(scan.angle_min, math.radians(-30), 5)
@@ -142,7 +143,7 @@ class Ranges(unittest.TestCase):
             self.assertEqual((cloud.width, cloud.height, cloud.point_step, cloud.is_dense), (8, 4, 22, False))
             points = list(point_cloud2.read_points(cloud))
             self.assertEqual([field.name for field in cloud.fields], ["x", "y", "z", "intensity", "ring", "time"])
-            # The two layers that look down see the ground a metre beneath, the others nothing.
+            # The two lower layers hit the ground a metre below; the others have no return.
             for x, y, z, _, ring, time in points:
                 self.assertEqual(time, 0.0)
                 if ring < 2:
@@ -160,7 +161,7 @@ class Ranges(unittest.TestCase):
             self.assertEqual((keys["User Time Offset"], keys["Device ID"]), ("-0.001 s", f"{domain}/scan"))
             self.assertNotIn("is not a parameter", node.output())
 
-    def test_a_bad_one_is_named(self):
+    def test_a_bad_parameter_is_named(self):
         rospy.set_param("/bad", {"angle_min": "left"})
         with bridge(f"{DOMAIN}-bad", "__name:=bad") as node:
             self.assertTrue(node.says("/bad/angle_min is left; it must be a number"))

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""A table of what a ROS program sees of the articles' set-ups: every topic, with its type, frame, rate, sizes and numbers.
+"""The articles' set-ups as seen by a ROS program: every topic, with its type, frame, rate, sizes and numbers.
 
-Needs a master at ROS_MASTER_URI. BELVEDERE_ROS_SECONDS says how long each set-up is listened to. `Described` and
+Needs a master at ROS_MASTER_URI. BELVEDERE_ROS_SECONDS sets how long each set-up is recorded. `Described` and
 `AsGazeboHasIt`, of a master each, can run at the same time.
 """
 
@@ -17,7 +17,7 @@ from setups import SETUPS
 SECONDS = float(os.environ.get("BELVEDERE_ROS_SECONDS", "20"))
 DOMAIN = f"setups-{os.getpid()}"
 RATE_TOLERANCE = 0.005
-LOSS_TOLERANCE = 0.05  # pictures hold two frames for a subscriber, 66 ms at 30 Hz, which a busy machine can take
+LOSS_TOLERANCE = 0.05  # image streams buffer two frames, 66 ms at 30 Hz, which a busy machine may exceed
 NUMBER_TOLERANCE = 1e-5  # LaserScan is of float32
 
 
@@ -33,10 +33,10 @@ class Table:
                 self.check_set_up(setup, domain, node)
 
     def check_set_up(self, setup, domain, node):
-        # A latched topic is served like the others, but need not come again.
+        # A latched topic is served like the others, but its message need not be repeated.
         self.assertTrue(eventually(lambda: setup.topics.keys() <= published()), node.output())
         idle = subscribers_of_streams(domain)
-        self.assertEqual({topic for topic, count in idle.items() if count}, {"/clock"}, "read while nobody subscribes")
+        self.assertEqual({topic for topic, count in idle.items() if count}, {"/clock"}, "read without subscribers")
 
         listeners = {topic: Listener(topic, expected.type) for topic, expected in setup.topics.items()}
         self.assertTrue(
@@ -62,7 +62,7 @@ class Table:
         if expected.rate > 0:
             self.assertGreater(stamps[0], 0)
             self.assertTrue(all(a < b for a, b in zip(stamps, stamps[1:])), "stamps do not rise")
-            # By the stamps; a busy machine may cost a subscriber some messages.
+            # By the stamps, since a busy machine may lose some messages.
             gaps = [round((b - a) * 1e-9 * expected.rate) for a, b in zip(stamps, stamps[1:])]
             rate = sum(gaps) * 1e9 / (stamps[-1] - stamps[0])
             self.assertAlmostEqual(rate, expected.rate, delta=RATE_TOLERANCE * expected.rate)

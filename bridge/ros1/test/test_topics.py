@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What a ROS program sees of a running simulator, and what the robot does when told. Needs a master at ROS_MASTER_URI."""
+"""Topics of a running simulator, and the effects of commands. Needs a master at ROS_MASTER_URI."""
 
 import contextlib
 import math
@@ -25,7 +25,7 @@ DOMAIN = f"ros-{os.getpid()}"
 
 
 class Robot(unittest.TestCase):
-    """One simulator and one node for all that follows."""
+    """Tests that share one simulator and one node."""
 
     @classmethod
     def setUpClass(cls):
@@ -50,7 +50,7 @@ class Robot(unittest.TestCase):
                     time.sleep(0.1)
                 after = odometry.last.pose.pose.position
                 self.assertGreater(math.hypot(after.x - before.x, after.y - before.y), 0.15)
-                # It stops by itself 0.6 s after the last command.
+                # The robot stops 0.6 s after the last command.
                 self.assertTrue(eventually(lambda: abs(odometry.last.twist.twist.linear.x) < 1e-3, 5.0))
                 twist.linear.x = math.nan
                 commands.publish(twist)
@@ -58,7 +58,7 @@ class Robot(unittest.TestCase):
                 self.assertLess(abs(odometry.last.twist.twist.linear.x), 1e-3, "a command that is not a number")
                 commands.unregister()
 
-    def test_infos_alone_do_not_have_pictures_made(self):
+    def test_infos_alone_do_not_cause_rendering(self):
         with Listener("/camera_info", CameraInfo) as infos:
             self.assertTrue(eventually(lambda: infos.count() > 3))
             subscribers = subscribers_of_streams(DOMAIN)
@@ -70,7 +70,7 @@ class Robot(unittest.TestCase):
         alone = set(images.stamps_ns[1:-1]) - set(infos.stamps_ns)
         self.assertFalse(alone, "pictures without an info")
 
-    def test_a_calibration_takes_the_place_of_the_simulators(self):
+    def test_a_calibration_replaces_the_simulators(self):
         with tempfile.TemporaryDirectory() as folder:
             names = "__ns:=/calibrated", f"_camera_info_url:=file://{folder}/${{NAME}}.yaml", "_publish_clock:=false"
             with bridge(DOMAIN, *names) as node, Listener("/calibrated/camera_info", CameraInfo) as infos:
@@ -92,7 +92,7 @@ class Robot(unittest.TestCase):
             time.sleep(5.0)
             rate = (diagnostics.count() - first) / (time.monotonic() - start)
             self.assertAlmostEqual(rate, 1.0, delta=0.25)
-            self.assertEqual(self.status(diagnostics, "image_raw"), (0, "nobody subscribes"))
+            self.assertEqual(self.status(diagnostics, "image_raw"), (0, "no subscribers"))
             self.assertEqual(self.status(diagnostics, "simulator"), (0, "publishes"))
 
     @staticmethod
@@ -103,7 +103,7 @@ class Robot(unittest.TestCase):
         return None
 
     def test_the_imu_at_rest(self):
-        """REP-145: it feels the floor push up; what is not measured says so."""
+        """REP-145: the floor pushes up; missing measurements are marked."""
         with Listener("/mobile_base/sensors/imu_data", Imu) as imu:
             self.assertTrue(eventually(lambda: imu.count() > 20))
         acceleration = imu.last.linear_acceleration
@@ -113,7 +113,7 @@ class Robot(unittest.TestCase):
             covariance = getattr(imu.last, f"{name}_covariance")
             self.assertTrue(covariance[0] == -1 or all(value >= 0 for value in covariance), name)
 
-    def test_names_can_be_moved(self):
+    def test_names_can_be_remapped(self):
         with bridge(DOMAIN, "__ns:=/robot1", "image_raw:=eye/picture", "_publish_clock:=false") as node:
             self.assertTrue(eventually(lambda: "/robot1/eye/picture" in published()), node.output())
             self.assertTrue(eventually(lambda: "/robot1/odom" in published()), node.output())
@@ -121,7 +121,7 @@ class Robot(unittest.TestCase):
             with Listener("/robot1/eye/picture", Image) as images:
                 self.assertTrue(eventually(lambda: images.count() > 3))
 
-    def test_robot_state_publisher_can_send_the_robots_own_transforms(self):
+    def test_robot_state_publisher_can_publish_the_robots_transforms(self):
         with bridge(DOMAIN, "__ns:=/robot2", "__name:=bridge", "_transforms:=odometry", "/tf:=/robot2/tf") as node:
             self.assertTrue(eventually(lambda: "/robot2/tf" in published()), node.output())
             with Listener("/robot2/tf", "tf2_msgs/TFMessage") as transforms:
@@ -146,8 +146,8 @@ class Robot(unittest.TestCase):
             self.assertTrue(eventually(lambda: clock.count() > 10))
         self.assertLess(clock.stamps_ns[-1], 600e9, "time on the wall")
 
-    def test_the_clock_beside_a_busy_machine(self):
-        """By a recorder in C++: of several that wait, Python's subscribers to /clock are given the last."""
+    def test_the_clock_on_a_busy_machine(self):
+        """Recorded in C++, since several waiting subscribers to /clock in Python receive only the last message."""
         with tempfile.TemporaryDirectory() as folder, contextlib.ExitStack() as busy:
             bag = os.path.join(folder, "clock.bag")
             for _ in range(4):

@@ -1,4 +1,4 @@
-// The TurtleBot's nodelets, without ROS around them: the multiplexer's choice, and scans out of depths.
+// Tests of the TurtleBot's nodelets without ROS: the multiplexer's choice, and scans from depths.
 
 #include <gtest/gtest.h>
 #include <sensor_msgs/image_encodings.h>
@@ -16,11 +16,11 @@ namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 
-TEST(Mux, HearsTheHigherPriorityAndWhoCameFirst) {
+TEST(Mux, PrefersHigherPriorityAndThenTheFirst) {
     Mux mux({{"safety", "s", 0.2, 10}, {"teleop", "t", 1.0, 7}, {"navi", "n", 1.0, 5}, {"other", "o", 1.0, 5}});
     EXPECT_FALSE(mux.active(0.0));
     EXPECT_TRUE(mux.hears(2, 0.0));
-    EXPECT_FALSE(mux.hears(3, 0.5)) << "of equal priority, whoever speaks goes on";
+    EXPECT_FALSE(mux.hears(3, 0.5)) << "of equal priority, the active source stays active";
     EXPECT_TRUE(mux.hears(1, 0.6));
     EXPECT_FALSE(mux.hears(2, 1.6)) << "for a second";
     EXPECT_TRUE(mux.hears(0, 1.61));
@@ -29,10 +29,10 @@ TEST(Mux, HearsTheHigherPriorityAndWhoCameFirst) {
     EXPECT_EQ(mux.active(2.8), std::size_t{1});
     EXPECT_FALSE(mux.active(2.83));
     EXPECT_TRUE(mux.hears(1, 9.0));
-    EXPECT_TRUE(mux.hears(2, 1.0)) << "a reset simulation begins anew";
+    EXPECT_TRUE(mux.hears(2, 1.0)) << "a reset of time clears the state";
 }
 
-/// A wall at z = 2 m that fills the picture, through fx = 100, the principal point in the middle.
+/// A wall at z = 2 m that fills the image, with fx = 100 and the principal point in the middle.
 struct Wall {
     sensor_msgs::Image image;
     sensor_msgs::CameraInfo info;
@@ -53,11 +53,11 @@ struct Wall {
     }
 };
 
-TEST(DepthScan, IsThatOfAWall) {
+TEST(DepthScan, SeesAWall) {
     DepthScan settings;
     settings.scan_height = 10;
     Wall wall;
-    wall.set(0, 80, 0.6f);    // no row that counts
+    wall.set(0, 80, 0.6f);    // not one of the used rows
     wall.set(8, 80, 1.5f);    // in one row of ten
     wall.set(9, 80, 0.3f);    // too near
     for (std::uint32_t row = 0; row < 21; ++row) wall.set(row, 40, kInf);
@@ -73,15 +73,15 @@ TEST(DepthScan, IsThatOfAWall) {
         const double column = 80 - 100 * std::tan(angle);
         if (std::abs(column - 80) < 1.5) continue;
         if (std::abs(column - 40) < 0.4) EXPECT_EQ(scan->ranges[i], kInf);
-        // The plane x = 2, to half a column: 0.5 cm times its slope there.
+        // The plane at depth 2, to half a column: 0.5 cm times its slope there.
         if (std::abs(column - 40) > 1) EXPECT_NEAR(scan->ranges[i], 2 / std::cos(angle), 0.008);
     }
-    // Left is positive: what is at the left of the picture comes last.
+    // Angles are positive to the left, so the left of the image comes last.
     wall.set(10, 0, 1.0f);
     EXPECT_NEAR(settings.scan(wall.image, wall.info)->ranges[160], std::hypot(1.0, 0.8), 1e-6);
 }
 
-TEST(DepthScan, TakesMillimetresAndRefusesWhatIsNoDepth) {
+TEST(DepthScan, AcceptsMillimetresAndRefusesOtherEncodings) {
     const DepthScan settings;
     Wall wall;
     wall.image.encoding = sensor_msgs::image_encodings::TYPE_16UC1;

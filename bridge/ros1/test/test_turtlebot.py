@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The TurtleBot's launch file as the tutorials use it, and what mapping and navigation rely on: scans that tf can place.
+"""The TurtleBot's launch file as in the tutorials, and scans that tf can place, as mapping and navigation require.
 Needs a master at ROS_MASTER_URI."""
 
 import math
@@ -23,18 +23,18 @@ from sensor_msgs.msg import LaserScan
 from std_msgs.msg import String
 
 DOMAIN = f"turtlebot-{os.getpid()}"
-#: As turtlebot_gazebo has its own: of meshes that Gazebo's database of models has, and nobody here.
+#: A world like those of turtlebot_gazebo, with a mesh from Gazebo's model database that is missing here.
 THEIRS = """<sdf version="1.4"><world name="default"><model name="dumpster"><link name="link"><visual name="v"><geometry><mesh>
 <uri>model://dumpster/meshes/dumpster.dae</uri></mesh></geometry></visual></link></model></world></sdf>"""
-#: Where the robot is put: before the bookshelf of our playground, whose back begins at y = 1.72 m.
+#: The robot's pose in front of the bookshelf of the playground, whose back begins at y = 1.72 m.
 POSE = "-x 0.05 -y 0.0 -Y 1.5707963"
 BACK_Y, KINECT_X = 1.72, -0.087
-#: Inner walls of a room of our own, in metres.
+#: Inner walls of a test room, in metres.
 ROOM = {"x": (-2.0, 3.0), "y": (-2.5, 1.5)}
 WALLS = [("w", -2.05, -0.5, 0.1, 4.2), ("e", 3.05, -0.5, 0.1, 4.2), ("s", 0.5, -2.55, 5.2, 0.1), ("n", 0.5, 1.55, 5.2, 0.1)]
 STARTS = {"robot1": (-1.0, 0.0, 30.0), "robot2": (1.5, -1.0, -60.0)}
-SCAN_NOISE_M = 0.01  # of the RPLidar
-MAP_TOLERANCE_M = 0.03  # of the mean distance of a scan's points from the walls
+SCAN_NOISE_M = 0.01  # noise of the RPLidar
+MAP_TOLERANCE_M = 0.03  # for the mean distance of a scan's points from the walls
 
 
 def room():
@@ -47,9 +47,9 @@ def room():
 
 
 def drive(topic, forward=0.0, turn=0.0):
-    """A publisher that goes on for ever at 10 Hz, as keyboards and planners do; to be shut down."""
+    """Start a publisher that repeats a command at 10 Hz, as keyboards and planners do, until it is shut down."""
     publisher = rospy.Publisher(topic, Twist, queue_size=1)
-    assert eventually(lambda: publisher.get_num_connections() > 0, 20), f"nobody listens to {topic}"
+    assert eventually(lambda: publisher.get_num_connections() > 0, 20), f"{topic} has no subscriber"
     twist = Twist()
     twist.linear.x, twist.angular.z = forward, turn
     return rospy.Timer(rospy.Duration(0.1), lambda _: publisher.publish(twist)), publisher
@@ -60,7 +60,7 @@ def yaw_of(q):
 
 
 class World(unittest.TestCase):
-    """turtlebot_world.launch without an argument that the tutorials do not give."""
+    """turtlebot_world.launch with only the arguments that the tutorials use."""
 
     @classmethod
     def setUpClass(cls):
@@ -100,7 +100,7 @@ class World(unittest.TestCase):
 
     def test_b_the_fake_laser(self):
         subscribers = lambda: subscribers_of_streams(DOMAIN)["/camera/depth/image_raw"]  # noqa: E731
-        self.assertEqual(subscribers(), 0, "nobody asks for a scan")
+        self.assertEqual(subscribers(), 0, "the scan has no subscribers")
         with Listener("/scan", LaserScan) as scans:
             self.assertTrue(eventually(lambda: scans.count() > 5, 20), self.launch.output())
             scan, period = scans.last, scans.period()
@@ -108,12 +108,12 @@ class World(unittest.TestCase):
         self.assertEqual((len(scan.ranges), scan.range_min), (640, 0.44999998807907104))
         self.assertAlmostEqual(scan.angle_max, math.radians(30), delta=0.01)
         self.assertTrue(period is None or abs(period - 0.1) < 1e-3, period)
-        # What is straight ahead is the back of the shelf.
+        # The back of the shelf is straight ahead.
         ahead = [range_ * math.cos(scan.angle_min + i * scan.angle_increment) for i, range_ in enumerate(scan.ranges)][250:390]
         self.assertLess(max(abs(x - (BACK_Y - KINECT_X)) for x in ahead), 0.02, ahead)
-        self.assertTrue(eventually(lambda: subscribers() == 0), "rendered for nobody")
+        self.assertTrue(eventually(lambda: subscribers() == 0), "rendered without subscribers")
 
-    def test_c_whoever_is_heard_moves_it(self):
+    def test_c_the_active_source_moves_it(self):
         velocity = lambda: self.odometry.last.twist.twist.linear.x  # noqa: E731
         with Listener("cmd_vel_mux/active", String, most=None) as active:
             self.assertTrue(eventually(lambda: [m.data for m in active.all()] == ["idle"]), active.all())
@@ -128,13 +128,13 @@ class World(unittest.TestCase):
             self.assertTrue(eventually(lambda: velocity() < -0.08), "the silent one is heard for ever")
             navigation.shutdown()
             self.assertTrue(eventually(lambda: active.last.data == "idle"), active.all())
-            # Between the keyboard's last command and the next of navigation nobody may be heard.
+            # Between the keyboard's last command and the next one of navigation, no source may be active.
             self.assertEqual([m.data for m in active.all() if m.data != "idle"], ["navi", "teleop", "navi"])
-        self.assertTrue(eventually(lambda: velocity() == 0.0), "the base forgets what nobody repeats")
+        self.assertTrue(eventually(lambda: velocity() == 0.0), "the base forgets commands that are not repeated")
 
 
 class TwoThatMap(unittest.TestCase):
-    """Two robots, one bridge. As slam_gmapping does: each scan is placed by tf at its stamp, in the robot's own odom."""
+    """Two robots and one bridge. Like slam_gmapping, places each scan by tf at its stamp, in the robot's own odom."""
 
     def test_each_draws_the_room_by_its_own_frames(self):
         with tempfile.NamedTemporaryFile("w", suffix=".world") as world:
@@ -174,7 +174,7 @@ class TwoThatMap(unittest.TestCase):
         listener.unregister()
 
     def off_the_walls(self, scan, place, start):
-        """The mean distance of a scan's points from the nearest wall; those on the other robot are not counted."""
+        """Return the mean distance of a scan's points from the nearest wall, without those on the other robot."""
         x0, y0, yaw0 = start[0], start[1], math.radians(start[2])
         yaw, offs = yaw_of(place.rotation), []
         for i, range_ in enumerate(scan.ranges):

@@ -11,7 +11,7 @@ from tf2_msgs.msg import TFMessage
 
 
 def matrix(transform):
-    """Rotation and translation in twelve numbers: a quaternion and its negative are one."""
+    """Return rotation and translation as twelve numbers, the same for a quaternion and its negative."""
     q, t = transform.rotation, transform.translation
     x, y, z, w = q.x, q.y, q.z, q.w
     return [

@@ -12,10 +12,10 @@ pub struct Group {
 }
 
 impl Group {
-    /// The group of this name in `/etc/group`, or of this number.
+    /// Finds the group with this name in `/etc/group`, or with this number.
     ///
     /// # Errors
-    /// [`Error::InvalidGroup`] when there is none.
+    /// [`Error::InvalidGroup`] if there is none.
     pub fn find(name: &str) -> Result<Self, Error> {
         let gid = id_of("/etc/group", name).or_else(|| name.parse().ok());
         match gid {
@@ -31,7 +31,7 @@ impl Group {
         }
     }
 
-    /// The group that the environment variable `BELVEDERE_GROUP` names.
+    /// Returns the group that the environment variable `BELVEDERE_GROUP` names.
     pub(crate) fn from_env() -> Result<Option<Self>, Error> {
         match std::env::var_os("BELVEDERE_GROUP") {
             Some(name) if !name.is_empty() => Self::find(&name.to_string_lossy()).map(Some),
@@ -39,19 +39,19 @@ impl Group {
         }
     }
 
-    /// Its name, or its number if it has none.
+    /// Returns the group's name, or its number if it has no name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Its number.
+    /// Returns the group id.
     #[must_use]
     pub fn gid(&self) -> u32 {
         self.gid
     }
 
-    /// Whether this process is of the group, and so may give files to it.
+    /// Returns true if this process belongs to the group, and so may give files to it.
     pub(crate) fn has_this_process(&self) -> bool {
         let own = |gid: rustix::process::Gid| gid.as_raw() == self.gid;
         rustix::process::geteuid().is_root()
@@ -60,7 +60,7 @@ impl Group {
     }
 }
 
-/// A user, to be read by people: `anna (user id 1001)`.
+/// Formats a user for messages: `anna (user id 1001)`.
 pub(crate) fn user(uid: u32) -> String {
     match name_of("/etc/passwd", uid) {
         Some(name) => format!("{name} (user id {uid})"),
@@ -68,7 +68,7 @@ pub(crate) fn user(uid: u32) -> String {
     }
 }
 
-/// `NAME:PASSWORD:ID:…` is how each line of `/etc/passwd` and `/etc/group` begins.
+/// Parses the lines of `/etc/passwd` or `/etc/group`, which begin with `NAME:PASSWORD:ID:`.
 fn entries(text: &str) -> impl Iterator<Item = (&str, u32)> {
     text.lines().filter_map(|line| {
         let mut fields = line.split(':');

@@ -1,4 +1,4 @@
-//! [`Keeper`]: joins a domain, keeps what it has on disk in order, and leaves it.
+//! [`Keeper`]: joins a domain, cleans up its files, and leaves it.
 
 use std::{
     path::PathBuf,
@@ -20,19 +20,19 @@ use super::{
 };
 use crate::{Error, clock};
 
-/// A node of iceoryx2 and all that is done about the files of its domain, from joining to leaving.
+/// An iceoryx2 node, with the management of its domain's files from joining to leaving.
 #[derive(Debug)]
 pub(crate) struct Keeper {
-    /// Only `None` while it is dropped.
+    /// `None` only during drop.
     iox: Option<IoxNode<Ipc>>,
     config: Config,
     domain: Domain,
     places: Places,
-    /// In a domain that a group shares; after `iox`, whose last files it still opens.
+    /// Present if a group shares the domain. Dropped after `iox`, whose last files it still opens to the group.
     sharing: Option<Sharing>,
-    /// After `iox`, too: what that opens while it is dropped may be what is watched for.
+    /// Dropped after `iox`, too: closing the node may open files that the watch guards against.
     _watch: Option<Watch>,
-    /// When it last looked for dead processes.
+    /// Time of the last cleanup of dead processes.
     cleaned_mono_ns: AtomicU64,
 }
 
@@ -40,7 +40,7 @@ impl Keeper {
     /// Joins `domain` as `name`.
     ///
     /// # Errors
-    /// As [`Node::open`](crate::Node::open).
+    /// The errors of [`Node::open`](crate::Node::open).
     pub(crate) fn join(domain: Domain, name: &str) -> Result<Self, Error> {
         let config = domain.config()?;
         let places = Places::new(&domain, &config);
@@ -61,7 +61,7 @@ impl Keeper {
             None => places.close_to_others(),
         }
         if sharing.is_some() {
-            // Without a group, iceoryx2 has just done it.
+            // Without a group, iceoryx2 has already cleaned up while it created the node.
             remains::clean_up_dead(&iox, &places, true);
         }
         remains::remove_orphans(&config, &places);
@@ -89,46 +89,48 @@ impl Keeper {
         &self.config
     }
 
-    /// The domain's files in shared memory.
+    /// Returns the domain's files in shared memory.
     pub(crate) fn in_shared_memory(&self) -> impl Iterator<Item = PathBuf> {
         self.places.in_shared_memory()
     }
 
-    /// Whether a group shares the domain.
+    /// Returns true if a group shares the domain.
     pub(crate) fn is_shared(&self) -> bool {
         self.sharing.is_some()
     }
 
-    /// Opens what has just been made to the group that shares the domain.
+    /// Opens newly created files to the group that shares the domain.
     pub(crate) fn settle(&self) {
         if let Some(sharing) = &self.sharing {
             sharing.settle();
         }
     }
 
-    /// How long a refusal may be that of a file that its maker has not yet opened to the group.
+    /// Returns how long to retry after a permission error: another process may not yet have opened its new file to the
+    /// group.
     pub(crate) fn patience(&self) -> Duration {
         if self.is_shared() { Duration::from_millis(500) } else { Duration::ZERO }
     }
 
-    /// What to say when iceoryx2 was refused something: whose file is in the way, if one is.
+    /// Returns the error for an operation that iceoryx2 refused. It names the owner if another user's file is in the
+    /// way.
     pub(crate) fn refused(&self, what: &str) -> Error {
         places::refused(&self.domain, &self.places, what)
     }
 
-    /// A failure of iceoryx2, or what is behind it: another user's file.
+    /// Returns the error for a failure of iceoryx2, or the cause behind it: another user's file.
     pub(crate) fn failed(&self, what: String, detail: impl std::fmt::Debug) -> Error {
         places::failed(&self.domain, &self.places, what, detail)
     }
 
-    /// Removes what killed processes of the domain have left; where a group shares it, those of this user.
+    /// Removes the files that killed processes of the domain left; in a shared domain, only those of this user.
     pub(crate) fn clean_up_dead(&self) {
         self.cleaned_mono_ns.store(clock::mono_ns(), Ordering::Relaxed);
         remains::clean_up_dead(self.iox(), &self.places, self.is_shared());
     }
 
-    /// The same, unless it was done within `interval`, for whichever stream: it reads some files for each node of
-    /// every domain of this machine, a millisecond or so.
+    /// Calls [`clean_up_dead`](Self::clean_up_dead), unless any stream of this node did so within `interval`. A cleanup
+    /// reads some files for each node of every domain on the machine, which takes about a millisecond.
     pub(crate) fn clean_up_dead_every(&self, interval: Duration) {
         let since_ns = clock::mono_ns().saturating_sub(self.cleaned_mono_ns.load(Ordering::Relaxed));
         if u128::from(since_ns) > interval.as_nanos() {
@@ -136,14 +138,14 @@ impl Keeper {
         }
     }
 
-    /// Gives a node that is gone, and still has places in a stream, what iceoryx2 needs to free them.
+    /// Recreates the files of a dead node that still has slots in a stream, so that iceoryx2 can free them.
     pub(crate) fn raise(&self, service: &str, gone: u128, ports: &[u128]) {
-        // A failure: another process does the same.
+        // A failure means that another process is doing the same.
         let _ = remnants::raise(&self.places, self.iox().id().value(), service, gone, ports);
     }
 }
 
-/// A name as iceoryx2 takes it: 128 bytes at most, all of them ASCII and none of them 0.
+/// Converts a name to what iceoryx2 accepts: at most 128 bytes of ASCII without NUL.
 fn listed(name: &str) -> String {
     let shown = |letter: char| if letter.is_ascii() && letter != '\0' { letter } else { '?' };
     name.chars().take(100).map(shown).collect()
@@ -159,7 +161,7 @@ fn create(domain: &Domain, config: &Config, places: &Places, name: &NodeName) ->
             .create::<Ipc>();
         match created {
             Ok(node) => return Ok(node),
-            // The last process of another domain may just be removing the empty directories.
+            // The last process of another domain may be removing the empty directories at this moment.
             Err(_) if attempts < 5 => {
                 attempts += 1;
                 std::thread::sleep(Duration::from_millis(5));

@@ -1,4 +1,4 @@
-//! [`Domain`]: the name that keeps simulations apart.
+//! [`Domain`]: the name that separates simulations.
 
 use std::{fmt, path::PathBuf, str::FromStr, time::Duration};
 
@@ -8,17 +8,18 @@ use rustix::process::geteuid;
 use super::Group;
 use crate::Error;
 
-/// The iceoryx2 variant: ports may move between threads, and it interoperates with `ipc::Service`.
+/// The iceoryx2 service variant: its ports may move between threads, and it interoperates with `ipc::Service`.
 pub(crate) type Ipc = ipc_threadsafe::Service;
 
-/// One simulation's name for everything it shares; several run side by side under different ones.
+/// The name under which one simulation shares its streams. Several simulations run side by side under different names.
 ///
-/// Each user has domains of their own: one of another user with the same name is another one. A domain is the iceoryx2
-/// prefix `blvd.<name>~<user id>.` and the directory `/tmp/blvd~<user id>`: its processes see each other and nobody
-/// else. The dot, which a name cannot hold, keeps one domain's prefix from being the beginning of another's.
+/// Each user has their own domains: the same name under another user is another domain. A domain is the iceoryx2 prefix
+/// `blvd.<name>~<user id>.` and the directory `/tmp/blvd~<user id>`, so its processes see only each other. A name
+/// cannot contain the dot, so no domain's prefix is the beginning of another's.
 ///
-/// Only the user who runs its processes can reach it, unless it is [shared with a group](Self::shared_with): that is
-/// then another domain of the same name, `blvd.<name>@<group id>.`, with the directory `/tmp/blvd-<group id>`.
+/// Only the user who runs its processes can reach it, unless it is [shared with a group](Self::shared_with). A shared
+/// domain is separate from the private domain of the same name: its prefix is `blvd.<name>@<group id>.`, its directory
+/// `/tmp/blvd-<group id>`.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Domain {
     name: String,
@@ -26,13 +27,15 @@ pub struct Domain {
 }
 
 impl Domain {
-    /// The domain when none is named.
+    /// The default name.
     pub const DEFAULT: &str = "default";
-    /// Longest name: prefix, identifiers and suffix must fit into the 108 bytes of a socket's path.
+    /// The maximum length of a name: prefix, identifiers and suffix must fit into the 108 bytes of a socket path.
     pub const MAX_LEN: usize = 24;
 
+    /// Creates a domain with this name.
+    ///
     /// # Errors
-    /// [`Error::InvalidDomain`] unless it is 1 to 24 of `a-z A-Z 0-9 _ -`.
+    /// [`Error::InvalidDomain`] unless the name is 1 to 24 of `a-z A-Z 0-9 _ -`.
     pub fn new(name: &str) -> Result<Self, Error> {
         let usable = (1..=Self::MAX_LEN).contains(&name.len())
             && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_' || byte == b'-');
@@ -43,10 +46,10 @@ impl Domain {
         }
     }
 
-    /// The domain that the environment variable `BELVEDERE_DOMAIN` names, else the default one.
+    /// Returns the domain that the environment variable `BELVEDERE_DOMAIN` names, or the default one.
     ///
     /// # Errors
-    /// [`Error::InvalidDomain`] when the variable holds what cannot be one.
+    /// [`Error::InvalidDomain`] if the variable holds an unusable name.
     pub fn from_env() -> Result<Self, Error> {
         match std::env::var_os("BELVEDERE_DOMAIN") {
             Some(name) if !name.is_empty() => Self::new(&name.to_string_lossy()),
@@ -54,15 +57,15 @@ impl Domain {
         }
     }
 
-    /// The same, open to the users of a group: they can read all streams and send commands. Every process of the
-    /// domain must name the group, or run with it in the environment variable `BELVEDERE_GROUP`, which
-    /// [`Node::open`](crate::Node::open) follows when no group is named here.
+    /// Returns this domain, shared with the users of a group: they can read all streams and send commands. Every
+    /// process of the domain must name the group, or run with it in the environment variable `BELVEDERE_GROUP`, which
+    /// [`Node::open`](crate::Node::open) uses if no group is named here.
     #[must_use]
     pub fn shared_with(self, group: Group) -> Self {
         Self { group: Some(group), ..self }
     }
 
-    /// The group that it is shared with.
+    /// Returns the group that shares the domain.
     #[must_use]
     pub fn group(&self) -> Option<&Group> {
         self.group.as_ref()
@@ -75,51 +78,51 @@ impl Domain {
         }
     }
 
-    /// Its name.
+    /// Returns the domain's name.
     #[must_use]
     pub fn as_str(&self) -> &str {
         &self.name
     }
 
-    /// What the names of this domain's files begin with.
+    /// Returns the prefix of the names of this domain's files.
     #[must_use]
     pub fn prefix(&self) -> String {
         match &self.group {
             Some(group) => format!("blvd.{}@{}.", self.name, group.gid()),
-            // /dev/shm is one for all users.
+            // All users share one /dev/shm.
             None => format!("blvd.{}~{}.", self.name, geteuid().as_raw()),
         }
     }
 
-    /// The directory of those of its files that are not in `/dev/shm`, which all domains of the user, or of the group,
-    /// have in common. It is there while one of them has a node.
+    /// Returns the directory for files outside `/dev/shm`. All domains of the user, or of the group, share it. It
+    /// exists while one of them has a node.
     #[must_use]
     pub fn directory(&self) -> PathBuf {
-        // Named by numbers: a socket's path must not get longer than 107 bytes. And not by what the environment says, as
-        // XDG_RUNTIME_DIR, since a service and a shell of one user must find each other.
+        // Ids instead of names keep socket paths within 107 bytes. The path does not depend on the environment
+        // (XDG_RUNTIME_DIR), since a service and a shell of one user must find each other.
         PathBuf::from(match &self.group {
             Some(group) => format!("/tmp/blvd-{}", group.gid()),
             None => format!("/tmp/blvd~{}", geteuid().as_raw()),
         })
     }
 
-    /// The configuration that peers must share; built here and not read from a file, so that no
-    /// `config/iceoryx2.toml` in the working directory parts two of them.
+    /// Returns the configuration that all peers must share. It is built here instead of read from a file, so that no
+    /// `config/iceoryx2.toml` in a working directory separates two of them.
     pub(crate) fn config(&self) -> Result<Config, Error> {
         let mut config = Config::default();
-        // How long to wait for what another process is just making: it is a kill in the middle of it that lasts. A
-        // publisher waits so for the connection of a consumer, and everybody for a stream.
+        // The timeout for resources that another process is still creating, such as a stream or the connection of a
+        // consumer. The whole timeout passes only if that process was killed meanwhile.
         config.global.creation_timeout = Duration::from_millis(200);
         config.global.prefix = FileName::new(self.prefix().as_bytes())
             .map_err(|error| Error::transport("setting the domain's prefix", error))?;
-        // Not the directory of iceoryx2's other programs, which belongs to the first user of the machine who runs one.
+        // Not iceoryx2's default directory: it belongs to the first user of the machine who runs any iceoryx2 program.
         let root = Path::new(self.directory().as_os_str().as_encoded_bytes())
             .map_err(|error| Error::transport("setting the domain's directory", error))?;
         config.global.set_root_path(&root);
         if self.group.is_some() {
-            // How long to wait for what another process is just making, and for what it has yet to open to the group.
+            // The timeout also covers the time until another process opens its new files to the group.
             config.global.creation_timeout = Duration::from_millis(500);
-            // Each user's processes clean up after that user's: see `remains`.
+            // Each user's processes clean up only their own files: see `remains`.
             config.global.node.cleanup_dead_nodes_on_creation = false;
             config.global.node.cleanup_dead_nodes_on_destruction = false;
             config.global.service.cleanup_dead_nodes_on_open = false;
@@ -172,12 +175,12 @@ mod tests {
     }
 
     #[test]
-    fn the_longest_socket_path_fits() {
+    fn the_longest_socket_path_fits_into_sun_path() {
         let name = "x".repeat(Domain::MAX_LEN);
         let group = Group::find(&u32::MAX.to_string()).unwrap();
         for domain in [Domain::new(&name).unwrap(), Domain::new(&name).unwrap().shared_with(group)] {
             let (directory, prefix) = (domain.directory(), domain.prefix());
-            // The number of this user may have more digits on another machine, in both.
+            // The user id, which is in both, may have more digits on another machine.
             let more = 2 * (u32::MAX.to_string().len() - geteuid().as_raw().to_string().len());
             let longer = if domain.group().is_some() { 0 } else { more };
             let path = format!("{}/{prefix}{}.event", directory.display(), u128::MAX);

@@ -1,4 +1,4 @@
-//! [`Places`]: where a domain's files lie.
+//! [`Places`]: the paths of a domain's files.
 
 use std::{
     fs,
@@ -13,25 +13,25 @@ use rustix::fs::{FlockOperation, Mode, OFlags};
 use super::{Domain, Group, group::user};
 use crate::Error;
 
-/// Where pools, connections and the books of streams lie: POSIX shared memory, as Linux shows it.
+/// The directory of pools, connections and the dynamic parts of streams: POSIX shared memory, as Linux mounts it.
 pub(crate) const SHM: &str = "/dev/shm";
 
-/// The directories that hold a domain's files, and what the names of these begin with.
+/// The directories that hold a domain's files, and the prefix of the files' names.
 #[derive(Clone, Debug)]
 pub(crate) struct Places {
-    /// Of each file's name but those of the directories of nodes.
+    /// The prefix of every file name, except for the directories of nodes.
     pub(crate) prefix: String,
-    /// Sockets to wake listeners with; and the next two.
+    /// The root directory: the sockets that wake listeners, and the next two directories.
     pub(crate) root: PathBuf,
-    /// A lock that lives as long as the process for each node, and a directory of its tags.
+    /// For each node, a lock that its process holds, and a directory of its tags.
     pub(crate) nodes: PathBuf,
-    /// How each stream was made.
+    /// The static configuration of each stream.
     pub(crate) services: PathBuf,
 }
 
 impl Places {
     pub(crate) fn new(domain: &Domain, config: &Config) -> Self {
-        // Without a slash at the end, which would follow a link.
+        // Without a trailing slash, which would follow a symbolic link.
         let path = |text: String| Path::new(&text).components().collect();
         Self {
             prefix: domain.prefix(),
@@ -41,12 +41,12 @@ impl Places {
         }
     }
 
-    /// The domain's files in shared memory.
+    /// Returns the domain's files in shared memory.
     pub(crate) fn in_shared_memory(&self) -> impl Iterator<Item = PathBuf> {
         entries(Path::new(SHM)).filter(|path| self.has_prefix(path))
     }
 
-    /// Every file of the domain, with those of its nodes' directories.
+    /// Returns every file of the domain, including those in its nodes' directories.
     pub(crate) fn files(&self) -> Vec<PathBuf> {
         let mut files: Vec<PathBuf> = self.in_shared_memory().collect();
         for directory in [&self.root, &self.services, &self.nodes] {
@@ -60,18 +60,19 @@ impl Places {
         files
     }
 
-    /// Whether a file's name is one of the domain's.
+    /// Returns true if the file's name has the domain's prefix.
     pub(crate) fn has_prefix(&self, path: &Path) -> bool {
         path.file_name().is_some_and(|name| name.as_encoded_bytes().starts_with(self.prefix.as_bytes()))
     }
 
-    /// The first file or directory in the way: one that another user owns, and that is not open to the group.
+    /// Returns the first file or directory that another user owns and that is not open to the group, with its owner.
     ///
-    /// Root could use the files of a domain without a group; but what root then makes, their owner could not.
+    /// Root is no exception: it could use another user's files, but that user could not use the files that root
+    /// creates.
     pub(crate) fn foreign(&self, group: Option<&Group>) -> Option<(PathBuf, u32)> {
         let own = rustix::process::geteuid().as_raw();
         let in_the_way = |path: &PathBuf| {
-            // Links count themselves, not what they point to: it is their owner who may exchange them.
+            // Symbolic links are not followed: the owner of the link can redirect it.
             let found = fs::symlink_metadata(path).ok()?;
             let is_shared =
                 group.is_some_and(|group| found.gid() == group.gid() && found.mode() & 0o040 != 0);
@@ -87,13 +88,13 @@ impl Places {
         [&self.root, &self.nodes, &self.services]
     }
 
-    /// Makes the root directory of a domain without a group, and checks that it and what is in it is this user's alone:
-    /// files are believed for the directory that they are found in.
+    /// Creates the root directory of a domain without a group, and checks that it and its contents belong to this user
+    /// alone: a file is trusted because of the directory it is in.
     ///
     /// # Errors
     /// [`Error::Permission`], [`Error::NotADirectory`].
     pub(crate) fn make_root_alone(&self, domain: &Domain) -> Result<(), Error> {
-        // A failure is found when the directory is used. iceoryx2 makes the others in it.
+        // A failure shows when the directory is used. iceoryx2 creates the directories below it.
         let _ = fs::DirBuilder::new().mode(0o750).create(&self.root);
         if let Some((path, uid)) = self.foreign(None) {
             return Err(foreign(domain, self, path, uid));
@@ -117,12 +118,12 @@ impl Places {
         Ok(())
     }
 
-    /// Closes the one file that iceoryx2 makes open to all: who can write it could cut it under a process that is
-    /// just counting in it.
+    /// Restricts the permissions of the one file that iceoryx2 creates writable for all: another user could truncate it
+    /// while a process accesses it.
     pub(crate) fn close_to_others(&self) {
         for path in self.in_shared_memory() {
             if path.extension().is_some_and(|kind| kind == "global_mgmt") {
-                // Not through a link: others can make files there.
+                // Do not follow links: other users can create files there.
                 let flags = OFlags::RDWR | OFlags::NOFOLLOW | OFlags::CLOEXEC;
                 if let Ok(file) = rustix::fs::open(&path, flags, Mode::empty()) {
                     let _ = rustix::fs::fchmod(file, Mode::RUSR | Mode::WUSR);
@@ -131,19 +132,19 @@ impl Places {
         }
     }
 
-    /// Removes the directories that all domains share, if nothing is in them.
+    /// Removes the directories that all domains share, if they are empty.
     pub(crate) fn remove_empty_directories(&self) -> std::io::Result<()> {
         fs::remove_dir(&self.nodes)?;
         fs::remove_dir(&self.services)?;
         fs::remove_dir(&self.root)
     }
 
-    /// Makes the directories if they are not there, and locks them.
+    /// Creates the directories if they do not exist, and locks them.
     ///
     /// # Errors
-    /// What `make` finds.
+    /// The errors of `make`.
     pub(crate) fn make_and_lock(&self, make: impl Fn() -> Result<(), Error>) -> Result<Option<Lock>, Error> {
-        // A process that leaves may take them away between the two.
+        // A process that leaves may remove the directories between the two calls.
         for _ in 0..10 {
             make()?;
             if let Ok(lock) = self.lock() {
@@ -153,12 +154,14 @@ impl Places {
         Ok(None)
     }
 
-    /// Locks the root directory against other processes of ours that join or leave, so that none takes what another is
-    /// just making for remains. `None` when it cannot be had in time: the lock helps, but nobody must be stopped by a
-    /// process that hangs with it.
+    /// Locks the root directory against other Belvedere processes that join or leave, so that none of them removes
+    /// files that another is creating.
+    ///
+    /// Returns `None` if the lock is not available in time: a process that hangs while it holds the lock must not block
+    /// others.
     ///
     /// # Errors
-    /// [`Gone`]: there is no such directory, or not any more.
+    /// [`Gone`] if the directory does not exist, or was removed meanwhile.
     pub(crate) fn lock(&self) -> Result<Option<Lock>, Gone> {
         let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::NOFOLLOW | OFlags::CLOEXEC;
         let directory = match rustix::fs::open(&self.root, flags, Mode::empty()) {
@@ -173,29 +176,29 @@ impl Places {
             }
             std::thread::sleep(Duration::from_millis(2));
         }
-        // Who held it before may have removed the directory.
+        // The previous holder may have removed the directory.
         let locked = rustix::fs::fstat(&directory).map_err(|_| Gone)?;
         let is_it = fs::metadata(&self.root).is_ok_and(|now| now.ino() == locked.st_ino);
         if is_it { Ok(Some(Lock { _directory: directory })) } else { Err(Gone) }
     }
 }
 
-/// The root directory is not there (any more).
+/// The error for a root directory that does not exist.
 #[derive(Debug)]
 pub(crate) struct Gone;
 
-/// Held until it is dropped.
+/// The lock on a domain's root directory, held until it is dropped.
 #[derive(Debug)]
 pub(crate) struct Lock {
     _directory: std::os::fd::OwnedFd,
 }
 
-/// The paths in a directory; none when it cannot be read.
+/// Returns the paths in a directory; none if it cannot be read.
 pub(crate) fn entries(directory: &Path) -> impl Iterator<Item = PathBuf> {
     fs::read_dir(directory).into_iter().flatten().flatten().map(|entry| entry.path())
 }
 
-/// What to say when something was refused: whose file is in the way, if one is.
+/// Returns the error for a refused operation. It names the owner if another user's file is in the way.
 pub(crate) fn refused(domain: &Domain, places: &Places, what: &str) -> Error {
     match places.foreign(domain.group()) {
         Some((path, uid)) => foreign(domain, places, path, uid),
@@ -210,7 +213,7 @@ pub(crate) fn refused(domain: &Domain, places: &Places, what: &str) -> Error {
     }
 }
 
-/// A failure of iceoryx2, or what is behind it: another user's file.
+/// Returns the error for a failure of iceoryx2, or the cause behind it: another user's file.
 pub(crate) fn failed(domain: &Domain, places: &Places, what: String, detail: impl std::fmt::Debug) -> Error {
     match places.foreign(domain.group()) {
         Some((path, uid)) => foreign(domain, places, path, uid),
@@ -218,7 +221,7 @@ pub(crate) fn failed(domain: &Domain, places: &Places, what: String, detail: imp
     }
 }
 
-/// The error for a file of another user.
+/// Returns the error for a file of another user.
 fn foreign(domain: &Domain, places: &Places, path: PathBuf, uid: u32) -> Error {
     let owner = user(uid);
     let remove = if path.is_dir() { "sudo rm -r" } else { "sudo rm" };

@@ -1,9 +1,10 @@
-//! What processes leave behind when they end, or are killed, and how it goes.
+//! Removal of what processes leave behind when they end or are killed.
 //!
-//! iceoryx2 cleans up after a dead node: its places in streams, its memory, its tags. What is here does the rest: a
-//! domain in which nobody lives any more is emptied before anything in it is believed; halves of what was killed while
-//! it was made; the last counter and directories; and in a domain that a group shares, where nobody may remove another
-//! user's files from `/dev/shm`, what only their own user can remove.
+//! iceoryx2 cleans up after a dead node: its slots in streams, its memory, its tags. This module does the rest:
+//!
+//! - it empties a domain without living nodes before any of its files is trusted;
+//! - it removes half-created files, the last node counter and the directories;
+//! - in a domain that a group shares, it removes the files in `/dev/shm` that only their owner can remove.
 
 use std::{
     collections::HashSet,
@@ -26,11 +27,12 @@ use super::{
     remnants,
 };
 
-/// Younger files may be being made, by a process that takes no [lock](Places::lock): another library's.
+/// The minimum age of a file that may be removed. A younger one may still be in creation by a process that does not
+/// take the [lock](Places::lock), such as one that uses another library.
 const SETTLED: Duration = Duration::from_secs(1);
 
-/// Empties a domain in which nobody lives, so that iceoryx2 need not make sense of what is left in it: files may have
-/// been cut or overwritten since, by a full disk, by a power cut, by hand.
+/// Empties a domain without living nodes, so that iceoryx2 does not have to interpret the files left in it: a full
+/// disk, a power failure or a user may have truncated or overwritten them.
 pub(crate) fn clear_if_deserted(config: &Config, places: &Places) {
     let files = places.files();
     if files.is_empty() || anybody_lives(config) {
@@ -45,12 +47,12 @@ pub(crate) fn clear_if_deserted(config: &Config, places: &Places) {
             directories.insert(directory.to_owned());
         }
         if !is_one_starting || is_settled(&file) {
-            // Failures: another process does the same, or it is another user's.
+            // A failure means that another process is doing the same, or that the file belongs to another user.
             let _ = fs::remove_file(file);
         }
     }
     for directory in directories {
-        // Only when it is empty.
+        // Succeeds only if the directory is empty.
         let _ = fs::remove_dir(directory);
     }
 }
@@ -61,8 +63,9 @@ fn remove_settled(file: &Path) {
     }
 }
 
-/// Compares with the wall clock, as the times of files do. If that is set back, remnants stay until a later start; if it
-/// is set forward, a file that a process without our lock is just making may be deleted.
+/// Returns true if a file is older than [`SETTLED`] by the wall clock, which file times use. If the clock is set back,
+/// remnants stay until a later start. If it is set forward, a file that a process without our lock is creating may be
+/// removed.
 fn is_settled(file: &Path) -> bool {
     let age = |changed: SystemTime| SystemTime::now().duration_since(changed).unwrap_or_default();
     fs::symlink_metadata(file)
@@ -70,7 +73,7 @@ fn is_settled(file: &Path) -> bool {
         .is_ok_and(|changed| age(changed) > SETTLED)
 }
 
-/// Cleans up after dead nodes: in a domain of one user, all of them; in one that a group shares, this user's.
+/// Cleans up after dead nodes: all of them in a domain of one user, this user's in a shared one.
 pub(crate) fn clean_up_dead(node: &IoxNode<Ipc>, places: &Places, is_shared: bool) {
     if !is_shared {
         node.try_cleanup_dead_nodes();
@@ -91,11 +94,11 @@ fn is_own(path: &Path) -> bool {
     own.is_root() || fs::symlink_metadata(path).is_ok_and(|metadata| metadata.uid() == own.as_raw())
 }
 
-/// Removes the descriptions of streams that nobody has open.
+/// Removes the descriptions of streams that no process has open.
 ///
-/// The last one to leave a stream removes it, and fails to when its book in `/dev/shm` is another user's: the stream
-/// would be "just being taken down" for ever. The description lies in the group's directory, where every member can
-/// remove it; the book goes as an orphan, at its owner's next start.
+/// The last process to leave a stream removes it. That fails if the stream's dynamic part in `/dev/shm` belongs to
+/// another user: the stream would then remain marked for removal for ever. The description is in the group's directory,
+/// where every member can remove it. The dynamic part is removed as an orphan when its owner next starts a process.
 fn remove_deserted_services(config: &Config, places: &Places) {
     let mut deserted = Vec::new();
     let _ = Ipc::list(config, |service| {
@@ -109,10 +112,10 @@ fn remove_deserted_services(config: &Config, places: &Places) {
     }
 }
 
-/// Removes this user's pools and books of ports and streams that are no more: what another user who was the last to let
-/// go of them could not remove.
+/// Removes this user's pools and dynamic parts of ports and streams that no longer exist. They remain if the last
+/// process that used them belonged to another user, who could not remove them.
 pub(crate) fn remove_orphans(config: &Config, places: &Places) {
-    // In this order: what is made meanwhile is not in the first list.
+    // In this order, so that files created meanwhile are not in the first list.
     let files: Vec<PathBuf> = places.in_shared_memory().collect();
     let mut known = places.tagged_ports();
     let listed = Ipc::list(config, |service| {
@@ -125,7 +128,7 @@ pub(crate) fn remove_orphans(config: &Config, places: &Places) {
     for file in files.iter().filter(|file| is_own(file)) {
         let Some(name) = file.file_name().and_then(|name| name.to_str()) else { continue };
         let Some((stem, kind)) = name[places.prefix.len()..].split_once('.') else { continue };
-        // A hash of the type, then the identity.
+        // The name is a hash of the type, then the identifier.
         let is_known = stem.split('_').skip(1).any(|id| known.contains(id));
         if ["data", "dynamic"].contains(&kind) && !is_known {
             remove_settled(file);
@@ -133,8 +136,9 @@ pub(crate) fn remove_orphans(config: &Config, places: &Places) {
     }
 }
 
-/// Removes this user's connections of which an end is no more, in a domain that a group shares: who lets go last would
-/// remove them, but cannot remove another user's. Who still has one mapped keeps it; nobody opens it again.
+/// Removes this user's connections that have lost an end, in a domain that a group shares: the last process to release
+/// one would remove it, but cannot remove another user's file. A process that has the connection mapped keeps it; no
+/// process opens it again.
 pub(crate) fn remove_own_connections(places: &Places) {
     let files: Vec<PathBuf> = places
         .in_shared_memory()
@@ -143,15 +147,15 @@ pub(crate) fn remove_own_connections(places: &Places) {
     let tagged = places.tagged_ports();
     for file in files.iter().filter(|file| is_own(file)) {
         let stem = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-        // Behind a hash of the type, the two ends.
+        // The hash of the type is followed by the two ends.
         if stem.split('_').skip(1).any(|id| !tagged.contains(id)) {
             let _ = fs::remove_file(file);
         }
     }
 }
 
-/// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all
-/// domains share if nobody is left in any of them.
+/// Removes what iceoryx2 keeps after the last node of a domain: its node counter, and the directories that all domains
+/// share if no domain has a node left.
 pub(crate) fn remove_traces(config: &Config, places: &Places) -> std::io::Result<()> {
     remnants::remove(config, places);
     let mut others = false;
@@ -167,6 +171,6 @@ pub(crate) fn remove_traces(config: &Config, places: &Places) -> std::io::Result
             fs::remove_file(path)?;
         }
     }
-    // Only empty directories can be removed this way; while any node of any domain lives, the first is not.
+    // This removes only empty directories; while a node of any domain lives, the first one is not empty.
     places.remove_empty_directories()
 }

@@ -1,20 +1,22 @@
-//! What killed processes leave and iceoryx2's own cleaning does not find.
+//! Removal of what killed processes leave and iceoryx2's own cleanup does not find.
 //!
-//! iceoryx2 knows a dead node by the lock of its monitor, and what it had by the tags in its directory: a service tag
-//! for each stream, a port tag for each end. A tag is made before what it stands for, and goes after it. What a kill
-//! at the wrong moment leaves beyond that:
+//! iceoryx2 recognises a dead node by the lock of its monitor, and the node's resources by the tags in its directory: a
+//! service tag for each stream, a port tag for each port. A tag is created before its resource and removed after it. A
+//! kill at the wrong moment also leaves:
 //!
-//! - *a half-made tag*: iceoryx2 does not see the file, removes the node's description, fails to remove the directory,
-//!   and from then on looks for the node under the default prefix, since the right one stood in the description;
-//! - *half a node*: a description without a monitor, or a monitor whose files are not all there, or that has not got its
-//!   final permissions. iceoryx2 takes it for one that is just being made, for ever;
-//! - *a node's directory*, when its files went first, and does not tell any more whose it was;
-//! - *a listener's socket and counters*, of a process killed before it had entered the listener into its stream: the
+//! - *an incomplete tag*: iceoryx2 does not see the file, removes the node's description and fails to remove the
+//!   directory. From then on it looks for the node under the default prefix, since the right one was in the
+//!   description;
+//! - *an incomplete node*: a description without a monitor, or a monitor that lacks files or its final permissions.
+//!   iceoryx2 treats it as being created, for ever;
+//! - *a node's directory* whose files were removed first, so that its domain is unknown;
+//! - *a listener's socket and counters*, if the process was killed before it registered the listener in its stream: the
 //!   tag is removed, these are not;
-//! - *a pool*, of a publisher killed while it was closing;
-//! - *a connection* of two ports of which one was killed while it was made, and the other has gone since.
+//! - *a pool* of a publisher that was killed while it was closing;
+//! - *a connection* of two ports, one of which was killed while the connection was created, and the other of which has
+//!   gone since.
 //!
-//! All that matters to others of such a node (its places in streams, its memory) has been released before.
+//! The node's resources that other processes need, its slots in streams and its memory, have been released before.
 
 use std::{
     collections::HashSet,
@@ -31,13 +33,13 @@ use super::{
     places::{Places, SHM, entries},
 };
 
-/// The permissions of a monitor's context until the monitor is complete, in iceoryx2 0.10.
+/// The permissions of a monitor's context file until the monitor is complete, in iceoryx2 0.10.
 const MONITOR_IN_THE_MAKING: u32 = 0o200;
 
-/// Removes what is left of the domain by processes that are no more. Failures mean that another process is just doing
-/// the same, or that it is another user's.
+/// Removes what dead processes left in the domain. Failures mean that another process is doing the same, or that the
+/// files belong to another user.
 pub(crate) fn remove(config: &Config, places: &Places) {
-    // A living node has its description before it can be seen.
+    // A living node is visible only after its description exists.
     for dead in dead_nodes(config).iter().filter(|dead| dead.details().is_none()) {
         places.remove_node(&dead.id().value().to_string());
     }
@@ -46,16 +48,17 @@ pub(crate) fn remove(config: &Config, places: &Places) {
     places.remove_ownerless();
 }
 
-/// Gives a node that is gone, and still has places in a stream, what iceoryx2 needs to free them: a description, tags,
-/// and a monitor that nobody locks.
+/// Recreates the files of a dead node that still has slots in a stream, so that iceoryx2 can free the slots: a
+/// description, tags, and an unlocked monitor.
 ///
-/// Whoever cleans up removes a port's tag and then frees its place. If it is killed in between, the next one finds no
-/// tag, skips the place and removes the rest of the node: the place would be taken as long as the stream lives.
+/// A process that cleans up removes a port's tag and then frees its slot. If it is killed in between, the next process
+/// finds no tag, skips the slot and removes the rest of the node. Without this function the slot would be taken as long
+/// as the stream lives.
 pub(crate) fn raise(places: &Places, own: u128, service: &str, gone: u128, ports: &[u128]) -> io::Result<()> {
     let (prefix, own, grave) =
         (&places.prefix, places.nodes.join(own.to_string()), places.nodes.join(gone.to_string()));
     let monitor = |suffix| places.nodes.join(format!("{prefix}{gone}.node_monitor{suffix}"));
-    // Another process does the same, or has not yet finished.
+    // Fails if another process is doing the same, or was killed while it did.
     fs::DirBuilder::new().mode(0o750).create(&grave)?;
     let tag = format!("{prefix}{service}.service_tag");
     for port in ports {
@@ -75,7 +78,10 @@ pub(crate) fn raise(places: &Places, own: u128, service: &str, gone: u128, ports
 }
 
 impl Places {
-    /// Looks at names and permissions only: opening and closing a monitor would undo its lock if it were our own.
+    /// Removes nodes whose files are incomplete.
+    ///
+    /// It checks names and permissions only: opening and closing a monitor would release its lock if the monitor were
+    /// our own.
     fn remove_half_made_nodes(&self) {
         let description = format!("{}node.details", self.prefix);
         let mut ids: HashSet<_> =
@@ -90,11 +96,12 @@ impl Places {
         }
     }
 
-    /// Of any domain: a node that lives has its description in its directory, and one that is being made has a process.
+    /// Removes empty directories of nodes, of any domain. The directory of a living node has its description, and the
+    /// process of a node that is being created is running.
     fn remove_empty_nodes(&self) {
         for id in names(&self.nodes) {
             if born_long_ago(&id) && id.parse().is_ok_and(|id| !runs(id)) {
-                // Only when it is empty.
+                // Succeeds only if the directory is empty.
                 let _ = fs::remove_dir(self.nodes.join(id));
             }
         }
@@ -116,9 +123,11 @@ impl Places {
         remove_files(&self.nodes, &format!("{}{id}.", self.prefix));
     }
 
-    /// A listener has a socket `PREFIX ID.event` beside the nodes and counters `PREFIX HASH_ID.event_mgmt` in shared
-    /// memory, a publisher its pool `PREFIX HASH_ID.data`; a publisher and a subscriber have `PREFIX HASH_ID_ID.connection`
-    /// in common, which stays legitimately while one of them lives.
+    /// Removes files of ports that no longer exist.
+    ///
+    /// A listener has a socket `PREFIX ID.event` in the root directory and counters `PREFIX HASH_ID.event_mgmt` in
+    /// shared memory. A publisher has its pool `PREFIX HASH_ID.data`. A publisher and a subscriber share `PREFIX
+    /// HASH_ID_ID.connection`, which is valid while one of them lives.
     fn remove_ownerless(&self) {
         let ids_of = |path: &Path| -> Option<Vec<String>> {
             let name = path.file_name()?.to_str()?.strip_prefix(&self.prefix)?;
@@ -139,7 +148,7 @@ impl Places {
         if found.is_empty() {
             return;
         }
-        // Looked at after the files: what has its tag now had it then.
+        // The tags are read after the files, so the owner of a file that still has a tag had it then, too.
         let tagged = self.tagged_ports();
         for (path, ids) in found {
             if !ids.iter().any(|id| tagged.contains(id)) {
@@ -148,7 +157,7 @@ impl Places {
         }
     }
 
-    /// The identities of all ports: a node has a tag for each.
+    /// Returns the identifiers of all ports: each has a tag in its node's directory.
     pub(crate) fn tagged_ports(&self) -> HashSet<String> {
         names(&self.nodes)
             .flat_map(|id| names(&self.nodes.join(id)))
@@ -164,7 +173,7 @@ fn names(directory: &Path) -> impl Iterator<Item = String> + use<> {
         .filter_map(|entry| entry.ok()?.file_name().into_string().ok())
 }
 
-/// Removes the files of a directory whose names begin so.
+/// Removes the files of a directory whose names have this prefix.
 fn remove_files(directory: &Path, prefix: &str) {
     for name in names(directory) {
         if name.starts_with(prefix) {

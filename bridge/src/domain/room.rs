@@ -1,13 +1,13 @@
-//! Room in `/dev/shm`.
+//! Free space in `/dev/shm`.
 
 use super::places::SHM;
 use crate::Error;
 
 pub(crate) const MIB: u64 = 1 << 20;
-/// What connections, queues and books take beside the pools, generously.
+/// An upper bound on the memory that connections, queues and bookkeeping take in addition to the pools.
 pub(crate) const BOOKS: u64 = MIB;
 
-/// Free bytes of `/dev/shm`.
+/// Returns the free bytes of `/dev/shm`.
 pub(crate) fn free() -> Result<u64, Error> {
     let stat = rustix::fs::statvfs(SHM)
         .map_err(|error| Error::transport(format!("asking {SHM} for its free space"), error))?;
@@ -22,7 +22,7 @@ pub(crate) fn too_small(topic: &str, needed: u64, free: u64) -> Error {
     }
 }
 
-/// Whether there is room for what a new port or connection writes.
+/// Checks that there is room for what a new port or connection writes.
 ///
 /// # Errors
 /// [`Error::SharedMemoryTooSmall`].

@@ -1,10 +1,10 @@
-//! [`Sharing`]: opens a domain's files to a group, as they are made.
+//! [`Sharing`]: opens a domain's files to a group as they are created.
 //!
-//! iceoryx2 makes every file for its owner alone, and says so by its permissions once the file is complete. Files are
-//! made in many places, some while frames are sent, so a thread is told by inotify of each one and gives those of this
-//! user to the group. A peer that is quicker than that waits: iceoryx2 takes a file that it cannot open for one that
-//! is still being made, for half a second. The other way round, making files open and closing them to others, would
-//! leave a moment in which anyone can look.
+//! iceoryx2 creates every file for its owner alone, and its permissions show when the file is complete. Files are
+//! created in many places, some while frames are sent. So a thread watches for new files with inotify and gives those
+//! of this user to the group. A peer that is faster than the thread waits: iceoryx2 treats a file that it cannot open
+//! as still being created, for half a second. The reverse, creating files open and closing them to others, would leave
+//! a moment in which any user can open them.
 
 use std::{
     collections::HashMap,
@@ -36,10 +36,11 @@ use super::{
 };
 use crate::Error;
 
-/// Directories of a group: all members make and remove files there, which are the group's at once.
+/// The mode of a group's directories: all members create and remove files there, and new files belong to the group at
+/// once.
 const DIRECTORY: u32 = 0o2770;
 
-/// Watches until it is dropped.
+/// The watch, which runs until it is dropped.
 #[derive(Debug)]
 pub(crate) struct Sharing {
     files: Arc<Files>,
@@ -48,10 +49,10 @@ pub(crate) struct Sharing {
 }
 
 impl Sharing {
-    /// Begins to watch.
+    /// Starts the watch.
     ///
     /// # Errors
-    /// [`Error::Transport`] when the kernel has no watch or thread left.
+    /// [`Error::Transport`] if the kernel has no watch or thread left.
     pub(crate) fn start(domain: &Domain, group: &Group, places: &Places) -> Result<Self, Error> {
         let failed = |error: rustix::io::Errno| {
             Error::transport(format!("sharing domain \"{domain}\" with group {}", group.name()), error)
@@ -73,7 +74,7 @@ impl Sharing {
         Ok(Self { files, stop, thread: Some(thread) })
     }
 
-    /// Opens all files that there are now.
+    /// Opens all existing files to the group.
     pub(crate) fn settle(&self) {
         self.files.share_all();
     }
@@ -104,8 +105,8 @@ impl Files {
         }
     }
 
-    /// Gives a file of this user's to the group; leaves all others as they are. What cannot be shared now will be
-    /// reported by whoever cannot open it.
+    /// Gives a file of this user to the group; leaves all others as they are. If a file cannot be shared now, the
+    /// process that fails to open it reports that.
     fn share(&self, path: &Path) {
         if let Err(error) = self.try_share(path) {
             tracing::debug!(path = %path.display(), %error, "not shared with the group");
@@ -113,8 +114,8 @@ impl Files {
     }
 
     fn try_share(&self, path: &Path) -> io::Result<()> {
-        // The descriptor stands for the file whatever becomes of its name: members of the group could exchange it for
-        // a link to another file of this user.
+        // The descriptor keeps referring to this file even if its name changes: members of the group could replace it
+        // by a link to another file of this user.
         let file =
             match rustix::fs::open(path, OFlags::PATH | OFlags::NOFOLLOW | OFlags::CLOEXEC, Mode::empty()) {
                 Err(rustix::io::Errno::NOENT) => return Ok(()),
@@ -127,24 +128,25 @@ impl Files {
         let mode = stat.st_mode & 0o7777;
         let shared = match FileType::from_raw_mode(stat.st_mode) {
             FileType::Directory => DIRECTORY,
-            // With a second link it may also be a private file, under another name: it is left as it is.
+            // A hard link may be another name of a private file: leave it.
             FileType::RegularFile if stat.st_nlink == 1 && self.is_complete(path, mode) => opened(mode),
             FileType::Socket => opened(mode),
             _ => return Ok(()),
         };
-        // In this order: the group that it had must not get access.
+        // In this order, so that the previous group gets no access.
         if stat.st_gid != self.gid.as_raw() {
             rustix::fs::chownat(file.as_fd(), "", None, Some(self.gid), AtFlags::EMPTY_PATH)?;
         }
         if mode != shared {
-            // By the descriptor, again.
+            // By the descriptor, for the same reason as above.
             let name = format!("/proc/self/fd/{}", file.as_raw_fd());
             rustix::fs::chmod(name, Mode::from_raw_mode(shared))?;
         }
         Ok(())
     }
 
-    /// iceoryx2 tells by the permissions of a file that it is complete: a peer must not see that too early.
+    /// Returns true if the permissions of a file show that it is complete. iceoryx2 judges by the same permissions, so
+    /// a file must not be opened to peers earlier.
     fn is_complete(&self, path: &Path, mode: u32) -> bool {
         let parent = path.parent();
         let is_monitor = parent == Some(&self.places.nodes);
@@ -152,13 +154,13 @@ impl Files {
         if is_monitor || is_shared_memory {
             mode & 0o400 != 0
         } else {
-            // Descriptions and tags can be written until they are complete.
+            // Descriptions and tags are writable until they are complete.
             mode & 0o600 == 0o400
         }
     }
 }
 
-/// What the owner may do the group may do, others nothing.
+/// Extends the owner's read and write permissions to the group; others get none.
 fn opened(mode: u32) -> u32 {
     mode & 0o700 | (mode & 0o600) >> 3
 }
@@ -212,7 +214,7 @@ impl Watch {
                 files.share(&path);
             } else if is_directory && path.parent() == Some(&files.places.nodes) && is_own(&path) {
                 files.share(&path);
-                // What was made in it before it was watched, too.
+                // Files may have been created in it before the watch was added.
                 let _ = self.add(&path);
                 entries(&path)
                     .filter(|path| files.places.has_prefix(path))
@@ -229,11 +231,11 @@ fn is_own(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|metadata| metadata.uid() == geteuid().as_raw())
 }
 
-/// Makes the group's directories, or checks that they are its own.
+/// Creates the group's directories, or checks that they belong to it.
 ///
 /// # Errors
-/// [`Error::InvalidGroup`] when this process is not of the group, [`Error::Permission`] when something that is not the
-/// group's lies there.
+/// [`Error::InvalidGroup`] if this process does not belong to the group, [`Error::Permission`] if something that does
+/// not belong to the group is in the way.
 pub(crate) fn make_directories(places: &Places, group: &Group) -> Result<(), Error> {
     if !group.has_this_process() {
         return Err(Error::InvalidGroup {
@@ -250,17 +252,17 @@ pub(crate) fn make_directories(places: &Places, group: &Group) -> Result<(), Err
         .try_for_each(|directory| group_directory(directory, group))
 }
 
-/// Makes a directory of the group, or checks that it is one.
+/// Creates a directory of the group, or checks that it is one.
 fn group_directory(path: &Path, group: &Group) -> Result<(), Error> {
     let deadline = Instant::now() + Duration::from_millis(500);
     loop {
         if let Err(error) = make_group_directory(path, group)
-            // Its parent may just be being removed; what comes of it is seen below.
+            // Another process may be removing the parent directory; the check below sees the result.
             && !matches!(error.kind(), io::ErrorKind::AlreadyExists | io::ErrorKind::NotFound)
         {
             return Err(Error::transport(format!("making {}", path.display()), error));
         }
-        // A link is not followed: anyone can make one in /tmp. Only a member, or root, can have given the directory
+        // Links are not followed: any user can create one in /tmp. Only a member, or root, can have given the directory
         // to the group.
         match fs::symlink_metadata(path) {
             Ok(found)
@@ -270,12 +272,12 @@ fn group_directory(path: &Path, group: &Group) -> Result<(), Error> {
             {
                 return Ok(());
             }
-            // Another member may just be making or removing it.
+            // Another member may be creating or removing it at this moment.
             _ if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(5)),
             found => {
                 return Err(Error::Permission {
                     path: path.to_owned(),
-                    owner: found.map_or_else(|_| "nobody".to_owned(), |found| user(found.uid())),
+                    owner: found.map_or_else(|_| "no user".to_owned(), |found| user(found.uid())),
                     remedy: format!(
                         "it must be a directory of group {name}, open to that group alone (chgrp {name}; chmod 2770); or its owner must remove it",
                         name = group.name()

@@ -1,10 +1,12 @@
-//! [`Watch`]: nobody waits for ever for shared memory whose maker was killed before it had a size.
+//! [`Watch`]: removes shared memory whose creator was killed before it set the size, so that no process waits for it
+//! for ever.
 //!
-//! iceoryx2 0.10 makes a segment in steps: an empty file that nobody may read, its size, its contents, its permissions.
-//! Who opens it in between waits until it is complete, for `creation_timeout` at most; but an empty one it waits for
-//! without end (`MappingSizeIsZero` in `dynamic_storage/posix_shared_memory.rs`). Users other than root never come so
-//! far, as they may not open the file. Processes of root, which containers are full of, hang when one of them was killed
-//! between two of its system calls: in taking, in sending, in cleaning up after it.
+//! iceoryx2 0.10 creates a segment in steps: an empty file without read permission, its size, its contents, its
+//! permissions. A process that opens it in between waits until it is complete, for at most `creation_timeout`. But it
+//! waits for an empty one without end (`MappingSizeIsZero` in `dynamic_storage/posix_shared_memory.rs`). Users other
+//! than root are not affected, as they may not open the file. Processes of root, which are common in containers, hang
+//! if one of them was killed between two of these system calls: when taking, when sending, and when cleaning up after
+//! it.
 
 use std::{
     collections::HashMap,
@@ -31,17 +33,17 @@ use super::{
     places::{Places, SHM},
 };
 
-/// From one look at an empty file to the next.
+/// Interval between two checks of an empty file.
 const INTERVAL: Duration = Duration::from_millis(200);
-/// So many looks are enough when one of the processes that a file is named after is no more: a living one needs some
-/// microseconds to give it a size.
+/// The number of checks after which an empty file is removed if one of the processes in its name has ended: a running
+/// process sets the size within microseconds.
 const LOOKS_AT_THE_DEAD: u32 = 2;
-/// And so many when they live: another process may have got the number of the dead.
+/// The number of checks if these processes are running: another process may have got the id of a dead one.
 const LOOKS: u32 = 10;
 
-/// Removes files of a domain that stay empty from shared memory, from a thread of its own, until it is dropped: whoever
-/// waits for one finds it gone, and goes on. The thread sleeps until a file is made. (Four looks a second instead took
-/// 0.05 % of a core.)
+/// A thread that removes files of a domain from shared memory if they stay empty, until it is dropped. A process that
+/// waits for such a file finds it gone and continues. The thread sleeps until a file is created. (Polling four times a
+/// second took 0.05 % of a core.)
 #[derive(Debug)]
 pub(crate) struct Watch {
     stop: Arc<OwnedFd>,
@@ -49,7 +51,8 @@ pub(crate) struct Watch {
 }
 
 impl Watch {
-    /// `None` where nobody waits for ever; and where no watch or thread can be had: any other process of the domain does.
+    /// Starts the watch. Returns `None` if this user cannot hang on an empty file, or if no watch or thread is
+    /// available: then any other process of the domain removes the files.
     pub(crate) fn start(places: &Places) -> Option<Self> {
         if !rustix::process::geteuid().is_root() {
             return None;
@@ -76,16 +79,16 @@ impl Drop for Watch {
     }
 }
 
-/// What was empty at the looks until now.
+/// The files that were empty at the previous checks.
 struct Looks {
     places: Places,
-    /// The inode, as the same name may be made again, and how often it was seen.
+    /// Inode and number of checks of each file; the inode, since a file of the same name may be created again.
     empty: HashMap<PathBuf, (u64, u32)>,
 }
 
 impl Looks {
     fn run(&mut self, inotify: &OwnedFd, until: &OwnedFd) {
-        // What was there before the watch.
+        // Files that existed before the watch.
         let mut next = self.look();
         loop {
             let left = next.map(|next| next.saturating_duration_since(Instant::now()));
@@ -108,7 +111,7 @@ impl Looks {
         }
     }
 
-    /// Whether a file of the domain was made, or more than can be told.
+    /// Returns true if a file of the domain was created, or if events were lost.
     fn is_news(&self, inotify: &OwnedFd) -> bool {
         let mut buffer = [MaybeUninit::uninit(); 4096];
         let mut reader = Reader::new(inotify, &mut buffer);
@@ -121,7 +124,7 @@ impl Looks {
         is_news
     }
 
-    /// When to look again, if it need be.
+    /// Checks all files. Returns when to check again, if any is empty.
     fn look(&mut self) -> Option<Instant> {
         let mut empty = HashMap::new();
         for path in self.places.in_shared_memory() {
@@ -133,7 +136,7 @@ impl Looks {
             let before = self.empty.get(&path).filter(|(then, _)| *then == inode);
             let looks = 1 + before.map_or(0, |(_, looks)| *looks);
             if looks >= LOOKS || looks >= LOOKS_AT_THE_DEAD && !makers_run(&path) {
-                tracing::debug!(path = %path.display(), "its maker was killed: removed");
+                tracing::debug!(path = %path.display(), "removed an empty file, whose creator was killed");
                 let _ = fs::remove_file(&path);
             } else {
                 empty.insert(path, (inode, looks));
@@ -144,7 +147,8 @@ impl Looks {
     }
 }
 
-/// Whether all processes run that a file is named after: the two ends of a connection, the maker of anything else.
+/// Returns true if all processes in a file's name are running: the two ends of a connection, or the creator of anything
+/// else.
 fn makers_run(file: &Path) -> bool {
     file.file_name().and_then(|name| name.to_str()).is_none_or(|name| identities(name).all(runs))
 }

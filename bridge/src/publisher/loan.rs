@@ -1,4 +1,5 @@
-//! The one place where memory is taken for initialised that Rust did not see being written.
+//! Loaning without initialisation: the only place that treats memory as initialised without Rust code having written
+//! it.
 #![allow(unsafe_code)]
 
 use iceoryx2::{
@@ -8,9 +9,9 @@ use iceoryx2::{
 
 use crate::{FrameHeader, domain::Ipc};
 
-/// Loans `len` bytes of shared memory without filling them first: zeros, or what an earlier frame left there.
+/// Loans `len` bytes of shared memory without filling them: they hold zeros or the data of an earlier frame.
 ///
-/// Filling would cost a pass over the memory (17 µs for 640 × 480 RGB) before every pass that writes it.
+/// Filling would add a pass over the memory (17 µs for 640 × 480 RGB) before the pass that writes it.
 pub(crate) fn loan_bytes(
     port: &Publisher<Ipc, [u8], FrameHeader>,
     len: usize,

@@ -1,8 +1,9 @@
-//! Room in `/dev/shm`: asked for before anything is made, and taken before it is written to.
+//! Reservation of `/dev/shm`: space is reserved before a pool is created, and allocated before it is written.
 //!
-//! A page of shared memory is taken when it is first written. When none is free then, the writer gets SIGBUS, in the
-//! middle of a frame, and a simulation of hours is gone. So a publisher books its whole pool against what is free
-//! ([`book`]), and takes the pages that frames can come to lie in ([`Pool`]) by `fallocate`, which fails politely.
+//! A page of shared memory is allocated when it is first written. If none is free then, the writer gets SIGBUS in the
+//! middle of a frame, and hours of simulation are lost. So a publisher first reserves its whole pool against the free
+//! space ([`book`]), and then allocates the pages that frames can occupy ([`Pool`]) with `fallocate`, which reports an
+//! error instead.
 
 use std::{
     fs::File,
@@ -18,8 +19,8 @@ use crate::{
     domain::room::{BOOKS, free, too_small},
 };
 
-/// Books `bytes` of pool, if they and what was promised to all pools before, and is not taken yet, fit into what is free
-/// of `/dev/shm`.
+/// Reserves `bytes` for a pool, if the free space of `/dev/shm` covers them and what earlier reservations have not yet
+/// allocated.
 ///
 /// # Errors
 /// [`Error::SharedMemoryTooSmall`].
@@ -30,7 +31,7 @@ pub(crate) fn book(node: &Node, topic: &str, bytes: u64) -> Result<Booking, Erro
     if free < needed { Err(too_small(topic, needed, free)) } else { Ok(booking) }
 }
 
-/// Bytes promised to a publisher's pool. What is not taken when it is dropped is promised no more.
+/// A reservation for a publisher's pool. Dropping it releases the part that was not allocated.
 #[derive(Debug)]
 pub(crate) struct Booking {
     node: Node,
@@ -39,7 +40,7 @@ pub(crate) struct Booking {
 }
 
 impl Booking {
-    /// So much of the pool is taken now, which is missing from what is free.
+    /// Records that `bytes` of the pool are allocated now, and so no longer count as free.
     fn take(&self, bytes: u64) {
         let bytes = bytes.min(self.bytes);
         let before = self.taken.fetch_max(bytes, Ordering::Relaxed);
@@ -53,38 +54,39 @@ impl Drop for Booking {
     }
 }
 
-/// Whether a pool of so many bytes can be mapped: iceoryx2 does not say that it could not.
+/// Returns true if a pool of this size can be mapped: iceoryx2's errors do not say that it cannot.
 pub(crate) fn has_address_space(bytes: u64) -> bool {
-    // Reserved like a mapping, and not touched.
+    // This reserves address space as a mapping does, and does not touch it.
     usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok())
 }
 
-/// A publisher's pool of frames, and how much of it has been taken.
+/// A publisher's pool of frames, and how much of it is allocated.
 ///
-/// iceoryx2 hands out the frame that came back last, so that a frame never used before is touched only when all others
-/// are out: with `n` subscribers no more than `n · (buffer + borrowed) + history + loaned` frames ever are, the
-/// foremost of the pool. Only these are taken, for one subscriber at first, and more when others come: a pool for eight
-/// subscribers with one of them takes a sixth of its size.
+/// iceoryx2 reuses the frame that was returned last, so it touches an unused frame only if all others are in use. With
+/// `n` subscribers at most `n · (buffer + borrowed) + history + loaned` frames are in use, the first ones of the pool.
+/// Only these are allocated: for one subscriber at first, and more as others come. A pool for eight subscribers with
+/// one of them takes a sixth of its full size.
 #[derive(Debug)]
 pub(crate) struct Pool {
-    /// Opened when pages are taken, and not kept open: a robot has many streams, and descriptors are few.
+    /// The file of the pool. It is opened to allocate pages and not kept open, since a robot has many streams and
+    /// descriptors are scarce.
     path: PathBuf,
     len: u64,
     frames: u64,
     per_subscriber: u64,
-    /// Frames of history, and loaned ones.
+    /// Frames of history and loaned frames.
     others: u64,
     topic: String,
     booking: Booking,
-    /// Subscribers that it has been taken for.
+    /// The number of subscribers that pages are allocated for.
     subscribers: AtomicU64,
 }
 
 impl Pool {
-    /// The pool of a port, with the room that one subscriber needs.
+    /// Opens the pool of a port and allocates the pages that one subscriber needs.
     ///
     /// # Errors
-    /// [`Error::SharedMemoryTooSmall`]; [`Error::Transport`] when the pool's file is not where it should be.
+    /// [`Error::SharedMemoryTooSmall`]; [`Error::Transport`] if the pool's file is not found.
     pub(crate) fn take(
         node: &Node,
         spec: &StreamSpec,
@@ -113,7 +115,7 @@ impl Pool {
         Ok(pool)
     }
 
-    /// Takes what so many subscribers need, if it has not been taken before.
+    /// Allocates the pages that this many subscribers need, unless they are allocated already.
     ///
     /// # Errors
     /// [`Error::SharedMemoryTooSmall`].
@@ -125,7 +127,7 @@ impl Pool {
         let bytes = self.bytes_for(subscribers);
         let failed = |error| Error::transport(format!("reserving the pool of {}", self.topic), error);
         let file = File::options().write(true).open(&self.path).map_err(failed)?;
-        // What is taken already stays as it is.
+        // Pages that are allocated already stay as they are.
         match rustix::fs::fallocate(&file, FallocateFlags::empty(), 0, bytes) {
             Ok(()) => {
                 self.subscribers.fetch_max(subscribers, Ordering::Relaxed);
@@ -140,10 +142,11 @@ impl Pool {
         }
     }
 
-    /// A subscriber that comes after this was asked has no more than the frame that is sent next and the one before,
-    /// which are on loan or history; the frame after that is loaned when its coming is known.
+    /// Returns the bytes that this many subscribers need. A subscriber that connects after the count was read holds at
+    /// most the next frame and the one before it, which count as loaned and as history; the frame after that is loaned
+    /// when the subscriber is known.
     fn bytes_for(&self, subscribers: u64) -> u64 {
-        /// More than what iceoryx2 writes before the first frame.
+        /// An upper bound on what iceoryx2 writes before the first frame.
         const BEFORE: u64 = 64 << 10;
         let frames = subscribers * self.per_subscriber + self.others;
         (frames * self.len.div_ceil(self.frames) + BEFORE).min(self.len)

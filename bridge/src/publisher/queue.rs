@@ -1,4 +1,4 @@
-//! [`Queue`]: how a publisher of a [lossless](Lossless) stream waits for its consumers.
+//! [`Queue`]: the wait of a [lossless](Lossless) publisher for its consumers.
 
 use std::{
     fmt,
@@ -13,10 +13,10 @@ use crate::{
     stream::{Frames, ports},
 };
 
-/// How often, while a consumer is waited for, it is asked whether it still lives.
+/// Interval at which a publisher that waits for a consumer checks that it is still alive.
 const CHECK_INTERVAL: Duration = Duration::from_millis(200);
 
-/// What one publisher knows while it waits.
+/// The state of one publisher's wait.
 pub(crate) struct Queue {
     lossless: Lossless,
     node: Node,
@@ -24,7 +24,7 @@ pub(crate) struct Queue {
 }
 
 struct State {
-    /// Ports that are waited for, and whose they are.
+    /// The ports that the publisher waits for, with their consumers.
     waited_for: Vec<(u128, Consumer)>,
     subscribers_seen: Vec<u128>,
     since: Instant,
@@ -45,8 +45,8 @@ impl Queue {
         Self { lossless, node, state: Mutex::new(state) }
     }
 
-    /// Learns who the subscribers are, if they are others than at the frame before. One that comes later cannot be
-    /// in the way of this frame: it has an empty buffer.
+    /// Updates the list of consumers if the subscribers have changed since the previous frame. A subscriber that comes
+    /// later cannot block this frame: its buffer is empty.
     pub(crate) fn look_at(&self, frames: &Frames) {
         let ports = ports::of_subscribers(frames);
         let mut state = self.state();
@@ -60,7 +60,7 @@ impl Queue {
         state.subscribers_seen = ports;
     }
 
-    /// Whether a frame goes on waiting for a subscriber without room.
+    /// Decides whether a frame waits on for a subscriber without room.
     pub(crate) fn wait(&self, full: &BackpressureInfo) -> BackpressureAction {
         let mut state = self.state();
         let now = Instant::now();
@@ -77,7 +77,7 @@ impl Queue {
             return BackpressureAction::DiscardData;
         }
         if now - state.checked >= CHECK_INTERVAL {
-            // One that was killed is let go by this, and waited for no longer.
+            // This removes a killed consumer, which is then no longer waited for.
             state.checked = now;
             drop(state);
             self.node.clean_up_dead();
@@ -85,7 +85,7 @@ impl Queue {
         BackpressureAction::Retry
     }
 
-    /// Who did not take the frame in time, if somebody did not.
+    /// Returns the consumer that did not make room in time, if any.
     pub(crate) fn take_held_up(&self) -> Option<(Consumer, Duration)> {
         self.state().held_up.take().map(|consumer| (consumer, self.lossless.patience))
     }

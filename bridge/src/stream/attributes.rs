@@ -1,4 +1,4 @@
-//! What a stream tells of itself to whoever finds it, in attributes that its maker gives it.
+//! The attributes by which a stream describes itself to processes that find it.
 
 use super::Frames;
 use crate::Error;
@@ -17,7 +17,7 @@ pub(super) const RATE: &str = "rate_hz";
 pub(super) const FRAME_ID: &str = "frame_id";
 pub(super) const LAYERS: &str = "layers";
 
-/// What a stream of this specification tells.
+/// Returns the attributes of a stream with this specification.
 pub(super) fn attributes(spec: &StreamSpec) -> Result<AttributeSpecifier, Error> {
     let pairs = [
         Some((KIND, spec.kind.to_string())),
@@ -36,13 +36,13 @@ pub(super) fn attributes(spec: &StreamSpec) -> Result<AttributeSpecifier, Error>
     Ok(attributes)
 }
 
-/// What a stream tells under this key, if it does.
+/// Returns the attribute with this key, if the stream has it.
 pub(super) fn attribute(attributes: &AttributeSet, key: &str) -> Option<String> {
     let key = AttributeKey::try_from(key).ok()?;
     attributes.key_value(&key, 0).map(ToString::to_string)
 }
 
-/// The kind that its maker told, known to this version or not.
+/// Returns the kind that the stream's creator declared, even if this version does not know it.
 pub(super) fn kind_told(frames: &Frames) -> Option<String> {
     attribute(frames.attributes(), KIND)
 }

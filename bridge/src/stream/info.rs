@@ -1,4 +1,4 @@
-//! [`StreamInfo`]: the streams of a domain.
+//! [`StreamInfo`]: a description of each stream of a domain.
 
 use super::{
     Frames,
@@ -17,46 +17,47 @@ use iceoryx2::{
     },
 };
 
-/// A stream that exists.
+/// An existing stream.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreamInfo {
     /// Its topic, without a leading slash.
     pub topic: String,
-    /// What it carries, if its maker said so and this version knows it.
+    /// What it carries, if its creator declared it and this version knows it.
     pub kind: Option<Kind>,
-    /// How it is coded, likewise.
+    /// The encoding of its payload, under the same conditions.
     pub encoding: Option<Encoding>,
-    /// Frames per second that were intended when it was made; the rate of a sensor may have been changed since, see
+    /// The intended frames per second, as declared when it was created. The rate of a sensor may have changed since:
+    /// see
     /// [`StreamSpec::SENSOR_SETTINGS`](crate::StreamSpec::SENSOR_SETTINGS).
     pub rate_hz: Option<f64>,
-    /// Layers of a lidar, if its maker said so.
+    /// Layers of a lidar, if its creator declared them.
     pub layers: Option<u32>,
-    /// The frame that the data are given in.
+    /// The coordinate frame of the data.
     pub frame_id: String,
-    /// Publishers now: 0 when only subscribers are left of it.
+    /// Publishers now; 0 if only subscribers keep the stream open.
     pub publishers: usize,
     /// Subscribers now.
     pub subscribers: usize,
     /// Largest payload in bytes; 0 without a publisher.
     pub max_payload_len: usize,
-    /// Frames that a late subscriber is given at first.
+    /// Frames that a late subscriber receives when it connects.
     pub history: usize,
 }
 
 impl Node {
-    /// What is published in the domain, by topic.
+    /// Returns the streams of the domain, by topic.
     ///
     /// # Errors
-    /// [`Error::Transport`] when the services cannot be listed, [`Error::TooManyProcesses`] when one of them cannot be
-    /// looked at, [`Error::TooManyOpenFiles`].
+    /// [`Error::Transport`] if the services cannot be listed, [`Error::TooManyProcesses`] if one of them cannot be
+    /// opened, [`Error::TooManyOpenFiles`].
     pub fn streams(&self) -> Result<Vec<StreamInfo>, Error> {
         list(self)
     }
 
-    /// The stream of a topic, if it exists.
+    /// Returns the stream of a topic, if it exists.
     ///
     /// # Errors
-    /// [`Error::InvalidTopic`]; [`Error::Incompatible`] and [`Error::Permission`] when it cannot be opened.
+    /// [`Error::InvalidTopic`]; [`Error::Incompatible`] and [`Error::Permission`] if it cannot be opened.
     pub fn stream(&self, topic: &str) -> Result<Option<StreamInfo>, Error> {
         let topic = canonical_topic(topic)?;
         match open(self, topic)? {
@@ -86,7 +87,7 @@ fn list(node: &Node) -> Result<Vec<StreamInfo>, Error> {
             Err(error @ (Error::TooManyProcesses { .. } | Error::TooManyOpenFiles { .. })) => {
                 return Err(error);
             }
-            // Gone since, or somebody else's: not to be listed.
+            // The stream has gone since, or is not a Belvedere stream: leave it out.
             Ok(Opened::NotThere) | Err(_) => {}
         }
     }

@@ -1,4 +1,4 @@
-//! Opening a stream that exists, or making it.
+//! Opening or creating a stream.
 
 use super::{
     Events, Frames,
@@ -15,20 +15,20 @@ use iceoryx2::service::{
 };
 use std::time::{Duration, Instant};
 
-/// Processes that may have one stream open at a time: subscribers, publishers, and those who only look.
+/// The maximum number of processes that have one stream open: subscribers, publishers, and those that only list it.
 const MAX_NODES: usize = 40;
 
-/// Longer than it takes a consumer that waits for a frame to close the stream of a publisher that has ended.
+/// An upper bound on the time until a waiting consumer closes the stream of a publisher that has ended.
 const LETTING_GO: Duration = Duration::from_millis(500);
 
-/// How opening a stream went.
+/// The result of opening a stream.
 pub(crate) enum Opened {
     Yes(Frames, Events),
-    /// It does not exist (any more, or not yet completely).
+    /// The stream does not exist, is being removed, or is not complete yet.
     NotThere,
 }
 
-/// Opens a stream that somebody else has made.
+/// Opens an existing stream.
 pub(crate) fn open(node: &Node, topic: &str) -> Result<Opened, Error> {
     let deadline = Instant::now() + node.keeper().patience();
     loop {
@@ -70,7 +70,7 @@ fn try_open(node: &Node, topic: &str) -> Result<Opened, Error> {
     }
 }
 
-/// Opens a stream, or makes it when it does not exist.
+/// Opens a stream, or creates it if it does not exist.
 pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, Events), Error> {
     use PublishSubscribeCreateError as E;
     let topic = canonical_topic(&spec.topic)?;
@@ -81,11 +81,11 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
         let problem = match open(node, topic) {
             Ok(Opened::Yes(frames, events)) => match check_against(spec, topic, node, &frames) {
                 Ok(()) => return Ok((frames, events)),
-                // Consumers that look for frames close it in a moment, and a dead publisher is cleaned up after.
+                // Consumers that wait for frames close the stream in a moment, and a dead publisher is cleaned up.
                 Err(error) => Some(error),
             },
             Ok(Opened::NotThere) => None,
-            // Half of a killed maker's stream is there until it has been cleaned up.
+            // An incomplete stream of a killed process exists until it has been cleaned up.
             Err(error @ Error::Incompatible { .. }) => Some(error),
             Err(error) => return Err(error),
         };
@@ -117,7 +117,7 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                 Err(E::InsufficientPermissions) => {
                     return Err(node.keeper().refused(&format!("making {topic}")));
                 }
-                // Somebody was quicker, or another is just taking it down.
+                // Another process was faster, or is removing the stream.
                 Err(
                     E::AlreadyExists
                     | E::IsBeingCreatedByAnotherInstance
@@ -142,8 +142,8 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
     }
 }
 
-/// The event service beside a stream; `None` when another process is just making or removing it, or was killed while
-/// it did.
+/// Opens the event service of a stream, or creates it. Returns `None` if another process is creating or removing it, or
+/// was killed while it did.
 fn events(node: &Node, topic: &str) -> Result<Option<Events>, Error> {
     use EventCreateError as C;
     use EventOpenError as O;
@@ -183,7 +183,7 @@ fn events(node: &Node, topic: &str) -> Result<Option<Events>, Error> {
     }
 }
 
-/// Whether a stream that others keep open since an earlier publisher can be used for `spec`.
+/// Checks that a stream that others keep open from an earlier publisher fits `spec`.
 fn check_against(spec: &StreamSpec, topic: &str, node: &Node, frames: &Frames) -> Result<(), Error> {
     let found = frames.static_config();
     let too_small = [

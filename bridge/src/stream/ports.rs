@@ -1,4 +1,4 @@
-//! Who has a stream open: its publishers and subscribers, the living and the dead.
+//! The publishers and subscribers that have a stream open, living and dead.
 
 use std::collections::{HashMap, HashSet};
 
@@ -12,7 +12,7 @@ use iceoryx2::{
 use super::Frames;
 use crate::{Consumer, Node, domain::Ipc};
 
-/// The identities of a stream's subscribers: a read of shared memory.
+/// Returns the port ids of a stream's subscribers, with one read of shared memory.
 pub(crate) fn of_subscribers(frames: &Frames) -> Vec<u128> {
     let mut ports = Vec::new();
     frames.dynamic_config().list_subscribers(|subscriber| {
@@ -22,7 +22,7 @@ pub(crate) fn of_subscribers(frames: &Frames) -> Vec<u128> {
     ports
 }
 
-/// A number that is another when the subscribers are others.
+/// Returns a checksum of the subscribers' port ids, which changes when the subscribers change.
 pub(crate) fn sum_of_ports(frames: &Frames) -> u64 {
     let mut sum = 0_u64;
     frames.dynamic_config().list_subscribers(|subscriber| {
@@ -33,9 +33,9 @@ pub(crate) fn sum_of_ports(frames: &Frames) -> u64 {
     sum
 }
 
-/// The subscribers of a stream: the identity of each one's port, and whose it is.
+/// Returns the port id and the process of each subscriber of a stream.
 ///
-/// Reads some files for each node of the domain: for when the subscribers have changed, not for every frame.
+/// Reads some files for each node of the domain: call it when the subscribers have changed, not for every frame.
 pub(crate) fn consumers(node: &Node, frames: &Frames) -> Vec<(u128, Consumer)> {
     let mut ports = Vec::new();
     frames.dynamic_config().list_subscribers(|subscriber| {
@@ -49,7 +49,7 @@ pub(crate) fn consumers(node: &Node, frames: &Frames) -> Vec<(u128, Consumer)> {
     ports.into_iter().map(|(port, id)| (port, named(&names, id))).collect()
 }
 
-/// Who publishes a stream; nobody's name when nobody does.
+/// Returns the process that publishes a stream; with an empty name and pid 0 if there is none.
 pub(crate) fn publisher(node: &Node, frames: &Frames) -> Consumer {
     let mut holder = Consumer { name: String::new(), pid: 0 };
     let names = node_names(node);
@@ -60,8 +60,8 @@ pub(crate) fn publisher(node: &Node, frames: &Frames) -> Consumer {
     holder
 }
 
-/// Whether a place of the stream is that of a process that is no more: it will soon be free, since somebody is just
-/// cleaning up after it, or since it is raised here to be cleaned up after.
+/// Returns true if a slot of the stream belongs to a dead process. The slot will soon be free: either another process
+/// is already cleaning up, or this function restores the dead node's files so that it can be cleaned up.
 pub(crate) fn place_of_the_dead(node: &Node, frames: &Frames) -> bool {
     let (mut living, mut dead) = (HashSet::new(), HashSet::new());
     let listed = IoxNode::<Ipc>::list(node.keeper().config(), |state| {

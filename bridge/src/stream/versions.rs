@@ -1,4 +1,4 @@
-//! Who made what does not fit: the versions on both sides, for the wording of errors.
+//! The versions on both sides of an incompatible stream, for error messages.
 
 use std::{fs::File, io::Read as _};
 
@@ -16,7 +16,7 @@ use crate::{
     domain::{Ipc, Keeper, service_name},
 };
 
-/// What is known about a stream that cannot be opened, beside `error`.
+/// Returns the error for a stream that cannot be opened because of `error`, with the versions or types that differ.
 pub(crate) fn incompatible(node: &Node, topic: &str, error: impl std::fmt::Debug) -> Error {
     let detail = match other_iceoryx2(node.keeper()) {
         Some(version) => format!(
@@ -27,10 +27,10 @@ pub(crate) fn incompatible(node: &Node, topic: &str, error: impl std::fmt::Debug
     Error::Incompatible { topic: topic.to_owned(), domain: node.domain().to_string(), detail }
 }
 
-/// The version of iceoryx2, other than this one, that made a file of the domain.
+/// Returns the version of iceoryx2, other than this one, that created a file of the domain.
 ///
-/// Every file of shared memory begins with the version of its maker, 16 bits each for patch, minor and major. Only the
-/// bytes are read: nothing of another version is mapped.
+/// Every file in shared memory begins with the version of its creator, 16 bits each for patch, minor and major. Only
+/// these bytes are read: no file of another version is mapped.
 fn other_iceoryx2(keeper: &Keeper) -> Option<String> {
     const KINDS: [&str; 5] = ["connection", "data", "dynamic", "event_mgmt", "global_mgmt"];
     keeper
@@ -42,13 +42,13 @@ fn other_iceoryx2(keeper: &Keeper) -> Option<String> {
             let [patch, minor, major, rest] =
                 [0, 2, 4, 6].map(|index| u16::from_le_bytes([bytes[index], bytes[index + 1]]));
             let version = format!("{major}.{minor}.{patch}");
-            // All zero: not yet complete. Large numbers: not a version.
+            // All zeros: not complete yet. Large numbers: not a version.
             let is_one = bytes != [0; 8] && rest == 0 && major < 100;
             (is_one && version != ICEORYX2_VERSION).then_some(version)
         })
 }
 
-/// The types of a stream that are not ours, beside ours.
+/// Describes the types of a stream next to this build's types.
 fn header_of(node: &Node, topic: &str) -> Option<String> {
     let name = service_name(topic).ok()?;
     let found = Ipc::details(&name, node.keeper().config(), Pattern::PublishSubscribe).ok()??;

@@ -1,42 +1,42 @@
-//! [`BusyPoll`]: when to look for a frame instead of sleeping until it is announced.
+//! [`BusyPoll`]: decides when to poll for a frame instead of sleeping until it is announced.
 //!
-//! Waking a process costs more than everything else on a frame's way. The frames of a sensor are periodic, so their
-//! times of sending are followed by an alpha-beta filter (T. R. Benedict and G. W. Bordner, "Synthesis of an Optimal
-//! Set of Radar Track-While-Scan Smoothing Equations", IRE Trans. Automatic Control 7(4), 1962), and the reader is
-//! awake and looking when the next is due.
+//! Waking a process takes more time than all other steps of a frame's delivery. The frames of a sensor are periodic, so
+//! an alpha-beta filter tracks their send times (T. R. Benedict and G. W. Bordner, "Synthesis of an Optimal Set of
+//! Radar Track-While-Scan Smoothing Equations", IRE Trans. Automatic Control 7(4), 1962), and the subscriber is awake
+//! and polling when the next one is due.
 
 use std::time::Duration;
 
 use crate::{FrameHeader, clock};
 
-/// Gain of the phase. The smaller, the less single late frames shift the forecast.
+/// Gain of the phase. The smaller it is, the less a single late frame shifts the forecast.
 const ALPHA: f64 = 0.125;
-/// Gain of the period: theirs, optimal for this phase's.
+/// Gain of the period: Benedict and Bordner's optimum for this gain of the phase.
 const BETA: f64 = ALPHA * ALPHA / (2.0 - ALPHA);
 /// Gain of the deviation.
 const GAMMA: f64 = 0.0625;
-/// Frames before a forecast is trusted.
+/// Number of frames after which a forecast is trusted.
 const FRAMES: u32 = 8;
-/// A stream whose frames deviate by more of its period is not periodic.
+/// The largest deviation of a periodic stream, as a share of its period.
 const MOST_DEVIATION: f64 = 0.125;
-/// How many mean absolute deviations early and late a frame is looked for: 98 % of a normal distribution.
+/// Half the polling window in mean absolute deviations: covers 98 % of a normal distribution.
 const SPREAD: f64 = 3.0;
-/// At least so early and so late: what a timer and a waking take.
+/// The least half of the window: the time for a timer and a wakeup.
 const LEAST_NS: f64 = 150e3;
 
-/// Looks for frames when they are due, for at most `limit` each.
+/// Polls for frames when they are due, for at most `limit` each.
 #[derive(Debug)]
 pub(crate) struct BusyPoll {
     limit_ns: f64,
     forecast: Option<Forecast>,
 }
 
-/// What is known of a stream's pace.
+/// The predicted timing of a stream.
 #[derive(Debug)]
 struct Forecast {
     session: u64,
     seq: u64,
-    /// When frame `seq` should have been sent.
+    /// Filtered send time of frame `seq`.
     sent_ns: f64,
     period_ns: f64,
     /// Mean absolute error of the forecasts.
@@ -44,26 +44,26 @@ struct Forecast {
     frames: u32,
 }
 
-/// What to do until a frame is there.
+/// The action until a frame arrives.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Until {
-    /// Sleep until it is announced: none is due.
+    /// Sleep until one is announced: none is due.
     Announced,
-    /// Sleep for as long, unless one is announced.
+    /// Sleep for this time, unless one is announced.
     Due(Duration),
-    /// Look, until this moment of the monotonic clock.
+    /// Poll until this time of the monotonic clock.
     Late(u64),
 }
 
 impl BusyPoll {
-    /// `None` where there is nothing to look for, or no second core to look with.
+    /// Returns `None` if `limit` is zero or there is no second core.
     pub(crate) fn new(limit: Duration) -> Option<Self> {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         (!limit.is_zero() && cores > 1)
             .then_some(Self { limit_ns: limit.as_secs_f64() * 1e9, forecast: None })
     }
 
-    /// A frame was taken.
+    /// Updates the forecast by a frame that was taken.
     pub(crate) fn taken(&mut self, header: &FrameHeader) {
         let FrameHeader { session, seq, publish_mono_ns, .. } = *header;
         match &mut self.forecast {
@@ -77,7 +77,7 @@ impl BusyPoll {
         }
     }
 
-    /// Looks for a frame without sleeping while one is due, but no longer than `most`; whether it came.
+    /// Polls for a frame without sleeping while one is due, for at most `most`. Returns true if one arrived.
     pub(crate) fn look<E>(
         &self,
         most: Duration,
@@ -95,18 +95,18 @@ impl BusyPoll {
         Ok(true)
     }
 
-    /// How long may be slept if no frame is announced.
+    /// Returns how long to sleep if no frame is announced.
     pub(crate) fn sleep(&self) -> Duration {
         match self.until(clock::mono_ns()) {
             Until::Announced => Duration::MAX,
-            // A timer takes zero for never.
+            // Zero would disarm the timer.
             Until::Due(sleep) => sleep.max(Duration::from_nanos(1)),
-            // It became due in between.
+            // The frame became due in between.
             Until::Late(_) => Duration::from_nanos(1),
         }
     }
 
-    /// What to do at this moment.
+    /// Returns the action at this time.
     fn until(&self, now_ns: u64) -> Until {
         let Some(forecast) = &self.forecast else { return Until::Announced };
         if forecast.frames < FRAMES || forecast.deviation_ns > MOST_DEVIATION * forecast.period_ns {
@@ -131,7 +131,7 @@ impl Forecast {
         Self { session, seq, sent_ns, period_ns: 0.0, deviation_ns: 0.0, frames: 1 }
     }
 
-    /// Learns of a later frame; `false` when the stream goes at another pace now, or was paused.
+    /// Updates the filter by a later frame. Returns false if the stream's period has changed, or it was paused.
     fn follow(&mut self, seq: u64, sent_ns: f64) -> bool {
         let periods = (seq - self.seq) as f64;
         self.seq = seq;
@@ -163,7 +163,7 @@ mod tests {
         poll.taken(&FrameHeader { seq, session, publish_mono_ns, ..FrameHeader::zeroed() });
     }
 
-    /// After `frames` frames, each as late as `late_ns` says.
+    /// Returns the state after `frames` frames, each of them late by `late_ns`.
     fn after(frames: u64, late_ns: impl Fn(u64) -> u64) -> BusyPoll {
         let mut poll = BusyPoll { limit_ns: 4e6, forecast: None };
         for seq in 0..frames {
@@ -172,7 +172,7 @@ mod tests {
         poll
     }
 
-    /// When the window before frame `seq` opens and closes, relative to the time when it is due.
+    /// Returns when the window for frame `seq` opens and closes, relative to its due time.
     fn window(poll: &BusyPoll, seq: u64) -> (i64, i64) {
         let due_ns = 1_000_000_000 + seq * PERIOD_NS;
         let Until::Due(sleep) = poll.until(due_ns - PERIOD_NS / 2) else { panic!("it is not due") };
@@ -183,25 +183,25 @@ mod tests {
     }
 
     #[test]
-    fn a_steady_stream_is_looked_for_as_long_as_waking_takes() {
+    fn a_steady_stream_is_polled_for_the_time_of_a_wakeup() {
         let (opens_ns, closes_ns) = window(&after(200, |_| 0), 200);
         assert!((-160_000..=-149_000).contains(&opens_ns), "{opens_ns}");
         assert!((149_000..=160_000).contains(&closes_ns), "{closes_ns}");
     }
 
     #[test]
-    fn the_less_steady_the_longer_up_to_the_limit() {
-        // Up to 0.6 ms late, uniformly: 0.15 ms from the middle on average.
+    fn the_window_grows_with_the_deviation_up_to_the_limit() {
+        // Up to 0.6 ms late, uniformly: a mean deviation of 0.15 ms.
         let (opens_ns, closes_ns) = window(&after(400, |seq| seq * 7919 % 601 * 1000), 400);
         assert!((-400_000..0).contains(&opens_ns), "{opens_ns}");
         assert!((600_000..1_000_000).contains(&closes_ns), "{closes_ns}");
-        // Up to 8 ms late: longer than 4 ms must not be looked for.
+        // Up to 8 ms late: the window must not exceed 4 ms.
         let (opens_ns, closes_ns) = window(&after(400, |seq| seq * 7919 % 8001 * 1000), 400);
         assert!((3_999_000..=4_001_000).contains(&(closes_ns - opens_ns)), "{}", closes_ns - opens_ns);
     }
 
     #[test]
-    fn frames_that_were_missed_do_not_shift_the_next() {
+    fn missed_frames_do_not_shift_the_forecast() {
         let mut poll = after(100, |_| 0);
         take(&mut poll, 1, 110, 1_000_000_000 + 110 * PERIOD_NS);
         let (opens_ns, _) = window(&poll, 111);
@@ -209,11 +209,11 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_pace_is_slept_for() {
+    fn a_stream_without_a_period_is_not_polled() {
         assert_eq!(BusyPoll { limit_ns: 1e6, forecast: None }.until(0), Until::Announced);
-        // Hardly begun.
+        // Too few frames for a forecast.
         assert_eq!(after(FRAMES as u64 - 1, |_| 0).until(1_000_000_000), Until::Announced);
-        // Events, not a sensor.
+        // Aperiodic events.
         let mut events = BusyPoll { limit_ns: 4e6, forecast: None };
         let mut sent_ns = 0;
         for seq in 0..100 {
@@ -221,7 +221,7 @@ mod tests {
             take(&mut events, 1, seq, sent_ns);
             assert_eq!(events.until(sent_ns + 1), Until::Announced);
         }
-        // After a pause, and after a new start, a stream's pace is learned again.
+        // After a pause or a restart, the timing of a stream is learned again.
         let mut poll = after(100, |_| 0);
         take(&mut poll, 1, 100, 60_000_000_000);
         assert_eq!(poll.until(60_000_000_001), Until::Announced);
@@ -241,7 +241,7 @@ mod tests {
                 }
             }
         }
-        // The publisher's next life is followed as if nothing had been.
+        // The next life of the publisher is tracked from scratch.
         for seq in 0..100 {
             take(&mut poll, 2, seq, 1_000_000_000 + seq * PERIOD_NS);
         }

@@ -1,4 +1,4 @@
-//! [`Connection`]: a subscriber's ports at one life of a stream.
+//! [`Connection`]: a subscriber's ports during one life of a stream.
 
 use std::sync::Arc;
 
@@ -15,9 +15,9 @@ use crate::{
     stream::{self, Events, Frames, Opened, ports},
 };
 
-/// Ports before their services: fields are dropped in this order.
+/// A subscriber's ports and their services. Fields are dropped in this order: ports before services.
 pub(crate) struct Connection {
-    /// Shared with the frames that came through it, see [`Frame`](crate::Frame).
+    /// Shared with the frames that were received through it: see [`Frame`](crate::Frame).
     pub(crate) port: Arc<Own<FramePort>>,
     pub(crate) listener: Listener<Ipc>,
     pub(crate) frames: Frames,
@@ -26,7 +26,8 @@ pub(crate) struct Connection {
 }
 
 impl Connection {
-    /// Connects to a stream, which is made when `owned` says how; `None` while there is none to connect to.
+    /// Connects to a stream, or creates it if `owned` has its specification. Returns `None` if there is no stream to
+    /// connect to.
     pub(crate) fn open(node: &Node, topic: &str, owned: Option<&StreamSpec>) -> Result<Option<Self>, Error> {
         Error::check_open_files(|| format!("subscribing to {topic}"))?;
         room::check_room_for_books(topic)?;
@@ -36,18 +37,18 @@ impl Connection {
                 Opened::Yes(frames, events) if frames.dynamic_config().number_of_publishers() > 0 => {
                     (frames, events)
                 }
-                // Without a publisher it is a remnant that other subscribers are about to let go.
+                // A stream without a publisher is a remnant, which other subscribers are about to close.
                 Opened::Yes(..) | Opened::NotThere => return Ok(None),
             },
         };
-        // The listener first: who is seen as a subscriber is then sure to be woken.
+        // The listener first, so that every subscriber that a publisher sees can be woken.
         let listener = events
             .listener_builder()
             .create()
             .map_err(|error| node.keeper().failed(format!("opening the events of {topic}"), error))?;
         if node.keeper().is_shared() {
-            // A notifier may have tried before the new socket was opened to the group, and tries again only when the list
-            // of listeners changes: so one is added and dropped.
+            // A notifier may have tried to connect before the new socket was opened to the group. It retries only if
+            // the list of listeners changes, so add a listener and drop it.
             node.keeper().settle();
             drop(events.listener_builder().create());
         }
@@ -56,14 +57,14 @@ impl Connection {
         let create = || frames.subscriber_builder().history_request(history).create();
         let port = match create() {
             Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers) => {
-                // The places may be those of subscribers that were killed.
+                // The slots may belong to killed subscribers.
                 node.clean_up_dead();
                 create()
             }
             created => created,
         };
         let port = match port {
-            // Another process is just cleaning up after one that was killed: its place is free at the next look.
+            // Another process is cleaning up a killed subscriber: its slot is free at the next attempt.
             Err(SubscriberCreateError::ExceedsMaxSupportedSubscribers)
                 if ports::place_of_the_dead(node, &frames) =>
             {
@@ -86,7 +87,7 @@ impl Connection {
         }))
     }
 
-    /// Publishers now.
+    /// Returns the number of publishers now.
     pub(crate) fn publishers(&self) -> usize {
         self.frames.dynamic_config().number_of_publishers()
     }

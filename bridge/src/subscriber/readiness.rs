@@ -1,4 +1,4 @@
-//! [`Readiness`]: one file descriptor for all that a subscriber waits for, so that foreign event loops can.
+//! [`Readiness`]: one file descriptor for everything that a subscriber waits for, for use in other event loops.
 #![allow(unsafe_code)]
 
 use std::{
@@ -18,9 +18,9 @@ use rustix::{
 
 use crate::domain::Ipc;
 
-/// Sleeps until the listener is notified, which it then takes note of, or the time has passed.
+/// Sleeps until the listener is notified or the timeout passes. Clears the notification.
 ///
-/// iceoryx2's own `timed_wait` does the same by seven system calls instead of two.
+/// iceoryx2's own `timed_wait` does the same with seven system calls instead of two.
 pub(crate) fn wait_for(listener: &Listener<Ipc>, timeout: Duration) -> io::Result<()> {
     let timeout =
         Timespec { tv_sec: timeout.as_secs().cast_signed(), tv_nsec: timeout.subsec_nanos().into() };
@@ -37,10 +37,10 @@ fn fd_of(listener: &Listener<Ipc>) -> BorrowedFd<'_> {
     unsafe { BorrowedFd::borrow_raw(listener.file_descriptor().native_handle()) }
 }
 
-/// An epoll instance, which can itself be polled, over the listener of the moment and a timer.
+/// An epoll instance, which can itself be polled, over the current listener and a timer.
 ///
-/// The listener comes and goes with the publisher; the epoll instance stays, so that an event loop needs to be told
-/// of one descriptor, once. The timer makes it readable when it is time to look for the publisher.
+/// The listener changes with the publisher, but the epoll instance stays, so that an event loop registers one
+/// descriptor, once. The timer makes it readable when the publisher must be checked.
 #[derive(Debug)]
 pub(crate) struct Readiness {
     epoll: OwnedFd,
@@ -54,22 +54,23 @@ impl Readiness {
             timerfd_create(TimerfdClockId::Monotonic, TimerfdFlags::CLOEXEC | TimerfdFlags::NONBLOCK)?;
         epoll::add(&epoll, &timer, epoll::EventData::new_u64(0), epoll::EventFlags::IN)?;
         let readiness = Self { epoll, timer };
-        // A first look at once: what came before is not announced again.
+        // Check at once: frames that arrived earlier are not announced again.
         readiness.look_again_in(Duration::from_nanos(1))?;
         Ok(readiness)
     }
 
-    /// Readable from now on when this listener is, too; until that is closed, which the kernel notices.
+    /// Makes the descriptor readable when this listener is notified, until the listener is closed, which the kernel
+    /// detects.
     pub(crate) fn follow(&self, listener: &Listener<Ipc>) -> io::Result<()> {
         epoll::add(&self.epoll, fd_of(listener), epoll::EventData::new_u64(1), epoll::EventFlags::IN)
     }
 
-    /// Not readable by the timer before this time has passed.
+    /// Sets the timer, so that it makes the descriptor readable after `delay` and not before.
     pub(crate) fn look_again_in(&self, delay: Duration) -> io::Result<()> {
         let zero = Timespec { tv_sec: 0, tv_nsec: 0 };
         let delay = Timespec { tv_sec: delay.as_secs().cast_signed(), tv_nsec: delay.subsec_nanos().into() };
         let once = Itimerspec { it_interval: zero, it_value: delay };
-        // Setting it also takes back an expiry that nobody has read.
+        // Setting the timer also clears an unread expiry.
         timerfd_settime(&self.timer, TimerfdTimerFlags::empty(), &once).map(drop)
     }
 }

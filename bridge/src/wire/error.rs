@@ -1,24 +1,24 @@
-//! [`FrameError`]: what can be wrong with a frame.
+//! [`FrameError`]: the reasons to reject a frame.
 
-/// Why a frame must not be read.
+/// The reason why a frame must not be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum FrameError {
     /// It does not begin with the magic number.
     #[error("not a Belvedere frame (magic {0:#010x})")]
     Magic(u32),
-    /// It is of another layout.
+    /// It has the layout of another version.
     #[error("frame schema {0}, this build reads {schema}; use the same version of Belvedere on both sides", schema = super::SCHEMA)]
     Schema(u16),
     /// Its header has another size.
     #[error("frame header of {0} bytes, expected 384")]
     HeaderLen(u16),
     /// It claims more payload than there is.
-    #[error("frame claims {claimed} bytes of payload, {available} are there")]
+    #[error("frame claims {claimed} bytes of payload, but only {available} are available")]
     PayloadLen {
         /// Bytes claimed.
         claimed: u64,
-        /// Bytes there.
+        /// Bytes available.
         available: u64,
     },
     /// Its elements or rows overlap.
@@ -36,11 +36,11 @@ pub enum FrameError {
     Extent {
         /// Bytes that the geometry spans.
         needed: u128,
-        /// Bytes that there are.
+        /// Bytes of payload.
         payload_len: u64,
     },
-    /// It was asked for something that it is not.
-    #[error("not what was asked for: the frame is of kind {kind} with encoding {encoding}")]
+    /// It was read as a type that it does not hold.
+    #[error("the frame does not hold this type: it is of kind {kind} with encoding {encoding}")]
     WrongKind {
         /// Its kind's number.
         kind: u16,

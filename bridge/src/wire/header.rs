@@ -7,16 +7,16 @@ use iceoryx2::prelude::ZeroCopySend;
 use super::{DistortionModel, Encoding, FrameError, Kind, MAX_DISTORTION, Text, layout::wire_structs};
 
 wire_structs! {
-    /// The 384 bytes that describe a payload: what it is, when and from where it was taken, how it lies in memory.
+    /// The header of a frame: its content, the time and pose of its capture, and its layout in memory.
     ///
-    /// Aligned to 64 bytes, so that the payload behind it starts on a cache line and a SIMD register boundary.
+    /// It is aligned to 64 bytes, so that the payload behind it starts on a cache line and a SIMD register boundary.
     with #[cfg_attr(feature = "shared-memory", derive(ZeroCopySend))]
     with #[repr(align(64))]
     with #[cfg_attr(feature = "shared-memory", type_name("belvedere.FrameHeader.v2"))]
     pub struct FrameHeader, 384 bytes {
         /// [`FrameHeader::MAGIC`].
         pub magic: u32 = 0,
-        /// 384.
+        /// Size of the header: 384.
         pub header_len: u16 = 4,
         /// [`FrameHeader::SCHEMA`].
         pub schema: u16 = 6,
@@ -26,13 +26,13 @@ wire_structs! {
         pub encoding: u16 = 10,
         /// [`FrameHeader::HAS_INTENSITIES`], [`FrameHeader::REPLAYED`]; other bits are 0.
         pub flags: u32 = 12,
-        /// Counts the frames of one publisher's life from 0. Set by `send`.
+        /// Sequence number of the frame within one life of its publisher, from 0. Set by `send`.
         pub seq: u64 = 16,
-        /// Random per publisher life: a new one means that `seq` began again. Set by `loan`.
+        /// Random number of the publisher's life: a new value means that `seq` restarted. Set by `loan`.
         pub session: u64 = 24,
-        /// Moment of capture in simulation time, nanoseconds since the simulation started.
+        /// Time of capture in simulated time, nanoseconds since the simulation started.
         pub stamp_ns: u64 = 32,
-        /// `CLOCK_MONOTONIC` at the moment of sending, nanoseconds. Set by `send`.
+        /// Time of sending by `CLOCK_MONOTONIC`, nanoseconds. Set by `send`.
         pub publish_mono_ns: u64 = 40,
         /// Elements per row: pixels, rays, points; 1 for structs.
         pub width: u32 = 48,
@@ -42,68 +42,68 @@ wire_structs! {
         pub row_stride: u32 = 56,
         /// Bytes from one element to the next.
         pub elem_stride: u32 = 60,
-        /// Bytes of payload that hold. Set by `loan`.
+        /// Valid bytes of the payload. Set by `loan`.
         pub payload_len: u64 = 64,
-        /// The frame that the data are given in.
+        /// The coordinate frame of the data.
         pub frame_id: Text<64> = 72,
         /// `world_from_sensor`: the sensor's origin in the world at `stamp_ns`, metres.
         pub position: [f64; 3] = 136,
         /// `world_from_sensor`: its orientation, x y z w.
         pub orientation: [f32; 4] = 160,
-        /// What only this kind has: [`Intrinsics`] or [`ScanGeometry`].
+        /// The block that is specific to the kind: [`Intrinsics`] or [`ScanGeometry`].
         pub block: [u64; 26] = 176,
     }
 
-    /// How an image's pixels map to directions; the block of images, depth images and organised clouds.
+    /// The mapping from pixels to directions; the block of images, depth images and organised clouds.
     with #[derive(Default, PartialEq)]
     pub struct Intrinsics, 208 bytes {
-        /// Focal length along a row, pixels.
+        /// Horizontal focal length, pixels.
         pub fx: f64 = 0,
-        /// Focal length along a column, pixels.
+        /// Vertical focal length, pixels.
         pub fy: f64 = 8,
-        /// Principal point; pixel centres are integers, so that of a centred image is (width − 1) / 2.
+        /// Column of the principal point. Pixel centres are integers, so that of a centred image is (width − 1) / 2.
         pub cx: f64 = 16,
-        /// Principal point, rows.
+        /// Row of the principal point.
         pub cy: f64 = 24,
-        /// K\[1\]: pixels along a row for each unit of y.
+        /// Skew, K\[1\]: pixels along a row per unit of y.
         pub skew: f64 = 32,
-        /// Parameters of the model, in the order that [`DistortionModel`] says; the first `distortion_len` hold.
+        /// Parameters of the model, in the order of [`DistortionModel`]; the first `distortion_len` are valid.
         pub distortion: [f64; MAX_DISTORTION] = 40,
-        /// Nearest depth that is measured, metres.
+        /// Smallest measured depth, metres.
         pub near: f32 = 152,
-        /// Farthest depth that is measured, metres.
+        /// Largest measured depth, metres.
         pub far: f32 = 156,
         /// P\[3\] = −fx · baseline of a stereo partner, else 0.
         pub tx: f32 = 160,
         /// A [`DistortionModel`] by its number; 0 for none.
         pub distortion_model: u16 = 164,
-        /// How many of `distortion` hold.
+        /// Number of valid values in `distortion`.
         pub distortion_len: u16 = 166,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: [u64; 5] = 168,
     }
 
-    /// Angles and limits of a lidar; the block of scans. Angles in radians: horizontal ones counter-clockwise about
+    /// Angles and limits of a lidar; the block of scans. Angles are in radians: horizontal ones counter-clockwise about
     /// +z from +x, vertical ones up.
     with #[derive(Default, PartialEq)]
     pub struct ScanGeometry, 208 bytes {
         /// Angle of the first ray of a layer.
         pub angle_min: f64 = 0,
-        /// From one ray to the next.
+        /// Angle from one ray to the next.
         pub angle_increment: f64 = 8,
         /// Seconds from one ray to the next.
         pub time_increment: f64 = 16,
         /// Seconds from one scan to the next.
         pub scan_time: f64 = 24,
-        /// Shortest range that is measured, metres.
+        /// Smallest measured range, metres.
         pub range_min: f32 = 32,
-        /// Longest range that is measured, metres.
+        /// Largest measured range, metres.
         pub range_max: f32 = 36,
         /// Elevation of the first layer.
         pub vertical_angle_min: f64 = 40,
-        /// From one layer to the next.
+        /// Elevation from one layer to the next.
         pub vertical_angle_increment: f64 = 48,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: [u64; 19] = 56,
     }
 }
@@ -114,7 +114,7 @@ const _: () = {
 };
 
 impl Intrinsics {
-    /// Sets the model and its parameters; those beyond [`MAX_DISTORTION`] are left out.
+    /// Sets the distortion model and its parameters; ignores those beyond [`MAX_DISTORTION`].
     pub fn set_distortion(&mut self, model: DistortionModel, parameters: &[f64]) {
         let len = parameters.len().min(MAX_DISTORTION);
         self.distortion = [0.0; MAX_DISTORTION];
@@ -123,13 +123,13 @@ impl Intrinsics {
         self.distortion_len = len as u16;
     }
 
-    /// The parameters of the model.
+    /// Returns the parameters of the distortion model.
     #[must_use]
     pub fn parameters(&self) -> &[f64] {
         &self.distortion[..usize::from(self.distortion_len).min(MAX_DISTORTION)]
     }
 
-    /// The model; `None` without one, or for one that this version does not know.
+    /// Returns the distortion model; `None` if there is none, or if this version does not know it.
     #[must_use]
     pub fn model(&self) -> Option<DistortionModel> {
         DistortionModel::from_wire(self.distortion_model)
@@ -137,7 +137,7 @@ impl Intrinsics {
 }
 
 impl ScanGeometry {
-    /// Angle of the last of `width` rays.
+    /// Returns the angle of the last of `width` rays.
     #[must_use]
     pub fn angle_max(&self, width: u32) -> f64 {
         self.angle_min + f64::from(width.saturating_sub(1)) * self.angle_increment
@@ -166,26 +166,25 @@ impl FrameHeader {
     /// Flag: the frame comes from a recording.
     pub const REPLAYED: u32 = 2;
 
-    /// A header of this kind and encoding, otherwise empty.
+    /// Creates an empty header of this kind and encoding.
     #[must_use]
     pub fn new(kind: Kind, encoding: Encoding) -> Self {
         Self { kind: kind.to_wire(), encoding: encoding.to_wire(), ..Self::default() }
     }
 
-    /// What the payload is; `None` for a kind that this version does not know.
+    /// Returns the kind of the payload; `None` if this version does not know it.
     #[must_use]
     pub fn kind(&self) -> Option<Kind> {
         Kind::from_wire(self.kind)
     }
 
-    /// How an element is coded; `None` for an encoding that this version does not know.
+    /// Returns the encoding of an element; `None` if this version does not know it.
     #[must_use]
     pub fn encoding(&self) -> Option<Encoding> {
         Encoding::from_wire(self.encoding)
     }
 
-    /// Describes `height` rows of `width` elements that lie without gaps, and gives the bytes that one plane of
-    /// them takes.
+    /// Sets the size and strides for `height` packed rows of `width` elements. Returns the bytes of one plane of them.
     pub fn set_packed(&mut self, width: u32, height: u32) -> usize {
         let elem_size = self
             .encoding()
@@ -199,40 +198,40 @@ impl FrameHeader {
         self.row_stride as usize * height as usize
     }
 
-    /// The pixel-to-direction block of images, depth images and clouds; `None` for another kind.
+    /// Returns the intrinsics of an image, depth image or cloud; `None` for another kind.
     #[must_use]
     pub fn intrinsics(&self) -> Option<&Intrinsics> {
         matches!(self.kind(), Some(Kind::Image | Kind::DepthImage | Kind::PointCloud))
             .then(|| bytemuck::cast_ref(&self.block))
     }
 
-    /// Sets the block of an image, depth image or cloud.
+    /// Sets the intrinsics of an image, depth image or cloud.
     pub fn set_intrinsics(&mut self, intrinsics: &Intrinsics) {
         self.block = bytemuck::cast(*intrinsics);
     }
 
-    /// The block of a scan; `None` for another kind.
+    /// Returns the geometry of a scan; `None` for another kind.
     #[must_use]
     pub fn scan_geometry(&self) -> Option<&ScanGeometry> {
         (self.kind() == Some(Kind::LaserScan)).then(|| bytemuck::cast_ref(&self.block))
     }
 
-    /// Sets the block of a scan.
+    /// Sets the geometry of a scan.
     pub fn set_scan_geometry(&mut self, geometry: &ScanGeometry) {
         self.block = bytemuck::cast(*geometry);
     }
 
-    /// Whether a plane of intensities follows the ranges.
+    /// Returns true if a plane of intensities follows the ranges.
     #[must_use]
     pub fn has_intensities(&self) -> bool {
         self.flags & Self::HAS_INTENSITIES != 0
     }
 
-    /// Checks everything that a reader of `available` payload bytes relies on, so that no header, however
-    /// wrong, leads outside the payload.
+    /// Checks everything that a reader of `available` payload bytes relies on: no header that passes leads outside the
+    /// payload.
     ///
     /// # Errors
-    /// The first thing that does not hold.
+    /// The first fault found.
     pub fn check(&self, available: usize) -> Result<(), FrameError> {
         if self.magic != Self::MAGIC {
             return Err(FrameError::Magic(self.magic));
@@ -249,7 +248,7 @@ impl FrameHeader {
         let elem_size = match self.encoding() {
             Some(Encoding::Struct) => self.kind().and_then(Kind::struct_size).unwrap_or(1),
             Some(encoding) => encoding.elem_size().unwrap_or(1),
-            // A later version's encoding: its element size is unknown, its extent is checked all the same.
+            // An encoding of a later version: its element size is unknown, but its extent is checked.
             None => 1,
         } as u64;
         if self.width == 0 || self.height == 0 {
@@ -257,7 +256,7 @@ impl FrameHeader {
         }
         let (width, height) = (u64::from(self.width), u64::from(self.height));
         let (elem_stride, row_stride) = (u64::from(self.elem_stride), u64::from(self.row_stride));
-        // u32 values: no product or sum below can overflow 64 bits but the last, which is at most 2⁶⁵.
+        // The factors are u32, so no product or sum below overflows 64 bits, except the last, which is at most 2⁶⁵.
         let row_end = (width - 1) * elem_stride + elem_size;
         if elem_stride < elem_size || (height > 1 && row_stride < row_end) {
             return Err(FrameError::Stride {

@@ -1,11 +1,11 @@
-//! What a stream carries, and how its bytes are coded.
+//! The kinds of streams, the encodings of their payloads, and the operations of commands.
 
 use super::layout::wire_enum;
 
 wire_enum! {
-    /// What the payload of a stream means (`FrameHeader::kind`). Numbers are never reused.
+    /// The meaning of a stream's payload (`FrameHeader::kind`). Numbers are never reused.
     Kind {
-        /// A colour or grey picture; the header carries its intrinsics.
+        /// A colour or grey image; the header carries its intrinsics.
         Image = 1 "image",
         /// Depth along the optical axis; the header carries its intrinsics.
         DepthImage = 2 "depth_image",
@@ -13,43 +13,45 @@ wire_enum! {
         CameraInfo = 3 "camera_info",
         /// Ranges of a planar or multi-layer lidar; the header carries its angles.
         LaserScan = 4 "laser_scan",
-        /// Points in the sensor's frame; organised (an image of points) when the height is more than 1.
+        /// Points in the sensor's frame; organised (an image of points) if the height is more than 1.
         PointCloud = 5 "point_cloud",
         /// One [`Odometry`](crate::payload::Odometry).
         Odometry = 6 "odometry",
-        /// An array of [`Transform`](crate::payload::Transform) that hold at the stamp.
+        /// An array of [`Transform`](crate::payload::Transform) that are valid at the stamp.
         Transforms = 7 "transforms",
-        /// An array of [`Transform`](crate::payload::Transform) that hold always.
+        /// An array of [`Transform`](crate::payload::Transform) that never change.
         StaticTransforms = 8 "static_transforms",
         /// An array of [`JointState`](crate::payload::JointState).
         JointStates = 9 "joint_states",
-        /// One [`Clock`](crate::payload::Clock): the simulation's time.
+        /// One [`Clock`](crate::payload::Clock), the simulated time.
         Clock = 10 "clock",
-        /// One [`VelocityCommand`](crate::payload::VelocityCommand), towards the robot.
+        /// One [`VelocityCommand`](crate::payload::VelocityCommand), to the robot.
         VelocityCommand = 11 "velocity_command",
         /// One [`Imu`](crate::payload::Imu).
         Imu = 12 "imu",
-        /// One [`RobotEvent`](crate::payload::RobotEvent), sent when it happens.
+        /// One [`RobotEvent`](crate::payload::RobotEvent), sent when the state changes.
         RobotEvent = 13 "robot_event",
-        /// One [`SimulationCommand`](crate::payload::SimulationCommand), towards the simulator; a text may follow it in the payload.
+        /// One [`SimulationCommand`](crate::payload::SimulationCommand), to the simulator; a text may follow it in the
+        /// payload.
         SimulationCommand = 14 "simulation_command",
-        /// One [`SimulationResult`](crate::payload::SimulationResult): the answer to a command.
+        /// One [`SimulationResult`](crate::payload::SimulationResult), the result of a command.
         SimulationResult = 15 "simulation_result",
         /// An array of [`ModelState`](crate::payload::ModelState).
         ModelStates = 16 "model_states",
         /// One [`CoreSensors`](crate::payload::CoreSensors).
         CoreSensors = 17 "core_sensors",
-        /// One [`ResetOdometry`](crate::payload::ResetOdometry), towards the robot.
+        /// One [`ResetOdometry`](crate::payload::ResetOdometry), to the robot.
         ResetOdometry = 18 "reset_odometry",
-        /// One [`MotorPower`](crate::payload::MotorPower), towards the robot.
+        /// One [`MotorPower`](crate::payload::MotorPower), to the robot.
         MotorPower = 19 "motor_power",
         /// One [`Range`](crate::payload::Range).
         Range = 20 "range",
-        /// An array of [`SensorSettings`](crate::payload::SensorSettings): of every sensor that can be changed, as they are from the stamp on.
+        /// An array of [`SensorSettings`](crate::payload::SensorSettings): the settings of every sensor that has any,
+        /// valid from the stamp on.
         SensorSettings = 21 "sensor_settings",
-        /// An array of [`BoundingBox`](crate::payload::BoundingBox): of everything that a picture shows.
+        /// An array of [`BoundingBox`](crate::payload::BoundingBox), one for each object in an image.
         BoundingBoxes = 22 "bounding_boxes",
-        /// An array of [`TagDetection`](crate::payload::TagDetection): of the tags that a picture shows.
+        /// An array of [`TagDetection`](crate::payload::TagDetection), one for each tag in an image.
         TagDetections = 23 "tag_detections",
         /// One [`NavSatFix`](crate::payload::NavSatFix).
         NavSatFix = 24 "nav_sat_fix",
@@ -64,21 +66,22 @@ wire_enum! {
     }
 }
 
-/// The most parameters that a [`DistortionModel`] has.
+/// The largest number of parameters of any [`DistortionModel`].
 pub const MAX_DISTORTION: usize = 14;
 
 wire_enum! {
-    /// How a lens maps directions to pixels, and the order of its parameters. Names are those of
-    /// `sensor_msgs/CameraInfo` where ROS has one. With K = (fx, fy, cx, cy) a direction (x, y, z) becomes the pixel (fx·u + cx, fy·v + cy).
+    /// The mapping from directions to pixels by a lens, and the order of its parameters. Names are those of
+    /// `sensor_msgs/CameraInfo` where ROS has one. With K = (fx, fy, cx, cy), the direction (x, y, z) is seen at the
+    /// pixel (fx·u + cx, fy·v + cy).
     DistortionModel {
-        /// Brown–Conrady: k1 k2 p1 p2 k3; all 0 for a pinhole. u, v are x/z, y/z, distorted.
+        /// Brown–Conrady: k1 k2 p1 p2 k3; all 0 for a pinhole. u, v are the distorted x/z, y/z.
         PlumbBob = 1 "plumb_bob",
-        /// OpenCV's longer forms of it: k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4 of a thin prism, then the tilts τx τy;
-        /// 8, 12 or 14 of them.
+        /// OpenCV's extensions of Brown–Conrady: k1 k2 p1 p2 k3 k4 k5 k6, then the thin prism s1 s2 s3 s4, then the
+        /// tilts τx τy; 8, 12 or 14 parameters.
         RationalPolynomial = 2 "rational_polynomial",
-        /// Kannala–Brandt, OpenCV's fisheye: k1 k2 k3 k4 of θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
+        /// Kannala–Brandt, OpenCV's fisheye model: k1 k2 k3 k4 in θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
         Equidistant = 3 "equidistant",
-        /// Extended unified camera model: alpha beta. ROS has no name for it, nor for those that follow.
+        /// Extended unified camera model: alpha beta. ROS has no name for this model or for the following ones.
         Eucm = 4 "eucm",
         /// Double sphere: xi alpha.
         DoubleSphere = 5 "double_sphere",
@@ -86,27 +89,28 @@ wire_enum! {
         Mei = 6 "mei",
         /// Columns are angles about the camera's y, rows are elevations: u = atan2(x, z), v = atan2(y, √(x² + z²)).
         Equirectangular = 7 "equirectangular",
-        /// SDF's: c1 c2 c3 f fun cutoff. The radius is c1·f·fun(θ/c2 + c3), f in pixels, fun 0 sin, 1 tan, 2 the angle
-        /// itself; beyond the angle cutoff nothing is seen. K is its scale in the middle.
+        /// SDF's wide-angle lens: c1 c2 c3 f fun cutoff. The radius is c1·f·fun(θ/c2 + c3), f in pixels; fun is 0 for
+        /// sin, 1 for tan, 2 for the identity. Directions beyond the cutoff angle are not seen. K holds the scale at
+        /// the centre.
         WideAngle = 8 "wide_angle",
     }
 }
 
 wire_enum! {
-    /// How one element of the payload is coded (`FrameHeader::encoding`).
+    /// The encoding of one element of the payload (`FrameHeader::encoding`).
     Encoding {
-        /// Red, green, blue; 8 bit each.
+        /// Red, green, blue; 8 bits each.
         Rgb8 = 1 "rgb8" of [u8; 3],
-        /// Blue, green, red; 8 bit each.
+        /// Blue, green, red; 8 bits each.
         Bgr8 = 2 "bgr8" of [u8; 3],
-        /// Grey, 8 bit.
+        /// Grey, 8 bits.
         Mono8 = 3 "mono8" of u8,
-        /// Depth in metres, as 32-bit floats: NaN invalid, −inf too near, +inf nothing there (REP-118).
+        /// Depth in metres, 32-bit floats: NaN invalid, −inf too near, +inf no return (REP-118).
         F32C1 = 4 "32fc1" of f32,
-        /// Depth in millimetres, 16 bit: 0 invalid (REP-118).
+        /// Depth in millimetres, 16 bits: 0 invalid (REP-118).
         U16C1 = 5 "16uc1" of u16,
-        /// A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are
-        /// 0x00RRGGBB (PCL's `rgb`); the rest is padding. NaN coordinates: no point.
+        /// A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are 0x00RRGGBB
+        /// (PCL's `rgb`); the rest is padding. NaN coordinates mean no point.
         XyzRgbF32 = 6 "xyzrgb_f32" of [u8; 32],
         /// Ranges in metres, 32-bit floats (REP-117): `height` layers of `width` rays. With
         /// [`HAS_INTENSITIES`](crate::FrameHeader::HAS_INTENSITIES) a second plane of the same shape follows
@@ -114,74 +118,75 @@ wire_enum! {
         RangesF32 = 7 "ranges_f32" of f32,
         /// `height` fixed structs, `elem_stride` bytes apart; see [`payload`](crate::payload).
         Struct = 8 "struct",
-        /// Red, green, blue, and 255; 8 bit each.
+        /// Red, green, blue, and 255; 8 bits each.
         Rgba8 = 9 "rgba8" of [u8; 4],
-        /// Grey, 16 bit.
+        /// Grey, 16 bits.
         Mono16 = 10 "mono16" of u16,
-        /// A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+        /// Bayer mosaic, 8 bits: red and green in the first row, green and blue in the second.
         BayerRggb8 = 11 "bayer_rggb8" of u8,
-        /// A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+        /// Bayer mosaic, 8 bits: blue and green in the first row, green and red in the second.
         BayerBggr8 = 12 "bayer_bggr8" of u8,
-        /// A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+        /// Bayer mosaic, 8 bits: green and blue in the first row, red and green in the second.
         BayerGbrg8 = 13 "bayer_gbrg8" of u8,
-        /// A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+        /// Bayer mosaic, 8 bits: green and red in the first row, blue and green in the second.
         BayerGrbg8 = 14 "bayer_grbg8" of u8,
-        /// A colour a pixel, 16 bit: the first row red and green, the second green and blue.
+        /// Bayer mosaic, 16 bits: red and green in the first row, green and blue in the second.
         BayerRggb16 = 15 "bayer_rggb16" of u16,
-        /// A colour a pixel, 16 bit: the first row blue and green, the second green and red.
+        /// Bayer mosaic, 16 bits: blue and green in the first row, green and red in the second.
         BayerBggr16 = 16 "bayer_bggr16" of u16,
-        /// A colour a pixel, 16 bit: the first row green and blue, the second red and green.
+        /// Bayer mosaic, 16 bits: green and blue in the first row, red and green in the second.
         BayerGbrg16 = 17 "bayer_gbrg16" of u16,
-        /// A colour a pixel, 16 bit: the first row green and red, the second blue and green.
+        /// Bayer mosaic, 16 bits: green and red in the first row, blue and green in the second.
         BayerGrbg16 = 18 "bayer_grbg16" of u16,
-        /// Two 32-bit floats: flow in pixels, to the right and down; NaN where there is none.
+        /// Two 32-bit floats: optical flow in pixels, to the right and down; NaN where it is undefined.
         F32C2 = 19 "32fc2" of [f32; 2],
-        /// Three 32-bit floats: unit normals in the axes of the world; 0 where nothing is seen.
+        /// Three 32-bit floats: unit normals in the world's axes; 0 where no surface is seen.
         F32C3 = 20 "32fc3" of [f32; 3],
-        /// A number of a thing or of a class, 32 bit and signed; of things, -1 where nothing is seen.
+        /// An instance or class number, 32-bit signed; in instance images, −1 where nothing is seen.
         I32C1 = 21 "32sc1" of i32,
-        /// A point of 22 bytes, as Velodyne's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at
-        /// 12, ring as u16 at 16, from the lowest up, time as f32 at 18 in seconds after the stamp. NaN coordinates: no
-        /// point, which only clouds of several rows have.
+        /// A point of 22 bytes, in the layout of Velodyne's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as
+        /// f32 at 12, ring as u16 at 16, counted from the lowest, time as f32 at 18 in seconds after the stamp. NaN
+        /// coordinates mean no point, which occurs only in clouds of several rows.
         XyzIrtF32 = 22 "xyzirt_f32" of [u8; 22],
-        /// A point of 48 bytes, as Ouster's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 16,
-        /// t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, from the highest
-        /// down, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates: no point. A row is
-        /// a laser, a column a direction.
+        /// A point of 48 bytes, in the layout of Ouster's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
+        /// at 16, t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, counted
+        /// from the highest, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates mean
+        /// no point. A row is a laser, a column a direction.
         OusterPoint = 23 "ouster_point" of [u8; 48],
-        /// A point of 26 bytes, as Livox's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 12,
-        /// tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
+        /// A point of 26 bytes, in the layout of Livox's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
+        /// at 12, tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
         LivoxPoint = 24 "livox_point" of [u8; 26],
     }
 }
 
 wire_enum! {
-    /// What a simulator is told to do (`SimulationCommand::operation`). Numbers are never reused; one that a simulator
-    /// does not know it refuses by number.
+    /// An operation on a simulation (`SimulationCommand::operation`). Numbers are never reused; a simulator refuses one
+    /// that it does not know.
     Operation {
-        /// Let simulated time stand.
+        /// Pause simulated time.
         Pause = 1 "pause",
-        /// Let it go on.
+        /// Resume simulated time.
         Resume = 2 "resume",
-        /// Run `steps` steps of physics with all that is published on the way, then pause.
+        /// Run `steps` physics steps and publish everything that is due, then pause.
         Step = 3 "step",
-        /// Put every model back to where it was at the start, at rest; time goes on.
+        /// Return every model to its initial pose, at rest; time continues.
         ResetWorld = 4 "reset_world",
-        /// Begin again at time 0: what follows are the bytes of a fresh start.
+        /// Restart at time 0; the output is the same as after a fresh start.
         ResetSimulation = 5 "reset_simulation",
-        /// Give the model `name` a pose and a velocity, in the frame `reference`.
+        /// Set the pose and velocity of the model `name`, in the frame `reference`.
         SetModelState = 6 "set_model_state",
-        /// Put the model in the text (URDF or SDF) into the world as `name`, at a pose in the frame `reference`.
+        /// Add the model in the text (URDF or SDF) to the world as `name`, at a pose in the frame `reference`.
         Spawn = 7 "spawn",
-        /// Take the model `name` out of the world.
+        /// Remove the model `name` from the world.
         Delete = 8 "delete",
-        /// Change settings of the sensor `name`, or of the one that sends the topic `name`: `key=value` words in the text.
+        /// Change settings of the sensor `name`, or of the sensor that publishes the topic `name`: `key=value` words in
+        /// the text.
         Configure = 9 "configure",
     }
 }
 
 impl Encoding {
-    /// Bytes of one element; `None` for [`Encoding::Struct`], where the kind decides.
+    /// Returns the bytes of one element; `None` for [`Encoding::Struct`], whose size depends on the kind.
     #[must_use]
     pub const fn elem_size(self) -> Option<usize> {
         let values = Self::LAYOUT.values;

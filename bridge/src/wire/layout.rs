@@ -1,17 +1,18 @@
-//! The wire format as data: each struct and each list of numbers is written once, and bindings are made of it.
+//! The wire format as data. Each struct and each list of numbers is defined once, and the bindings are generated from
+//! it.
 
 /// A struct of the wire format.
 #[derive(Clone, Copy, Debug)]
 pub struct Struct {
     /// Its name in Rust.
     pub name: &'static str,
-    /// What it is: lines of Rust's documentation.
+    /// Lines of its Rust documentation.
     pub doc: &'static [&'static str],
-    /// Bytes.
+    /// Its size in bytes.
     pub size: usize,
-    /// The kinds of streams that carry it, by their numbers; none for a part of another struct.
+    /// The numbers of the kinds of streams that carry it; empty for a part of another struct.
     pub kinds: &'static [u16],
-    /// In the order of their offsets.
+    /// Its fields in the order of their offsets.
     pub fields: &'static [Field],
 }
 
@@ -20,24 +21,24 @@ pub struct Struct {
 pub struct Field {
     /// Its name in every language.
     pub name: &'static str,
-    /// What it is: lines of Rust's documentation.
+    /// Lines of its Rust documentation.
     pub doc: &'static [&'static str],
     /// Its type in Rust: a number, an array, [`Text`](crate::Text) or another struct.
     pub type_name: &'static str,
-    /// Bytes before it.
+    /// Its offset in bytes.
     pub offset: usize,
-    /// Rows and columns of an array that is a matrix, else nothing.
+    /// Rows and columns of a matrix; empty for other fields.
     pub shape: &'static [usize],
 }
 
-/// A list of numbers that stand for something.
+/// An enumeration of the wire format.
 #[derive(Clone, Copy, Debug)]
 pub struct Enum {
     /// Its name in Rust.
     pub name: &'static str,
-    /// What it is: lines of Rust's documentation.
+    /// Lines of its Rust documentation.
     pub doc: &'static [&'static str],
-    /// In the order of their numbers.
+    /// Its values in the order of their numbers.
     pub values: &'static [Value],
 }
 
@@ -48,18 +49,18 @@ pub struct Value {
     pub name: &'static str,
     /// The name shown to people.
     pub text: &'static str,
-    /// What it is: lines of Rust's documentation.
+    /// Lines of its Rust documentation.
     pub doc: &'static [&'static str],
     /// Its number on the wire.
     pub number: u16,
-    /// The type of an element that is so coded; empty where that is no matter of this list.
+    /// The type of an element with this encoding; empty in other enumerations.
     pub element: &'static str,
-    /// Its size in bytes, or 0.
+    /// The size of that element in bytes, or 0.
     pub element_size: usize,
 }
 
-/// Structs, each with its size and the offsets of its fields, which are checked when this is compiled; what carries
-/// them, as [`Message`](crate::payload::Message); and `STRUCTS`, the same as data.
+/// Defines structs with their sizes and the offsets of their fields, which are checked at compile time. Implements
+/// [`Message`](crate::payload::Message) for those that streams carry, and describes all of them as data in `STRUCTS`.
 macro_rules! wire_structs {
     ($(
         $(#[doc = $doc:literal])*
@@ -107,7 +108,7 @@ macro_rules! wire_structs {
     };
 }
 
-/// Numbers that stand for something, their names, and `LAYOUT`, the same as data.
+/// Defines an enumeration with its numbers and names, and describes it as data in `LAYOUT`.
 macro_rules! wire_enum {
     (
         $(#[doc = $doc:literal])*
@@ -140,17 +141,17 @@ macro_rules! wire_enum {
                 )+],
             };
 
-            /// The number on the wire.
+            /// Returns the number on the wire.
             #[must_use]
             pub const fn to_wire(self) -> u16 { self as u16 }
 
-            /// The meaning of a number on the wire; `None` for one that this version does not know.
+            /// Returns the value with this number on the wire; `None` if this version does not know it.
             #[must_use]
             pub const fn from_wire(number: u16) -> Option<Self> {
                 match number { $($number => Some(Self::$value),)+ _ => None }
             }
 
-            /// The name shown to people and written into stream attributes.
+            /// Returns the name shown to people and written into stream attributes.
             #[must_use]
             pub const fn as_str(self) -> &'static str {
                 match self { $(Self::$value => $text,)+ }

@@ -1,4 +1,4 @@
-//! Names of fixed size, as they lie in shared memory.
+//! [`Text`]: strings of fixed size for shared memory.
 
 use std::fmt;
 
@@ -11,28 +11,30 @@ use iceoryx2::prelude::ZeroCopySend;
 #[repr(transparent)]
 pub struct Text<const N: usize>([u8; N]);
 
-// The derive macro wants `repr(C)`, bytemuck's wants `repr(transparent)` for a generic type.
+// The derive macro requires `repr(C)`, bytemuck's requires `repr(transparent)` for a generic type.
 // SAFETY: it has the layout of `[u8; N]`, which may be sent: no pointer, no padding, no `Drop`, `'static`.
 #[allow(unsafe_code)]
 #[cfg(feature = "shared-memory")]
 unsafe impl<const N: usize> ZeroCopySend for Text<N> {}
 
-/// The text does not fit: it is longer than `N - 1` bytes or holds a NUL.
+/// The error for a text that does not fit: it is longer than `N - 1` bytes or contains a NUL.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("a name of {len} bytes does not fit: at most {max} bytes, none of them NUL")]
 pub struct TextError {
     /// Length of the refused text in bytes.
     pub len: usize,
-    /// What would have fitted.
+    /// The largest length that fits.
     pub max: usize,
 }
 
 impl<const N: usize> Text<N> {
-    /// No text.
+    /// The empty text.
     pub const EMPTY: Self = Self([0; N]);
 
+    /// Creates a text.
+    ///
     /// # Errors
-    /// When the text is longer than `N - 1` bytes or holds a NUL.
+    /// If the text is longer than `N - 1` bytes or contains a NUL.
     pub fn new(text: &str) -> Result<Self, TextError> {
         if text.len() >= N || text.as_bytes().contains(&0) {
             return Err(TextError { len: text.len(), max: N - 1 });
@@ -42,7 +44,7 @@ impl<const N: usize> Text<N> {
         Ok(Self(bytes))
     }
 
-    /// As much of a text as fits, for words to people.
+    /// Creates a text of as much of `text` as fits, for messages to people.
     #[must_use]
     pub fn cut(text: &str) -> Self {
         let text = text.split('\0').next().unwrap_or_default();
@@ -53,7 +55,8 @@ impl<const N: usize> Text<N> {
         Self::new(&text[..end]).unwrap_or_default()
     }
 
-    /// The text up to the first NUL; what is not UTF-8 (a foreign writer's) ends it.
+    /// Returns the text up to the first NUL, or up to the first bytes that are not UTF-8, which a foreign writer may
+    /// have written.
     #[must_use]
     pub fn as_str(&self) -> &str {
         let len = self.0.iter().position(|&byte| byte == 0).unwrap_or(N);
@@ -63,7 +66,7 @@ impl<const N: usize> Text<N> {
         }
     }
 
-    /// The same with a NUL at its end, as readers in C expect it: a foreign writer may have left none.
+    /// Returns the same text with a NUL in the last byte, as readers in C expect: a foreign writer may have left none.
     #[must_use]
     pub fn terminated(mut self) -> Self {
         if let Some(last) = self.0.last_mut() {
@@ -72,7 +75,7 @@ impl<const N: usize> Text<N> {
         self
     }
 
-    /// Whether there is no text.
+    /// Returns true if the text is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.0[0] == 0

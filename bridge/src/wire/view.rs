@@ -1,10 +1,10 @@
-//! [`FrameView`]: a payload seen through its header.
+//! [`FrameView`]: access to a payload by its header.
 
 use bytemuck::Pod;
 
 use super::{Encoding, FrameError, FrameHeader, Kind, payload::Message};
 
-/// A header that was checked, and its payload: rows and structs where they lie.
+/// A checked header and its payload, for access to rows and structs in place.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameView<'a> {
     pub(crate) header: &'a FrameHeader,
@@ -12,50 +12,50 @@ pub struct FrameView<'a> {
 }
 
 impl<'a> FrameView<'a> {
-    /// Looks at `payload` through `header`.
+    /// Creates a view of `payload`, after checking `header`.
     ///
     /// # Errors
-    /// What [`FrameHeader::check`] finds.
+    /// The errors of [`FrameHeader::check`].
     pub fn new(header: &'a FrameHeader, payload: &'a [u8]) -> Result<Self, FrameError> {
         header.check(payload.len())?;
         Ok(Self { header, payload: &payload[..header.payload_len as usize] })
     }
 
-    /// What the payload is.
+    /// Returns the header.
     #[must_use]
     pub fn header(&self) -> &'a FrameHeader {
         self.header
     }
 
-    /// The data.
+    /// Returns the payload.
     #[must_use]
     pub fn payload(&self) -> &'a [u8] {
         self.payload
     }
 
-    /// Rows from top to bottom: the bytes of `width` elements each, without what pads a row.
+    /// Returns the rows from top to bottom: the bytes of `width` elements each, without row padding.
     pub fn rows(&self) -> impl ExactSizeIterator<Item = &'a [u8]> + use<'a> {
         self.plane(0, self.height())
     }
 
-    /// Rows of the intensities behind the ranges; none without them.
+    /// Returns the rows of the intensities that follow the ranges; none if there are no intensities.
     pub fn intensity_rows(&self) -> impl ExactSizeIterator<Item = &'a [u8]> + use<'a> {
         let offset = self.header.height as usize * self.header.row_stride as usize;
         self.plane(offset, if self.header.has_intensities() { self.height() } else { 0 })
     }
 
-    /// What `T`s the elements of `rows` begin with, copied: `f32` of ranges and depth in metres, `u16` of depth in
-    /// millimetres.
+    /// Returns a copy of the `T` that each element of `rows` begins with: `f32` for ranges and depth in metres, `u16`
+    /// for depth in millimetres.
     pub fn numbers<T: Pod>(&self, rows: impl Iterator<Item = &'a [u8]>) -> impl Iterator<Item = T> {
         let elem_stride = (self.header.elem_stride as usize).max(1);
         rows.flat_map(move |row| row.chunks(elem_stride))
             .filter_map(|element| element.get(..size_of::<T>()).map(bytemuck::pod_read_unaligned))
     }
 
-    /// The structs of a stream of [`Encoding::Struct`].
+    /// Returns the structs of a frame of [`Encoding::Struct`].
     ///
     /// # Errors
-    /// [`FrameError::WrongKind`] when `T` is not what the frame holds.
+    /// [`FrameError::WrongKind`] if the frame does not hold `T`.
     pub fn structs<T: Message>(&self) -> Result<impl ExactSizeIterator<Item = T> + use<'a, T>, FrameError> {
         let holds = self.header.encoding() == Some(Encoding::Struct)
             && self.header.kind().is_some_and(|kind| T::KINDS.contains(&kind));
@@ -65,10 +65,10 @@ impl<'a> FrameView<'a> {
         Ok(self.rows().map(|row| bytemuck::pod_read_unaligned(&row[..size_of::<T>()])))
     }
 
-    /// The first struct, for kinds that have one.
+    /// Returns the first struct, for kinds that have one.
     ///
     /// # Errors
-    /// As [`structs`](Self::structs), and when there is none.
+    /// The errors of [`structs`](Self::structs), and [`FrameError::WrongKind`] if there is none.
     pub fn message<T: Message>(&self) -> Result<T, FrameError> {
         self.structs()?.next().ok_or(self.wrong_kind())
     }

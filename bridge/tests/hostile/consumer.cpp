@@ -1,6 +1,6 @@
-// A C++ consumer that looks at everything it is allowed to, and at rows and structs that it is not: those must throw.
-// Reads until the last frame, which is called "end"; prints how many frames it could believe, and how many not.
-// See main.rs, which has the publisher, and .ci/hostile, which sets one upon the other.
+// A C++ consumer that reads everything it is allowed to, and rows and structs that it is not: those must throw.
+// Reads until the last frame, whose frame_id is "end". Prints how many frames were valid, and how many were not.
+// The publisher is in main.rs; .ci/hostile runs the two together.
 //
 //   consumer DOMAIN TOPIC
 #include <algorithm>
@@ -21,7 +21,7 @@ void require(bool holds, const char* what) {
     std::abort();
 }
 
-/// Every value of a span, which must lie within the payload.
+/// Reads every value of a span, which must lie within the payload.
 template <class T>
 void read(const belvedere::Frame& frame, belvedere::Span<const T> span) {
     const auto payload = frame.payload();

@@ -1,11 +1,11 @@
-//! Headers that no honest publisher writes, and what WIRE.md says of each.
+//! Headers that no correct publisher writes, and their validity by WIRE.md.
 
 use belvedere_bridge::{Encoding, FrameHeader, Kind, Text};
 use bytemuck::Zeroable as _;
 
 use crate::processes_kit::Random;
 
-/// The largest payload that goes with them.
+/// The largest payload that accompanies them.
 pub(crate) const PAYLOAD_LEN: usize = 4096;
 
 const KINDS: [u16; 15] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, u16::MAX];
@@ -35,18 +35,18 @@ const SIZES: [u32; 20] = [
 ];
 const LENGTHS: [u64; 12] =
     [0, 1, 63, 64, 4095, 4096, 4097, 1 << 31, 1 << 32, 1 << 63, u64::MAX - 1, u64::MAX];
-/// What the transport delivers.
+/// Payload sizes that the transport delivers.
 const AVAILABLE: [usize; 6] = [0, 1, 64, 1000, 4095, PAYLOAD_LEN];
-/// Text that is none.
+/// Bytes that are not valid text.
 const BYTES: [u8; 4] = [0, 0x80, 0xc3, 0xff];
 
-/// A header, and how many bytes of payload come with it.
+/// A header, and the number of payload bytes that accompany it.
 pub(crate) struct Case {
     pub(crate) header: FrameHeader,
     pub(crate) available: usize,
 }
 
-/// An honest header of 4 × 3 elements.
+/// Returns a valid header of 4 × 3 elements.
 fn honest(kind: u16, encoding: u16) -> FrameHeader {
     let mut header = FrameHeader { kind, encoding, ..FrameHeader::default() };
     let structs = header.encoding() == Some(Encoding::Struct);
@@ -55,7 +55,7 @@ fn honest(kind: u16, encoding: u16) -> FrameHeader {
     header
 }
 
-/// Each field alone over its boundary values, for every kind in every encoding.
+/// Returns headers in which one field takes its boundary values, for every kind in every encoding.
 pub(crate) fn one_field_wrong() -> Vec<Case> {
     let mut cases = Vec::new();
     for (kind, encoding) in KINDS.into_iter().flat_map(|kind| ENCODINGS.map(|encoding| (kind, encoding))) {
@@ -96,7 +96,7 @@ pub(crate) fn one_field_wrong() -> Vec<Case> {
         for byte in BYTES {
             add(FrameHeader { frame_id: text_of(byte), ..honest });
         }
-        // Thin rows of wide elements: more structs than the payload has bytes for.
+        // Narrow rows of wide elements: more structs than fit into the payload.
         add(FrameHeader {
             width: 1,
             height: 4000,
@@ -112,7 +112,7 @@ pub(crate) fn one_field_wrong() -> Vec<Case> {
     cases
 }
 
-/// Several fields wrong at once, most so that they nearly fit.
+/// Returns a header with several wrong fields, most of which nearly fit.
 pub(crate) fn at_random(random: &mut Random) -> Case {
     let mut header = honest(random.one_of(&KINDS), random.one_of(&ENCODINGS));
     let available = random.one_of(&AVAILABLE);
@@ -146,14 +146,14 @@ pub(crate) fn at_random(random: &mut Random) -> Case {
     Case { header, available }
 }
 
-/// 64 times this byte, be it text or not.
+/// Returns a text of 64 times this byte, valid or not.
 fn text_of(byte: u8) -> Text<64> {
     let mut header = FrameHeader::zeroed();
     bytemuck::bytes_of_mut(&mut header)[72..136].fill(byte);
     header.frame_id
 }
 
-/// Whether a reader may believe the header: WIRE.md's paragraph, in numbers that cannot overflow.
+/// Returns true if a reader may use the header: the rules of WIRE.md, in numbers that cannot overflow.
 pub(crate) fn is_acceptable(case: &Case) -> bool {
     let header = &case.header;
     let element: u128 = match header.encoding {

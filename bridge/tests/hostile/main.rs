@@ -1,7 +1,7 @@
-//! Hostile and corrupt headers: every field over its boundary values and at random, also changed after the sending.
-//! A consumer rejects them with a named error, or reads inside the payload; it never panics and never hangs.
+//! Hostile and corrupt headers: every field takes its boundary values and random values, also after sending. A consumer
+//! rejects them with a named error, or reads inside the payload; it never panics and never hangs.
 //!
-//! `.ci/hostile` sets the same publisher upon the C++ and Python packages.
+//! `.ci/hostile` runs the same publisher against the C++ and Python packages.
 
 #[path = "../processes_kit/mod.rs"]
 mod processes_kit;
@@ -25,11 +25,11 @@ fn roles(role: &Role) {
         "consume_newest" => consume(role, true),
         name => panic!("no role {name}"),
     }
-    // A publisher of iceoryx2 alone leaves its counter of nodes; the last node of ours takes it along.
+    // A plain iceoryx2 publisher leaves its counter of nodes; the last node of the bridge removes it.
     drop(Node::open(&role.domain, "last").unwrap());
 }
 
-/// Reads all of every frame until the last; reports how many it could believe, and how many not.
+/// Reads every frame completely until the last. Reports how many were valid, and how many were not.
 fn consume(role: &Role, newest: bool) {
     let node = Node::open(&role.domain, "consumer").unwrap();
     let mut subscriber = node.subscriber(TOPIC).unwrap();
@@ -86,7 +86,7 @@ fn every_header_is_rejected_by_name_or_read_within_the_payload() {
 }
 
 #[test]
-fn what_is_rewritten_after_sending_leads_nowhere() {
+fn rewritten_headers_lead_nowhere() {
     processes_kit::play(roles);
     let mut domain = TestDomain::new("rewrite");
     let duration_ms = if full() { 60_000 } else { 3_000 };
@@ -104,7 +104,7 @@ fn what_is_rewritten_after_sending_leads_nowhere() {
     domain.assert_nothing_left_after_the_next_start();
 }
 
-/// The same without a transport: millions of headers, each with a payload that ends where its memory ends.
+/// Checks millions of headers without a transport, each with a payload at the end of its memory.
 #[test]
 fn no_header_leads_outside_its_payload() {
     let mut random = Random::new(7);

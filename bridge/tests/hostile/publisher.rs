@@ -1,4 +1,4 @@
-//! A publisher on plain iceoryx2, which writes what it likes. See bridge/WIRE.md.
+//! A publisher on plain iceoryx2, which can write any header. See bridge/WIRE.md.
 
 use std::{
     os::unix::fs::FileExt as _,
@@ -19,7 +19,7 @@ use crate::{
 };
 
 pub(crate) const TOPIC: &str = "hostile";
-/// What the last frame is called, which is honest.
+/// The `frame_id` of the last frame, which is valid.
 pub(crate) const END: &str = "end";
 
 struct Hostile {
@@ -73,7 +73,7 @@ impl Hostile {
         self.sent += 1;
     }
 
-    /// The honest last frame, until everybody has seen it and gone.
+    /// Sends the valid last frame until all subscribers have received it and gone.
     fn end(mut self) {
         let mut header = FrameHeader::new(Kind::Clock, Encoding::Struct);
         header.frame_id = Text::new(END).unwrap();
@@ -86,7 +86,7 @@ impl Hostile {
     }
 }
 
-/// An honest frame of session 77, a corrupt one that claims another session, an honest one.
+/// Sends a valid frame of session 77, a corrupt one that claims another session, and a valid one.
 pub(crate) fn one_of_three_is_corrupt(domain: &Domain) -> impl FnMut() {
     let mut hostile = Hostile::open(domain, PAYLOAD_LEN, true);
     let mut seq = 0;
@@ -103,8 +103,8 @@ pub(crate) fn one_of_three_is_corrupt(domain: &Domain) -> impl FnMut() {
     }
 }
 
-/// Arguments: how many subscribers to wait for, how many headers at random. Reports how many frames it sent, and how
-/// many of them a reader may believe.
+/// Sends hostile headers. Arguments: the number of subscribers to wait for, the number of random headers. Reports how
+/// many frames were sent, and how many of them are valid.
 pub(crate) fn attack(role: &Role) {
     let mut hostile = Hostile::open(&role.domain, PAYLOAD_LEN, false);
     let mut random = Random::new(5);
@@ -126,8 +126,8 @@ pub(crate) fn attack(role: &Role) {
     hostile.end();
 }
 
-/// Arguments: how many subscribers to wait for, for how many milliseconds. Sends honest pictures, and rewrites their
-/// headers and payloads all the time, through a mapping of its own: the file of the pool.
+/// Sends valid images and rewrites their headers and payloads all the time, through its own mapping of the pool's file.
+/// Arguments: the number of subscribers to wait for, the duration in milliseconds.
 pub(crate) fn rewrite(role: &Role) {
     let mut hostile = Hostile::open(&role.domain, PAYLOAD_LEN, true);
     report("ready");
@@ -146,7 +146,7 @@ pub(crate) fn rewrite(role: &Role) {
         let mut places = Vec::new();
         while Instant::now() < end {
             if places.len() < 8 {
-                // Every frame that was used has an honest header, once.
+                // Every frame that has been used had a valid header once.
                 let bytes = std::fs::read(&pool).unwrap();
                 let magic = FrameHeader::MAGIC.to_le_bytes();
                 places = (0..bytes.len().saturating_sub(PAYLOAD_LEN + 384))

@@ -1,4 +1,4 @@
-//! A consumer that looks at everything it is allowed to.
+//! A consumer that reads everything it is allowed to.
 
 use std::{fmt::Write as _, hint::black_box};
 
@@ -11,7 +11,7 @@ use belvedere_bridge::{
 };
 use bytemuck::Pod;
 
-/// Reads header, rows, numbers and structs in every type; the bytes it saw, added up.
+/// Reads header, rows, numbers and structs in every type. Returns the sum of the bytes.
 pub(crate) fn read_all(view: &FrameView<'_>) -> u64 {
     read_header(view.header());
     let payload = view.payload();

@@ -1,5 +1,5 @@
-//! Who can reach a domain: its owner alone; a group that was named; and what is said of what others put in its place.
-//! `users.rs` has several users at once.
+//! Access to a domain: only its owner has it, or a named group; files that other users put in its place are reported.
+//! `users.rs` has several users at the same time.
 
 use std::{
     fs,
@@ -25,7 +25,7 @@ const CARL: User = User { uid: 4003, gid: 4003 };
 const GROUP: &[(&str, &str)] = &[("BELVEDERE_GROUP", "4100")];
 
 #[test]
-fn a_file_of_another_user_is_told() {
+fn a_file_of_another_user_is_reported() {
     world::run(64, true, opened_directories);
 }
 
@@ -68,7 +68,7 @@ fn files_are_their_owners_alone() {
         assert_eq!(mode & 0o077, 0, "{} {mode:o}", path.display());
         assert_eq!(metadata.uid(), rustix::process::geteuid().as_raw());
     }
-    // The test looks at the right files: pools, books, connections, sockets, locks, tags.
+    // The test sees the right files: pools, dynamic parts of streams, connections, sockets, locks, tags.
     for kind in [
         "data",
         "dynamic",
@@ -84,18 +84,18 @@ fn files_are_their_owners_alone() {
         assert!(files.iter().any(|path| has_it(&path)), "no .{kind} among {files:?}");
     }
     assert!(files.iter().any(|path| fs::symlink_metadata(path).unwrap().file_type().is_socket()));
-    // Nor can others list the directory of all of them.
+    // Other users cannot list the root directory either.
     let root = fs::metadata(domain.directory()).unwrap().permissions().mode();
     assert_eq!(root & 0o027, 0, "{root:o}");
 }
 
 #[test]
-fn a_group_that_is_none_is_refused() {
+fn an_unknown_group_is_refused() {
     let error = belvedere_bridge::Group::find("no-such-group").unwrap_err().to_string();
     assert!(error.contains("groupadd"), "{error}");
 }
 
-/// What a process that tries everything says about opening the domain.
+/// Returns what a process that tries everything prints about opening the domain.
 fn attempt(domain: &str, user: User, env: &[(&str, &str)]) -> String {
     Actor::start("try", domain, user, env).says("open ")
 }
@@ -107,7 +107,7 @@ fn assert_names(told: &str, parts: &[&str]) {
     }
 }
 
-/// What others put where a user's own files belong.
+/// Other users' files in place of the user's own.
 fn opened_directories() {
     const PLACE: &str = "/tmp/blvd~4001";
     let remove = format!("sudo rm -r {PLACE}");
@@ -118,7 +118,7 @@ fn opened_directories() {
             fs::set_permissions(PLACE, fs::Permissions::from_mode(mode)).unwrap();
             assert_names(&attempt("default", ANNA, &[]), &[PLACE, name, "user id 4001", &remove]);
         }
-        // It is in nobody else's way.
+        // It does not affect other users.
         assert_eq!(attempt("default", BERT, &[]), "ok");
         fs::remove_dir(PLACE).unwrap();
     }
@@ -127,14 +127,14 @@ fn opened_directories() {
     fs::set_permissions(PLACE, fs::Permissions::from_mode(0o777)).unwrap();
     assert_names(&attempt("default", ANNA, &[]), &[PLACE, "others may write in it", "chmod 750"]);
     fs::remove_dir(PLACE).unwrap();
-    // A link that another made leads nowhere, even into a directory of one's own.
+    // A link made by another user is refused, even if it leads to a directory of one's own.
     fs::create_dir("/tmp/of-anna").unwrap();
     chown("/tmp/of-anna", Some(ANNA.uid), Some(ANNA.gid)).unwrap();
     symlink("/tmp/of-anna", PLACE).unwrap();
     lchown(PLACE, Some(CARL.uid), Some(CARL.gid)).unwrap();
     assert_names(&attempt("default", ANNA, &[]), &[PLACE, "user id 4003"]);
     fs::remove_file(PLACE).unwrap();
-    // A file with the name of one of hers.
+    // A file with the name of one of Anna's files.
     let file = "/dev/shm/blvd.default~4001.1.data";
     fs::write(file, "forged").unwrap();
     chown(file, Some(CARL.uid), Some(CARL.gid)).unwrap();
@@ -148,15 +148,15 @@ fn a_group() {
     let mut anna = Actor::start("simulate", "default", ANNA, GROUP);
     anna.says("ready");
     let mut bert = Actor::start("drive", "default", BERT, GROUP);
-    // Frames come, commands arrive.
+    // Frames and commands arrive.
     bert.says("frame 5");
     anna.says("command 3");
 
-    // Wake-ups come too: a subscriber that only looked ten times a second would miss most.
+    // Notifications arrive, too: a subscriber that only polled ten times a second would miss most frames.
     let missed: u32 = bert.says("frame 60 missed").parse().unwrap();
     assert!(missed < 30, "{missed} missed");
 
-    // Who is not of the group: refused with the group, alone without it; and the files are shut.
+    // A user outside the group is refused with the group, alone without it, and cannot open the files.
     let told = attempt("default", CARL, GROUP);
     assert!(
         told.starts_with("InvalidGroup") && told.contains("user id 4003") && told.contains("usermod"),
@@ -176,7 +176,7 @@ fn a_group() {
     }
     assert!(files.iter().any(|path| path.extension().is_some_and(|kind| kind == "connection")));
 
-    // A member of the group by a supplementary group, as users are.
+    // A member by a supplementary group, as usual.
     let by_supplement = Command::new("setpriv")
         .args([
             "--reuid=4005",
@@ -196,13 +196,13 @@ fn a_group() {
     assert!(text.contains(&format!("process {}", anna.pid())), "{text}");
 
     for life in 0..6 {
-        // The consumer is killed: the next one goes on.
+        // The consumer is killed: the next one continues.
         bert.kill();
         bert = Actor::start("drive", "default", BERT, GROUP);
         bert.says("frame 5");
         anna.forget();
         anna.says("command ");
-        // The simulator is killed: the consumer goes on with the next one.
+        // The simulator is killed: the consumer continues with the next one.
         anna.kill();
         anna = Actor::start("simulate", "default", ANNA, GROUP);
         anna.says("ready");
@@ -210,7 +210,7 @@ fn a_group() {
         assert!(restarted.starts_with("frame"), "{life}: {restarted}");
         anna.says("command ");
     }
-    // Both are killed, in both orders of starting again.
+    // Both are killed and restarted, in both orders.
     bert.kill();
     anna.kill();
     bert = Actor::start("drive", "default", BERT, GROUP);
@@ -218,7 +218,8 @@ fn a_group() {
     anna = Actor::start("simulate", "default", ANNA, GROUP);
     bert.says("frame 5");
     anna.says("command ");
-    // The consumer made the stream of commands, and is gone when the simulator is killed, which was the last in it.
+    // The consumer has created the stream of commands, and has gone when the simulator, the last process in it, is
+    // killed.
     bert.kill();
     anna.kill();
     bert = Actor::start("drive", "default", BERT, &[GROUP[0], ("DRIVER_FIRST", "yes")]);
@@ -231,7 +232,7 @@ fn a_group() {
     bert = Actor::start("drive", "default", BERT, GROUP);
     bert.says("frame 5");
     anna.says("command ");
-    // Either leaves first.
+    // Each of them leaves first once.
     assert!(anna.leave().success());
     anna = Actor::start("simulate", "default", ANNA, GROUP);
     bert.says_containing("restarted");
@@ -241,7 +242,7 @@ fn a_group() {
     assert!(bert.leave().success());
     assert!(anna.leave().success());
 
-    // What each could not remove of the other's goes with the other's next start.
+    // The next start of each user removes what the other user could not.
     std::thread::sleep(Duration::from_millis(1100));
     for user in [ANNA, BERT, User { uid: 4005, gid: 4100 }] {
         assert!(Actor::start("simulate", "default", user, GROUP).leave().success());
@@ -267,13 +268,13 @@ fn a_group_with_many_streams() {
             assert!(anna.leave().success());
         }
     }
-    // All join and leave at once.
+    // All users join and leave at the same time.
     let users = [ANNA, BERT, dora, ANNA, BERT, dora];
     let mut restless = users.map(|user| Actor::start("join_often", "default", user, GROUP));
     for actor in &mut restless {
         actor.says("done");
     }
-    // Who leaves in peace leaves no connection, though the last one at it could not remove it.
+    // A process that exits normally leaves no connection, even if the last process that used it could not remove it.
     for watcher in watchers {
         assert!(watcher.leave().success());
     }
@@ -282,7 +283,7 @@ fn a_group_with_many_streams() {
 }
 
 fn directories_of_a_group() {
-    // Squatted by somebody outside the group, who cannot give it to the group.
+    // Created by a user outside the group, who cannot give it to the group.
     let squat = |mode: u32, gid: u32| {
         let _ = fs::remove_dir_all("/tmp/blvd-4100");
         fs::create_dir("/tmp/blvd-4100").unwrap();
@@ -293,16 +294,16 @@ fn directories_of_a_group() {
         squat(mode, gid);
         assert_names(&attempt("default", ANNA, GROUP), &["/tmp/blvd-4100", "user id 4003", "chgrp 4100"]);
     }
-    // Nor is a link followed.
+    // Links are not followed.
     fs::remove_dir_all("/tmp/blvd-4100").unwrap();
     symlink("/tmp", "/tmp/blvd-4100").unwrap();
     assert_names(&attempt("default", ANNA, GROUP), &["/tmp/blvd-4100"]);
-    // Made beforehand by an administrator, it is used.
+    // A directory that an administrator created beforehand is used.
     fs::remove_file("/tmp/blvd-4100").unwrap();
     squat(0o2770, 4100);
     assert_eq!(attempt("default", ANNA, GROUP), "ok");
 
-    // A link in the group's directory, made by a member, does not open what it points to.
+    // A link that a member creates in the group's directory does not open its target.
     let private = "/tmp/private";
     fs::write(private, "secret").unwrap();
     chown(private, Some(ANNA.uid), Some(ANNA.gid)).unwrap();

@@ -1,7 +1,7 @@
-//! Looking for frames when they are due, instead of sleeping until they are announced.
+//! Busy polling: polling for frames when they are due, instead of sleeping until they are announced.
 //!
-//! Shown by a publisher of iceoryx2 alone that announces nothing: who sleeps finds its frames by the subscriber's look
-//! at the stream every 100 ms, long after they were sent; who looks when they are due finds them at once.
+//! A plain iceoryx2 publisher that announces nothing shows the difference: a sleeping subscriber finds its frames when
+//! it checks the stream every 100 ms, long after they were sent; a polling one finds them at once.
 
 use std::{
     ops::ControlFlow,
@@ -17,10 +17,10 @@ use crate::processes_kit::{self, PATIENCE, plain, skip};
 const TOPIC: &str = "image";
 const PERIOD: Duration = Duration::from_millis(20);
 const LIMIT: Duration = Duration::from_millis(10);
-/// Younger than the sleeper's oldest waiting frame ever is: that is four to five periods old.
+/// Smaller than the age of the oldest queued frame of a sleeping subscriber, which is four to five periods.
 const FRESH: Duration = Duration::from_millis(30);
 
-/// Sends a frame every period, in silence, until it is told to stop.
+/// Sends a frame every period without notification, until it is asked to stop.
 fn publish_in_silence(domain: &Domain, stopping: &AtomicBool) {
     let (node, name) = (plain::node(domain), plain::service(TOPIC));
     let frames = node
@@ -52,7 +52,7 @@ fn age(frame: &Frame) -> Duration {
     Duration::from_nanos(frame.age_ns())
 }
 
-/// Follows the silent stream by `wait` until `look` has seen enough of the first frames after each awakening.
+/// Receives the stream with `wait` until `look` has seen enough of the first frames after each wakeup.
 fn follow(
     test: &str,
     limit: Duration,
@@ -82,14 +82,14 @@ fn follow(
         }
         stopping.store(true, Ordering::Relaxed);
     });
-    // The last of ours takes along what iceoryx2's publisher leaves.
+    // The last node of the bridge removes what iceoryx2's publisher leaves.
     drop(subscriber);
 }
 
-/// Follows until twenty awakenings were fresh, which on a busy machine takes some that are not.
+/// Receives until twenty wakeups found fresh frames; on a busy machine some do not.
 fn until_twenty_are_fresh(test: &str, wait: impl FnMut(&mut Subscriber)) {
     if std::thread::available_parallelism().unwrap().get() == 1 {
-        return skip("on one core nobody looks while the publisher waits for it");
+        return skip("on one core no subscriber polls while the publisher waits for it");
     }
     let (mut fresh, mut seen) = (0, 0);
     follow(test, LIMIT, wait, |frame| {
@@ -101,8 +101,8 @@ fn until_twenty_are_fresh(test: &str, wait: impl FnMut(&mut Subscriber)) {
 }
 
 #[test]
-fn who_sleeps_finds_unannounced_frames_late() {
-    // Some may not be: the first is found when the stream is, and a busy machine may keep the publisher waiting.
+fn a_sleeping_subscriber_finds_unannounced_frames_late() {
+    // Some frames are fresh: the first is found together with the stream, and a busy machine may delay the publisher.
     let most_are_late = || {
         let mut ages = Vec::new();
         let wait = |subscriber: &mut Subscriber| assert!(subscriber.wait(PATIENCE).unwrap());
@@ -117,12 +117,12 @@ fn who_sleeps_finds_unannounced_frames_late() {
 }
 
 #[test]
-fn who_looks_when_they_are_due_finds_them_at_once() {
+fn a_polling_subscriber_finds_unannounced_frames_at_once() {
     until_twenty_are_fresh("awake", |subscriber| assert!(subscriber.wait(PATIENCE).unwrap()));
 }
 
 #[test]
-fn so_does_a_loop_that_waits_for_the_descriptor() {
+fn a_loop_on_the_descriptor_finds_unannounced_frames_at_once() {
     until_twenty_are_fresh("awake-fd", |subscriber| {
         let timeout = Timespec { tv_sec: PATIENCE.as_secs().cast_signed(), tv_nsec: 0 };
         let fd = PollFd::from_borrowed_fd(subscriber.readiness().unwrap(), PollFlags::IN);
@@ -131,7 +131,7 @@ fn so_does_a_loop_that_waits_for_the_descriptor() {
 }
 
 #[test]
-fn every_frame_of_every_publisher_comes_and_time_outs_end_the_wait() {
+fn every_frame_of_every_publisher_arrives_and_timeouts_end_the_wait() {
     let node = Node::open(&processes_kit::domain("lives"), "lives").unwrap();
     let mut subscriber = node.subscriber(TOPIC).unwrap();
     subscriber.set_busy_poll(LIMIT);
@@ -157,7 +157,7 @@ fn every_frame_of_every_publisher_comes_and_time_outs_end_the_wait() {
                 assert_eq!(subscriber.take().unwrap().unwrap().header().seq, seq);
             }
             let publisher = sender.join().unwrap();
-            // The next is due, and does not come.
+            // The next frame is due and does not arrive.
             assert!(!subscriber.wait(Duration::from_millis(2)).unwrap());
             drop(publisher);
         });

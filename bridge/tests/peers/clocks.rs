@@ -1,7 +1,7 @@
-//! Clocks that jump: simulated time backward, by years, to its ends; and a consumer whose monotonic clock is another.
-//! Nothing overflows, nothing hangs, no frame is lost.
+//! Clock jumps: simulated time that goes backward, by years, to its limits; and a consumer with another monotonic
+//! clock. Nothing overflows, nothing hangs, no frame is lost.
 //!
-//! The bridge itself asks no clock that somebody could set: waiting, silence and age are of `CLOCK_MONOTONIC`.
+//! The bridge itself uses no clock that can be set: waits, silence and age use `CLOCK_MONOTONIC`.
 
 use std::{
     process::Command,
@@ -18,7 +18,7 @@ const YEAR_NS: u64 = 365 * 86_400 * 1_000_000_000;
 const JUMPS: [u64; 12] =
     [0, 1, YEAR_NS, 2, u64::MAX, 0, u64::MAX, u64::MAX - 1, 1 << 63, 30 * YEAR_NS, 5, u64::MAX];
 
-/// Tells its clock, then the age of every frame.
+/// Reports its clock, then the age of every frame.
 fn consume(domain: &Domain) {
     report(format_args!("clock {}", mono_ns()));
     let node = Node::open(domain, "consumer").unwrap();
@@ -54,7 +54,7 @@ fn stamps_may_be_anything() {
     for stamp_ns in JUMPS {
         send(&publisher, stamp_ns);
     }
-    // The newest is the one that was sent last.
+    // The newest frame is the one sent last.
     assert_eq!(subscriber.take_newest().unwrap().unwrap().header().stamp_ns, JUMPS[11]);
     drop((publisher, subscriber, node));
     domain.assert_nothing_left();
@@ -101,7 +101,7 @@ fn waits_of_any_length_end() {
     });
 }
 
-/// A container may have a monotonic clock of its own, ahead or behind that of the publisher.
+/// A container may have its own monotonic clock, ahead of or behind the publisher's.
 #[test]
 fn a_consumer_with_another_monotonic_clock() {
     processes_kit::play(|role| consume(&role.domain));
@@ -124,7 +124,7 @@ fn a_consumer_with_another_monotonic_clock() {
 
         let deadline = Instant::now() + PATIENCE;
         while publisher.subscribers() == 0 {
-            assert!(Instant::now() < deadline, "nobody subscribes");
+            assert!(Instant::now() < deadline, "there is no subscriber");
             std::thread::sleep(Duration::from_millis(1));
         }
         for seq in 0..20 {

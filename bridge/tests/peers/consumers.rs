@@ -1,4 +1,5 @@
-//! Consumers that stop, hoard, and are too many: the others, and the publisher, do not notice.
+//! Consumers that stop, that never release frames, or that are too many: other consumers and the publisher are not
+//! affected.
 
 use std::time::{Duration, Instant};
 
@@ -24,8 +25,8 @@ fn spec() -> StreamSpec {
     StreamSpec::new(STREAM, Kind::Image, Encoding::Rgb8, LEN)
 }
 
-/// Sends at a rate, each frame of one value, and tells how long each loan and send took. Frames are a period
-/// apart or more: one that is late does not hurry the next ones, which would overflow anybody's buffer.
+/// Sends frames of one value each at a rate, and reports the time of each loan and send. Frames are at least a period
+/// apart: after a late frame the next ones are not sent faster, which would overflow any buffer.
 fn publish(role: &Role) {
     let node = Node::open(&role.domain, "publisher").unwrap();
     let publisher = node.publisher(&spec()).unwrap();
@@ -48,7 +49,7 @@ fn is_of_one_value(frame: &Frame) -> bool {
     frame.payload().chunks(997).all(|part| part[0] == frame.header().seq as u8)
 }
 
-/// Takes each frame and tells its number, how many were missed before it, and how long it had been waiting.
+/// Takes each frame and reports its number, the frames missed before it, and its age.
 fn consume(domain: &Domain) {
     let node = Node::open(domain, "consumer").unwrap();
     let mut subscriber = node.subscriber(STREAM).unwrap();
@@ -78,7 +79,7 @@ fn hoard(domain: &Domain) {
     }
 }
 
-/// Tries to get in.
+/// Tries to subscribe.
 fn one_too_many(domain: &Domain) {
     let node = Node::open(domain, "late").unwrap();
     let mut subscriber = node.subscriber(STREAM).unwrap();
@@ -100,7 +101,7 @@ fn one_too_many(domain: &Domain) {
     }
 }
 
-/// What a consumer told of one frame.
+/// The report of a consumer about one frame.
 #[derive(Debug)]
 struct Taken {
     seq: u64,
@@ -114,24 +115,24 @@ impl Taken {
     }
 }
 
-/// Numbers that a process told of since the last call.
+/// Returns the numbers that a process reported since the last call.
 fn reports_of(process: &Process) -> Vec<Vec<u64>> {
     std::iter::from_fn(|| process.next_report(Duration::ZERO))
         .map(|line| line.split_whitespace().skip(1).map(|word| word.parse().unwrap()).collect())
         .collect()
 }
 
-/// Frames that a consumer told of since the last call.
+/// Returns the frames that a consumer reported since the last call.
 fn frames_of(consumer: &Process) -> Vec<Taken> {
     reports_of(consumer).iter().map(|words| Taken::new(words)).collect()
 }
 
-/// The next frames that a consumer tells of.
+/// Returns the next frames that a consumer reports.
 fn next_frames(consumer: &Process, count: usize) -> Vec<Taken> {
     (0..count).map(|_| Taken::new(&consumer.expect("frame"))).collect()
 }
 
-/// The number of each frame that a publisher has sent since the last call, and how long its loan and send took.
+/// Returns the number of each frame that a publisher has sent since the last call, and the time of its loan and send.
 fn sends_of(publisher: &Process) -> Vec<(u64, u64)> {
     reports_of(publisher).iter().map(|sent| (sent[0], sent[1])).collect()
 }
@@ -140,7 +141,7 @@ fn times(sends: &[(u64, u64)]) -> Vec<u64> {
     sends.iter().map(|(_, took_ns)| *took_ns).collect()
 }
 
-/// Every frame of `frames` was taken, or counted as missed by the next one: the number of those.
+/// Checks that every frame was taken or counted as missed by the next one. Returns the number of missed frames.
 fn missed_in(frames: &[Taken]) -> u64 {
     for pair in frames.windows(2) {
         assert_eq!(
@@ -152,9 +153,9 @@ fn missed_in(frames: &[Taken]) -> u64 {
     frames[1..].iter().map(|taken| taken.missed).sum()
 }
 
-/// No frame is missing that its consumer could have taken. Its buffer holds two: of what it lost because the machine
-/// did not let it run, the next frame has waited for as long as a frame takes to follow it, which overflowed the
-/// buffer. A frame that was withheld by others' doing leaves a gap before one that comes at once.
+/// Checks that no frame is missing that its consumer could have taken. Its buffer holds two frames. If it lost frames
+/// because the machine did not run it, the next frame has waited at least one period, until another one overflowed the
+/// buffer. If other processes withheld a frame, the next frame after the gap arrives at once.
 fn assert_none_withheld(frames: &[Taken], rate_hz: u64) {
     missed_in(frames);
     for taken in &frames[1..] {
@@ -166,7 +167,7 @@ fn assert_none_withheld(frames: &[Taken], rate_hz: u64) {
 }
 
 #[test]
-fn a_stopped_consumer_harms_nobody_and_knows_what_it_missed() {
+fn a_stopped_consumer_affects_no_other_process_and_counts_its_missed_frames() {
     processes_kit::play(roles);
     let stop = Duration::from_secs(if full() { 10 } else { 4 });
     let mut domain = TestDomain::new("stopped");
@@ -182,14 +183,14 @@ fn a_stopped_consumer_harms_nobody_and_knows_what_it_missed() {
     stopped.signal(Signal::STOP);
     publisher.expect("sent");
     sends_of(&publisher);
-    // Frames until then may have been taken before it stopped; of those from then on it takes none before it goes on.
+    // Earlier frames may have been taken before it stopped; later ones only after it continues.
     for other in &others {
         frames_of(other);
     }
     std::thread::sleep(stop);
     let sends = sends_of(&publisher);
     let mut sends_during = times(&sends);
-    // The others take while it is stopped.
+    // The others receive frames while it is stopped.
     for other in &others {
         let frames = frames_of(other);
         assert_none_withheld(&frames, 30);
@@ -200,7 +201,7 @@ fn a_stopped_consumer_harms_nobody_and_knows_what_it_missed() {
     frames.extend(next_frames(&stopped, 30));
 
     missed_in(&frames);
-    // Two waited in its buffer.
+    // Two frames were in its buffer.
     let missed = frames.iter().map(|taken| taken.missed).max().unwrap();
     assert!(sends.len() > 10 && missed + 2 >= sends.len() as u64, "{missed} missed of {}", sends.len());
     assert!(frames.iter().any(|taken| taken.seq > sends.last().unwrap().0 + 2), "it goes on: {frames:?}");
@@ -213,7 +214,7 @@ fn a_stopped_consumer_harms_nobody_and_knows_what_it_missed() {
         quantile(&mut sends_during, 1.0),
         sends_during.len(),
     );
-    // Half a millisecond of a frame time of 33 is nothing; it is what a busy machine may add to microseconds.
+    // Half a millisecond is small compared with a period of 33 ms; a busy machine may add as much.
     assert!(during < 3 * before + 500_000, "the publisher is not slowed: {during} ns after {before} ns");
 
     drop((stopped, others, publisher));
@@ -221,7 +222,7 @@ fn a_stopped_consumer_harms_nobody_and_knows_what_it_missed() {
 }
 
 #[test]
-fn a_consumer_stopped_while_it_opens_harms_nobody() {
+fn a_consumer_stopped_while_opening_affects_no_other_process() {
     processes_kit::play(roles);
     let rounds = if full() { 400 } else { 30 };
     let mut domain = TestDomain::new("opening");
@@ -237,7 +238,7 @@ fn a_consumer_stopped_while_it_opens_harms_nobody() {
         let stopped = Process::start(&domain, "consume", &[]);
         std::thread::sleep(Duration::from_micros(random.below(30_000)));
         stopped.signal(Signal::STOP);
-        // Neither the publisher nor who comes next waits for the one that is stopped.
+        // Neither the publisher nor a new consumer waits for the stopped one.
         let newcomer = Process::start(&domain, "consume", &[]);
         newcomer.expect("frame");
         newcomers_ns.push(mono_ns() - newcomer.started_mono_ns);
@@ -260,7 +261,7 @@ fn a_consumer_stopped_while_it_opens_harms_nobody() {
 }
 
 #[test]
-fn consumers_that_never_release_harm_nobody() {
+fn consumers_that_never_release_affect_no_other_process() {
     processes_kit::play(roles);
     let mut domain = TestDomain::new("hoards");
     let hoarders: Vec<_> = (0..3).map(|_| Process::start(&domain, "hoard", &[])).collect();
@@ -272,12 +273,12 @@ fn consumers_that_never_release_harm_nobody() {
     other.expect("frame");
     std::thread::sleep(Duration::from_millis(200));
     frames_of(&other);
-    // Many times the pool of 8 · 4 + 1 + 2 frames.
+    // Many times the size of the pool, 8 · 4 + 1 + 2 frames.
     assert_none_withheld(&next_frames(&other, 200), 100);
     for hoarder in hoarders {
         while hoarder.next_report(Duration::ZERO).is_some() {}
         hoarder.expect("held");
-        // Those who are killed give their frames back, too.
+        // Killed consumers return their frames, too.
         hoarder.kill();
     }
     assert_none_withheld(&next_frames(&other, 50), 100);
@@ -309,7 +310,7 @@ fn the_ninth_consumer_gets_in_when_another_goes() {
     let after_end = begin.elapsed();
     assert!(ninth.ended_well(PATIENCE));
 
-    // Its place is free again.
+    // Its slot is free again.
     let eighth = Process::start(&domain, "consume", &[]);
     eighth.expect("frame");
     let ninth = Process::start(&domain, "one_too_many", &[]);

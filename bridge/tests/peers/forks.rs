@@ -1,4 +1,4 @@
-//! A child made by `fork` leaves what lies in shared memory to its parent.
+//! A child made by `fork` leaves shared memory to its parent.
 
 use std::{collections::BTreeSet, time::Duration};
 
@@ -12,14 +12,14 @@ unsafe extern "C" {
     fn _exit(status: i32) -> !;
 }
 
-/// Runs this in a forked child, and whether it came to its end there.
+/// Runs `act` in a forked child. Returns true if it completed there.
 fn in_a_child(act: impl FnOnce()) -> bool {
-    // SAFETY: the child has this thread alone, does what `act` does and ends by `_exit`: nothing of the test program runs
-    // in it afterwards. The memory allocator is usable after `fork`, glibc sees to that.
+    // SAFETY: the child has this thread alone, runs `act` and ends by `_exit`: no other code of the test program runs
+    // in it. glibc keeps the allocator usable after `fork`.
     let child = unsafe { fork() };
     if child == 0 {
         let ended = std::panic::catch_unwind(std::panic::AssertUnwindSafe(act)).is_ok();
-        // SAFETY: it ends the process, and may at any time.
+        // SAFETY: it ends the process, which is allowed at any time.
         unsafe { _exit(i32::from(!ended)) }
     }
     let mut status = -1;
@@ -29,7 +29,7 @@ fn in_a_child(act: impl FnOnce()) -> bool {
 }
 
 #[test]
-fn what_a_forked_child_drops_stays_its_parents() {
+fn objects_dropped_by_a_forked_child_stay_with_its_parent() {
     let mut domain = TestDomain::new("fork");
     let node = Node::open(&domain, "parent").unwrap();
     let publisher = node.publisher(&StreamSpec::new("image", Kind::Image, Encoding::Mono8, 64)).unwrap();
@@ -47,14 +47,14 @@ fn what_a_forked_child_drops_stays_its_parents() {
     send(1);
     assert!(subscriber.wait(PATIENCE).unwrap() && earlier.wait(PATIENCE).unwrap());
     let held = subscriber.take().unwrap().unwrap();
-    // Its subscriber is gone before the fork, so that the frame alone keeps the port.
+    // Its subscriber is gone before the fork, so that only the frame keeps the port open.
     let alone = earlier.take().unwrap().unwrap();
     drop(earlier);
     let loaned = publisher.loan(64).unwrap();
     let files = || domain.files().into_iter().collect::<BTreeSet<_>>();
     let before = files();
 
-    // `fork` copies memory: what the child drops are copies of all of these.
+    // `fork` copies memory: the child drops copies of all of these.
     let mut copies = Some((held, alone, loaned, subscriber));
     let parents = Some((node, publisher));
     assert!(in_a_child(|| {

@@ -1,4 +1,4 @@
-//! Two simulators: refused in one domain, with the name of who holds it; apart in two.
+//! Two simulators: in one domain, the second is refused with the name of the first; in two domains, they are separate.
 
 use std::time::Duration;
 
@@ -15,7 +15,7 @@ fn start(role: &str, domain: &Domain) -> Actor {
 }
 
 #[test]
-fn the_second_is_told_who_holds_the_domain() {
+fn a_second_simulator_is_told_the_name_of_the_first() {
     world::play();
     let domain = domain("held");
     let mut first = start("simulate", &domain);
@@ -30,9 +30,10 @@ fn the_second_is_told_who_holds_the_domain() {
     {
         assert!(text.contains(part), "{part}: {text}");
     }
-    // Its commands are its own, too: many may send, and one publisher more is no second simulator.
+    // Its commands are separate, too: several processes may send commands, so one more publisher is not a second
+    // simulator.
     assert!(node.publisher(&StreamSpec::velocity_command("cmd_vel")).is_ok());
-    // The first goes on, unharmed; once it is killed, its place is free at once.
+    // The first continues unaffected; once it is killed, its slot is free at once.
     let mut subscriber = node.subscriber("image_raw").unwrap();
     assert!(subscriber.wait(PATIENCE).unwrap());
     drop(subscriber);
@@ -66,7 +67,7 @@ fn nothing_crosses_from_domain_to_domain() {
     first.says("command ");
     assert!(!second.has_said("command"), "it hears only what is said in its domain");
 
-    // Neither a domain whose name begins alike, nor another program of iceoryx2 with the same names.
+    // A domain whose name begins alike sees nothing, nor does another iceoryx2 program with the same service names.
     let alike = Domain::new(&format!("{}-x", other.as_str())).unwrap();
     let node = Node::open(&alike, "test").unwrap();
     assert!(node.streams().unwrap().is_empty());
@@ -82,11 +83,11 @@ fn nothing_crosses_from_domain_to_domain() {
     assert!(!second.has_said("command"));
     driver.kill();
     assert!(first.leave().success() && second.leave().success());
-    // What the killed one left goes with the next start.
+    // The next start removes what the killed one left.
     drop(Node::open(&one, "last").unwrap());
 }
 
-/// What is no command is not taken for one, whoever sends it.
+/// A frame that is not a command is not accepted as one from any sender.
 #[test]
 fn a_frame_of_another_kind_is_no_command() {
     let node = Node::open(&domain("kind"), "test").unwrap();

@@ -1,4 +1,4 @@
-//! Several processes, and the violent end of some.
+//! Several processes, some of which are killed.
 
 use std::time::{Duration, Instant};
 
@@ -54,7 +54,7 @@ fn a_killed_publisher_is_replaced_without_restarting_the_subscriber() {
             drop(frame);
             let _ = (next(&mut subscriber), next(&mut subscriber));
             publisher.kill();
-            // What was sent before the kill is still to be had; then there is silence.
+            // Frames sent before the kill are still received; then there is silence.
             while subscriber.wait(Duration::from_millis(50)).unwrap() {
                 subscriber.take().unwrap();
             }
@@ -72,7 +72,7 @@ fn a_killed_publisher_is_replaced_without_restarting_the_subscriber() {
 }
 
 #[test]
-fn what_a_killed_process_left_goes_with_the_next_start() {
+fn the_next_start_removes_files_of_a_killed_process() {
     processes_kit::play(roles);
     let mut domain = TestDomain::new("left");
     let publisher = Process::start(&domain, "publish", &[]);
@@ -89,10 +89,10 @@ fn what_a_killed_process_left_goes_with_the_next_start() {
     domain.assert_nothing_left();
 }
 
-/// What a process killed in the middle of making a port leaves after iceoryx2's attempt to clean up: a dead node
-/// without its description, and a tag in its directory.
+/// A process killed while it creates a port leaves, after iceoryx2's attempt to clean up, a dead node without its
+/// description and with a tag in its directory.
 #[test]
-fn the_remnant_of_a_half_cleaned_node_goes() {
+fn a_half_cleaned_node_is_removed() {
     processes_kit::play(roles);
     let mut domain = TestDomain::new("remnant");
     let child = Process::start(&domain, "join", &[]);
@@ -109,9 +109,10 @@ fn the_remnant_of_a_half_cleaned_node_goes() {
     assert!(!own.exists());
 }
 
-/// What a process leaves that is killed while it cleans up, between the last file of a node and its directory.
+/// A process killed while it cleans up, between removing the last file of a node and its directory, leaves an empty
+/// directory.
 #[test]
-fn the_empty_directory_of_a_node_goes() {
+fn an_empty_directory_of_a_node_is_removed() {
     processes_kit::play(roles);
     let mut domain = TestDomain::new("empty");
     let child = Process::start(&domain, "join", &[]);
@@ -127,14 +128,14 @@ fn the_empty_directory_of_a_node_goes() {
     assert!(!own.exists());
 }
 
-/// A process that cleans up removes the tag of a port and then frees its place in the stream. One that is killed in
-/// between leaves the place taken, and nothing that tells of it.
+/// A process that cleans up removes the tag of a port and then frees its slot in the stream. If it is killed in
+/// between, the slot remains taken, and no tag refers to it.
 #[test]
-fn a_place_that_nobody_has_is_freed() {
+fn a_slot_without_an_owner_is_freed() {
     processes_kit::play(roles);
     let mut domain = TestDomain::new("place");
     let node = Node::open(&domain, "test").unwrap();
-    // Keeps the stream.
+    // Keeps the stream open.
     let mut subscriber = node.subscriber("camera/image_raw").unwrap();
     let publisher = Process::start(&domain, "publish", &[]);
     drop(next(&mut subscriber));
@@ -146,7 +147,7 @@ fn a_place_that_nobody_has_is_freed() {
     std::fs::remove_file(tag.unwrap()).unwrap();
 
     let successor = Process::start(&domain, "publish", &[]);
-    // What the first had sent is still to be had.
+    // Frames of the first publisher are still received.
     while !next(&mut subscriber).restarted() {}
     drop((successor, subscriber, node));
     domain.assert_nothing_left_after_the_next_start();

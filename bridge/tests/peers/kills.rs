@@ -1,7 +1,7 @@
-//! SIGKILL at any moment: 100 times, to the publisher or a consumer, while it opens, loans, sends, waits or takes.
+//! SIGKILL at any time: 100 times, to the publisher or a consumer, while it opens, loans, sends, waits or takes.
 //!
-//! Nothing is left behind, no stream gets stuck, frames resume about as soon as they begin where nothing was killed.
-//! `BELVEDERE_FULL=1` kills 2000 times, `BELVEDERE_SEED` chooses other moments.
+//! No file is left behind, no stream blocks, and frames resume about as soon as they start without a kill.
+//! `BELVEDERE_FULL=1` kills 2000 times, `BELVEDERE_SEED` chooses other times.
 
 use std::time::{Duration, Instant};
 
@@ -14,7 +14,7 @@ use crate::processes_kit::{
 const WIDTH: u32 = 64;
 const LEN: usize = 64 * 64;
 const CONSUMERS: usize = 3;
-/// Starts without a kill, that resumptions are compared with.
+/// Number of starts without a kill, for comparison with resumptions.
 const STARTS: usize = 7;
 const STREAM: &str = "camera/image_raw";
 
@@ -26,7 +26,7 @@ fn roles(role: &Role) {
     }
 }
 
-/// Bursts, so that a kill falls into a loan or a send about as often as between them.
+/// Publishes in bursts, so that a kill hits a loan or a send about as often as a pause.
 fn publish(domain: &Domain) {
     let node = Node::open(domain, "publisher").unwrap();
     let spec = StreamSpec::new(STREAM, Kind::Image, Encoding::Mono8, LEN);
@@ -48,7 +48,7 @@ fn publish(domain: &Domain) {
     }
 }
 
-/// Takes all it can, holds one frame, and says when a publisher's first frame came.
+/// Takes all frames, holds one, and reports the first frame of each publisher.
 fn consume(domain: &Domain) {
     let node = Node::open(domain, "consumer").unwrap();
     let mut subscriber = node.subscriber(STREAM).unwrap();
@@ -84,7 +84,7 @@ impl Victim {
     }
 }
 
-/// All that runs.
+/// The running processes.
 struct Troupe {
     publisher: Process,
     session: u64,
@@ -104,14 +104,14 @@ impl Troupe {
         }
     }
 
-    /// Kills and starts again.
+    /// Kills a process and starts it again.
     fn replace(&mut self, victim: Victim, domain: &Domain) {
         let killed = std::mem::replace(self.of(victim), victim.start(domain));
         killed.kill();
     }
 
-    /// Waits until all consumers have a frame of the living publisher; nanoseconds from the start of `restarted` to
-    /// that frame, for each who had to wait for one.
+    /// Waits until all consumers have a frame of the living publisher. Returns the nanoseconds from the start of
+    /// `restarted` to that frame, for each consumer that had to wait for one.
     fn resume(&mut self, restarted: &[Victim]) -> Vec<u64> {
         let publisher_started = restarted.iter().any(|victim| matches!(victim, Victim::Publisher));
         if publisher_started {
@@ -142,8 +142,8 @@ impl Troupe {
     }
 }
 
-/// Cleans up until the domain takes this much. What a process left that never got far is taken for a remnant only a
-/// second after its birth.
+/// Cleans up until the domain has the expected usage. The files of a process that was killed early count as remnants
+/// only one second after their creation.
 fn settle(observer: &Node, domain: &mut TestDomain, steady: Usage, patience: Duration) -> Result<(), Usage> {
     let deadline = Instant::now() + patience;
     loop {
@@ -157,7 +157,7 @@ fn settle(observer: &Node, domain: &mut TestDomain, steady: Usage, patience: Dur
 }
 
 #[test]
-fn kills_leave_nothing_and_stop_nothing() {
+fn kills_leave_no_files_and_block_no_stream() {
     processes_kit::play(roles);
     let kills = if full() { 2000 } else { 100 };
     let begin = Instant::now();
@@ -183,14 +183,14 @@ fn kills_leave_nothing_and_stop_nothing() {
     let mut killed = 0;
     let (mut publishers, mut while_opening) = (0, 0);
     while killed < kills {
-        // At any moment of a burst and of the pause after it.
+        // At any time of a burst or of the pause after it.
         std::thread::sleep(Duration::from_micros(random.below(8_000)));
         let victim = if random.below(2) == 0 { Victim::Publisher } else { random.one_of(&all[1..]) };
         let mut restarted = vec![victim];
         troupe.replace(victim, &domain);
         killed += 1;
         publishers += usize::from(matches!(victim, Victim::Publisher));
-        // Once more while it opens, up to thrice; now and then another one with it.
+        // Up to three more kills while it opens; sometimes of another process.
         for _ in 0..random.below(4) {
             std::thread::sleep(Duration::from_micros(random.below(20_000)));
             let again = if random.below(4) == 0 { random.one_of(&all) } else { victim };
@@ -202,8 +202,8 @@ fn kills_leave_nothing_and_stop_nothing() {
         }
         resume_ns.extend(troupe.resume(&restarted));
         if let Err(usage) = settle(&observer, &mut domain, steady, Duration::from_secs(3)) {
-            // An end that was killed while it was connecting leaves its half of a connection, some hundred bytes, as
-            // long as the other end lives.
+            // A process killed while it was connecting leaves its half of a connection, some hundred bytes, as long as
+            // the other end lives.
             lingering += 1;
             println!(
                 "after {killed} kills, {restarted:?}: {usage:?}, not {steady:?}, until the other end closes"

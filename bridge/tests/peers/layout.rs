@@ -1,4 +1,4 @@
-//! The header as bytes: what a reader in another language relies on.
+//! The header as bytes, as readers in other languages see it.
 
 use belvedere_bridge::{Encoding, FrameError, FrameHeader, Intrinsics, Kind, ScanGeometry, Text};
 
@@ -9,7 +9,7 @@ fn image(width: u32, height: u32) -> (FrameHeader, usize) {
     (header, len)
 }
 
-/// Every field is set to a value of its own and found again at its offset in memory order.
+/// Sets every field to its own value and finds it at its offset.
 #[test]
 fn every_field_lies_where_the_wire_format_says() {
     let mut header = FrameHeader {
@@ -94,12 +94,12 @@ fn blocks_belong_to_their_kinds() {
 fn good_geometry_passes() {
     let (header, len) = image(640, 480);
     assert_eq!(header.check(len), Ok(()));
-    // The last row need not be padded.
+    // The last row may be unpadded.
     let padded = FrameHeader { row_stride: 2048, payload_len: 479 * 2048 + 1920, ..header };
     assert_eq!(padded.check(479 * 2048 + 1920), Ok(()));
-    // Nothing at all is a frame too: an empty list of transforms.
+    // An empty frame is valid: an empty list of transforms.
     assert_eq!(FrameHeader::new(Kind::Transforms, Encoding::Struct).check(0), Ok(()));
-    // A later version's kind and encoding are no error, only not understood.
+    // An unknown kind or encoding of a later version is not an error.
     assert_eq!(FrameHeader { kind: 999, encoding: 999, ..header }.check(len), Ok(()));
 }
 

@@ -1,4 +1,4 @@
-//! A publisher that waits for its consumers: for those that are named, as long as they live, and not for ever.
+//! A publisher that waits for its consumers: only for the named ones, as long as they live, and for a limited time.
 
 use std::time::{Duration, Instant};
 
@@ -29,7 +29,7 @@ fn send(publisher: &Publisher, stamp_ns: u64) -> Result<usize, Error> {
 }
 
 #[test]
-fn the_named_lose_nothing_and_the_others_slow_nobody() {
+fn named_consumers_lose_no_frame_and_others_do_not_slow_the_publisher() {
     const FRAMES: u64 = 200;
     let domain = domain("named");
     let publisher = open(&domain, &["recorder"], PATIENCE);
@@ -53,7 +53,7 @@ fn the_named_lose_nothing_and_the_others_slow_nobody() {
         }
     });
     assert_eq!(recorder.missed_total(), 0);
-    // The viewer never looked: it has the first two, and what came after found no room.
+    // The viewer never took a frame: it has the first two, and there was no room for later ones.
     let first = viewer.take().unwrap().unwrap();
     assert_eq!((first.header().stamp_ns, first.missed()), (0, 0));
     drop(first);
@@ -65,7 +65,7 @@ fn the_named_lose_nothing_and_the_others_slow_nobody() {
 }
 
 #[test]
-fn who_holds_it_up_is_named() {
+fn a_consumer_that_holds_up_the_publisher_is_named() {
     let domain = domain("held");
     let publisher = open(&domain, &[], Duration::from_millis(50));
     let mut subscriber = subscribe(&domain, "sleepy \"mapper\"");
@@ -82,7 +82,7 @@ fn who_holds_it_up_is_named() {
     for word in ["sleepy", "image", "0.05 s", &std::process::id().to_string()] {
         assert!(error.to_string().contains(word), "{error}");
     }
-    // It goes on with whoever wakes up.
+    // It continues with a consumer that wakes up.
     assert_eq!(subscriber.take().unwrap().unwrap().header().stamp_ns, 0);
     send(&publisher, 3).unwrap();
     assert_eq!(subscriber.take().unwrap().unwrap().header().stamp_ns, 1);

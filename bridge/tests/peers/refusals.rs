@@ -1,4 +1,4 @@
-//! What a domain refuses for want of a place, and in which words.
+//! Errors for limits that a domain has reached.
 
 use std::{
     fs::File,
@@ -19,7 +19,7 @@ fn image(topic: &str) -> StreamSpec {
     StreamSpec::new(topic, Kind::Image, Encoding::Mono8, 64)
 }
 
-/// Stands for a process that has a stream open, without a place for a subscriber: a node of iceoryx2 alone.
+/// Opens a stream like a process that takes no subscriber slot: a node of plain iceoryx2.
 fn holder(domain: &Domain, topic: &str) -> impl Sized + use<> {
     let (node, name) = (plain::node(domain), plain::service(topic));
     let builder = || node.service_builder(&name);
@@ -29,12 +29,12 @@ fn holder(domain: &Domain, topic: &str) -> impl Sized + use<> {
 }
 
 #[test]
-fn forty_processes_have_a_stream_open_and_the_next_one_is_told() {
+fn the_41st_process_of_a_stream_is_refused() {
     let domain = domain("forty");
     let node = Node::open(&domain, "simulator").unwrap();
     let publisher = node.publisher(&image("image")).unwrap();
     let mut holders: Vec<_> = (0..38).map(|_| holder(&domain, "image")).collect();
-    // The last place.
+    // The last slot.
     let viewer = Node::open(&domain, "viewer").unwrap();
     assert_eq!(viewer.streams().unwrap().len(), 1);
     let mut images = viewer.subscriber("image").unwrap();
@@ -58,7 +58,7 @@ fn forty_processes_have_a_stream_open_and_the_next_one_is_told() {
 }
 
 #[test]
-fn the_ninth_sender_of_commands_is_one_too_many() {
+fn the_ninth_sender_of_commands_is_refused() {
     let node = Node::open(&domain("ninth"), "driver").unwrap();
     let spec = StreamSpec::velocity_command("cmd_vel");
     let mut commands = node.command_subscriber(&spec).unwrap();
@@ -76,9 +76,9 @@ fn the_ninth_sender_of_commands_is_one_too_many() {
     assert!(commands.take().unwrap().is_some());
 }
 
-/// A consumer that takes no frame does not see that a publisher has ended.
+/// A consumer that takes no frames does not notice that a publisher has ended.
 #[test]
-fn a_consumer_that_keeps_a_stream_open_otherwise_than_asked_is_named() {
+fn a_consumer_that_keeps_a_stream_open_with_other_settings_is_named() {
     let domain = domain("kept");
     let slow = Node::open(&domain, "slow").unwrap();
     let mut images = slow.subscriber("image").unwrap();
@@ -91,13 +91,13 @@ fn a_consumer_that_keeps_a_stream_open_otherwise_than_asked_is_named() {
     ] {
         let simulator = Node::open(&domain, "simulator").unwrap();
         let publisher = simulator.publisher(first).unwrap();
-        // A subscriber looks for a stream that is not there every 20 ms, however often it is asked.
+        // A subscriber searches for a missing stream every 20 ms, however often it is called.
         let deadline = Instant::now() + Duration::from_secs(10);
         while images.publishers() == 0 && Instant::now() < deadline {
             assert!(!images.wait(Duration::from_millis(5)).unwrap());
         }
         assert_eq!(images.publishers(), 1);
-        // While it is published, that is the reason.
+        // While the stream is published, that is the reason.
         let error = Node::open(&domain, "second").unwrap().publisher(second).unwrap_err();
         assert!(matches!(&error, Error::DomainInUse { .. }), "{error}");
         drop(publisher);
@@ -108,14 +108,14 @@ fn a_consumer_that_keeps_a_stream_open_otherwise_than_asked_is_named() {
             assert!(words.contains(part), "\"{part}\" is not in: {words}");
         }
         assert!(!words.contains("version"), "{words}");
-        // It looks for a frame, and with that lets go.
+        // It checks for a frame, and thereby closes the stream.
         assert!(!images.wait(Duration::ZERO).unwrap());
         drop(simulator.publisher(second).unwrap());
         assert!(!images.wait(Duration::ZERO).unwrap());
     }
 }
 
-/// Runs this test in a process with these limits of the shell.
+/// Runs this test in a process with these shell limits.
 fn run_limited(limits: &str) -> String {
     let output = Command::new("sh")
         .args([
@@ -144,7 +144,7 @@ fn a_limit_of_open_files_is_named_with_its_remedy() {
     assert!(!soft.contains("nofile="), "{soft}");
 }
 
-/// Opens files until no more can be had.
+/// Opens files until the limit is reached.
 fn take_all_files() -> Vec<File> {
     std::iter::from_fn(|| File::open("/dev/null").ok()).collect()
 }
@@ -155,7 +155,7 @@ fn out_of_files() {
         assert!(matches!(error, Error::TooManyOpenFiles { .. }), "{what}: {error:?}");
         println!("{error}");
     };
-    // With none left, and with so few that it ends in the middle of each step.
+    // With none left, and with so few that the limit is reached within each step.
     for left in 0..10 {
         let mut files = take_all_files();
         files.truncate(files.len() - left);
@@ -170,7 +170,7 @@ fn out_of_files() {
         told("a subscriber", node.subscriber("first").unwrap().wait(Duration::ZERO).unwrap_err());
         told("a receiver", node.command_subscriber(&StreamSpec::velocity_command("cmd_vel")).unwrap_err());
         drop(files);
-        // What was there goes on, and what was refused can be had.
+        // Existing streams continue, and refused ones can be opened.
         let mut subscriber = node.subscriber("first").unwrap();
         assert!(!subscriber.wait(Duration::ZERO).unwrap());
         let mut frame = publisher.loan(64).unwrap();

@@ -1,4 +1,4 @@
-//! What killed processes left, spoilt since in every way: the next start works, soon, and leaves nothing.
+//! Files of killed processes, damaged in every way: the next start succeeds, quickly, and leaves nothing.
 
 use std::{
     fs,
@@ -18,11 +18,11 @@ fn spoilt_remains_do_not_hinder_the_next_start() {
 }
 
 #[test]
-fn what_lies_where_directories_belong_is_named() {
+fn a_file_in_place_of_a_directory_is_named() {
     world::run(64, false, directories_in_the_way);
 }
 
-/// A file as it was left.
+/// A file that was left, with its content.
 struct Remnant {
     path: PathBuf,
     permissions: fs::Permissions,
@@ -47,7 +47,7 @@ impl Remnant {
         fs::set_permissions(&self.path, self.permissions.clone()).unwrap();
     }
 
-    /// Spoils it in one of [`WAYS`]; a socket has but one.
+    /// Damages the file in one of [`WAYS`]; a socket has only one.
     fn spoil(&self, way: &str) {
         if way == "gone" {
             return fs::remove_file(&self.path).unwrap();
@@ -84,7 +84,7 @@ fn spoilt_remains() {
         for way in WAYS.into_iter().filter(|way| spoilt.bytes.is_some() || *way == "gone") {
             let case = format!("{way}: {}", spoilt.path.display());
             let mut took = start_among(&remains, Some((spoilt, way)), &case);
-            // A start that waits for something waits for it each time, and longer than one among whole remains.
+            // A start that waits for a timeout does so each time, and takes longer than a start among undamaged files.
             let waits = |took| took > 20 * start_among(&remains, None, "whole");
             for attempt in 1.. {
                 if took < Duration::from_secs(1) || !waits(took) {
@@ -101,7 +101,8 @@ fn spoilt_remains() {
     println!("{} files spoilt in 5 ways; slowest start {slowest:?}", remains.len());
 }
 
-/// Restores what was left, spoils a part of it, and starts a simulator, which leaves nothing; how long the start took.
+/// Restores the files, damages one of them, and starts a simulator, which leaves nothing. Returns the duration of the
+/// start.
 fn start_among(remains: &[Remnant], spoilt: Option<(&Remnant, &str)>, case: &str) -> Duration {
     remains.iter().for_each(Remnant::restore);
     if let Some((spoilt, way)) = spoilt {

@@ -1,4 +1,4 @@
-//! Too little shared memory: said before the first frame, never a bus error in the middle of one.
+//! Too little shared memory: an error before the first frame, never a bus error in the middle of one.
 
 use std::{
     fs::{self, File},
@@ -23,12 +23,12 @@ fn too_little_is_refused_before_the_first_frame() {
 }
 
 #[test]
-fn what_others_write_later_does_not_take_the_frames_room() {
+fn later_writes_of_other_programs_do_not_use_the_allocated_pages() {
     world::run(48, false, filled_after_the_start);
 }
 
 #[test]
-fn a_full_shared_memory_is_told() {
+fn a_full_shared_memory_is_an_error() {
     world::run(4, false, full);
 }
 
@@ -71,15 +71,15 @@ fn fill() -> PathBuf {
 fn too_small() {
     let node = Node::open(&domain("small"), "test").unwrap();
     let error = node.publisher(&spec()).unwrap_err();
-    // 35 frames, and 1 MiB for books.
+    // 35 frames, and 1 MiB for bookkeeping.
     assert!(matches!(error, Error::SharedMemoryTooSmall { needed_mib: 32, free_mib: 7..=8, .. }), "{error}");
     let text = error.to_string();
     assert!(text.contains("/dev/shm is too small") && text.contains("--shm-size"), "{text}");
-    // What fits is made; what does not fit any more beside it is refused.
+    // A stream that fits is opened; another one that does not fit in addition is refused.
     let smaller = |topic: &str, len| StreamSpec::new(topic, Kind::Image, Encoding::Mono8, len);
     let _first = node.publisher(&smaller("first", 80_000)).unwrap();
     assert!(matches!(node.publisher(&smaller("second", 160_000)), Err(Error::SharedMemoryTooSmall { .. })));
-    // The same of a process that simply starts.
+    // A process that simply starts reports the same.
     let mut actor = Actor::start("simulate_large", "large", ROOT, &[]);
     let told = actor.says("error ");
     assert!(told.contains("needs 32 MiB"), "{told}");
@@ -90,7 +90,7 @@ fn filled_after_the_start() {
     let node = Node::open(&domain, "test").unwrap();
     let publisher = node.publisher(&spec()).unwrap();
     let mut subscriber = connected(&node);
-    // Before the first frame was written, another program takes all the rest.
+    // Before the first frame is written, another program fills the rest.
     let filler = fill();
     let mut held = Vec::new();
     for count in 0..200 {
@@ -102,7 +102,7 @@ fn filled_after_the_start() {
             held.clear();
         }
     }
-    // Others are told, on either side.
+    // New subscribers and publishers get errors.
     let mut late = node.subscriber("image_raw").unwrap();
     assert!(matches!(late.wait(Duration::ZERO), Err(Error::SharedMemoryTooSmall { .. })));
     fs::remove_file(&filler).unwrap();
@@ -111,7 +111,7 @@ fn filled_after_the_start() {
     let filler = fill();
     let error = publisher.loan(LEN).unwrap_err();
     assert!(matches!(error, Error::SharedMemoryTooSmall { needed_mib: 1..=21, free_mib: 0, .. }), "{error}");
-    // When there is room again it goes on.
+    // It continues once there is room again.
     fs::remove_file(filler).unwrap();
     assert_eq!(send(&publisher).unwrap(), 4);
     drop(more);
@@ -125,9 +125,9 @@ fn full() {
     assert!(Node::open(&domain("full"), "test").is_ok());
 }
 
-/// That iceoryx2 hands out the frame that came back last is what `Pool` relies on.
+/// `Pool` relies on iceoryx2 reusing the frame that was returned last.
 #[test]
-fn frames_lie_in_what_was_taken() {
+fn frames_lie_in_allocated_pages() {
     let domain = domain("taken");
     let node = Node::open(&domain, "test").unwrap();
     let publisher = node.publisher(&spec()).unwrap();
@@ -146,7 +146,7 @@ fn frames_lie_in_what_was_taken() {
             let loaned = publisher.loan(LEN).unwrap();
             send(&publisher).unwrap();
             drop(loaned);
-            // Some take all, some are behind, all hold what they may.
+            // Some take all frames, some are behind, and all hold as many as they may.
             for subscriber in subscribers.iter_mut().skip(round % 3) {
                 match subscriber.take() {
                     Ok(frame) => held.extend(frame),

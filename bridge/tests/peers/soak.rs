@@ -1,7 +1,7 @@
-//! A robot with a Kinect and a lidar, six streams at 30 Hz in their real sizes, and four consumer processes: memory,
-//! files and descriptors stay as they are, and no frame is lost without a reason.
+//! A robot with a Kinect and a lidar, six streams at 30 Hz in their real sizes, and four consumer processes: the use of
+//! memory, files and descriptors is constant, and no frame is lost without a reason.
 //!
-//! 8 seconds, or as many as `BELVEDERE_SOAK_SECONDS` says; `BELVEDERE_FULL=1` takes ten minutes.
+//! Takes 8 seconds, or `BELVEDERE_SOAK_SECONDS`; `BELVEDERE_FULL=1` takes ten minutes.
 
 use std::{
     fs,
@@ -18,7 +18,7 @@ use crate::processes_kit::{self, PATIENCE, Process, Role, TestDomain, Usage, ful
 const CONSUMERS: usize = 4;
 const RATE_HZ: u64 = 30;
 const PERIOD: Duration = Duration::from_nanos(1_000_000_000 / RATE_HZ);
-/// Growth of a process's own memory from the first quarter to the end that an allocator may take for its own use.
+/// Allowed growth of a process's own memory from the first quarter to the end, for the allocator's own use.
 const MEMORY_SLACK_KIB: u64 = 256;
 
 struct Stream {
@@ -78,8 +78,8 @@ fn roles(role: &Role) {
     }
 }
 
-/// Frames of a stream are a period apart or more: one that is late does not hurry the next ones, which would overflow
-/// anybody's buffer.
+/// Publishes all streams. The frames of a stream are at least a period apart: after a late frame the next ones are not
+/// sent faster, which would overflow any buffer.
 fn publish(domain: &Domain) {
     let node = Node::open(domain, "robot").unwrap();
     let publishers = STREAMS.map(|stream| node.publisher(&stream.spec()).unwrap());
@@ -94,17 +94,17 @@ fn publish(domain: &Domain) {
     }
 }
 
-/// What one consumer saw of one stream.
+/// The counts of one consumer of one stream.
 #[derive(Default)]
 struct Tally {
     frames: u64,
     missed: u64,
-    /// Frames that are gone without a count, or that the consumer could have taken.
+    /// Frames that were lost without being counted, or that the consumer could have taken.
     unexplained: u64,
     worst_age_us: u64,
 }
 
-/// Argument: seconds. A thread for each stream, as most programs have it.
+/// Consumes with one thread for each stream, as most programs do. Argument: seconds.
 fn consume(role: &Role) {
     let node = Node::open(&role.domain, "consumer").unwrap();
     let duration = Duration::from_secs(role.number(0));
@@ -118,7 +118,7 @@ fn consume(role: &Role) {
             });
         }
     });
-    // To be looked at until it is killed.
+    // Stays, to be inspected, until it is killed.
     std::thread::sleep(PATIENCE);
 }
 
@@ -134,7 +134,7 @@ fn follow(mut subscriber: Subscriber, stream: &Stream, duration: Duration) -> Ta
             let seq = frame.header().seq;
             if let Some(last_seq) = last.replace(seq) {
                 let gap = seq - last_seq - 1;
-                // A buffer of two overflows when one more comes, a period after the frame that is then the oldest.
+                // A buffer of two overflows if another frame arrives, one period after the oldest.
                 let was_waiting = u128::from(frame.age_ns()) >= PERIOD.as_nanos();
                 if gap != frame.missed() || (gap > 0 && !was_waiting) {
                     tally.unexplained += gap.max(1);
@@ -155,7 +155,7 @@ fn follow(mut subscriber: Subscriber, stream: &Stream, duration: Duration) -> Ta
     tally
 }
 
-/// What a process has.
+/// The resources of a process.
 #[derive(Clone, Copy, Debug)]
 struct Footprint {
     own_kib: u64,
@@ -248,8 +248,8 @@ fn memory_is_constant_and_no_frame_is_lost_without_a_reason() {
     }
     for line in tallies.iter().flatten() {
         let [_, frames, missed, unexplained, _] = line[..] else { panic!("five numbers: {line:?}") };
-        assert_eq!(unexplained, 0, "a gap that nobody can explain: {line:?}");
-        // As many as a robot sends that is late most of the time; but not none.
+        assert_eq!(unexplained, 0, "an unexplained gap: {line:?}");
+        // The frames of a robot that is late most of the time, but not none.
         assert!((frames + missed) * 10 >= seconds * RATE_HZ, "{line:?}");
     }
     drop((publisher, consumers));

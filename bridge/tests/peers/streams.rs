@@ -12,7 +12,7 @@ use crate::processes_kit::{PATIENCE, TestDomain, domain};
 
 const SHORT: Duration = Duration::from_millis(20);
 
-/// A domain of this test's own.
+/// Opens a node in a domain of this test.
 fn node(test: &str) -> Node {
     Node::open(&domain(test), test).unwrap()
 }
@@ -52,7 +52,7 @@ fn a_frame_arrives_as_it_was_written() {
 }
 
 #[test]
-fn a_slow_subscriber_loses_its_oldest_and_is_told() {
+fn a_slow_subscriber_loses_its_oldest_frames_and_counts_them() {
     let node = node("slow");
     let publisher = node.publisher(&image_spec("image")).unwrap();
     let mut subscriber = node.subscriber("image").unwrap();
@@ -61,7 +61,7 @@ fn a_slow_subscriber_loses_its_oldest_and_is_told() {
         send(&publisher, value);
     }
     let frame = subscriber.take().unwrap().unwrap();
-    // A buffer of two: 8 and 9 are left. Nothing was taken before, so nothing counts as missed.
+    // A buffer of two: 8 and 9 are left. No frame was taken before, so none counts as missed.
     assert_eq!((frame.payload()[0], frame.missed()), (8, 0));
     for value in 10..14 {
         send(&publisher, value);
@@ -104,7 +104,7 @@ fn a_held_frame_stays_as_it_was_when_its_subscriber_closes() {
     send(&publisher, 1);
     let held = subscriber.take().unwrap().unwrap();
     drop(subscriber);
-    // More than the publisher's pool holds.
+    // More frames than the publisher's pool holds.
     for value in 2..100 {
         send(&publisher, value);
     }
@@ -129,7 +129,7 @@ fn a_late_subscriber_gets_the_last_frame() {
     assert_eq!(received[1].translation, [1.0, 2.0, 3.0]);
     assert!(frame.message::<Clock>().is_err(), "a transform is not a clock");
 
-    // Another in its place, before the publisher looks again: as many as before, and yet one that has nothing.
+    // Another subscriber replaces it before the publisher checks again: the same number, but without frames.
     drop((frame, subscriber));
     let mut subscriber = node.subscriber("tf_static").unwrap();
     assert!(!subscriber.wait(SHORT).unwrap());
@@ -156,7 +156,7 @@ fn a_restarted_publisher_is_picked_up() {
         }
         assert!(!subscriber.wait(SHORT).unwrap());
         assert_eq!(subscriber.publishers(), 0);
-        // Nobody holds the stream of the dead publisher.
+        // No process holds the stream of the dead publisher.
         assert_eq!(node.streams().unwrap(), []);
     }
 }
@@ -172,7 +172,7 @@ fn commands_come_from_many() {
     late.send_structs(0, &[forward(1.0)]).unwrap();
     early.send_structs(0, &[forward(2.0)]).unwrap();
     let newest: VelocityCommand = commands.take_newest().unwrap().unwrap().message().unwrap();
-    assert_eq!(newest, forward(2.0), "the last one sent counts, whoever sent it");
+    assert_eq!(newest, forward(2.0), "the last command counts, whichever process sent it");
     drop((early, late));
     assert!(!commands.wait(SHORT).unwrap());
     let again = node.publisher(&spec).unwrap();

@@ -1,7 +1,7 @@
-//! A process killed between making a file of shared memory and giving it a size stops nobody.
+//! A process killed between creating a file in shared memory and setting its size does not block others.
 //!
-//! iceoryx2 waits for such a file without end, where it may open it: as root. The moment is too short to be hit by a
-//! kill, so the file is made here, under the name that the dead had for it.
+//! iceoryx2 waits for such a file without end if it may open it, that is as root. The interval is too short to be hit
+//! by a kill, so the test creates the file, under the name that the killed process would have used.
 
 use std::{
     fs::{self, OpenOptions},
@@ -46,21 +46,21 @@ fn consume(domain: &Domain) {
     }
 }
 
-/// The connections of a domain.
+/// Returns the connections of a domain.
 fn connections(domain: &TestDomain) -> Vec<PathBuf> {
     let mut files = domain.files();
     files.retain(|path| path.extension().is_some_and(|kind| kind == "connection"));
     files
 }
 
-/// As it is after the first of the steps in which iceoryx2 makes it.
+/// Creates the file as it is after the first of iceoryx2's steps.
 fn make_unborn(path: &PathBuf) {
     let _ = fs::remove_file(path);
     OpenOptions::new().write(true).create_new(true).mode(0o200).open(path).unwrap();
 }
 
 #[test]
-fn who_cleans_up_after_the_dead_goes_on() {
+fn cleanup_after_a_killed_process_does_not_hang() {
     processes_kit::play(roles);
     let mut domain = TestDomain::new("unborn");
     let publisher = Process::start(&domain, "publish", &[]);
@@ -68,7 +68,7 @@ fn who_cleans_up_after_the_dead_goes_on() {
     consumer.expect("frame");
     let [connection] = &connections(&domain)[..] else { panic!("one connection") };
     consumer.kill();
-    // Its publisher cleans up after nobody as long as it has something to send.
+    // Its publisher does not clean up as long as it has frames to send.
     make_unborn(connection);
     let next = Process::start(&domain, "consume", &[]);
     next.expect_within("frame", PATIENCE);
@@ -77,7 +77,7 @@ fn who_cleans_up_after_the_dead_goes_on() {
 }
 
 #[test]
-fn nothing_without_a_size_stays() {
+fn files_without_a_size_are_removed() {
     if !rustix::process::geteuid().is_root() {
         return skip("only root waits for such files, so only root removes them");
     }

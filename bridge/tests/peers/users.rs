@@ -1,4 +1,4 @@
-//! Several users of one machine, each with domains of their own: nobody meets or hinders anybody.
+//! Several users of one machine, each with their own domains: they do not see or affect each other.
 
 use std::{path::Path, time::Duration};
 
@@ -12,7 +12,7 @@ fn users_run_side_by_side() {
     world::run(64, true, side_by_side);
 }
 
-/// In a domain of the same name, the default one; whichever of them was first.
+/// Runs in the domain of the same name, the default one, in either order.
 fn side_by_side() {
     for (first, second) in
         [(ANNA, CARL), (CARL, ANNA), (ROOT, ANNA), (ANNA, ROOT), (ROOT, CARL), (CARL, ROOT)]
@@ -22,7 +22,7 @@ fn side_by_side() {
         let (mut early, mut late) = (start("simulate", first), start("simulate", second));
         early.says("ready");
         late.says("ready");
-        // Each one's frames and commands are that one's.
+        // Each user's frames and commands are separate.
         let mut driver = start("drive", first);
         driver.says("frame 3");
         early.says("command ");
@@ -30,7 +30,7 @@ fn side_by_side() {
         let mut other_driver = start("drive", second);
         other_driver.says("frame 3");
         late.says("command ");
-        // One sees the streams of one simulator, whose publisher is that one's.
+        // Each user sees the streams of one simulator, their own.
         for (user, simulator) in [(first, &early), (second, &late)] {
             let mut curious = start("try", user);
             assert_eq!(curious.says("open "), "ok", "{case}");
@@ -38,12 +38,12 @@ fn side_by_side() {
             let told = curious.says("publish ");
             assert!(told.contains(&format!("process {})", simulator.pid())), "{case}: {told}");
         }
-        // The first is killed, which the second does not notice.
+        // The first is killed; the second is not affected.
         early.kill();
         driver.kill();
         late.forget();
         late.says("command ");
-        // The next start of the first cleans up after it, and after nobody else.
+        // The next start of the first user cleans up only that user's files.
         let mut again = start("simulate", first);
         again.says("ready");
         late.forget();
@@ -52,7 +52,7 @@ fn side_by_side() {
             assert!(actor.leave().success(), "{case}");
         }
     }
-    // What was killed in its first second goes with its user's first start after that.
+    // The files of a process killed in its first second are removed by its user's first start after that second.
     std::thread::sleep(Duration::from_millis(1100));
     for user in [ANNA, CARL, ROOT] {
         assert!(Actor::start("simulate", "default", user, &[]).leave().success());

@@ -1,4 +1,4 @@
-//! Peers of other versions: both are named.
+//! Peers of other versions: errors name both versions.
 
 use std::{
     fs::File,
@@ -21,7 +21,7 @@ use crate::processes_kit::{PATIENCE, domain, plain, skip};
 #[type_name("belvedere.FrameHeader.v3")]
 struct NextHeader([u64; 32]);
 
-/// A header of the same name and another size.
+/// A header with the same name and another size.
 #[derive(Debug, Clone, Copy, ZeroCopySend)]
 #[repr(C)]
 #[repr(align(64))]
@@ -32,7 +32,7 @@ fn spec() -> StreamSpec {
     StreamSpec::new("image_raw", Kind::Image, Encoding::Mono8, 64)
 }
 
-/// What reading and publishing a stream that somebody else has made give.
+/// Returns the errors of reading and publishing a stream that another program has created.
 fn told(domain: &Domain) -> String {
     let start = Instant::now();
     let node = Node::open(domain, "test").unwrap();
@@ -52,14 +52,14 @@ fn foreign_stream<H: ZeroCopySend + std::fmt::Debug>(domain: &Domain) -> impl Si
 }
 
 #[test]
-fn another_header_is_named_beside_ours() {
+fn an_incompatible_header_is_named() {
     let next = domain("next");
     let stream = foreign_stream::<NextHeader>(&next);
     let text = told(&next);
     assert!(text.contains("belvedere.FrameHeader.v3 of 256 bytes"), "{text}");
     assert!(text.contains("belvedere.FrameHeader.v2 of 384 bytes"), "{text}");
     drop(stream);
-    // A node of iceoryx2 alone leaves its counter; the last of ours takes it along.
+    // A plain iceoryx2 node leaves its counter; the last node of the bridge removes it.
     drop(Node::open(&next, "last").unwrap());
 
     let short = domain("short");
@@ -68,13 +68,13 @@ fn another_header_is_named_beside_ours() {
     assert!(text.contains("belvedere.FrameHeader.v2 of 128 bytes"), "{text}");
     assert!(text.contains("belvedere.FrameHeader.v2 of 384 bytes"), "{text}");
     drop(stream);
-    // A node of iceoryx2 alone leaves its counter; the last of ours takes it along.
+    // A plain iceoryx2 node leaves its counter; the last node of the bridge removes it.
     drop(Node::open(&short, "last").unwrap());
 }
 
-/// The book of a stream as iceoryx2 0.9.3 would have begun it.
+/// The dynamic part of a stream as iceoryx2 0.9.3 would have begun it.
 #[test]
-fn another_iceoryx2_is_named_beside_ours() {
+fn another_version_of_iceoryx2_is_named() {
     let domain = domain("book");
     let node = Node::open(&domain, "test").unwrap();
     let publisher = node.publisher(&spec()).unwrap();
@@ -97,7 +97,7 @@ fn another_iceoryx2_is_named_beside_ours() {
     drop((publisher, node));
 }
 
-/// A program that makes the stream with whatever iceoryx2 its Python has.
+/// A program that creates the stream with the iceoryx2 of its Python.
 const PROGRAM: &str = r#"
 import ctypes, sys
 import iceoryx2 as iox2
@@ -125,7 +125,7 @@ else:
         print("refused:", error, flush=True)
 "#;
 
-/// With a Python that has `iceoryx2==0.9.*`, named by `BELVEDERE_TEST_PYTHON_ICEORYX2_0_9`.
+/// Uses a Python that has `iceoryx2==0.9.*`, named by `BELVEDERE_TEST_PYTHON_ICEORYX2_0_9`.
 #[test]
 fn a_real_peer_of_version_0_9() {
     let Some(python) = std::env::var_os("BELVEDERE_TEST_PYTHON_ICEORYX2_0_9") else {
@@ -142,13 +142,13 @@ fn a_real_peer_of_version_0_9() {
         let line = BufReader::new(child.stdout.take().unwrap()).lines().next().unwrap().unwrap();
         (child, line)
     };
-    // It has made the stream.
+    // The peer has created the stream.
     let made = domain("made-0-9");
     let (mut child, line) = peer(&made, "make");
     assert_eq!(line, "ready");
     let text = told(&made);
     assert!(text.contains("made by iceoryx2 0.9.") && text.contains("0.10.0"), "{text}");
-    // Killed, its remains do not hinder.
+    // After a kill its files do not prevent the next start.
     child.kill().unwrap();
     child.wait().unwrap();
     std::thread::sleep(Duration::from_millis(1100));
@@ -156,7 +156,7 @@ fn a_real_peer_of_version_0_9() {
     drop(node.publisher(&spec()).unwrap());
     drop(node);
 
-    // It wants to subscribe to ours: refused there, and ours goes on.
+    // The peer subscribes to a stream of this version: it is refused, and the stream continues.
     let ours = domain("ours-0-10");
     let node = Node::open(&ours, "test").unwrap();
     let publisher = node.publisher(&spec()).unwrap();

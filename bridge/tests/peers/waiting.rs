@@ -1,4 +1,4 @@
-//! Waiting in somebody else's event loop, and for several streams at once.
+//! Waiting in another event loop, and for several streams at once.
 
 use std::{
     os::fd::AsRawFd as _,
@@ -26,7 +26,7 @@ fn send(publisher: &Publisher, stamp_ns: u64) {
     frame.send().unwrap();
 }
 
-/// Whether the descriptor becomes readable within the time.
+/// Returns true if the descriptor becomes readable within the timeout.
 fn readable(subscriber: &mut Subscriber, timeout: Duration) -> bool {
     let timeout =
         Timespec { tv_sec: timeout.as_secs().cast_signed(), tv_nsec: timeout.subsec_nanos().into() };
@@ -35,7 +35,7 @@ fn readable(subscriber: &mut Subscriber, timeout: Duration) -> bool {
         > 0
 }
 
-/// What a foreign loop does: nothing but polling the descriptor and taking until there is none.
+/// Acts like another event loop: only polls the descriptor, and takes frames until there is none.
 fn next_stamp(subscriber: &mut Subscriber) -> u64 {
     let deadline = Instant::now() + PATIENCE;
     while Instant::now() < deadline {
@@ -53,7 +53,7 @@ fn a_descriptor_stays_readable_while_frames_wait_and_only_then() {
     let node = node("fd");
     let publisher = publisher(&node, "image");
     let mut subscriber = node.subscriber("image").unwrap();
-    // Made before the stream is connected.
+    // The descriptor is created before the stream is connected.
     while !(readable(&mut subscriber, PATIENCE)
         && subscriber.take().unwrap().is_none()
         && publisher.subscribers() == 1)
@@ -76,7 +76,7 @@ fn one_descriptor_follows_every_publisher() {
     let fd = subscriber.readiness().unwrap().as_raw_fd();
     for life in 0..5 {
         let publisher = publisher(&node, "image");
-        // The descriptor alone makes the loop look for the stream.
+        // The descriptor alone makes the loop search for the stream.
         while publisher.subscribers() == 0 {
             readable(&mut subscriber, PATIENCE);
             assert!(subscriber.take().unwrap().is_none());
@@ -94,7 +94,7 @@ fn one_descriptor_follows_every_publisher() {
     }
 }
 
-/// Three streams, connected.
+/// Opens three connected streams.
 fn trio(test: &str, tolerance: Duration) -> (Node, [Publisher; 3], Synchronizer<3>) {
     let node = node(test);
     let topics = ["rgb", "depth", "info"];
@@ -158,13 +158,13 @@ fn a_set_may_be_kept_while_the_next_one_comes() {
 }
 
 #[test]
-fn time_that_begins_anew_is_followed() {
+fn sets_continue_after_a_reset_of_time() {
     let (node, publishers, mut sets) = trio("sync-anew", Duration::ZERO);
     for publisher in &publishers {
         send(publisher, 1_000_000);
     }
     assert_eq!(stamps(&mut sets), [1_000_000; 3]);
-    // Put back, as by a reset of the world, with a frame of the old time waiting for its partners.
+    // Time goes back, as on a reset of the world, while a frame of the old time waits for its partners.
     send(&publishers[0], 2_000_000);
     assert!(!sets.wait(Duration::from_millis(20)).unwrap());
     for publisher in &publishers {
@@ -174,7 +174,7 @@ fn time_that_begins_anew_is_followed() {
         send(publisher, 6);
     }
     assert_eq!(stamps(&mut sets)[1], 5, "the first complete set of the new time");
-    // Started again.
+    // A restart.
     drop(publishers);
     let publishers = ["rgb", "depth", "info"].map(|topic| publisher(&node, topic));
     let deadline = Instant::now() + PATIENCE;
@@ -188,7 +188,7 @@ fn time_that_begins_anew_is_followed() {
         for publisher in &publishers {
             send(publisher, stamp_ns);
         }
-        // The set of the old time that was complete comes first.
+        // The complete set of the old time comes first.
         while sets.wait(Duration::from_millis(50)).unwrap() {
             newest = stamps(&mut sets);
         }

@@ -1,4 +1,4 @@
-//! What the publisher writes and what a consumer in another process reads is the same place in the same file.
+//! A consumer in another process reads a frame at the same place of the same file where the publisher wrote it.
 
 use std::time::Duration;
 
@@ -9,7 +9,7 @@ use crate::processes_kit::{self, PATIENCE, Process, TestDomain, next, report};
 const LEN: usize = 640 * 480 * 3;
 const FRAMES: u64 = 50;
 
-/// A file in memory and the offset in it that an address of this process stands for.
+/// Returns the file and the offset in it that an address of this process maps to.
 fn place(address: usize) -> String {
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
     for line in maps.lines() {
@@ -25,7 +25,7 @@ fn place(address: usize) -> String {
     panic!("{address:#x} is not mapped from a file");
 }
 
-/// Tells where each frame lies.
+/// Reports where each frame lies.
 fn consume(domain: &Domain) {
     let node = Node::open(domain, "consumer").unwrap();
     let mut subscriber = node.subscriber("image").unwrap();

@@ -1,4 +1,4 @@
-//! What a domain has in the file system.
+//! The files of a domain.
 
 use std::{
     collections::BTreeSet,
@@ -10,20 +10,20 @@ use std::{
 
 use belvedere_bridge::{Domain, Node};
 
-/// Where the nodes of a domain have their directories.
+/// Returns the directory of the nodes of a domain.
 pub fn nodes(domain: &Domain) -> PathBuf {
     domain.directory().join("nodes")
 }
 
-/// A domain of one test. What a failed test leaves of it goes when it is dropped.
+/// The domain of one test. Dropping it removes what a failed test left.
 pub struct TestDomain {
     domain: Domain,
-    /// Every node that [`TestDomain::usage`] has seen: its directory does not bear the domain's name.
+    /// Every node that [`TestDomain::usage`] has seen: its directory does not contain the domain's name.
     nodes: BTreeSet<String>,
 }
 
-/// Files and directories of a domain, and its bytes of shared memory. (Other files hold numbers as text, which may be a
-/// digit longer or shorter.)
+/// The number of files and directories of a domain, and its bytes of shared memory. (Other files hold numbers as text,
+/// whose length varies by a digit.)
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Usage {
     pub files: usize,
@@ -35,24 +35,24 @@ impl TestDomain {
         Self { domain: super::domain(test), nodes: BTreeSet::new() }
     }
 
-    /// A look at a domain that is somebody else's.
+    /// Returns the data segments of a domain of another owner.
     pub fn pools_of(domain: &Domain) -> Vec<PathBuf> {
         let mut files = files(domain);
         files.retain(|path| path.extension().is_some_and(|extension| extension == "data"));
         files
     }
 
-    /// Every file whose name begins with the domain's prefix.
+    /// Returns every file whose name begins with the domain's prefix.
     pub fn files(&self) -> Vec<PathBuf> {
         files(&self.domain)
     }
 
-    /// Its data segments.
+    /// Returns the domain's data segments.
     pub fn pools(&self) -> Vec<PathBuf> {
         Self::pools_of(&self.domain)
     }
 
-    /// Identifiers of its nodes, dead or alive.
+    /// Returns the identifiers of its nodes, dead or alive.
     pub fn node_ids(&self) -> Vec<String> {
         let prefix = self.domain.prefix();
         names(&nodes(&self.domain))
@@ -62,7 +62,7 @@ impl TestDomain {
             .collect()
     }
 
-    /// What it takes now.
+    /// Returns the current usage.
     pub fn usage(&mut self) -> Usage {
         self.nodes.extend(self.node_ids());
         let files = self.files();
@@ -72,7 +72,7 @@ impl TestDomain {
         Usage { files: files.len() + directories, bytes }
     }
 
-    /// Waits until the domain takes this much; what it takes if it does not come to that.
+    /// Waits until the domain has the expected usage. Returns the actual usage if it does not.
     pub fn comes_to(&mut self, expected: Usage, timeout: Duration) -> Result<(), Usage> {
         let deadline = Instant::now() + timeout;
         loop {
@@ -87,8 +87,8 @@ impl TestDomain {
         }
     }
 
-    /// After kills: fails unless the next process of the domain leaves nothing. What a process left that never got far
-    /// is taken for a remnant a second after its birth.
+    /// Fails unless, after kills, the next process of the domain leaves nothing. The files of a process that was killed
+    /// early count as remnants only one second after their creation.
     pub fn assert_nothing_left_after_the_next_start(&mut self) {
         let deadline = Instant::now() + super::PATIENCE;
         loop {
@@ -101,7 +101,7 @@ impl TestDomain {
         }
     }
 
-    /// Fails if anything is left, of the nodes' directories too.
+    /// Fails if any file is left, including the nodes' directories.
     pub fn assert_nothing_left(&mut self) {
         let usage = self.usage();
         assert_eq!(usage, Usage { files: 0, bytes: 0 }, "{:#?}", self.files());

@@ -1,7 +1,7 @@
 //! Tests with several processes: a test starts its program again, as the same test in a role.
 //!
-//! Such a test begins with [`play`], which does nothing but in those processes. They report to the test by lines on
-//! standard output, see [`report`].
+//! Such a test begins with [`play`], which acts only in those processes. They report to the test by lines on standard
+//! output: see [`report`].
 #![allow(dead_code, unused_imports, unreachable_pub)] // Every test program uses a part of it.
 
 pub mod files;
@@ -27,27 +27,27 @@ pub use files::{TestDomain, Usage};
 pub use random::Random;
 pub use skip::skip;
 
-/// How long a test waits for what must come. It ends a test that hangs, and is no verdict about speed: minutes, which a
-/// busy machine does not need either.
+/// The limit of a test's wait for something that must come. It ends a test that hangs; it is not a measure of speed, so
+/// it is longer than a busy machine needs.
 pub const PATIENCE: Duration = Duration::from_secs(120);
 
 const ROLE: &str = "BRIDGE_TEST_ROLE";
 const DOMAIN: &str = "BRIDGE_TEST_DOMAIN";
 const ARGUMENTS: &str = "BRIDGE_TEST_ARGUMENTS";
-/// What a line of a report begins with; the test harness writes lines of its own.
+/// The prefix of a report; the test harness also writes lines.
 const MARK: &str = "@ ";
 
-/// What a process was started for: in which domain, and with which arguments.
+/// The role of a process: its name, its domain and its arguments.
 pub struct Role {
     pub name: String,
     pub domain: Domain,
     pub arguments: Vec<String>,
 }
 
-/// In a process that a test has started, plays its role and ends the process. In the test itself, does nothing.
+/// Plays its role and exits, in a process that a test has started. Does nothing in the test itself.
 pub fn play(roles: impl FnOnce(&Role)) {
     let Ok(name) = std::env::var(ROLE) else { return };
-    // No process outlives the test that started it, not even when that is killed.
+    // No process outlives the test that started it, even if the test is killed.
     rustix::process::set_parent_process_death_signal(Some(Signal::KILL)).unwrap();
     let domain = Domain::new(&std::env::var(DOMAIN).unwrap()).unwrap();
     let arguments = std::env::var(ARGUMENTS).unwrap_or_default();
@@ -55,13 +55,13 @@ pub fn play(roles: impl FnOnce(&Role)) {
     std::process::exit(0);
 }
 
-/// The name of the test that runs in this thread, by which its program runs nothing else.
+/// Returns the name of the test that runs in this thread, with which its program can be restricted to this test.
 pub fn this_test() -> String {
     let name = std::thread::current().name().map(str::to_owned);
     name.filter(|name| name != "main").expect("the test harness names a test's thread after the test")
 }
 
-/// A domain that no other test has, nor the same test when it runs again.
+/// Returns a domain that no other test uses, nor another run of this test.
 pub fn domain(test: &str) -> Domain {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let count = COUNT.fetch_add(1, Ordering::Relaxed);
@@ -69,19 +69,19 @@ pub fn domain(test: &str) -> Domain {
 }
 
 impl Role {
-    /// The argument at `index`.
+    /// Returns the argument at `index`.
     pub fn number(&self, index: usize) -> u64 {
         self.arguments[index].parse().unwrap()
     }
 }
 
-/// Tells the parent, in one line.
+/// Reports one line to the parent.
 pub fn report(line: impl Display) {
     let mut out = std::io::stdout().lock();
     writeln!(out, "\n{MARK}{line}").and_then(|()| out.flush()).expect("a parent that listens");
 }
 
-/// Another process of this test; killed when dropped.
+/// Another process of this test, which is killed when this is dropped.
 pub struct Process {
     child: std::process::Child,
     reports: Receiver<String>,
@@ -94,7 +94,7 @@ impl Process {
         Self::start_under(&[], domain, role, arguments)
     }
 
-    /// Started by another command, as `unshare`, which gets it as its last arguments.
+    /// Starts a process through another command, such as `unshare`, which receives it as its last arguments.
     pub fn start_under(runner: &[&str], domain: &Domain, role: &str, arguments: &[&dyn Display]) -> Self {
         assert!(
             std::env::var_os(ROLE).is_none(),
@@ -116,7 +116,7 @@ impl Process {
             .env(ROLE, role)
             .env(DOMAIN, domain.as_str())
             .env(ARGUMENTS, arguments.join(" "))
-            // The same seed for all, also if it is a new one.
+            // All processes use the same seed, also if it is a new one.
             .envs(random::seed().map(|seed| (random::SEED, seed.to_string())))
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
@@ -136,12 +136,12 @@ impl Process {
         Self { child, reports, started_mono_ns }
     }
 
-    /// The next report; `None` when the time is over, or the process has ended without one.
+    /// Returns the next report; `None` if the timeout passes or the process ends without one.
     pub fn next_report(&self, timeout: Duration) -> Option<String> {
         self.reports.recv_timeout(timeout).ok()
     }
 
-    /// The numbers of the next report that begins with `what`.
+    /// Returns the numbers of the next report that begins with `what`.
     pub fn expect(&self, what: &str) -> Vec<u64> {
         self.expect_within(what, PATIENCE)
     }
@@ -165,12 +165,12 @@ impl Process {
         rustix::process::kill_process(Pid::from_child(&self.child), signal).unwrap();
     }
 
-    /// SIGKILL, and the wait that a parent owes.
+    /// Kills the process with SIGKILL and reaps it.
     pub fn kill(mut self) {
         self.end();
     }
 
-    /// Waits until it has ended by itself, and whether it did so well.
+    /// Waits for the process to end by itself. Returns true if it succeeded.
     pub fn ended_well(mut self, timeout: Duration) -> bool {
         let deadline = Instant::now() + timeout;
         while Instant::now() < deadline {
@@ -194,7 +194,7 @@ impl Drop for Process {
     }
 }
 
-/// The next frame.
+/// Returns the next frame.
 pub fn next(subscriber: &mut Subscriber) -> Frame {
     let deadline = Instant::now() + PATIENCE;
     while Instant::now() < deadline {
@@ -207,12 +207,12 @@ pub fn next(subscriber: &mut Subscriber) -> Frame {
     panic!("no frame in {PATIENCE:?}");
 }
 
-/// The full length of a test that is shorter by default, with `BELVEDERE_FULL=1`.
+/// Returns true if `BELVEDERE_FULL=1` requests the full length of a test that is shorter by default.
 pub fn full() -> bool {
     std::env::var_os("BELVEDERE_FULL").is_some_and(|value| !value.is_empty() && value != "0")
 }
 
-/// The value that `share` of the sorted `values` do not exceed.
+/// Returns the value that `share` of the sorted `values` do not exceed.
 pub fn quantile(values: &mut [u64], share: f64) -> u64 {
     values.sort_unstable();
     let rank = (share * values.len() as f64).ceil() as usize;

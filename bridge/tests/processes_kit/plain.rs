@@ -1,4 +1,4 @@
-//! iceoryx2 without the bridge, in a domain of the bridge. See bridge/WIRE.md.
+//! Plain iceoryx2, without the bridge, in a domain of the bridge. See bridge/WIRE.md.
 
 use belvedere_bridge::Domain;
 use iceoryx2::{
@@ -8,7 +8,7 @@ use iceoryx2::{
     },
 };
 
-/// A node of iceoryx2 alone.
+/// Creates a node of plain iceoryx2.
 pub fn node(domain: &Domain) -> Node<ipc::Service> {
     let mut config = Config::default();
     config.global.prefix = FileName::new(domain.prefix().as_bytes()).unwrap();
@@ -21,7 +21,7 @@ pub fn node(domain: &Domain) -> Node<ipc::Service> {
         .unwrap()
 }
 
-/// What iceoryx2 calls a stream.
+/// Returns the name of a stream in iceoryx2.
 pub fn service(topic: &str) -> ServiceName {
     ServiceName::new(&format!("belvedere/{topic}")).unwrap()
 }

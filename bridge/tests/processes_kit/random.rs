@@ -1,14 +1,15 @@
-//! Numbers for tests that try at random, and try the same again.
+//! Reproducible random numbers for tests.
 
 use std::{io::Write as _, sync::OnceLock};
 
 pub const SEED: &str = "BELVEDERE_SEED";
 
-/// `SplitMix64`: Steele, Lea, Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014.
+/// A generator of random numbers, `SplitMix64`: Steele, Lea, Flood, "Fast splittable pseudorandom number generators",
+/// OOPSLA 2014.
 pub struct Random(u64);
 
 impl Random {
-    /// Begins with [`seed`], or with `fixed` if there is none.
+    /// Creates a generator from [`seed`], or from `fixed` if there is none.
     pub fn new(fixed: u64) -> Self {
         Self(seed().unwrap_or(fixed))
     }
@@ -20,26 +21,26 @@ impl Random {
         mixed ^ (mixed >> 31)
     }
 
-    /// One of `0..end`.
+    /// Returns one of `0..end`.
     pub fn below(&mut self, end: u64) -> u64 {
         self.next() % end
     }
 
-    /// One of `values`.
+    /// Returns one of `values`.
     pub fn one_of<T: Copy>(&mut self, values: &[T]) -> T {
         values[self.below(values.len() as u64) as usize]
     }
 }
 
-/// The number that the environment variable [`SEED`] holds; a new one, which is printed, if it holds `new`; `None`
-/// without it, when each test has a number of its own that never changes.
+/// Returns the number in the environment variable [`SEED`]; a new one, which is printed, if it holds `new`; `None`
+/// without it, so that each test uses its own fixed number.
 pub fn seed() -> Option<u64> {
     static SEEDS: OnceLock<Option<u64>> = OnceLock::new();
     *SEEDS.get_or_init(|| {
         let text = std::env::var(SEED).ok()?;
         if text == "new" {
             let new = belvedere_bridge::clock::mono_ns();
-            // Not by `eprintln`, whose lines the test harness keeps to itself when a test passes.
+            // Not by `eprintln`, whose output the test harness captures if a test passes.
             let _ = writeln!(std::io::stderr(), "{SEED}={new}");
             return Some(new);
         }

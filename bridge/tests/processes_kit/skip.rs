@@ -1,12 +1,12 @@
-//! Tests that need what a machine may lack.
+//! Skipping of tests that need what a machine may lack.
 
 use std::{fmt::Display, io::Write as _};
 
-/// Says on standard error why a test does nothing. With `BELVEDERE_NO_SKIP=1` in the environment, as in CI, the test
+/// Reports on standard error why a test is skipped. With `BELVEDERE_NO_SKIP=1` in the environment, as in CI, the test
 /// fails instead.
 pub fn skip(reason: impl Display) {
     let forbidden = std::env::var_os("BELVEDERE_NO_SKIP").is_some_and(|value| value == "1");
     assert!(!forbidden, "this test would be skipped, which BELVEDERE_NO_SKIP forbids: {reason}");
-    // Not by `eprintln`, whose lines the test harness keeps to itself when a test passes.
+    // Not by `eprintln`, whose output the test harness captures if a test passes.
     let _ = writeln!(std::io::stderr(), "skipped {}: {reason}", super::this_test());
 }

@@ -1,7 +1,7 @@
-//! Processes of several users in a world of their own: mount namespaces with their own `/tmp` and `/dev/shm`.
+//! Processes of several users in mount namespaces with their own `/tmp` and `/dev/shm`.
 //!
-//! A test starts its program again as the same test: [`run`] in a new mount namespace, [`Actor`]s in a role, as whatever
-//! user. Users need no entry in `/etc/passwd`: their numbers do.
+//! A test starts its program again as the same test: [`run`] in a new mount namespace, and [`Actor`]s in a role as any
+//! user. Users need no entry in `/etc/passwd`; their ids suffice.
 
 #![allow(dead_code, unreachable_pub, reason = "each test program uses a part of it")]
 
@@ -21,7 +21,7 @@ use crate::processes_kit::{PATIENCE, skip, this_test};
 
 const WORLD: &str = "BRIDGE_WORLD";
 pub const ROLE: &str = "BRIDGE_ROLE";
-/// Where the copy of this program lies in the new world: its own place may be on a directory that is hidden there, or
+/// The path of the copy of this program in the namespace: the original may be in a directory that is hidden there, or
 /// closed to other users.
 pub const PROGRAM: &str = "/mnt/program";
 
@@ -32,11 +32,11 @@ pub struct User {
     pub gid: u32,
 }
 
-/// Whoever runs the test; in scenarios with other users it is root.
+/// The user who runs the test; root in scenarios with other users.
 pub const ROOT: User = User { uid: 0, gid: 0 };
 
-/// Runs the rest of a test in a mount namespace with a `/dev/shm` of so many MiB, and passes its output on. Skips it
-/// without root, unless a user namespace will do, which has no other users.
+/// Runs the rest of a test in a mount namespace with a `/dev/shm` of this many MiB, and forwards its output. Without
+/// root it uses a user namespace, or skips the test if the scenario has other users.
 pub fn run(shm_mib: u32, other_users: bool, scenario: impl FnOnce()) {
     play();
     if is_here() {
@@ -71,12 +71,12 @@ pub fn run(shm_mib: u32, other_users: bool, scenario: impl FnOnce()) {
     assert!(output.status.success(), "{text}");
 }
 
-/// Whether this process is in a world of its own.
+/// Returns true if this process is in such a namespace.
 fn is_here() -> bool {
     std::env::var_os(WORLD).is_some()
 }
 
-/// A process in a role, its lines as they come.
+/// A process in a role, with the lines of its output.
 pub struct Actor {
     child: Child,
     lines: Receiver<String>,
@@ -84,7 +84,8 @@ pub struct Actor {
 }
 
 impl Actor {
-    /// Starts `role` (see [`play`]) in `domain` as `user`, or as this one if that is [`ROOT`], with more variables of the environment.
+    /// Starts `role` (see [`play`]) in `domain` as `user`, or as the current user if that is [`ROOT`], with additional
+    /// environment variables.
     pub fn start(role: &str, domain: &str, user: User, env: &[(&str, &str)]) -> Self {
         assert!(
             std::env::var_os(ROLE).is_none(),
@@ -103,7 +104,7 @@ impl Actor {
             .stdout(Stdio::piped())
             .stderr(Stdio::inherit());
         if user != ROOT {
-            // This drops supplementary groups too.
+            // This also drops supplementary groups.
             command.uid(user.uid).gid(user.gid);
         }
         let mut child = command.spawn().unwrap();
@@ -123,7 +124,7 @@ impl Actor {
         self.child.id()
     }
 
-    /// The next line that begins so, without that beginning.
+    /// Waits for the next line with this beginning and returns the rest of the line.
     pub fn says(&mut self, beginning: &str) -> String {
         let deadline = Instant::now() + PATIENCE;
         while let Ok(line) = self.lines.recv_timeout(deadline.saturating_duration_since(Instant::now())) {
@@ -135,7 +136,7 @@ impl Actor {
         panic!("\"{beginning}\" was never said, but: {:#?}", self.seen);
     }
 
-    /// The next line that holds a word.
+    /// Waits for the next line that contains a word.
     pub fn says_containing(&mut self, word: &str) -> String {
         loop {
             let line = self.says("");
@@ -145,24 +146,24 @@ impl Actor {
         }
     }
 
-    /// Whether a line with this word has come.
+    /// Returns true if a line with this word has arrived.
     pub fn has_said(&mut self, word: &str) -> bool {
         self.seen.extend(self.lines.try_iter());
         self.seen.iter().any(|line| line.contains(word))
     }
 
-    /// Forgets what it has said until now.
+    /// Discards the output until now.
     pub fn forget(&mut self) {
         while self.lines.try_recv().is_ok() {}
     }
 
-    /// SIGKILL, and the wait that a parent owes.
+    /// Kills the process with SIGKILL and reaps it.
     pub fn kill(mut self) {
         self.child.kill().unwrap();
         self.child.wait().unwrap();
     }
 
-    /// Ends its input, which asks it to leave, and waits.
+    /// Closes its input, which asks it to exit, and waits.
     pub fn leave(mut self) -> ExitStatus {
         drop(self.child.stdin.take());
         self.child.wait().unwrap()
@@ -182,8 +183,8 @@ pub fn image(topic: &str) -> StreamSpec {
     StreamSpec::new(topic, Kind::Image, Encoding::Mono8, LEN).rate_hz(100.0)
 }
 
-/// In a process that [`Actor::start`] has started, plays its role until its input ends, and ends the process. In the test
-/// itself, does nothing.
+/// Plays its role until its input ends, and exits, in a process that [`Actor::start`] has started. Does nothing in the
+/// test itself.
 pub fn play() {
     let Ok(role) = std::env::var(ROLE) else { return };
     match role.as_str() {
@@ -212,7 +213,7 @@ fn goes_on(left: &Receiver<()>) -> bool {
     left.try_recv() == Err(std::sync::mpsc::TryRecvError::Empty)
 }
 
-/// Publishes pictures, and says each new command that it gets.
+/// Publishes images, and prints each new command.
 fn simulate() {
     let left = asked_to_leave();
     let node = Node::open(&Domain::from_env().unwrap(), "simulator").unwrap();
@@ -236,7 +237,7 @@ fn simulate() {
     }
 }
 
-/// Joins and leaves again and again.
+/// Joins and leaves repeatedly.
 fn join_often() {
     for count in 0..40 {
         let node = Node::open(&Domain::from_env().unwrap(), "restless").unwrap();
@@ -266,7 +267,7 @@ fn simulate_many() {
     }
 }
 
-/// Says when all streams have come, after each of the simulator's starts.
+/// Prints when frames of all streams have arrived, after each start of the simulator.
 fn watch_many() {
     let left = asked_to_leave();
     let node = Node::open(&Domain::from_env().unwrap(), "watcher").unwrap();
@@ -278,7 +279,7 @@ fn watch_many() {
     while goes_on(&left) {
         for (camera, session) in cameras.iter_mut().zip(&mut sessions) {
             while let Some(frame) = camera.take().unwrap() {
-                // Publishers of one simulator start together, and are counted by it.
+                // The publishers of one simulator start together and are counted per start.
                 if frame.header().session != *session {
                     *session = frame.header().session;
                     last_said += 1;
@@ -292,7 +293,7 @@ fn watch_many() {
     }
 }
 
-/// Says what becomes of a stream of large pictures.
+/// Prints whether a stream of large images can be opened.
 fn simulate_large() {
     let node = Node::open(&Domain::from_env().unwrap(), "simulator").unwrap();
     match node.publisher(&StreamSpec::new("image_raw", Kind::Image, Encoding::Rgb8, 640 * 480 * 3)) {
@@ -301,8 +302,8 @@ fn simulate_large() {
     }
 }
 
-/// Says how many pictures have come and were missed, and sends the former as a command. With `DRIVER_FIRST` it makes
-/// the stream of commands, unless the simulator has.
+/// Prints how many images have arrived and were missed, and sends the former number as a command. With `DRIVER_FIRST`
+/// it creates the stream of commands, unless the simulator has.
 fn drive() {
     let left = asked_to_leave();
     let node = Node::open(&Domain::from_env().unwrap(), "driver").unwrap();
@@ -327,7 +328,7 @@ fn drive() {
     }
 }
 
-/// Says how each thing that one can do in a domain goes.
+/// Tries each operation in a domain and prints the results.
 fn try_everything() {
     let domain = Domain::from_env().unwrap();
     let node = match Node::open(&domain, "curious") {
@@ -349,7 +350,7 @@ fn try_everything() {
     println!("done");
 }
 
-/// Every file whose name holds one of a domain, with those in directories of nodes.
+/// Returns every file whose name contains that of a domain, including those in the directories of nodes.
 pub fn files_of(domain: &str) -> Vec<PathBuf> {
     fn walk(directory: &Path, beginnings: &[String; 2], found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(directory).into_iter().flatten().flatten() {

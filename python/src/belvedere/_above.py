@@ -1,4 +1,4 @@
-"""Scans drawn from above, as ``belvedere snapshot`` does."""
+"""Scans drawn from above, like ``belvedere snapshot`` does."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: Pixels of an edge.
+#: Edge length of the image in pixels.
 _SIZE = 481
 _PAPER, _RING, _SENSOR = (255, 255, 255), (205, 212, 220), (200, 40, 40)
 
 
 def above(places: NDArray[Any], colours: NDArray[np.uint8]) -> NDArray[np.uint8]:
-    """Return places (N, 2 or more), x forward and y left in metres, as dots of these colours (N, 3).
+    """Draw places (N, 2 or more), x forward and y left in metres, as dots of these colours (N, 3).
 
-    Forward is up, the sensor in the middle; rings are 1, 2 or 5 times a power of ten metres apart. What is not finite is
-    left out.
+    Forward is up, and the sensor is in the middle. Rings are 1, 2 or 5 times a power of ten metres apart. Places
+    that are not finite are left out.
     """
     level = places[:, :2].astype(np.float64)
     there = np.isfinite(level).all(axis=1)
@@ -39,13 +39,13 @@ def above(places: NDArray[Any], colours: NDArray[np.uint8]) -> NDArray[np.uint8]
         for across in (-1, 0, 1):
             sheet[np.clip(rows + down, 0, _SIZE - 1), np.clip(columns + across, 0, _SIZE - 1)] = colours
     sheet[middle - 3 : middle + 4, middle - 3 : middle + 4] = _SENSOR
-    # Which way is forward.
+    # The forward direction.
     sheet[middle - 11 : middle - 3, middle] = _SENSOR
     return sheet
 
 
 def _ring_distance(farthest: float) -> float:
-    """Return a distance of which the farthest is ten times at the most."""
+    """Return a ring distance, such that at most ten rings are needed."""
     decade = 10.0 ** np.floor(np.log10(farthest / 10.0))
     return float(
         next(decade * step for step in (1.0, 2.0, 5.0, 10.0) if farthest <= decade * step * 10.0 * (1 + 1e-9))

@@ -1,4 +1,4 @@
-"""Arguments as the arrays that the native module takes, and errors that name them."""
+"""Conversion of arguments to arrays for the native module, with errors that name the argument."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from belvedere import _native
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-#: Whatever numpy makes an array of: arrays, sequences, and others' arrays by ``__dlpack__`` or ``__array__``.
+#: Anything that numpy converts to an array: arrays, sequences, and arrays of other libraries by ``__dlpack__`` or
+#: ``__array__``.
 ArrayLike: TypeAlias = Any
-#: Body poses by name or number, each (…, 7) or (…, 4, 4); or of all bodies (…, bodies, 7).
+#: Poses of bodies by name or number, each (…, 7) or (…, 4, 4); or of all bodies, (…, bodies, 7).
 Bodies: TypeAlias = Mapping[str | int, ArrayLike] | ArrayLike
 
 
 def array(argument: str, value: ArrayLike, dtype: type[np.generic]) -> NDArray[Any]:
-    """Return the value as an array of this type that lies without gaps; a copy only if it has to be.
+    """Return the value as a contiguous array of this type; a copy only if necessary.
 
     Raises:
-        ValueError: it is no array of numbers.
+        ValueError: it is not an array of numbers.
 
     """
     try:
@@ -83,14 +84,14 @@ def _limits(least: float, most: float) -> str:
 
 
 def text(argument: str, value: str) -> str:
-    """Return a text."""
+    """Check that the value is a text, and return it."""
     if not isinstance(value, str):
         raise ValueError(f"{argument}: a text is expected, not {value!r}")
     return value
 
 
 def described(argument: str, value: str | os.PathLike[str]) -> str:
-    """Return what names a file, or is a text of it."""
+    """Return a file name or path as text, or the text itself."""
     given = os.fspath(value) if isinstance(value, os.PathLike) else value
     if not isinstance(given, str):
         raise ValueError(f"{argument}: a name, a path or a text is expected, not {value!r}")
@@ -105,7 +106,7 @@ def count(argument: str, value: int, least: int = 1, most: int = 2**31 - 1) -> i
 
 
 def choice(argument: str, value: str, choices: Mapping[str, int]) -> int:
-    """Return what a word stands for."""
+    """Return the value of a word among choices."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"{argument}: one of {', '.join(choices)} is expected, not {value!r}")
     return choices[value]
@@ -116,12 +117,12 @@ class Poses(NamedTuple):
 
     #: (N, 7)
     flat: NDArray[np.float64]
-    #: The axes before the last ones, N in all.
+    #: The axes before the last ones; their product is N.
     lead: tuple[int, ...]
 
 
 def poses(argument: str, value: ArrayLike, names: Sequence[str] = ()) -> Poses:
-    """Return poses given as (…, 7) or (…, 4, 4); with names, (…, bodies, 7) of the bodies that are called so."""
+    """Return poses given as (…, 7) or (…, 4, 4); with names, (…, bodies, 7) of the named bodies."""
     given = array(argument, value, np.float64)
     if given.ndim >= 2 and given.shape[-2:] == (4, 4):
         lead, kind = given.shape[:-2], "matrix"
@@ -146,7 +147,7 @@ def poses(argument: str, value: ArrayLike, names: Sequence[str] = ()) -> Poses:
 
 
 def one_pose(argument: str, value: ArrayLike | None) -> NDArray[np.float64]:
-    """Return a single pose (7,); the identity for none, and for a place (3,) without a turn."""
+    """Return a single pose (7,): the identity for None, and without rotation for a place (3,)."""
     if value is None:
         return np.array([0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0])
     given = array(argument, value, np.float64)
@@ -161,7 +162,7 @@ def one_pose(argument: str, value: ArrayLike | None) -> NDArray[np.float64]:
 def bodies(
     argument: str, value: Bodies | None, lead: tuple[int, ...], names: Sequence[str]
 ) -> tuple[list[int], NDArray[np.float64] | None]:
-    """Return the numbers of the bodies that are elsewhere, and their poses (N, bodies, 7)."""
+    """Return the numbers of the moved bodies, and their poses (N, bodies, 7)."""
     if value is None:
         return [], None
     if not isinstance(value, Mapping):
@@ -202,7 +203,7 @@ def body_number(argument: str, body: str | int, names: Sequence[str]) -> int:
 
 
 def seeds(argument: str, value: ArrayLike | int, lead: tuple[int, ...]) -> list[int]:
-    """Return a number for each frame: those that are given, or a first one and those that follow it."""
+    """Return a seed for each frame: the given ones, or consecutive ones from a given first."""
     total = math.prod(lead)
     if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
         if not 0 <= value < 2**64:
@@ -222,18 +223,18 @@ def seeds(argument: str, value: ArrayLike | int, lead: tuple[int, ...]) -> list[
 
 
 def numbers_of_frames(value: ArrayLike | int, lead: tuple[int, ...]) -> list[int]:
-    """Return the number of each frame: those that are given, or one for all."""
+    """Return the number of each frame: the given ones, or one for all."""
     first = seeds("frames", value, lead)
     return [int(value)] * len(first) if isinstance(value, (int, np.integer)) else first
 
 
 def threads(value: int | None) -> int:
-    """Return a number of threads; 0 for as many as there are processors."""
+    """Return the number of threads; 0 for one per processor."""
     return 0 if value is None else count("threads", value, 1, 1024)
 
 
 def output(argument: str, value: ArrayLike, shape: tuple[int, ...], dtype: np.dtype[Any]) -> NDArray[Any]:
-    """Return the caller's memory as an array to be written in place."""
+    """Return the caller's memory as an array to write in place."""
     if isinstance(value, np.ndarray):
         given: NDArray[Any] = value
     else:
@@ -241,7 +242,7 @@ def output(argument: str, value: ArrayLike, shape: tuple[int, ...], dtype: np.dt
             given = _foreign_output(value)
         except (TypeError, AttributeError, ValueError, BufferError, RuntimeError) as error:
             raise ValueError(
-                f"{argument}: an array of numpy, or another's in main memory that has __dlpack__, is expected: {error}"
+                f"{argument}: an array of numpy, or another in main memory with __dlpack__, is expected: {error}"
             ) from error
     if given.shape != shape or given.dtype != dtype:
         raise ValueError(f"{argument}: shape {given.shape} of {given.dtype}; {shape} of {dtype} is expected")
@@ -255,10 +256,10 @@ def output(argument: str, value: ArrayLike, shape: tuple[int, ...], dtype: np.dt
 
 
 def _foreign_output(value: ArrayLike) -> NDArray[Any]:
-    """Return another library's memory as an array, writeable if that library lets numpy write to it.
+    """Return another library's memory as an array, writeable if that library permits it.
 
-    Before 2.2, numpy took all memory that comes by DLPack for read-only. A library's own view of the same memory for
-    numpy says whether it is; a copy, which some give, would not bring back what is written.
+    Before 2.2, numpy treated all memory from DLPack as read-only. The library's own view of the same memory for
+    numpy shows whether it is writeable. A copy, which some libraries return, would lose what is written.
     """
     given: NDArray[Any] = np.from_dlpack(value)
     if not given.flags.writeable and hasattr(value, "__array__"):

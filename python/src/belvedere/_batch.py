@@ -1,4 +1,4 @@
-"""Many worlds of one geometry."""
+"""Many worlds with the same geometry."""
 
 from __future__ import annotations
 
@@ -21,30 +21,31 @@ if TYPE_CHECKING:
     from belvedere._arrays import ArrayLike
     from belvedere._native import _Looks, _Places
 
-#: What a lamp's light can be, and metres that it can be away.
+#: Limits of a lamp's light, and of its distance in metres.
 _LARGEST, _FARTHEST = float(np.finfo(np.float32).max), 1e12
 
 
 def _within(rows: NDArray[Any], least: float, most: float) -> NDArray[np.bool_]:
-    """Return which rows are numbers within limits; NaN is not."""
+    """Return which rows are within the limits; NaN is not."""
     inside: NDArray[np.bool_] = np.all((rows >= least) & (rows <= most), axis=-1)
     return inside
 
 
 class Batch(Unpicklable):
-    """Worlds that share their shapes; each has poses, colours, lamps and noise of its own.
+    """Worlds that share their shapes; each has its own poses, colours, lamps and noise.
 
-    What a world has of its own lies in arrays that are the caller's to write into: ``batch.poses[worlds, body] = …``.
+    The properties of each world are in arrays that the caller may write into: ``batch.poses[worlds, body] = …``.
 
     Args:
-        world: the shapes, as they are now: later changes of it are not seen.
-        n: how many worlds.
-        randomize: called as ``randomize(batch, index, random)`` for each world that begins anew, to write into the arrays;
-            ``random`` is a generator of numpy whose numbers depend on the seed, the index, and how often that world began.
-        seed: of world 0; those of the others follow.
+        world: the shapes; later changes to this world have no effect.
+        n: the number of worlds.
+        randomize: called as ``randomize(batch, index, random)`` for each world that is reset, to write into the
+            arrays; ``random`` is a numpy generator whose numbers depend on the seed, the index, and the number of
+            resets of that world.
+        seed: the seed of world 0; the other worlds use the following numbers.
 
     Raises:
-        ValueError: an argument is not as it must be.
+        ValueError: an argument is invalid.
 
     """
 
@@ -61,7 +62,7 @@ class Batch(Unpicklable):
         self._world = world._native.snapshot()
         self._names = self._world.bodies
         self._randomize = randomize
-        #: How many worlds.
+        #: The number of worlds.
         self.n = _arrays.count("n", n)
         self._seed = _arrays.count("seed", seed, 0, 2**63 - 1)
         lamps = self._world.lights()
@@ -70,23 +71,23 @@ class Batch(Unpicklable):
         self._lamp_colors = np.array([color for _, color, _ in lamps], np.float32).reshape(-1, 3)
         self._is_parallel = np.array([is_parallel for _, _, is_parallel in lamps], bool)
         bodies, count = len(self._names), self.n
-        #: Where bodies are: (n, bodies, 7), x y z qx qy qz qw.
+        #: Poses of bodies: (n, bodies, 7), x y z qx qy qz qw.
         self.poses: NDArray[np.float64] = np.zeros((count, bodies, 7))
-        #: Colours of bodies: (n, bodies, 3), from 0 to 1; all three NaN for that of the world.
+        #: Colours of bodies: (n, bodies, 3), from 0 to 1; three NaN for the colour of the world.
         self.colors: NDArray[np.float32] = np.zeros((count, bodies, 3), np.float32)
-        #: Whether pictures are on bodies: (n, bodies). What is cut out or clear by its picture keeps it.
+        #: True if bodies have their textures: (n, bodies). Transparency from a texture always remains.
         self.textured: NDArray[np.bool_] = np.ones((count, bodies), np.bool_)
         #: Colours of lamps times brightness, 0 or more: (n, lamps, 3).
         self.light_colors: NDArray[np.float32] = np.zeros((count, len(lamps), 3), np.float32)
-        #: Which way directional lamps shine, of any length but 0; where the others are: (n, lamps, 3).
+        #: Directions of directional lamps, of any length but 0; positions of the others: (n, lamps, 3).
         self.light_vectors: NDArray[np.float64] = np.zeros((count, len(lamps), 3))
-        #: Light from everywhere, 0 or more: (n, 3).
+        #: Ambient light, 0 or more: (n, 3).
         self.ambient: NDArray[np.float32] = np.zeros((count, 3), np.float32)
         #: Seeds of noise: (n,).
         self.seeds: NDArray[np.uint64] = np.arange(self._seed, self._seed + count, dtype=np.uint64)
-        #: Numbers of the next frames, counted since each world began: (n,).
+        #: Number of the next frame of each world, counted since its last reset: (n,).
         self.frames: NDArray[np.uint64] = np.zeros(count, np.uint64)
-        #: How often each world began anew: (n,).
+        #: Number of resets of each world after its start: (n,).
         self.episodes: NDArray[np.int64] = np.full(count, -1, np.int64)
         self.reset()
 
@@ -97,7 +98,7 @@ class Batch(Unpicklable):
 
     @property
     def memory(self) -> int:
-        """Bytes that a world has of its own."""
+        """Bytes of the properties of one world."""
         own = (self.poses, self.colors, self.textured, self.light_colors, self.light_vectors, self.ambient)
         return sum(np.asarray(array).nbytes for array in (*own, self.seeds, self.frames, self.episodes)) // self.n
 
@@ -111,16 +112,16 @@ class Batch(Unpicklable):
         return _arrays.body_number("body", body, self._names)
 
     def reset(self, mask: ArrayLike | None = None) -> None:
-        """Begin some worlds anew: as the world was, and then as ``randomize`` has it.
+        """Reset some worlds to the original world, and then apply ``randomize``.
 
         Args:
-            mask: which: (n,) of bool; without it, all.
+            mask: the worlds, (n,) of bool; all by default.
 
         """
         chosen = self._mask(mask)
         for name in self._shapes():
             if not isinstance(getattr(self, name), np.ndarray):
-                # A list was put in its place.
+                # The array was replaced, for example by a list.
                 setattr(self, name, self._own(name))
         if not isinstance(self.frames, np.ndarray):
             self.frames = np.array(_arrays.seeds("batch.frames", self.frames, (self.n,)), np.uint64)
@@ -149,22 +150,21 @@ class Batch(Unpicklable):
         before: ArrayLike | None = None,
         threads: int | None = None,
     ) -> Frames:
-        """Take a frame of each world; the next one has another number, and so other noise.
+        """Render a frame of each world. Each call increments the frame numbers, and so changes the noise.
 
         Args:
-            sensor: what takes them.
-            poses: where it is: (n, 7) or (n, 4, 4), or one for all.
+            sensor: the sensor.
+            poses: the sensor's poses: (n, 7) or (n, 4, 4), or one for all.
             out: arrays to write into, (n, …).
-            mask: which worlds: (n,) of bool. Frames of the others stay as they are in ``out``, and are 0 in new arrays.
-            channels: which are wanted.
-            after: where the sensor is then, as ``poses``; bodies are where they are now.
-            before: where the sensor was then.
-            threads: how many work.
+            mask: the worlds, (n,) of bool. Frames of the others are unchanged in ``out``, and 0 in new arrays.
+            channels: the channels to render.
+            after: the sensor's poses at the next frame, like ``poses``; bodies keep their poses.
+            before: the sensor's poses at the previous frame.
+            threads: the number of threads.
 
         Raises:
-            ValueError: an argument, or an array of the batch, is not as it must be, in whichever world. Nothing is written
-                then.
-            KeyboardInterrupt: Ctrl-C; frames that were not begun are not written then, and none is counted.
+            ValueError: an argument, or an array of the batch, is invalid in any world. Nothing is written then.
+            KeyboardInterrupt: Ctrl-C; frames that were not begun are not written, and no frame is counted.
 
         """
         lead = (self.n,)
@@ -198,7 +198,7 @@ class Batch(Unpicklable):
         return Frames(outputs, lead, sensor._frame, sensor, numbers)
 
     def _shapes(self) -> dict[str, tuple[tuple[int, ...], type[np.generic]]]:
-        """Shapes and types of what the worlds have of their own."""
+        """Shapes and types of the worlds' arrays."""
         bodies, lamps = len(self._names), len(self._lamp_vectors)
         return {
             "poses": ((self.n, bodies, 7), np.float64),
@@ -210,7 +210,7 @@ class Batch(Unpicklable):
         }
 
     def _own(self, name: str) -> NDArray[Any]:
-        """Return an array of the worlds as it must be, if somebody put another in its place."""
+        """Return a checked array of the worlds, which the caller may have replaced."""
         shape, dtype = self._shapes()[name]
         array = _arrays.array(f"batch.{name}", getattr(self, name), dtype)
         if array.shape != shape:
@@ -218,10 +218,10 @@ class Batch(Unpicklable):
         return array
 
     def _looks(self) -> _Looks:
-        """Return how things look in each world.
+        """Return the appearance of each world.
 
         Raises:
-            ValueError: in some world there is no such colour or lamp.
+            ValueError: a colour or lamp is invalid in some world.
 
         """
         colors, light_colors, vectors, ambient = (
@@ -237,7 +237,7 @@ class Batch(Unpicklable):
         return colors, light_colors, vectors, ambient, self._own("textured")
 
     def _refuse(self, name: str, bad: NDArray[np.bool_], expected: str) -> None:
-        """Refuse rows of an array of the worlds, and name the first of them."""
+        """Raise an error that names the first bad row of an array of the worlds."""
         if not bad.any():
             return
         world, *rest = (int(part) for part in np.argwhere(bad)[0])
@@ -260,5 +260,5 @@ class Batch(Unpicklable):
     _instead = "make it where it is used, from its world, seed and randomize"
 
     def __repr__(self) -> str:
-        """How many worlds and bodies it has."""
+        """Return the numbers of worlds and bodies."""
         return f"<Batch of {self.n} worlds of {len(self._names)} bodies>"

@@ -1,4 +1,4 @@
-"""The arrays that channels are written into."""
+"""Preparation of the arrays that channels are written into."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from belvedere._arrays import ArrayLike
 
-#: Type of each channel, and the numbers of a ray.
+#: Type of each channel, and the shape of its value for one ray.
 Channels: TypeAlias = Mapping[str, tuple[np.dtype[Any], tuple[int, ...]]]
 
 
@@ -28,7 +28,7 @@ def prepare(
     *,
     zeros: bool = False,
 ) -> dict[str, NDArray[Any]]:
-    """Return the arrays to write into: the caller's, and new ones for other channels."""
+    """Return the arrays to write into: the caller's, and new ones for the other channels."""
     if isinstance(channels, str):
         channels = (channels,)
     if out is not None and not isinstance(out, Mapping):
@@ -42,7 +42,7 @@ def prepare(
             raise ValueError(f"channels: there is no channel {name!r}; there are {', '.join(known)}")
     for name in given:
         if name not in wanted:
-            raise ValueError(f"out[{name!r}]: this channel is not among those that are wanted, {', '.join(wanted)}")
+            raise ValueError(f"out[{name!r}]: this channel is not among those requested, {', '.join(wanted)}")
     if not wanted:
         raise ValueError("channels: none is wanted; name one at least")
     outputs: dict[str, NDArray[Any]] = {}

@@ -1,4 +1,4 @@
-"""What is closed at the end of its block."""
+"""Context managers that close at the end of their block."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ if TYPE_CHECKING:
 
 
 class Closing:
-    """A context manager that is closed at the end of its block, whatever has happened in it."""
+    """A context manager that is closed at the end of its block, also on an error."""
 
     def close(self) -> None:
-        """Give up what it holds. Doing it twice is no error."""
+        """Release its resources. Closing it twice is not an error."""
         raise NotImplementedError
 
     def __enter__(self) -> Self:

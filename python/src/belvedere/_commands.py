@@ -1,4 +1,4 @@
-"""What a robot is told."""
+"""Publishers of commands to a robot."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 class CommandPublisher(Closing):
-    """The sending end of a stream of commands to the robot; several processes may."""
+    """A publisher of commands to the robot; several processes may send."""
 
     _kind: ClassVar[wire.Kind]
 
@@ -30,11 +30,11 @@ class CommandPublisher(Closing):
         return self._sender.topic
 
     def wait(self, timeout: float) -> bool:
-        """Sleep until there is a robot that takes commands; False when ``timeout`` seconds have passed without."""
+        """Sleep until a robot receives commands; return False if ``timeout`` seconds pass without one."""
         return self._sender.wait(timeout)
 
     def close(self) -> None:
-        """Close it. A robot that has not looked since it was opened misses what was sent."""
+        """Close the publisher. A robot that has not polled since it was opened misses its commands."""
         self._sender.close()
 
     def _send(self, **fields: object) -> bool:
@@ -45,7 +45,7 @@ class CommandPublisher(Closing):
 
 
 class VelocityPublisher(CommandPublisher):
-    """Sends wanted velocities; made by ``Node.velocity_publisher``. The robot stops when none comes for a while."""
+    """A publisher of velocities, made by ``Node.velocity_publisher``. The robot stops after a timeout."""
 
     _kind = wire.Kind.VELOCITY_COMMAND
 
@@ -57,10 +57,10 @@ class VelocityPublisher(CommandPublisher):
         linear: Sequence[float] | None = None,
         angular: Sequence[float] | None = None,
     ) -> bool:
-        """Send a velocity in the robot's frame (x forward, y left, z up); False while no robot is there to take it.
+        """Send a velocity in the robot's frame (x forward, y left, z up); return False if no robot receives it.
 
-        ``forward`` is that along x in m/s and ``turn`` that about z in rad/s, counter-clockwise seen from above;
-        ``linear`` and ``angular`` give all three components instead.
+        ``forward`` is the velocity along x in m/s, and ``turn`` the rate about z in rad/s, counter-clockwise seen
+        from above. ``linear`` and ``angular`` set all three components instead.
         """
         return self._send(
             linear=linear if linear is not None else (forward, 0.0, 0.0),
@@ -69,20 +69,20 @@ class VelocityPublisher(CommandPublisher):
 
 
 class MotorPowerPublisher(CommandPublisher):
-    """Turns the motors on and off; made by ``Node.motor_power_publisher``."""
+    """A publisher that turns the motors on and off, made by ``Node.motor_power_publisher``."""
 
     _kind = wire.Kind.MOTOR_POWER
 
     def send(self, on: bool) -> bool:
-        """Send it; False while no robot is there to take it. Off, the wheels hold, and velocities are lost."""
+        """Send the state; return False if no robot receives it. When off, the wheels hold and velocities are ignored."""
         return self._send(state=int(on))
 
 
 class ResetOdometryPublisher(CommandPublisher):
-    """Lets odometry begin at zero; made by ``Node.reset_odometry_publisher``."""
+    """A publisher that resets odometry, made by ``Node.reset_odometry_publisher``."""
 
     _kind = wire.Kind.RESET_ODOMETRY
 
     def send(self) -> bool:
-        """Send it; False while no robot is there to take it. Zero is where the robot then is; encoders count on."""
+        """Reset odometry to zero at the current pose; return False if no robot receives it. Encoders are not reset."""
         return self._send()

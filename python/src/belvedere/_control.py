@@ -26,14 +26,14 @@ _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
 class SimulationControl(Closing):
-    """The commanding end of a simulation, made by ``Node.control``.
+    """The client side of simulation control, made by ``Node.control``.
 
-    Every command is applied between two frames. It waits for the simulator's answer and returns the simulated time,
-    in nanoseconds, at which it was done.
+    Every command is applied between two frames. It waits for the simulator's answer and returns the simulated time
+    in nanoseconds at which it was executed.
 
     Raises:
-        RefusedError: with the simulator's reason.
-        StreamTimeoutError: no simulator has answered within ``timeout`` seconds, or it has ended meanwhile.
+        RefusedError: the simulator refused the command; the text is its reason.
+        StreamTimeoutError: no simulator answered within ``timeout`` seconds, or it ended meanwhile.
 
     """
 
@@ -44,23 +44,23 @@ class SimulationControl(Closing):
         self._sender = Sender(node, "simulation/command", wire.Kind.SIMULATION_COMMAND)
 
     def pause(self) -> int:
-        """Let simulated time stand."""
+        """Pause simulated time."""
         return self._call(Operation.PAUSE)
 
     def resume(self) -> int:
-        """Let it go on."""
+        """Resume simulated time."""
         return self._call(Operation.RESUME)
 
     def step(self, steps: int = 1) -> int:
-        """Run some steps of physics with all that is published on the way, then pause; wait until they are done."""
+        """Run physics steps, publish everything that is due, and pause; wait until they are done."""
         return self._call(Operation.STEP, steps=steps)
 
     def reset_world(self) -> int:
-        """Put every model back to where it was at the start, at rest; time goes on."""
+        """Return every model to its initial pose, at rest; time continues."""
         return self._call(Operation.RESET_WORLD)
 
     def reset(self) -> int:
-        """Begin again at time 0: what follows are the bytes of a fresh start."""
+        """Restart at time 0; the output is the same as after a fresh start."""
         return self._call(Operation.RESET_SIMULATION)
 
     def move(
@@ -73,9 +73,9 @@ class SimulationControl(Closing):
         angular: Sequence[float] = _ORIGIN,
         reference: str = "",
     ) -> int:
-        """Give a model a pose (metres; x y z w) and a velocity (m/s, rad/s), at rest if none is given.
+        """Set a model's pose (metres; x y z w) and its velocity (m/s, rad/s), which is zero by default.
 
-        All are in the frame ``reference``: a model, ``model::link``, or nothing for the world.
+        All are in the frame ``reference``: a model, ``model::link``, or empty for the world.
         """
         return self._call(
             Operation.SET_MODEL_STATE,
@@ -97,9 +97,10 @@ class SimulationControl(Closing):
         reference: str = "",
         namespace: str = "",
     ) -> int:
-        """Put the model of a text, URDF or SDF, into the world under a name, or its own.
+        """Add the model of a text, URDF or SDF, to the world under a name, by default its own.
 
-        Its base and its sensors come along; their topics are ``/namespace/...`` and their frames ``namespace/...``.
+        Its base and its sensors are added, too; their topics are ``/namespace/...`` and their frames
+        ``namespace/...``.
         """
         return self._call(
             Operation.SPAWN,
@@ -112,26 +113,26 @@ class SimulationControl(Closing):
         )
 
     def delete(self, model: str) -> int:
-        """Take a model out of the world."""
+        """Remove a model from the world."""
         return self._call(Operation.DELETE, name=model)
 
     def configure(self, sensor: str, **settings: float) -> int:
-        """Change settings of a sensor, named or told by a topic that it sends, from its next frame on: all or none.
+        """Change settings of a sensor, given by its name or a topic, from its next frame on: all or none.
 
-        They are ``update_rate`` (Hz), ``noise_mean``, ``noise_stddev`` and, of a camera, ``exposure``;
-        ``simulation/sensor_settings`` tells what they are, and what they may be.
+        They are ``update_rate`` (Hz), ``noise_mean``, ``noise_stddev`` and, for a camera, ``exposure``. The stream
+        ``simulation/sensor_settings`` has their values and limits.
         """
         words = " ".join(f"{name}={float(value)!r}" for name, value in settings.items())
         return self._call(Operation.CONFIGURE, words, name=sensor)
 
     def close(self) -> None:
-        """Close it; the simulation goes on as it is."""
+        """Close the control; the simulation continues."""
         self._sender.close()
         self._results.close()
 
     def _call(self, operation: Operation, text: str = "", **fields: object) -> int:
         command = np.zeros((), _COMMAND)
-        # The result names it; no other sender has the same.
+        # A unique id, which the result repeats.
         command["id"] = secrets.randbelow(2**64 - 1) + 1
         command["operation"] = operation
         tail = text.encode()
@@ -139,9 +140,9 @@ class SimulationControl(Closing):
         for field, value in fields.items():
             command[field] = _name(value) if isinstance(value, str) else value
         deadline = time.monotonic() + self.timeout
-        # What a simulator that was killed has left would take the command, and not answer.
+        # Remnants of a killed simulator would accept the command and not answer it.
         self._node.clean_up_dead()
-        # The way back before the way there. Old results are cleared away.
+        # Connect to the results before sending. This also discards old results.
         while self._take() is not None or self._results.publishers == 0 or not self._sender.send(command, tail):
             self._sleep_until(deadline)
         while (result := self._take()) is None or result["id"] != command["id"]:

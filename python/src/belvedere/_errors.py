@@ -1,28 +1,28 @@
-"""What can go wrong, one class for each remedy."""
+"""Errors, one class for each remedy."""
 
 
 class BridgeError(Exception):
-    """Base of all errors of this package; raised itself for failures of the transport below."""
+    """Base of all errors of this package; raised itself for failures of the transport."""
 
 
 class InvalidNameError(BridgeError, ValueError):
-    """The name of a domain or topic cannot be one."""
+    """The name of a domain or topic is unusable."""
 
 
 class IncompatibleError(BridgeError):
-    """The stream is of another version of iceoryx2 or of Belvedere, or not a Belvedere stream."""
+    """The stream is of another version of iceoryx2 or of Belvedere, or is not a Belvedere stream."""
 
 
 class LimitError(BridgeError):
-    """All places are taken: subscribers of the stream, or frames held at a time."""
+    """A limit is reached: subscribers of the stream, or frames held at a time."""
 
 
 class BadFrameError(BridgeError):
-    """A frame's header is wrong; the frame was dropped."""
+    """The header of a frame is invalid; the frame was dropped."""
 
 
 class ReleasedError(BridgeError, ValueError):
-    """The frame was released, and its data are not to be looked at any more."""
+    """The frame was released, and its data must not be accessed any more."""
 
 
 class FrameInUseError(BridgeError, BufferError):
@@ -30,8 +30,8 @@ class FrameInUseError(BridgeError, BufferError):
 
 
 class StreamTimeoutError(BridgeError, TimeoutError):
-    """No frame, or no answer of a simulator, came in time."""
+    """No frame, or no answer of a simulator, arrived in time."""
 
 
 class RefusedError(BridgeError):
-    """A simulator did not do what it was told; the text is its reason."""
+    """A simulator refused a command; the text is its reason."""

@@ -20,26 +20,26 @@ if TYPE_CHECKING:
 
 
 class Frame:
-    """A frame where it lies in shared memory.
+    """A received frame in shared memory.
 
-    Arrays taken from it are views, read-only, and unchanged as long as they or the frame are held. A stream lets
-    each subscriber hold two frames at a time, if its publisher has set no other number: ``copy()`` what is needed
-    for longer.
+    Arrays of a frame are read-only views, which do not change as long as they or the frame are held. A stream lets
+    each subscriber hold two frames at a time, unless its publisher set another number: ``copy()`` data that you
+    need for longer.
 
-    As a context manager it is released at the end of the block: looking at it afterwards raises ``ReleasedError``,
-    and an array that still points into it raises ``FrameInUseError`` at the end of the block.
+    As a context manager the frame is released at the end of the block. Accessing it afterwards raises
+    ``ReleasedError``. If an array still points into it, the end of the block raises ``FrameInUseError``.
     """
 
     def __init__(self, taken: _native.Frame) -> None:
-        #: What arrays are made of, and keep alive; None after the release.
+        #: The memory that arrays point into and keep alive; None after the release.
         self._owner: _native.Frame | None = taken
-        # A copy: what was checked is what is believed later.
+        # A copy, since the original could change after the check.
         self._header: np.void = np.frombuffer(taken.header, wire.HEADER)[0]
-        #: Frames that were sent between the last one taken and this one.
+        #: Frames that were sent between the previously taken frame and this one.
         self.missed = taken.missed
-        #: Whether the publisher was started again since the frame before.
+        #: True if the publisher was restarted since the previous frame.
         self.restarted = taken.restarted
-        #: Whether it was sent before this subscriber was connected: its age says nothing then.
+        #: True if the frame was sent before this subscriber connected: its age then does not show the latency.
         self.from_history = taken.is_from_history
 
     @property
@@ -49,27 +49,27 @@ class Frame:
 
     @property
     def kind(self) -> wire.Kind:
-        """What the payload is."""
+        """The kind of the payload."""
         return wire.Kind(int(self._header["kind"]))
 
     @property
     def encoding(self) -> wire.Encoding:
-        """How an element is coded."""
+        """The encoding of an element."""
         return wire.Encoding(int(self._header["encoding"]))
 
     @property
     def seq(self) -> int:
-        """Counts the frames of one session from 0."""
+        """The sequence number of the frame in its session, from 0."""
         return int(self._header["seq"])
 
     @property
     def session(self) -> int:
-        """Random per publisher life."""
+        """The random number of the publisher's life."""
         return int(self._header["session"])
 
     @property
     def stamp_ns(self) -> int:
-        """Moment of capture in simulation time, nanoseconds."""
+        """Time of capture in simulated time, nanoseconds."""
         return int(self._header["stamp_ns"])
 
     @property
@@ -79,12 +79,12 @@ class Frame:
 
     @property
     def height(self) -> int:
-        """Rows."""
+        """Number of rows."""
         return int(self._header["height"])
 
     @property
     def frame_id(self) -> str:
-        """The frame that the data are given in."""
+        """The coordinate frame of the data."""
         return bytes(self._header["frame_id"]).decode(errors="replace")
 
     @property
@@ -101,33 +101,33 @@ class Frame:
 
     @property
     def intrinsics(self) -> wire.Intrinsics:
-        """How pixels map to directions; images, depth images and clouds have it."""
+        """The mapping from pixels to directions, for images, depth images and clouds."""
         if self.kind not in (wire.Kind.IMAGE, wire.Kind.DEPTH_IMAGE, wire.Kind.POINT_CLOUD):
             raise AttributeError(f"a {self.kind.name} has no intrinsics")
         return wire.intrinsics(self._header)
 
     @property
     def scan_geometry(self) -> wire.ScanGeometry:
-        """Angles and limits; scans have them."""
+        """Angles and limits, for scans."""
         if self.kind != wire.Kind.LASER_SCAN:
             raise AttributeError(f"a {self.kind.name} has no scan geometry")
         return wire.scan_geometry(self._header)
 
     @property
     def age_ns(self) -> int:
-        """Nanoseconds since it was sent."""
+        """Nanoseconds since the frame was sent."""
         return max(0, time.clock_gettime_ns(time.CLOCK_MONOTONIC) - int(self._header["publish_mono_ns"]))
 
     @property
     def payload(self) -> np.ndarray[Any, np.dtype[np.uint8]]:
-        """All bytes of the payload, where they lie."""
+        """All bytes of the payload, in place."""
         if self._owner is None:
-            raise ReleasedError("the frame was released: look at it within its block, or copy() what is needed")
+            raise ReleasedError("the frame was released: use it within its block, or copy() what is needed")
         return np.asarray(self._owner)
 
     @property
     def array(self) -> np.ndarray[Any, np.dtype[Any]]:
-        """The data, where they lie.
+        """The data, in place.
 
         Shape and type: colour images (height, width, 3) of uint8, grey ones (height, width); depth (height, width)
         of float32 in metres or uint16 in millimetres; scans (layers, rays) of float32 in metres; clouds (height,
@@ -147,10 +147,10 @@ class Frame:
         return wire.plane(self._header, self.payload, offset)
 
     def release(self) -> None:
-        """Give the memory back to the publisher. Doing it twice is no error.
+        """Return the memory to the publisher. Releasing it twice is not an error.
 
         Raises:
-            FrameInUseError: an array still points into the frame; the memory is given back when it is gone.
+            FrameInUseError: an array still points into the frame; the memory is returned when the array is gone.
 
         """
         if self._owner is None:
@@ -173,13 +173,13 @@ class Frame:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        """Release it; an error of the block itself goes before one of the release."""
+        """Release the frame; an error of the block takes precedence over one of the release."""
         if error is None:
             self.release()
         else:
             self._owner = None
 
     def __repr__(self) -> str:
-        """Kind, number and size."""
+        """Return kind, number and size."""
         state = "" if self._owner is not None else ", released"
         return f"<Frame kind {self._header['kind']} seq {self.seq}, {self.width} x {self.height}{state}>"

@@ -1,4 +1,4 @@
-"""What a batch is rendered into."""
+"""The frames of a rendered batch."""
 
 from __future__ import annotations
 
@@ -15,19 +15,20 @@ from belvedere._above import above
 if TYPE_CHECKING:
     from belvedere._sensors import Sensor
 
-#: What is shown of frames with several channels, the first that is there.
+#: The channel that is shown: the first one that the frames have.
 _SHOWN = ("rgb", "depth", "range", "distance", "true_depth", "true_range", "instance", "class", "normal")
-#: So many frames are shown at the most, reduced to so many pixels across.
+#: The maximum number of frames shown, and of pixels across.
 _MOST, _WIDTH = 8, 640
-#: Fewer rows of pixels are hard to see.
+#: The least number of rows that are shown.
 _ROWS = 16
 
 
 class Frames(dict[str, NDArray[Any]]):
-    """Arrays by channel, each of the batch's shape and then the frame's.
+    """Arrays by channel, each with the batch's shape followed by the frame's.
 
-    Jupyter shows it as a picture: ``frames._repr_png_()`` is a PNG file of the first frames, scans from above.
-    ``frames.picture(channel)`` is one frame as an array of colours, ``frames.above(channel)`` a scan from above.
+    Jupyter shows them as an image: ``frames._repr_png_()`` is a PNG file of the first frames, with scans from
+    above. ``frames.picture(channel)`` is one frame as an array of colours, ``frames.above(channel)`` a scan from
+    above.
     """
 
     def __init__(
@@ -39,21 +40,21 @@ class Frames(dict[str, NDArray[Any]]):
         numbers: Sequence[int] = (),
     ) -> None:
         super().__init__(arrays)
-        #: The batch's shape: that of the poses without their last axes; of rays, theirs without the last two.
+        #: The batch's shape: that of the poses without their last axes; for rays, theirs without the last two.
         self.lead = lead
         self._frame = frame
-        # Who took them, if it was a sensor, and the number of each.
+        # The sensor, if the frames are from one, and the number of each.
         self._sensor, self._numbers = sensor, numbers
 
     def picture(self, channel: str | None = None, index: int | tuple[int, ...] = ()) -> NDArray[np.uint8]:
-        """Return a frame as colours (height, width, 3), or (height, width) of grey.
+        """Return a frame as colours (height, width, 3), or grey (height, width).
 
-        Rows are those of a camera, or the lines of a lidar, repeated where they are few. A scanner has none: its frame is
-        that of ``above``.
+        Rows are those of a camera, or the lines of a lidar, repeated if there are few. A scanner has no rows: its
+        frame is shown as by ``above``.
 
         Args:
-            channel: which one; without it, the first of rgb, depth, range and so on that is there.
-            index: which frame of the batch.
+            channel: the channel; by default the first one present of rgb, depth, range and so on.
+            index: the index of the frame in the batch.
 
         Raises:
             ValueError: there is no such channel or frame.
@@ -72,14 +73,14 @@ class Frames(dict[str, NDArray[Any]]):
     def above(self, channel: str | None = None, index: int | tuple[int, ...] = ()) -> NDArray[np.uint8]:
         """Return a frame of a lidar or scanner seen from above: (height, width, 3), forward up, rings around the sensor.
 
-        Dots are where ``points`` or ranges say; without any of them, a metre away.
+        Dots are at the positions of ``points`` or of ranges; without either, one metre away.
 
         Args:
-            channel: what colours them; without it, as for ``picture``.
-            index: which frame of the batch.
+            channel: the channel that gives the colours; the default is that of ``picture``.
+            index: the index of the frame in the batch.
 
         Raises:
-            ValueError: there is no such channel or frame, or it is no scan.
+            ValueError: there is no such channel or frame, or the frame is not a scan.
 
         """
         name, place = self._named(channel), self._place(index)
@@ -96,7 +97,7 @@ class Frames(dict[str, NDArray[Any]]):
         values = self[name][place]
         rest = values.shape[len(self._frame) :]
         if values.ndim < len(self._frame):
-            # One a firing, which has several returns.
+            # One value for each firing, which has several returns.
             values = np.broadcast_to(values[:, None], self._frame)
         places = places.reshape(-1, 3)
         there = np.isfinite(places).all(axis=1)
@@ -113,7 +114,7 @@ class Frames(dict[str, NDArray[Any]]):
         frames = [self.above(index=index) if is_scan else self.picture(index=index) for index in indices]
         sheet = _picture.side_by_side(frames) if total > 1 else frames[0]
         step = -(-sheet.shape[1] // (_WIDTH * min(total, 2)))
-        # A strip stays as high as it is.
+        # Keep the height of strips.
         down = min(step, max(sheet.shape[0] // _ROWS, 1))
         return _picture.png(np.ascontiguousarray(sheet[::down, ::step]))
 
@@ -125,7 +126,7 @@ class Frames(dict[str, NDArray[Any]]):
         return channel
 
     def _place(self, index: int | tuple[int, ...]) -> tuple[int, ...]:
-        """Return the place of a frame in the batch; on axes that are not named it is the first."""
+        """Return the full index of a frame in the batch; missing axes are 0."""
         given = index if isinstance(index, tuple) else (index,)
         place = (*given, *(0,) * (len(self.lead) - len(given)))
         if len(place) != len(self.lead) or not all(
@@ -135,6 +136,6 @@ class Frames(dict[str, NDArray[Any]]):
         return tuple(int(part) % size for part, size in zip(place, self.lead, strict=True))
 
     def __repr__(self) -> str:
-        """Names, shapes and types of the arrays."""
+        """Return names, shapes and types of the arrays."""
         arrays = ", ".join(f"{name}: {values.dtype}{list(values.shape)}" for name, values in self.items())
         return f"<Frames {arrays}>"

@@ -1,4 +1,4 @@
-"""The wire format as numpy sees it. Made from bridge/src/wire by bridge/c/tests/bindings; do not edit."""
+"""The wire format as numpy types. Generated from bridge/src/wire by bridge/c/tests/bindings; do not edit."""
 
 # fmt: off
 from __future__ import annotations
@@ -19,13 +19,13 @@ HEADER_TYPE_NAME = "belvedere.FrameHeader.v2"
 
 
 class Kind(IntEnum):
-    """What the payload of a stream means (kind).
+    """The meaning of a stream's payload (kind).
 
     Numbers are never reused.
 
     """
 
-    #: A colour or grey picture; the header carries its intrinsics.
+    #: A colour or grey image; the header carries its intrinsics.
     IMAGE = 1
     #: Depth along the optical axis; the header carries its intrinsics.
     DEPTH_IMAGE = 2
@@ -33,43 +33,45 @@ class Kind(IntEnum):
     CAMERA_INFO = 3
     #: Ranges of a planar or multi-layer lidar; the header carries its angles.
     LASER_SCAN = 4
-    #: Points in the sensor's frame; organised (an image of points) when the height is more than 1.
+    #: Points in the sensor's frame; organised (an image of points) if the height is more than 1.
     POINT_CLOUD = 5
     #: One Odometry.
     ODOMETRY = 6
-    #: An array of Transform that hold at the stamp.
+    #: An array of Transform that are valid at the stamp.
     TRANSFORMS = 7
-    #: An array of Transform that hold always.
+    #: An array of Transform that never change.
     STATIC_TRANSFORMS = 8
     #: An array of JointState.
     JOINT_STATES = 9
-    #: One Clock: the simulation's time.
+    #: One Clock, the simulated time.
     CLOCK = 10
-    #: One VelocityCommand, towards the robot.
+    #: One VelocityCommand, to the robot.
     VELOCITY_COMMAND = 11
     #: One Imu.
     IMU = 12
-    #: One RobotEvent, sent when it happens.
+    #: One RobotEvent, sent when the state changes.
     ROBOT_EVENT = 13
-    #: One SimulationCommand, towards the simulator; a text may follow it in the payload.
+    #: One SimulationCommand, to the simulator; a text may follow it in the
+    #: payload.
     SIMULATION_COMMAND = 14
-    #: One SimulationResult: the answer to a command.
+    #: One SimulationResult, the result of a command.
     SIMULATION_RESULT = 15
     #: An array of ModelState.
     MODEL_STATES = 16
     #: One CoreSensors.
     CORE_SENSORS = 17
-    #: One ResetOdometry, towards the robot.
+    #: One ResetOdometry, to the robot.
     RESET_ODOMETRY = 18
-    #: One MotorPower, towards the robot.
+    #: One MotorPower, to the robot.
     MOTOR_POWER = 19
     #: One Range.
     RANGE = 20
-    #: An array of SensorSettings: of every sensor that can be changed, as they are from the stamp on.
+    #: An array of SensorSettings: the settings of every sensor that has any,
+    #: valid from the stamp on.
     SENSOR_SETTINGS = 21
-    #: An array of BoundingBox: of everything that a picture shows.
+    #: An array of BoundingBox, one for each object in an image.
     BOUNDING_BOXES = 22
-    #: An array of TagDetection: of the tags that a picture shows.
+    #: An array of TagDetection, one for each tag in an image.
     TAG_DETECTIONS = 23
     #: One NavSatFix.
     NAV_SAT_FIX = 24
@@ -84,20 +86,20 @@ class Kind(IntEnum):
 
 
 class Encoding(IntEnum):
-    """How one element of the payload is coded (encoding)."""
+    """The encoding of one element of the payload (encoding)."""
 
-    #: Red, green, blue; 8 bit each.
+    #: Red, green, blue; 8 bits each.
     RGB8 = 1
-    #: Blue, green, red; 8 bit each.
+    #: Blue, green, red; 8 bits each.
     BGR8 = 2
-    #: Grey, 8 bit.
+    #: Grey, 8 bits.
     MONO8 = 3
-    #: Depth in metres, as 32-bit floats: NaN invalid, −inf too near, +inf nothing there (REP-118).
+    #: Depth in metres, 32-bit floats: NaN invalid, −inf too near, +inf no return (REP-118).
     F32C1 = 4
-    #: Depth in millimetres, 16 bit: 0 invalid (REP-118).
+    #: Depth in millimetres, 16 bits: 0 invalid (REP-118).
     U16C1 = 5
-    #: A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are
-    #: 0x00RRGGBB (PCL's rgb); the rest is padding. NaN coordinates: no point.
+    #: A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are 0x00RRGGBB
+    #: (PCL's rgb); the rest is padding. NaN coordinates mean no point.
     XYZRGB_F32 = 6
     #: Ranges in metres, 32-bit floats (REP-117): height layers of width rays. With
     #: HAS_INTENSITIES a second plane of the same shape follows
@@ -105,62 +107,62 @@ class Encoding(IntEnum):
     RANGES_F32 = 7
     #: height fixed structs, elem_stride bytes apart; see payload.
     STRUCT = 8
-    #: Red, green, blue, and 255; 8 bit each.
+    #: Red, green, blue, and 255; 8 bits each.
     RGBA8 = 9
-    #: Grey, 16 bit.
+    #: Grey, 16 bits.
     MONO16 = 10
-    #: A colour a pixel, 8 bit: the first row red and green, the second green and blue.
+    #: Bayer mosaic, 8 bits: red and green in the first row, green and blue in the second.
     BAYER_RGGB8 = 11
-    #: A colour a pixel, 8 bit: the first row blue and green, the second green and red.
+    #: Bayer mosaic, 8 bits: blue and green in the first row, green and red in the second.
     BAYER_BGGR8 = 12
-    #: A colour a pixel, 8 bit: the first row green and blue, the second red and green.
+    #: Bayer mosaic, 8 bits: green and blue in the first row, red and green in the second.
     BAYER_GBRG8 = 13
-    #: A colour a pixel, 8 bit: the first row green and red, the second blue and green.
+    #: Bayer mosaic, 8 bits: green and red in the first row, blue and green in the second.
     BAYER_GRBG8 = 14
-    #: A colour a pixel, 16 bit: the first row red and green, the second green and blue.
+    #: Bayer mosaic, 16 bits: red and green in the first row, green and blue in the second.
     BAYER_RGGB16 = 15
-    #: A colour a pixel, 16 bit: the first row blue and green, the second green and red.
+    #: Bayer mosaic, 16 bits: blue and green in the first row, green and red in the second.
     BAYER_BGGR16 = 16
-    #: A colour a pixel, 16 bit: the first row green and blue, the second red and green.
+    #: Bayer mosaic, 16 bits: green and blue in the first row, red and green in the second.
     BAYER_GBRG16 = 17
-    #: A colour a pixel, 16 bit: the first row green and red, the second blue and green.
+    #: Bayer mosaic, 16 bits: green and red in the first row, blue and green in the second.
     BAYER_GRBG16 = 18
-    #: Two 32-bit floats: flow in pixels, to the right and down; NaN where there is none.
+    #: Two 32-bit floats: optical flow in pixels, to the right and down; NaN where it is undefined.
     F32C2 = 19
-    #: Three 32-bit floats: unit normals in the axes of the world; 0 where nothing is seen.
+    #: Three 32-bit floats: unit normals in the world's axes; 0 where no surface is seen.
     F32C3 = 20
-    #: A number of a thing or of a class, 32 bit and signed; of things, -1 where nothing is seen.
+    #: An instance or class number, 32-bit signed; in instance images, −1 where nothing is seen.
     I32C1 = 21
-    #: A point of 22 bytes, as Velodyne's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at
-    #: 12, ring as u16 at 16, from the lowest up, time as f32 at 18 in seconds after the stamp. NaN coordinates: no
-    #: point, which only clouds of several rows have.
+    #: A point of 22 bytes, in the layout of Velodyne's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as
+    #: f32 at 12, ring as u16 at 16, counted from the lowest, time as f32 at 18 in seconds after the stamp. NaN
+    #: coordinates mean no point, which occurs only in clouds of several rows.
     XYZIRT_F32 = 22
-    #: A point of 48 bytes, as Ouster's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 16,
-    #: t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, from the highest
-    #: down, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates: no point. A row is
-    #: a laser, a column a direction.
+    #: A point of 48 bytes, in the layout of Ouster's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
+    #: at 16, t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, counted
+    #: from the highest, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates mean
+    #: no point. A row is a laser, a column a direction.
     OUSTER_POINT = 23
-    #: A point of 26 bytes, as Livox's driver sends it: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32 at 12,
-    #: tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
+    #: A point of 26 bytes, in the layout of Livox's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
+    #: at 12, tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
     LIVOX_POINT = 24
 
 
 class DistortionModel(IntEnum):
-    """How a lens maps directions to pixels, and the order of its parameters.
+    """The mapping from directions to pixels by a lens, and the order of its parameters.
 
-    Names are those of sensor_msgs/CameraInfo where ROS has one. With K = (fx, fy, cx, cy) a direction
-    (x, y, z) becomes the pixel (fx·u + cx, fy·v + cy).
+    Names are those of sensor_msgs/CameraInfo where ROS has one. With K = (fx, fy, cx, cy), the
+    direction (x, y, z) is seen at the pixel (fx·u + cx, fy·v + cy).
 
     """
 
-    #: Brown–Conrady: k1 k2 p1 p2 k3; all 0 for a pinhole. u, v are x/z, y/z, distorted.
+    #: Brown–Conrady: k1 k2 p1 p2 k3; all 0 for a pinhole. u, v are the distorted x/z, y/z.
     PLUMB_BOB = 1
-    #: OpenCV's longer forms of it: k1 k2 p1 p2 k3 k4 k5 k6, then s1 s2 s3 s4 of a thin prism, then the tilts τx τy;
-    #: 8, 12 or 14 of them.
+    #: OpenCV's extensions of Brown–Conrady: k1 k2 p1 p2 k3 k4 k5 k6, then the thin prism s1 s2 s3 s4, then the
+    #: tilts τx τy; 8, 12 or 14 parameters.
     RATIONAL_POLYNOMIAL = 2
-    #: Kannala–Brandt, OpenCV's fisheye: k1 k2 k3 k4 of θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
+    #: Kannala–Brandt, OpenCV's fisheye model: k1 k2 k3 k4 in θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
     EQUIDISTANT = 3
-    #: Extended unified camera model: alpha beta. ROS has no name for it, nor for those that follow.
+    #: Extended unified camera model: alpha beta. ROS has no name for this model or for the following ones.
     EUCM = 4
     #: Double sphere: xi alpha.
     DOUBLE_SPHERE = 5
@@ -168,35 +170,37 @@ class DistortionModel(IntEnum):
     MEI = 6
     #: Columns are angles about the camera's y, rows are elevations: u = atan2(x, z), v = atan2(y, √(x² + z²)).
     EQUIRECTANGULAR = 7
-    #: SDF's: c1 c2 c3 f fun cutoff. The radius is c1·f·fun(θ/c2 + c3), f in pixels, fun 0 sin, 1 tan, 2 the angle
-    #: itself; beyond the angle cutoff nothing is seen. K is its scale in the middle.
+    #: SDF's wide-angle lens: c1 c2 c3 f fun cutoff. The radius is c1·f·fun(θ/c2 + c3), f in pixels; fun is 0 for
+    #: sin, 1 for tan, 2 for the identity. Directions beyond the cutoff angle are not seen. K holds the scale at
+    #: the centre.
     WIDE_ANGLE = 8
 
 
 class Operation(IntEnum):
-    """What a simulator is told to do (operation).
+    """An operation on a simulation (operation).
 
-    Numbers are never reused; one that a simulator does not know it refuses by number.
+    Numbers are never reused; a simulator refuses one that it does not know.
 
     """
 
-    #: Let simulated time stand.
+    #: Pause simulated time.
     PAUSE = 1
-    #: Let it go on.
+    #: Resume simulated time.
     RESUME = 2
-    #: Run steps steps of physics with all that is published on the way, then pause.
+    #: Run steps physics steps and publish everything that is due, then pause.
     STEP = 3
-    #: Put every model back to where it was at the start, at rest; time goes on.
+    #: Return every model to its initial pose, at rest; time continues.
     RESET_WORLD = 4
-    #: Begin again at time 0: what follows are the bytes of a fresh start.
+    #: Restart at time 0; the output is the same as after a fresh start.
     RESET_SIMULATION = 5
-    #: Give the model name a pose and a velocity, in the frame reference.
+    #: Set the pose and velocity of the model name, in the frame reference.
     SET_MODEL_STATE = 6
-    #: Put the model in the text (URDF or SDF) into the world as name, at a pose in the frame reference.
+    #: Add the model in the text (URDF or SDF) to the world as name, at a pose in the frame reference.
     SPAWN = 7
-    #: Take the model name out of the world.
+    #: Remove the model name from the world.
     DELETE = 8
-    #: Change settings of the sensor name, or of the one that sends the topic name: key=value words in the text.
+    #: Change settings of the sensor name, or of the sensor that publishes the topic name: key=value words in
+    #: the text.
     CONFIGURE = 9
 
 
@@ -475,7 +479,7 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
 }
 STRUCTS[Kind.STATIC_TRANSFORMS] = STRUCTS[Kind.TRANSFORMS]
 
-#: What one element is.
+#: The type of one element.
 ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
     Encoding.RGB8: np.dtype(("u1", 3)),
     Encoding.BGR8: np.dtype(("u1", 3)),

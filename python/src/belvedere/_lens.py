@@ -1,4 +1,4 @@
-"""Lenses: from a direction to its pixel."""
+"""Lens models, which map directions to pixels."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from belvedere import _arrays
 class Lens:
     """A lens model with its intrinsic parameters in pixels; pixel centres are whole numbers.
 
-    Make one by its model: ``Lens.kannala_brandt(fx=300, fy=300, cx=319.5, cy=239.5, k=(0.1, 0, 0, 0))``. What a lens does
-    not map is black in pictures and +∞ in depth. A sensor that is made with it checks the parameters.
+    Create one by its model: ``Lens.kannala_brandt(fx=300, fy=300, cx=319.5, cy=239.5, k=(0.1, 0, 0, 0))``. Pixels
+    that the lens does not map are black in images and +∞ in depth. A sensor with the lens checks the parameters.
     """
 
     #: The name of the model.
     model: str
-    #: fx, fy, cx, cy, skew, and then the model's own.
+    #: fx, fy, cx, cy, skew, followed by the model's own parameters.
     parameters: tuple[float, ...] = field(repr=True)
 
     @staticmethod
@@ -38,7 +38,7 @@ class Lens:
     def brown_conrady(
         fx: float, fy: float, cx: float, cy: float, coefficients: tuple[float, ...], skew: float = 0.0
     ) -> Lens:
-        """OpenCV's model, ROS's plumb_bob and rational_polynomial: k1 k2 p1 p2 k3 and so on, 4, 5, 8, 12 or 14."""
+        """OpenCV's model, ROS's plumb_bob and rational_polynomial: k1 k2 p1 p2 k3 …, 4, 5, 8, 12 or 14 of them."""
         row = _arrays.array("coefficients", coefficients, np.float64)
         if row.ndim != 1:
             raise ValueError(f"coefficients: shape {row.shape}; a row of numbers is expected")
@@ -80,7 +80,7 @@ class Lens:
 
     @staticmethod
     def equirectangular(width: int, height: int) -> Lens:
-        """All directions in one picture: columns are longitudes, rows latitudes."""
+        """All directions in one image: columns are longitudes, rows latitudes."""
         across, down = _arrays.count("width", width), _arrays.count("height", height)
         per_radian = across / (2.0 * 3.141592653589793)
         down_per_radian = down / 3.141592653589793

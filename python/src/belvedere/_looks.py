@@ -1,4 +1,4 @@
-"""How bodies look, as the native module takes it."""
+"""Appearance of bodies, converted for the native module."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
     from belvedere._arrays import ArrayLike
 
-#: Which sensors see a body: bits.
+#: Bits of the sensors that see a body.
 SEES = {"visual": 1, "collision": 2, "all": 3}
 
 
@@ -29,7 +29,7 @@ def table(argument: str, value: ArrayLike, columns: int, dtype: type[np.generic]
 
 
 def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look, _native._Said]:
-    """Return what is said of a body as the native module takes it."""
+    """Convert the arguments that describe a body for the native module."""
     rest = dict(look)
     color = _arrays.array("color", rest.pop("color", (0.7, 0.7, 0.7)), np.float64).tolist()
     if not isinstance(color, list) or len(color) not in (3, 4):

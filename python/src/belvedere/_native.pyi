@@ -1,4 +1,4 @@
-"""Sensors, simulator and streams, for the modules of this package alone: they check what they hand over."""
+"""Sensors, simulator and streams, only for the modules of this package, which check all arguments."""
 
 from collections.abc import Sequence
 from typing import Any, TypeAlias, final
@@ -21,10 +21,11 @@ __all__ = [
     "poses_of_matrices",
 ]
 
-# Poses of the sensor (N, 7), numbers of bodies, their poses (N, bodies, 7).
+# Poses of the sensor (N, 7), numbers of the moved bodies, their poses (N, bodies, 7).
 _Places: TypeAlias = tuple[NDArray[np.float64], Sequence[int], NDArray[np.float64] | None]
 _Moves: TypeAlias = tuple[Sequence[int], NDArray[np.float64] | None]
-# Colours of bodies, colours of lamps, where lamps are, light from everywhere: (N, ..., 3); whether pictures are on bodies.
+# Colours of bodies, colours of lamps, positions or directions of lamps, ambient light: (N, ..., 3); whether bodies are
+# textured.
 _Looks: TypeAlias = tuple[
     NDArray[np.float32] | None,
     NDArray[np.float32] | None,
@@ -32,7 +33,7 @@ _Looks: TypeAlias = tuple[
     NDArray[np.float32] | None,
     NDArray[np.bool_] | None,
 ]
-# Seeds, numbers of frames, which are taken, looks.
+# Seeds, numbers of frames, mask, appearances.
 _Each: TypeAlias = tuple[Sequence[int], Sequence[int], Sequence[bool] | None, _Looks | None]
 _Lens: TypeAlias = tuple[tuple[str, Sequence[float]] | None, float | None]
 _Look: TypeAlias = tuple[

@@ -18,22 +18,22 @@ if TYPE_CHECKING:
 
 
 class StreamInfo(NamedTuple):
-    """A stream that exists; None where its publisher says nothing."""
+    """An existing stream; fields that its publisher did not declare are None."""
 
     topic: str
     kind: str | None
     encoding: str | None
     rate_hz: float | None
     frame_id: str | None
-    #: Of a lidar.
+    #: Number of layers of a lidar.
     layers: int | None
 
 
 class Node(Closing):
-    """Membership of a domain, which is one simulation's name for all that it shares.
+    """Membership of a domain, the name under which one simulation shares its streams.
 
-    If ``domain`` is None it is that of the environment variable ``BELVEDERE_DOMAIN``, else ``default``. ``name`` is
-    for listings. No signal handler is installed.
+    If ``domain`` is None, it is that of the environment variable ``BELVEDERE_DOMAIN``, or ``default``. ``name`` is
+    shown in listings. No signal handler is installed.
     """
 
     def __init__(self, name: str = "python", domain: str | None = None) -> None:
@@ -46,14 +46,14 @@ class Node(Closing):
         return self._domain
 
     def subscribe(self, topic: str) -> Subscriber:
-        """Follow a stream, whether it exists already or not. A leading slash is ignored."""
+        """Subscribe to a stream, which may be created later. A leading slash is ignored."""
         return Subscriber(self._joined(), topic)
 
     def synchronize(self, topics: Sequence[str], tolerance: float = 0.0) -> Synchronizer:
-        """Give the frames of several streams that were taken at the same time.
+        """Subscribe to several streams, for sets of frames that were captured at the same time.
 
-        Stamps of a set differ by at most ``tolerance`` seconds of simulation time: 0 for what is captured at one
-        moment, more for sensors of different rates.
+        The stamps of a set differ by at most ``tolerance`` seconds of simulated time: 0 for frames captured at the
+        same time, more for sensors of different rates.
         """
         return Synchronizer([self.subscribe(topic) for topic in topics], tolerance)
 
@@ -68,19 +68,19 @@ class Node(Closing):
     def reset_odometry_publisher(
         self, topic: str = "mobile_base/commands/reset_odometry"
     ) -> ResetOdometryPublisher:
-        """Open the stream that lets the robot's odometry begin at zero."""
+        """Open the stream that resets the robot's odometry."""
         return ResetOdometryPublisher(self._joined(), topic)
 
     def control(self, timeout: float = 5.0) -> SimulationControl:
-        """Control the simulation of the domain, whether it runs already or not, waiting so long for each answer."""
+        """Open the control of the domain's simulation, which may start later; the timeout applies to each answer."""
         return SimulationControl(self._joined(), timeout)
 
     def streams(self) -> list[StreamInfo]:
-        """List what is there in the domain, by topic."""
+        """List the streams of the domain, by topic."""
         return [StreamInfo(*stream) for stream in self._joined().streams()]
 
     def close(self) -> None:
-        """Leave the domain, as far as subscribers and publishers made from it are closed."""
+        """Leave the domain once all subscribers and publishers made from this node are closed."""
         self._native = None
 
     def _joined(self) -> _native.Node:

@@ -1,4 +1,4 @@
-"""Frames as pictures for people: PNG files without another package."""
+"""Frames as images for display, and PNG files without another package."""
 
 from __future__ import annotations
 
@@ -19,16 +19,16 @@ _TURBO = np.array(
         [0.10667330, 12.64194608, -60.58204836, 110.36276771, -89.90310912, 27.34824973],
     ]
 )
-#: Channels of metres from the sensor.
+#: Channels of distances in metres.
 _DISTANCES = ("depth", "range", "distance", "true_depth", "true_range")
-#: Where the map begins for them.
+#: The start of the colour map for distances.
 _FARTHEST = 0.08
-#: The golden section scatters numbers that follow each other.
+#: The golden section, which scatters consecutive numbers.
 _GOLDEN = 0.618033988749895
 
 
 def png(pixels: NDArray[np.uint8]) -> bytes:
-    """Return a picture (height, width, 3) or (height, width) as a PNG file."""
+    """Return an image (height, width, 3) or (height, width) as a PNG file."""
     height, width = pixels.shape[:2]
     colour = 2 if pixels.ndim == 3 else 0
     rows = np.ascontiguousarray(pixels).reshape(height, -1)
@@ -47,7 +47,7 @@ def png(pixels: NDArray[np.uint8]) -> bytes:
 
 
 def picture(channel: str, values: NDArray[Any]) -> NDArray[np.uint8]:
-    """Return a frame of a channel (height, width, …) as colours: (height, width, 3), or (height, width) of grey."""
+    """Return a channel's frame (height, width, …) as colours (height, width, 3), or grey (height, width)."""
     if values.dtype == np.uint8:
         return values
     if values.ndim == 3 and values.shape[2] == 3 and channel == "normal":
@@ -65,7 +65,8 @@ def picture(channel: str, values: NDArray[Any]) -> NDArray[np.uint8]:
     least, most = (shown[valid].min(), shown[valid].max()) if valid.any() else (0.0, 1.0)
     share = np.where(valid, shown - least, 0.0) / (most - least if most > least else 1.0)
     if channel in _DISTANCES:
-        # As on the page and by `belvedere snapshot`: near is red, and far is not as black as what is not there.
+        # As in the viewer and in `belvedere snapshot`: near is red, and far differs from black, which means
+        # missing.
         share = 1.0 - (1.0 - _FARTHEST) * share
     colours = turbo(share)
     colours[~valid] = 0
@@ -73,13 +74,13 @@ def picture(channel: str, values: NDArray[Any]) -> NDArray[np.uint8]:
 
 
 def turbo(share: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Return colours from blue, 0, to red, 1."""
+    """Return colours from blue for 0 to red for 1."""
     powers = np.stack([np.clip(share, 0.0, 1.0) ** power for power in range(6)], axis=-1)
     return np.asarray(np.clip(powers @ _TURBO.T * 255.0 + 0.5, 0, 255), np.uint8)
 
 
 def side_by_side(frames: list[NDArray[np.uint8]]) -> NDArray[np.uint8]:
-    """Return pictures of equal size in rows of four."""
+    """Return images of equal size in rows of four."""
     coloured = [frame if frame.ndim == 3 else np.repeat(frame[..., None], 3, axis=2) for frame in frames]
     across = min(4, len(coloured))
     while len(coloured) % across:

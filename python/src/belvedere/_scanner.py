@@ -1,4 +1,4 @@
-"""Laser scanners as they are built."""
+"""Laser scanners by their presets."""
 
 from __future__ import annotations
 
@@ -18,22 +18,22 @@ _F32, _U32 = np.dtype(np.float32), np.dtype(np.uint32)
 
 
 class Scanner(Sensor):
-    """A laser scanner of a maker: every firing from where the sensor and the bodies are at its time.
+    """A laser scanner of a manufacturer: every firing is cast from the poses of sensor and bodies at its time.
 
-    Channels: ``range`` float32 (firings, returns), measured metres; ``points`` float32 (firings, returns, 3) in the frame
-    of the sensor at the time of the firing, NaN where there is none; ``intensity`` float32; ``time`` float64 (firings),
-    seconds after the frame's beginning; ``laser`` uint32 (firings). Give ``after=``, where it is at the end of the
-    frame, if it moves. Its frames are shown from above.
+    Channels: ``range`` float32 (firings, returns), measured metres; ``points`` float32 (firings, returns, 3) in the
+    sensor's frame at the time of the firing, NaN without a return; ``intensity`` float32; ``time`` float64
+    (firings), seconds after the beginning of the frame; ``laser`` uint32 (firings). If the sensor moves, pass
+    ``after=``, its poses at the end of the frame. Frames are shown from above.
 
     Args:
-        preset: its name: ``Scanner.presets()``.
-        rate: turns a second; without it, as it comes.
-        columns: of a turn, of those that have a choice.
+        preset: the name of a preset: see ``Scanner.presets()``.
+        rate: revolutions per second; the preset's default if it is None.
+        columns: columns per revolution, for presets with a choice.
         returns: ``strongest``, ``first``, ``last`` or ``dual``.
-        intensity: ``retro``, as worlds say; ``power``; ``reflectivity``.
-        visibility: metres one sees in fog.
-        rain: millimetres an hour.
-        snow: millimetres of water an hour.
+        intensity: ``retro``, by the retroreflectivity in world files; ``power``; ``reflectivity``.
+        visibility: visibility in fog in metres.
+        rain: millimetres per hour.
+        snow: millimetres of water per hour.
         sees: ``collision`` shapes, ``visual`` ones or ``all``.
 
     Raises:
@@ -71,7 +71,7 @@ class Scanner(Sensor):
         firings, count, period_ns = native.size
         self._native = native
         self._frame = (firings, count)
-        #: Seconds from a frame to the next.
+        #: Seconds from one frame to the next.
         self.period = period_ns * 1e-9
         self._channels = {
             "range": (_F32, ()),

@@ -1,4 +1,4 @@
-"""The sending end of a stream that another process makes, and reads."""
+"""Publishers for streams that another process creates and reads."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 class Sender:
-    """Sends single structs of a kind, each with a tail of bytes or without, to whom has made the stream."""
+    """A publisher of single structs of a kind, each optionally followed by bytes, to the owner of the stream."""
 
     def __init__(self, node: _native.Node, topic: str, kind: wire.Kind) -> None:
         self._native = node.sender(topic, kind)
@@ -23,11 +23,11 @@ class Sender:
         return self._native.topic
 
     def send(self, struct: np.ndarray, tail: bytes = b"") -> bool:
-        """Send it; False while nobody is there to take it."""
+        """Send a struct; return False if no process receives it."""
         return self._native.send(struct.tobytes(), tail)
 
     def wait(self, timeout: float) -> bool:
-        """Sleep until there is somebody who takes it; False when ``timeout`` seconds have passed without."""
+        """Sleep until a process receives the stream; return False if ``timeout`` seconds pass without one."""
         deadline = time.monotonic() + timeout
         while not self._native.is_taken():
             if time.monotonic() >= deadline:
@@ -36,5 +36,5 @@ class Sender:
         return True
 
     def close(self) -> None:
-        """Close the stream; the next to be sent opens it again."""
+        """Close the stream; the next ``send`` opens it again."""
         self._native.close()

@@ -28,7 +28,7 @@ _F32, _U32 = np.dtype(np.float32), np.dtype(np.uint32)
 
 
 def _truth(depth: str, range_: str) -> dict[str, tuple[np.dtype[Any], tuple[int, ...]]]:
-    """The channels of what is true of each ray, with these names for distances."""
+    """Return the channels of ground truth for each ray, with these names for distances."""
     return {
         depth: (_F32, ()),
         range_: (_F32, ()),
@@ -55,14 +55,14 @@ class _Native(Protocol):
 
 
 class Sensor:
-    """What takes frames. A sensor looks along +x of its pose, y is left, z is up.
+    """Base of all sensors. A sensor looks along +x of its pose; y is left, z is up.
 
-    It does not change, and can be pickled and copied.
+    Sensors are immutable, and can be pickled and copied.
     """
 
-    #: What it was made from.
+    #: The arguments of the constructor.
     _arguments: dict[str, Any]
-    #: How its frames are shown.
+    #: The display of its frames.
     _view: Literal["picture", "lines", "firings"] = "picture"
     _native: _Native
     _channels: Channels
@@ -80,11 +80,11 @@ class Sensor:
         return self._frame
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Made again from the same arguments."""
+        """Return the constructor and its arguments."""
         return functools.partial(type(self), **self._arguments), ()
 
     def _directions(self, number: int) -> NDArray[np.float32]:
-        """Which way the rays of a frame with this number go, (…, 3): of what scans."""
+        """Return the directions of the rays of a frame with this number, (…, 3), for scanning sensors."""
         raise NotImplementedError
 
     def render(
@@ -103,38 +103,40 @@ class Sensor:
         bodies_before: Bodies | None = None,
         threads: int | None = None,
     ) -> Frames:
-        """Take a frame from each pose.
+        """Render a frame from each pose.
 
-        A frame's bytes depend on world, sensor, pose, bodies and seed alone: not on the batch that it is in, its place
-        there, the number of threads or the machine.
+        The bytes of a frame depend only on world, sensor, pose, bodies and seed: not on the batch or the position
+        in it, the number of threads or the machine.
 
         Args:
-            world: what is seen.
-            poses: where the sensor is: (…, 7), x y z qx qy qz qw in metres, or (…, 4, 4). The axes before the last are
-                the batch's shape.
-            out: arrays to write into, by channel; of the right shape and type, without gaps, writeable. Others' arrays
-                by ``__dlpack__``.
-            channels: which are wanted; without it, those of ``out``, or the sensor's main one.
-            seeds: of the noise: one for each frame, of the batch's shape; or the first one, and those that follow.
-            frames: number of each frame in its stream, or that of all: noise is a function of seed and number, and some
-                scanners turn on from one to the next.
-            bodies: bodies that are elsewhere than the world has them: a dictionary by name or number of poses that
+            world: the world.
+            poses: the sensor's poses: (…, 7), x y z qx qy qz qw in metres, or (…, 4, 4). The axes before the last
+                ones are the batch's shape.
+            out: arrays to write into, by channel, with the right shape and type, contiguous and writeable. Arrays
+                of other libraries are accepted by ``__dlpack__``.
+            channels: the channels to render; by default those of ``out``, or the sensor's main one.
+            seeds: the seeds of the noise: one for each frame, with the batch's shape; or the first of consecutive
+                ones.
+            frames: the number of each frame in its stream, or one for all: noise is a function of seed and number,
+                and some scanners continue to rotate from one frame to the next.
+            bodies: poses of bodies that differ from the world's: a dictionary, by name or number, of poses that
                 broadcast to the batch's shape, or an array (…, bodies, 7) of all.
-            after: where the sensor is at the next frame, as ``poses``: for ``flow``. Of a scanner: where it is at the end
-                of the frame; each ray is cast from where it is at its time. It goes straight and turns evenly, the
-                shorter way: by more than π is by less the other way round.
-            bodies_after: bodies then; without it, ``bodies``.
-            before: where it was at the frame before: for ``flow_back``.
-            bodies_before: bodies then; without it, ``bodies``.
-            threads: how many work; without it, one a processor.
+            after: the sensor's poses at the next frame, like ``poses``, for ``flow``. For a scanner, its poses at
+                the end of the frame: each ray is cast from the pose at its time. The motion in between is straight
+                and turns evenly by the shorter way, so a rotation by more than π becomes a smaller one in the
+                opposite direction.
+            bodies_after: poses of bodies at that time; ``bodies`` by default.
+            before: the sensor's poses at the previous frame, for ``flow_back``.
+            bodies_before: poses of bodies at that time; ``bodies`` by default.
+            threads: the number of threads; one per processor by default.
 
         Returns:
-            The arrays, by channel: the batch's shape, then the frame's.
+            The arrays, by channel, with the batch's shape followed by the frame's.
 
         Raises:
-            ValueError: an argument is not as it must be; it is named, with its shape and what was expected. Nothing is
-                written then.
-            KeyboardInterrupt: Ctrl-C; frames that were not begun are not written then.
+            ValueError: an argument is invalid; the message has its name, its shape and what was expected. Nothing
+                is written then.
+            KeyboardInterrupt: Ctrl-C; frames that were not begun are not written.
 
         """
         if not isinstance(world, World):
@@ -159,7 +161,7 @@ class Sensor:
         names: Sequence[str],
         moved: _Moves,
     ) -> _Places | None:
-        """Return where sensor and bodies are at another moment."""
+        """Return the poses of sensor and bodies at another time."""
         if value is None:
             if given is not None:
                 raise ValueError(f"bodies_{argument}: {argument}=poses is expected beside it")
@@ -181,7 +183,7 @@ class Sensor:
         outputs: dict[str, Any],
         threads: int | None,
     ) -> None:
-        """Take frames whose arguments were checked."""
+        """Render frames with checked arguments."""
         for flow, there, argument in (("flow", after, "after"), ("flow_back", before, "before")):
             if flow in outputs and there is None:
                 raise ValueError(f"channels: {flow!r} wants a moment to flow to: give {argument}=poses")
@@ -191,26 +193,27 @@ class Sensor:
 
 
 class Camera(Sensor):
-    """A colour camera. It sees the outside of surfaces, from where their triangles run counter-clockwise.
+    """A colour camera. It sees the outside of surfaces, where triangles appear counter-clockwise.
 
-    Channels: ``rgb`` uint8 (height, width, 3), or ``(height, width)`` if it is grey; and what is true of each pixel:
-    ``depth`` float32, metres along the optical axis, ∞ where nothing is; ``range``, metres along the ray; ``normal``
-    float32 (…, 3), outwards, in the world's axes; ``instance`` uint32, 2**32 − 1 where nothing is (see
-    ``World.instance_bodies``); ``class`` uint32, 0 where nothing is; ``incidence`` float32, radians between ray and
-    normal; ``flow`` and ``flow_back`` float32 (…, 2), pixels to where the point is in the frame after and before.
+    Channels: ``rgb`` uint8 (height, width, 3), or ``(height, width)`` if it is grey; and ground truth for each
+    pixel: ``depth`` float32, metres along the optical axis, ∞ without a hit; ``range``, metres along the ray;
+    ``normal`` float32 (…, 3), outwards, in the world's axes; ``instance`` uint32, 2**32 − 1 without a hit (see
+    ``World.instance_bodies``); ``class`` uint32, 0 without a hit; ``incidence`` float32, radians between ray
+    and normal; ``flow`` and ``flow_back`` float32 (…, 2), pixels to the position of the point in the next and
+    in the previous frame.
 
     Args:
         width: pixels across.
         height: pixels down.
-        fov: horizontal field of view in radians, of a pinhole with square pixels.
-        lens: another lens, in place of ``fov``.
-        near: metres; what is nearer is not seen.
-        far: metres; what is farther is not seen.
-        grey: one byte a pixel instead of three.
-        smooth: edges without steps.
-        exposure: factor of the light.
+        fov: horizontal field of view in radians, for a pinhole with square pixels.
+        lens: another lens, instead of ``fov``.
+        near: metres; nearer surfaces are not seen.
+        far: metres; farther surfaces are not seen.
+        grey: one byte per pixel instead of three.
+        smooth: anti-aliased edges.
+        exposure: a factor of the light.
         noise: standard deviation of a colour value, from 0 to 1.
-        device: a preset of what is behind the lens: ``webcam``, ``machine_vision`` or ``raspberry_pi_hq``.
+        device: a preset of the sensor chip and processing: ``webcam``, ``machine_vision`` or ``raspberry_pi_hq``.
 
     Raises:
         ValueError: an argument is out of its range.
@@ -251,33 +254,33 @@ class Camera(Sensor):
 
 
 class DepthCamera(Sensor):
-    """A depth camera, and the colour camera in the same place.
+    """A depth camera, with a colour camera in the same place.
 
-    Channels: ``depth`` float32, measured metres along the optical axis: −∞ too near, +∞ too far or nothing there, NaN what
-    the device cannot measure; ``depth_mm`` uint16, 0 where there is none; ``points`` float32 (…, 3) in the optical frame
-    (x right, y down, z forward), NaN where there is none; ``rgb`` as a ``Camera``'s; and what is true: ``true_depth``
-    and the others of ``Camera``.
+    Channels: ``depth`` float32, measured metres along the optical axis: −∞ too near, +∞ too far or no hit, NaN
+    where the device cannot measure; ``depth_mm`` uint16, 0 without a measurement; ``points`` float32 (…, 3) in
+    the optical frame (x right, y down, z forward), NaN without a measurement; ``rgb`` as for ``Camera``; and
+    ground truth: ``true_depth`` and the other channels of ``Camera``.
 
     Args:
-        width: pixels across; without it, the model's.
-        height: pixels down; without it, the model's.
-        fov: horizontal field of view in radians; without it and ``lens``, the model's.
-        model: a preset of the device, with its noise, steps, shadows and range: ``DepthCamera.models()``. Without it depths
-            are true.
-        projector: of a stereo ``model``: False switches its projector off, so that it finds only what has texture.
+        width: pixels across; the model's by default.
+        height: pixels down; the model's by default.
+        fov: horizontal field of view in radians; the model's by default, unless ``lens`` is given.
+        model: a preset of the device, with its noise, quantisation, shadows and range: see
+            ``DepthCamera.models()``. Without a model, depths are exact.
+        projector: for a stereo ``model``, False disables its projector, so that it measures only textured surfaces.
         lens: another lens, in place of ``fov``.
-        least: metres; at or below is too near. Without it, the model's, or 0.
-        most: metres; at or above is too far. Without it, the model's, or ∞.
-        noise: standard deviation of depths in metres, of a camera without ``model``.
-        near: metres; what is nearer is not seen.
-        far: metres; what is farther is not seen.
-        grey: of the colour picture, as of ``Camera``.
-        smooth: of the colour picture.
-        exposure: of the colour picture.
-        color_noise: of the colour picture.
-        device: of the colour picture.
-        faces: ``both`` sides of surfaces, or ``front``: the outside alone, from where triangles run counter-clockwise, so
-            that a camera in its own housing sees out. All channels are of the same surfaces.
+        least: metres; depths up to this are too near. The default is the model's, or 0.
+        most: metres; depths from this on are too far. The default is the model's, or ∞.
+        noise: standard deviation of depths in metres, for a camera without ``model``.
+        near: metres; nearer surfaces are not seen.
+        far: metres; farther surfaces are not seen.
+        grey: the option ``grey`` of the colour camera, see ``Camera``.
+        smooth: the option ``smooth`` of the colour camera.
+        exposure: the option ``exposure`` of the colour camera.
+        color_noise: the option ``noise`` of the colour camera.
+        device: the option ``device`` of the colour camera.
+        faces: ``both`` sides of surfaces, or ``front``: only the outside, where triangles appear counter-clockwise,
+            so that a camera inside its own housing sees out. All channels show the same surfaces.
 
     Raises:
         ValueError: an argument is out of its range, or there is no such model.
@@ -322,7 +325,7 @@ class DepthCamera(Sensor):
         elif not projector:
             raise ValueError("projector: a depth camera without a model has none")
         if width is None or height is None:
-            raise ValueError("width, height: two whole numbers are expected, or a model that has them")
+            raise ValueError("width, height: two whole numbers are expected, or a model")
         size = _size(width, height)
         self._native = _native.DepthCamera(
             size,
@@ -358,21 +361,21 @@ class DepthCamera(Sensor):
 
 
 class Lidar(Sensor):
-    """A lidar with an even grid of beams, all at one moment, as Gazebo's.
+    """A lidar with a regular grid of beams, all measured at the same time, like Gazebo's.
 
-    Channels: ``range`` float32 (lines, beams), measured metres: −∞ too near, +∞ nothing in range; ``intensity`` float32;
-    and what is true: ``true_range``, ``depth`` and the others of ``Camera``. Lines go from the lowest up, beams
-    counter-clockwise.
+    Channels: ``range`` float32 (lines, beams), measured metres: −∞ too near, +∞ nothing in range; ``intensity``
+    float32; and ground truth: ``true_range``, ``depth`` and the other channels of ``Camera``. Lines are ordered
+    from the lowest up, beams counter-clockwise.
 
     Args:
-        beams: of a line.
-        lines: how many.
-        angles: the first and the last beam's, radians, counter-clockwise from +x.
-        elevations: the first and the last line's, radians, upwards.
-        least: metres; what is nearer is too near.
-        most: metres; what is farther is not met.
+        beams: the number of beams per line.
+        lines: the number of lines.
+        angles: the angles of the first and the last beam, radians, counter-clockwise from +x.
+        elevations: the elevations of the first and the last line, radians, upwards.
+        least: metres; nearer surfaces are too near.
+        most: metres; farther surfaces are out of range.
         noise: standard deviation of ranges in metres.
-        sees: ``collision`` shapes, as lidars of robots' files do; ``visual`` ones; ``all``.
+        sees: ``collision`` shapes, like lidars in robot files; ``visual`` ones; or ``all``.
         faces: ``both`` sides of surfaces, or ``front``.
 
     Raises:
@@ -420,7 +423,7 @@ class Lidar(Sensor):
 
 
 def _given(names: dict[str, Any]) -> dict[str, Any]:
-    """Return the arguments of a method that has no other names yet."""
+    """Return the arguments from the ``locals()`` at the start of a method."""
     return {name: value for name, value in names.items() if name != "self"}
 
 

@@ -1,4 +1,4 @@
-"""A world that runs, stepped and rendered by its caller."""
+"""A simulation in this process, stepped and rendered by its caller."""
 
 from __future__ import annotations
 
@@ -20,22 +20,22 @@ if TYPE_CHECKING:
 
 
 class Simulation(Unpicklable):
-    """A world with robots in it: no other process, no shared memory, no clock.
+    """A world with robots, without another process, shared memory or a real-time clock.
 
-    Same world, seed and commands give the same bytes as ``belvedere run``.
+    The same world, seed and commands give the same bytes as ``belvedere run``.
 
     Args:
         world: a name, a file or a text, as for ``World``.
-        robot: likewise; more are brought by ``spawn``. A robot that is given for a world is alone, without a floor.
-        seed: of all noise.
-        pose: where the robot stands, which is brought by ``robot``.
-        gazebo_compat: Gazebo classic's habits instead of what is right.
-        threads: how many render; without it, one a processor.
+        robot: a name, a file or a text; ``spawn`` adds more. A robot given as the world is alone, without a floor.
+        seed: the seed of all noise.
+        pose: the pose of the robot given by ``robot``.
+        gazebo_compat: reproduce quirks of Gazebo classic instead of correct values.
+        threads: the number of threads that render; one per processor by default.
         package_path: folders of ROS packages.
         xacro: arguments of the robot's xacro.
 
     Raises:
-        ValueError: something in world or robot cannot be used: the lines that the command line prints.
+        ValueError: the world or robot cannot be used; the message has the lines that the command line prints.
 
     """
 
@@ -65,7 +65,7 @@ class Simulation(Unpicklable):
             self._package_path,
             MODELS,
         )
-        #: The name of the robot that is meant where none is named: the one that came last.
+        #: The default robot of the methods: the one spawned last.
         self.robot: str | None = self._native.thing
         self._told = 0
         self._tell()
@@ -81,17 +81,18 @@ class Simulation(Unpicklable):
         pose: ArrayLike | None = None,
         xacro: Mapping[str, Any] | None = None,
     ) -> str:
-        """Bring a robot or a thing, by name, file or text; return what it is called.
+        """Spawn a robot or an object by name, file or text; return its name.
 
         Args:
-            source: as for ``World``.
-            name: what it is called; without it, as its file has it.
-            namespace: what stands before its topics and frames.
-            pose: where it is to be, (7,), (4, 4) or (3,): from there its own ``<pose>`` counts, as when Gazebo spawns it.
+            source: a name, a file or a text, as for ``World``.
+            name: its name; by default the one in its file.
+            namespace: the prefix of its topics and frames.
+            pose: its pose, (7,), (4, 4) or (3,); its own ``<pose>`` is relative to it, as when Gazebo spawns a
+                model.
             xacro: arguments for ``$(arg name)``.
 
         Raises:
-            ValueError: the name is taken, or something cannot be used. Nothing of it is there then.
+            ValueError: the name is taken, or the description cannot be used. Nothing is added then.
 
         """
         called = self._native.spawn(
@@ -108,14 +109,14 @@ class Simulation(Unpicklable):
         return called
 
     def _tell(self) -> None:
-        """Log what was ignored since the last time."""
+        """Log the notes since the last call."""
         notes = self.notes
         report(notes[self._told :])
         self._told = len(notes)
 
     @property
     def notes(self) -> list[str]:
-        """What was ignored in the descriptions of world and robots, one line each."""
+        """Elements that were ignored in the descriptions of world and robots, one line each."""
         return self._native.notes
 
     @property
@@ -130,7 +131,7 @@ class Simulation(Unpicklable):
 
     @property
     def models(self) -> list[str]:
-        """The names of everybody who is there."""
+        """The names of all models."""
         return self._native.models
 
     @property
@@ -139,7 +140,7 @@ class Simulation(Unpicklable):
         return self._native.topics()
 
     def command(self, velocity: ArrayLike, robot: str | None = None) -> None:
-        """Give a robot's base a velocity: (forward in m/s, turn in rad/s), followed for as long as its plugin says.
+        """Command a robot's velocity (forward in m/s, turn in rad/s), which its plugin follows until its timeout.
 
         Raises:
             ValueError: there is no such robot, or it has no base that drives.
@@ -149,26 +150,26 @@ class Simulation(Unpicklable):
         self._native.command(self._named(robot), forward, turn)
 
     def step(self, count: int = 1) -> None:
-        """Make steps of physics, each as long as the world says. Ctrl-C ends it between two of them."""
+        """Run physics steps, each as long as the world defines. Ctrl-C stops between two of them."""
         self._native.step(_arrays.count("count", count, 0))
 
     def run(self, seconds: float) -> None:
-        """Make steps until so much simulated time has passed. Ctrl-C ends it between two of them."""
+        """Run physics steps for this simulated time. Ctrl-C stops between two of them."""
         duration = _arrays.number("seconds", seconds)
         if not 0.0 <= duration <= 1e9:
             raise ValueError(f"seconds: 0 to 1e9 is expected, not {duration}")
         self._native.run_for(round(duration * 1e9))
 
     def reset(self) -> None:
-        """Begin again at time 0, everybody where each was at first: the same bytes follow as after a fresh start."""
+        """Restart at time 0 with all models at their initial poses; the output is the same as after a fresh start."""
         self._native.reset()
 
     def pose(self, model: str | None = None) -> NDArray[np.float64]:
-        """Return where a model's frame is: (7,). Without a name, the robot's."""
+        """Return the pose of a model's frame, (7,); by default the robot's."""
         return self._native.pose(self._named(model))
 
     def place(self, pose: ArrayLike, model: str | None = None) -> None:
-        """Put a model somewhere, at rest: (7,), (4, 4) or (3,)."""
+        """Move a model to a pose (7,), (4, 4) or (3,) and stop it."""
         self._native.place(self._named(model), _arrays.one_pose("pose", pose))
 
     @overload
@@ -176,16 +177,18 @@ class Simulation(Unpicklable):
     @overload
     def render(self, topic: list[str] | tuple[str, ...]) -> dict[str, NDArray[Any]]: ...
     def render(self, topic: str | list[str] | tuple[str, ...]) -> NDArray[Any] | dict[str, NDArray[Any]]:
-        """Return what a topic shows now, as an array; each call takes the next frame of that sensor.
+        """Render the current frame of a topic as an array; each call renders the sensor's next frame.
 
-        Of several topics a dictionary: those of one sensor, as its picture and its truth, are then of one frame. The flow
-        leads from the frame for which it was asked before; so the first time it is left out.
+        For several topics, return a dictionary. Topics of one sensor, such as its image and its ground truth, are
+        then of the same frame. Optical flow is relative to the frame of the previous call, so it is left out the
+        first time.
 
-        Shapes and types are those of ``Frame.array``: pictures (height, width, 3) of uint8, depth (height, width) of
+        Shapes and types are those of ``Frame.array``: images (height, width, 3) of uint8, depth (height, width) of
         float32, scans (layers, rays) of float32.
 
         Raises:
-            ValueError: no sensor sends such a topic, those that there are are named; or it has no frame now.
+            ValueError: no sensor publishes this topic, in which case the message lists the existing ones; or it has
+                no frame now.
 
         """
         topics = [topic] if isinstance(topic, str) else [_arrays.text("topic", each) for each in topic]
@@ -206,7 +209,7 @@ class Simulation(Unpicklable):
 
     @property
     def world(self) -> World:
-        """What is seen now, as a world of its own, for any sensor."""
+        """A copy of the current state as a world, for any sensor."""
         return World._of(self._native.world())
 
     _instead = "make it where it is used: the same arguments and commands give the same bytes"

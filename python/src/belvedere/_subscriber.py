@@ -1,4 +1,4 @@
-"""The reading end of a stream, through all that happens to its publisher."""
+"""The reading end of a stream, which outlives its publishers."""
 
 from __future__ import annotations
 
@@ -18,9 +18,10 @@ if TYPE_CHECKING:
 class Subscriber(Closing):
     """The reading end of a stream, made by ``Node.subscribe``.
 
-    It can be made before the stream exists, and it outlives the publisher: when that ends, or is killed, and starts
-    again, it goes on with the new one. A reader that is slower than the publisher loses the oldest of its own
-    waiting frames and slows nobody; ``Frame.missed`` tells how many.
+    A subscriber can be created before its stream exists, and it outlives the publisher: if that ends or is killed,
+    and starts again, the subscriber continues with the new one. A subscriber that is slower than the publisher
+    loses the oldest of its own queued frames and does not slow the publisher; ``Frame.missed`` tells how many it
+    lost.
     """
 
     def __init__(self, node: _native.Node, topic: str) -> None:
@@ -34,25 +35,25 @@ class Subscriber(Closing):
 
     @property
     def publishers(self) -> int:
-        """Publishers now: 0 before the first, and after the last has ended or was found dead."""
+        """Number of publishers now: 0 before the first, and after the last has ended or was found dead."""
         return self._native.publishers
 
     @property
     def missed_total(self) -> int:
-        """Frames that were sent and never taken, over this subscriber's life."""
+        """Number of frames that were sent and never taken, over this subscriber's life."""
         return self._native.missed_total
 
     @property
     def silence(self) -> float:
-        """Seconds since the last frame, or since the subscriber was made: the sign that a stream has stopped."""
+        """Seconds since the last frame, or since the subscriber was created; a long silence means a stopped stream."""
         return self._native.silence
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Sleep until there is a frame to take; False when ``timeout`` seconds have passed without one.
+        """Sleep until a frame is available; return False if ``timeout`` seconds pass without one.
 
         Raises:
-            IncompatibleError: the stream is there and cannot be read by this version.
-            LimitError: all places of the stream are taken.
+            IncompatibleError: the stream exists and cannot be read by this version.
+            LimitError: the stream has no subscriber slot left.
 
         """
         return self._native.wait(timeout)
@@ -60,17 +61,17 @@ class Subscriber(Closing):
     def fileno(self) -> int:
         """Return a descriptor for the ``select``, ``selectors`` or ``asyncio`` of another event loop.
 
-        It is the same over the subscriber's whole life, and readable when frames may wait or it is time to look for
-        the publisher: ``take()`` then until there is none. Do not read from it.
+        It is the same over the subscriber's whole life. It is readable if frames may be queued or the publisher
+        must be checked: then call ``take()`` until it returns None. Do not read from it.
         """
         return self._native.fileno()
 
     async def __aiter__(self) -> AsyncIterator[Frame]:
-        """Go through the frames as they come, each in turn, in ``async for``.
+        """Iterate over the frames as they arrive, in ``async for``.
 
-        There is no end and no timeout: ``asyncio.timeout`` around it says how long to wait.
+        There is no end and no timeout: use ``asyncio.timeout`` around it.
         """
-        # Not at the top: it takes a third as long to import as all of this package.
+        # Not at the top, since it adds a third to the import time of this package.
         import asyncio
 
         loop = asyncio.get_running_loop()
@@ -78,10 +79,11 @@ class Subscriber(Closing):
             frame = self.take()
             if frame is not None:
                 yield frame
-                # Not held here while the next is taken.
+                # Do not hold it while the next one is taken.
                 del frame
                 continue
-            # Heard only while nothing is there: a frame that waits for the loop's body would ring all the time.
+            # Registered only while no frame is queued: a frame that waits for the loop's body would make the
+            # descriptor readable all the time.
             readable = loop.create_future()
             fd = self.fileno()
             loop.add_reader(fd, _ring, readable)
@@ -91,27 +93,28 @@ class Subscriber(Closing):
                 loop.remove_reader(fd)
 
     def take(self) -> Frame | None:
-        """Return the oldest frame that waits, if any; never sleeps.
+        """Return the oldest queued frame, or None; never sleeps.
 
         Raises:
             LimitError: too many frames are held.
-            BadFrameError: the frame must not be read, and was dropped.
+            BadFrameError: the frame has an invalid header, and was dropped.
             IncompatibleError: as for ``wait``.
 
         """
         return _frame(self._native.take())
 
     def take_newest(self) -> Frame | None:
-        """Return the newest frame that waits, if any, and drop those before it, which count as missed."""
+        """Return the newest queued frame, or None, and drop older ones, which count as missed."""
         return _frame(self._native.take_newest())
 
     def frames(self, timeout: float | None = None, *, newest: bool = False) -> Iterator[Frame]:
-        """Go through the frames as they come, each in turn or only the ``newest`` of those that wait.
+        """Iterate over the frames as they arrive: all of them, or only the ``newest`` of those queued.
 
-        A frame is released when the variables that hold it or its arrays are gone, in a loop thus one turn later.
+        A frame is released when the variables that hold it or its arrays are gone, that is one iteration later in a
+        loop.
 
         Raises:
-            StreamTimeoutError: no frame has come for ``timeout`` seconds.
+            StreamTimeoutError: no frame arrived for ``timeout`` seconds.
 
         """
         while True:
@@ -122,11 +125,11 @@ class Subscriber(Closing):
             frame = self.take_newest() if newest else self.take()
             if frame is not None:
                 yield frame
-                # Not held here while the next is taken.
+                # Do not hold it while the next one is taken.
                 del frame
 
     def close(self) -> None:
-        """End the subscription; frames that are held stay valid."""
+        """Close the subscription; frames that are held remain valid."""
         self._native.close()
 
 

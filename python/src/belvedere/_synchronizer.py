@@ -1,4 +1,4 @@
-"""Frames of several streams that belong together."""
+"""Matching of frames of several streams by their stamps."""
 
 from __future__ import annotations
 
@@ -16,47 +16,47 @@ if TYPE_CHECKING:
 
 
 class _Lane:
-    """One stream, and its oldest frame that has no partners yet."""
+    """A stream, and its oldest frame that has no partners yet."""
 
     def __init__(self, subscriber: Subscriber) -> None:
         self.subscriber = subscriber
         self.head: Frame | None = None
         self.newest_stamp_ns = 0
-        #: Whether the head is the first of a new time.
+        #: True if the head is the first frame after a restart or a reset of time.
         self.anew = False
 
 
 class Synchronizer(Closing):
-    """Gives the frames that were taken at the same time: a picture with its depth and its ``camera_info``.
+    """A synchroniser, which returns frames captured at the same time: an image, its depth and its ``camera_info``.
 
-    Time is that of the stamps. A set is complete when the stamps of all streams' oldest frames lie within the
-    tolerance; a frame that is further behind the newest of them can find no partner any more, and is skipped. So
-    each frame is in one set at most, and sets come in order. When a simulator is started again, what is left of the
-    old time is skipped. It holds one frame of each stream at most: with the two that may be held, one set may be
-    kept while the next is waited for. Made by ``Node.synchronize``.
+    The stamps are in simulated time. A set is complete if the stamps of all streams' oldest frames lie within the
+    tolerance. A frame that is older than the newest of them by more than the tolerance cannot find a partner any
+    more, and is skipped. So each frame is in at most one set, and sets come in order. If a simulator is restarted,
+    the remaining frames from before are skipped. A synchroniser holds at most one frame of each stream. A
+    subscriber may hold two, so one set may be kept while the next is awaited. Made by ``Node.synchronize``.
     """
 
     def __init__(self, subscribers: Sequence[Subscriber], tolerance: float) -> None:
         if len(subscribers) < 2:
-            raise ValueError("a set is of two streams or more")
+            raise ValueError("a set needs two streams or more")
         if not tolerance >= 0:
-            raise ValueError(f"tolerance is {tolerance} s: it is the most that stamps may differ, 0 or more")
+            raise ValueError(f"tolerance is {tolerance} s: it is the largest difference of stamps, 0 or more")
         self._lanes = [_Lane(subscriber) for subscriber in subscribers]
         self._tolerance_ns = round(tolerance * 1e9)
         self._skipped = 0
 
     @property
     def skipped(self) -> int:
-        """Frames that were taken and found no partner."""
+        """Number of frames that were taken and found no partner."""
         return self._skipped
 
     @property
     def missed_total(self) -> int:
-        """Frames that were sent and never taken, over all streams."""
+        """Number of frames that were sent and never taken, over all streams."""
         return sum(lane.subscriber.missed_total for lane in self._lanes)
 
     def wait(self, timeout: float | None = None) -> bool:
-        """Sleep until there is a set to take; False when ``timeout`` seconds have passed without one.
+        """Sleep until a set is available; return False if ``timeout`` seconds pass without one.
 
         Raises:
             BridgeError: as ``Subscriber.take``.
@@ -67,13 +67,13 @@ class Synchronizer(Closing):
             missing = self._missing()
             if missing is None:
                 return True
-            # One of those that are missing is as good as all: no set is complete before it comes.
+            # Waiting for one of the missing streams suffices: no set is complete before its frame.
             left = None if deadline is None else deadline - time.monotonic()
             if (left is not None and left <= 0) or not missing.subscriber.wait(left):
                 return self._missing() is None
 
     def take(self) -> tuple[Frame, ...] | None:
-        """Return the next set, in the order of the topics, if it is complete; never sleeps.
+        """Return the next set, in the order of the topics, or None if it is not complete; never sleeps.
 
         Raises:
             BridgeError: as ``Subscriber.take``.
@@ -87,10 +87,10 @@ class Synchronizer(Closing):
         return heads
 
     def sets(self, timeout: float | None = None) -> Iterator[tuple[Frame, ...]]:
-        """Go through the sets as they come.
+        """Iterate over the sets as they arrive.
 
         Raises:
-            StreamTimeoutError: no set has come for ``timeout`` seconds.
+            StreamTimeoutError: no set arrived for ``timeout`` seconds.
 
         """
         while True:
@@ -100,17 +100,17 @@ class Synchronizer(Closing):
             frames = self.take()
             if frames is not None:
                 yield frames
-                # Not held here while the next are taken.
+                # Do not hold them while the next ones are taken.
                 del frames
 
     def close(self) -> None:
-        """End all subscriptions; frames that were taken stay valid."""
+        """Close all subscriptions; frames that were taken remain valid."""
         for lane in self._lanes:
             lane.head = None
             lane.subscriber.close()
 
     def _missing(self) -> _Lane | None:
-        """Take and skip until all heads belong together: None; or until a stream has none: that stream."""
+        """Take and skip frames; return None once all heads match, or a stream without a frame."""
         while True:
             for lane in self._lanes:
                 if lane.head is None:
@@ -129,7 +129,7 @@ class Synchronizer(Closing):
                 return None
 
     def _refill(self, lane: _Lane) -> None:
-        """Take the next frame of a stream. If it is the first of a new time, frames of the old one go."""
+        """Take the next frame of a stream; if it is the first after a restart or reset, drop the others' old frames."""
         frame = lane.subscriber.take()
         if frame is None:
             return

@@ -1,4 +1,4 @@
-"""What stays in its process."""
+"""Objects that stay in their process."""
 
 from __future__ import annotations
 
@@ -6,9 +6,9 @@ from typing import NoReturn
 
 
 class Unpicklable:
-    """Something whose memory is the native module's: it is not sent to other processes."""
+    """An object with memory of the native module, which cannot be sent to other processes."""
 
-    #: What to do in place of that.
+    #: The alternative, for the error message.
     _instead: str
 
     def __reduce__(self) -> NoReturn:

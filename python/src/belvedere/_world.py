@@ -1,4 +1,4 @@
-"""What sensors see."""
+"""Worlds, which sensors see."""
 
 from __future__ import annotations
 
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from belvedere._arrays import ArrayLike, Bodies
 
 _log = logging.getLogger("belvedere")
-#: The worlds and robots that have names. Of an installation from the source tree the module knows where they are.
+#: The named worlds and robots. For an installation from the source tree, the native module has their location.
 MODELS = str(Path(__file__).parent / "models")
-#: What ``cast`` answers: type and numbers of each ray.
+#: The channels of ``cast``: type and shape for each ray.
 _ANSWERS: dict[str, tuple[np.dtype[Any], tuple[int, ...]]] = {
     "distance": (np.dtype(np.float32), ()),
     "normal": (np.dtype(np.float32), (3,)),
@@ -53,29 +53,30 @@ def arguments(xacro: Mapping[str, Any] | None) -> list[tuple[str, str]]:
 
 
 def report(notes: Sequence[str]) -> None:
-    """Log what was ignored in a description."""
+    """Log the elements of a description that were ignored."""
     for note in notes:
         _log.warning("%s", note)
 
 
 class World(Unpicklable):
-    """Shapes, looks and lamps, grouped into bodies that move as one.
+    """Shapes, materials and lamps, grouped into bodies that move as one.
 
-    ``World()`` is empty but for light from everywhere. ``World("playground")`` is one of the worlds that come along;
-    a path or a text (which begins with ``<``) of SDF, URDF or xacro is read as the command ``belvedere`` does, and its
-    bodies are the links, ``model::link``. Lengths are metres, angles radians, frames right-handed, z up; a pose is x y z
-    and then the quaternion x y z w.
+    ``World()`` is empty except for ambient light. ``World("playground")`` is one of the included worlds. A path or
+    a text (which begins with ``<``) of SDF, URDF or xacro is read as by the command ``belvedere``, and its bodies
+    are the links, ``model::link``. Lengths are metres, angles radians, frames right-handed with z up; a pose is x y
+    z followed by the quaternion x y z w.
 
-    It may be used by several threads; batches that are under way see it as it was when they began.
+    Several threads may use a world; a running batch sees it as it was when the batch began.
 
     Args:
-        source: file, name or text; none for an empty world.
-        package_path: folders of ROS packages, looked into before ``ROS_PACKAGE_PATH`` and our own.
+        source: file, name or text; None for an empty world.
+        package_path: folders of ROS packages, searched before ``ROS_PACKAGE_PATH`` and Belvedere's own.
         xacro: arguments for ``$(arg name)``.
 
     Raises:
-        ValueError: there is no such world, or something in it cannot be used: the lines that the command line prints, with
-            file, line and remedy. What is ignored is logged as ``belvedere``, and in ``notes``.
+        ValueError: there is no such world, or it cannot be used; the message has the lines that the command line
+            prints, with file, line and remedy. Ignored elements are logged as ``belvedere``, and listed in
+            ``notes``.
 
     """
 
@@ -94,11 +95,11 @@ class World(Unpicklable):
             report(self._native.notes)
 
     def __copy__(self) -> World:
-        """Return another world of the same shapes; neither is changed with the other."""
+        """Return an independent copy of the world."""
         return World._of(self._native.snapshot())
 
     def __deepcopy__(self, memo: dict[int, Any]) -> World:
-        """As ``copy``."""
+        """Return an independent copy of the world."""
         return self.__copy__()
 
     @classmethod
@@ -109,7 +110,7 @@ class World(Unpicklable):
 
     @property
     def notes(self) -> list[str]:
-        """What was ignored in the description, one line each."""
+        """Elements that were ignored in the description, one line each."""
         return self._native.notes
 
     @property
@@ -121,18 +122,18 @@ class World(Unpicklable):
     def instance_bodies(self) -> NDArray[np.int32]:
         """The number of the body that each instance belongs to, (instances,); −1 for none.
 
-        ``world.instance_bodies[frames["instance"][seen]]`` tells bodies from the channel ``instance`` where something is
-        seen: ``seen = frames["instance"] != 2**32 - 1``.
+        ``world.instance_bodies[frames["instance"][seen]]`` converts the channel ``instance`` to bodies at pixels
+        with a hit: ``seen = frames["instance"] != 2**32 - 1``.
         """
         return self._native.instance_bodies()
 
     @property
     def memory(self) -> int:
-        """Bytes that shapes, looks and poses take."""
+        """Bytes of shapes, materials and poses."""
         return self._native.memory_len()
 
     def pose(self, body: str | int) -> NDArray[np.float64]:
-        """Return where a body is: (7,).
+        """Return the pose of a body, (7,).
 
         Raises:
             ValueError: there is no such body.
@@ -141,10 +142,10 @@ class World(Unpicklable):
         return self._native.pose(_arrays.body_number("body", body, self.bodies))
 
     def set_pose(self, body: str | int, pose: ArrayLike) -> None:
-        """Put a body somewhere: (7,), (4, 4) or a place (3,).
+        """Set the pose of a body: (7,), (4, 4) or a place (3,).
 
         Raises:
-            ValueError: there is no such body, or the pose is none.
+            ValueError: there is no such body, or the pose is invalid.
 
         """
         number = _arrays.body_number("body", body, self.bodies)
@@ -155,14 +156,15 @@ class World(Unpicklable):
 
         Args:
             size: (3,).
-            pose: (7,), (4, 4) or (3,); without it, the world's origin.
-            **look: of all ``add_`` methods: ``name``; ``color`` (red, green, blue[, alpha]) from 0 to 1; ``emissive``,
-                ``specular`` (3,), 0 or more, and ``shininess``; ``texture``, a picture (height, width, 3 or 4) of uint8,
-                and ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro`` for
-                intensities, 0 or more; ``seen_by``, ``all``, ``visual`` (cameras alone) or ``collision`` (lidars alone).
+            pose: (7,), (4, 4) or (3,); by default the world's origin.
+            **look: keywords of all ``add_`` methods: ``name``; ``color`` (red, green, blue[, alpha]) from 0 to 1;
+                ``emissive``, ``specular`` (3,), 0 or more, and ``shininess``; ``texture``, an image (height, width,
+                3 or 4) of uint8, and ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel
+                ``class``; ``laser_retro`` for intensities, 0 or more; ``seen_by``, ``all``, ``visual`` (only
+                cameras) or ``collision`` (only lidars).
 
         Raises:
-            ValueError: an argument cannot be taken, or there is a body of that name; nothing is added then.
+            ValueError: an argument is invalid, or a body with this name exists; nothing is added then.
 
         """
         return self._shape("box", _arrays.numbers("size", size, 3), pose, look)
@@ -172,11 +174,11 @@ class World(Unpicklable):
         return self._shape("rectangle", _arrays.numbers("size", size, 2), pose, look)
 
     def add_plane(self, pose: ArrayLike | None = None, **look: Any) -> int:
-        """Add the endless plane z = 0 of its pose; its outside is +z. See ``add_box``."""
+        """Add the infinite plane z = 0 of its pose; its outside is +z. See ``add_box``."""
         return self._shape("plane", [], pose, look)
 
     def add_sphere(self, radius: float, pose: ArrayLike | None = None, **look: Any) -> int:
-        """Add a ball. See ``add_box``."""
+        """Add a sphere. See ``add_box``."""
         return self._shape("sphere", [_arrays.number("radius", radius)], pose, look)
 
     def add_ellipsoid(self, radii: ArrayLike, pose: ArrayLike | None = None, **look: Any) -> int:
@@ -188,7 +190,7 @@ class World(Unpicklable):
         return self._shape("cylinder", round_size(radius, length), pose, look)
 
     def add_capsule(self, radius: float, length: float, pose: ArrayLike | None = None, **look: Any) -> int:
-        """Add a cylinder along z with half balls at its ends; the length is without them. See ``add_box``."""
+        """Add a cylinder along z with hemispheres at its ends, which the length excludes. See ``add_box``."""
         return self._shape("capsule", round_size(radius, length), pose, look)
 
     def add_cone(self, radius: float, length: float, pose: ArrayLike | None = None, **look: Any) -> int:
@@ -208,13 +210,13 @@ class World(Unpicklable):
 
         Args:
             vertices: (V, 3) in metres.
-            faces: (F, 3) numbers of vertices, one triangle at least.
+            faces: (F, 3) vertex numbers, at least one triangle.
             pose: as for ``add_box``.
             uvs: (V, 2) texture coordinates, v upwards.
             **look: as for ``add_box``.
 
         Raises:
-            ValueError: a vertex is not finite, a number is out of range, there is no triangle.
+            ValueError: a vertex is not finite, a number is out of range, or there is no triangle.
 
         """
         points = table("vertices", vertices, 3, np.float32)
@@ -234,7 +236,7 @@ class World(Unpicklable):
     def add_height_field(
         self, heights: ArrayLike, size: ArrayLike, pose: ArrayLike | None = None, **look: Any
     ) -> int:
-        """Add a terrain, seen from above alone. See ``add_box``.
+        """Add a terrain, which is seen only from above. See ``add_box``.
 
         Args:
             heights: (rows, columns) in metres, rows from +y to −y, columns from −x to +x.
@@ -268,18 +270,18 @@ class World(Unpicklable):
 
         Args:
             kind: ``directional``, ``point`` or ``spot``.
-            position: of a point or spot, (3,) in metres.
-            direction: which way the light travels, (3,).
-            color: (3,), colour times brightness.
-            specular: (3,), the same of highlights.
-            reach: metres beyond which it gives nothing.
-            attenuation: a, b, c: its brightness at distance d is min(1, 1/(a + b·d + c·d²)).
-            cone: of a spot, half the angles of full brightness and of none, radians.
-            falloff: of a spot, the power by which brightness falls between the two.
-            shadows: whether things cast shadows in it.
+            position: of a point or spot light, (3,) in metres.
+            direction: the direction in which the light travels, (3,).
+            color: colour times brightness, (3,).
+            specular: colour times brightness of highlights, (3,).
+            reach: the range in metres.
+            attenuation: a, b, c: the brightness at distance d is min(1, 1/(a + b·d + c·d²)).
+            cone: of a spot light, the half angles of full and of no brightness, radians.
+            falloff: of a spot light, the exponent of the falloff between the two angles.
+            shadows: True if the lamp casts shadows.
 
         Raises:
-            ValueError: an argument is out of its range: colours and attenuation are 0 or more.
+            ValueError: an argument is out of its range; colours and attenuation must be 0 or more.
 
         """
         if kind not in ("directional", "point", "spot"):
@@ -305,7 +307,7 @@ class World(Unpicklable):
     def set_environment(
         self, ambient: ArrayLike = (0.4, 0.4, 0.4), background: ArrayLike = (0.7, 0.7, 0.7)
     ) -> None:
-        """Set the light from everywhere, and the colour of what is seen where nothing is: 0 or more each."""
+        """Set the ambient light, and the background colour for rays without a hit: 0 or more each."""
         self._native.set_environment(
             _arrays.numbers("ambient", ambient, 3, 0.0), _arrays.numbers("background", background, 3, 0.0)
         )
@@ -324,28 +326,28 @@ class World(Unpicklable):
         reference: ArrayLike = (0.0, 0.0, 0.0),
         threads: int | None = None,
     ) -> Frames:
-        """Cast rays that have nothing in common, and find what each first meets.
+        """Cast arbitrary rays and return the first hit of each.
 
         Args:
             origins: (…, 3) in metres, or one for all rays (3,); single precision.
             directions: (…, 3) of any length but 0.
-            ranges: (…, 2), least and greatest distance that count, in lengths of the direction; without, 0 to ∞.
-            channels: some of ``distance`` float32, in lengths of the direction, ∞ where nothing is met; ``normal``
-                float32 (…, 3), outwards, in the world's axes, 0 where nothing is met; ``instance`` and ``primitive``
-                (the face of a mesh) uint32, 2**32 − 1 where nothing is met; ``barycentrics`` float32 (…, 2), the weights
-                of the face's second and third corner. Without it, all; or those of ``out``.
+            ranges: (…, 2), least and greatest distance of a hit, in lengths of the direction; 0 to ∞ by default.
+            channels: some of ``distance`` float32, in lengths of the direction, ∞ without a hit; ``normal`` float32
+                (…, 3), outwards, in the world's axes, 0 without a hit; ``instance`` and ``primitive`` (the face of
+                a mesh) uint32, 2**32 − 1 without a hit; ``barycentrics`` float32 (…, 2), the weights of the face's
+                second and third corner. By default those of ``out``, or all.
             out: arrays to write into, by channel.
-            bodies: bodies that are elsewhere now, by name or number: (7,) or (4, 4) each.
-            sees: ``visual``, what cameras see; ``collision``, what lidars hit; ``all``.
+            bodies: poses of bodies that differ from the world's, by name or number: (7,) or (4, 4) each.
+            sees: ``visual`` shapes, like cameras; ``collision`` shapes, like lidars; or ``all``.
             faces: ``both`` sides of surfaces, or ``front``.
-            reference: the origins are relative to this place in the world; for worlds far from their origin.
-            threads: how many work; without it, one a processor. The answer is the same.
+            reference: a place in the world that the origins are relative to, for worlds far from their origin.
+            threads: the number of threads; one per processor by default. The result is the same.
 
         Returns:
-            The arrays, by channel. Jupyter shows rays (…, height, width) as a picture, others as a strip.
+            The arrays, by channel. Jupyter shows rays (…, height, width) as an image, others as a strip.
 
         Raises:
-            ValueError: an argument is not as it must be. Nothing is written then.
+            ValueError: an argument is invalid. Nothing is written then.
 
         """
         rays = _arrays.vectors("directions", directions, 3)
@@ -373,5 +375,5 @@ class World(Unpicklable):
         return self._native.add_shape(kind, size, appearance, said)
 
     def __repr__(self) -> str:
-        """How many bodies it has."""
+        """Return the number of bodies."""
         return f"<World of {len(self.bodies)} bodies>"

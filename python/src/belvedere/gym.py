@@ -1,7 +1,7 @@
-"""A gymnasium environment with pictures: follow a wall by depth. The extra ``gym`` brings the package ``gymnasium``.
+"""A gymnasium environment with images: follow a wall by depth. The extra ``gym`` installs the package ``gymnasium``.
 
-``gymnasium.make("belvedere/Wall-v0")`` after ``import belvedere.gym``. ``WallVectorEnv`` steps many corridors at once,
-each of its own shape, on one batch; ``WallEnv`` is one of them.
+Use ``gymnasium.make("belvedere/Wall-v0")`` after ``import belvedere.gym``. ``WallVectorEnv`` steps many corridors
+at once, each with its own shape, in one batch; ``WallEnv`` is a single one.
 """
 
 from __future__ import annotations
@@ -23,15 +23,16 @@ from belvedere._world import World
 
 __all__ = ["WallEnv", "WallVectorEnv"]
 
-#: Metres from the wall that are wanted; nearer than the second is a bump, farther than the third is lost.
+#: The desired distance from the wall in metres, the distance of a collision, and the distance at which the wall is
+#: lost.
 WANTED, BUMP, LOST = 1.0, 0.25, 3.0
-#: Metres that a step goes, and radians that it turns at the most.
+#: Metres of one step, and the largest turn in radians.
 STEP, TURN = 0.1, 0.25
 #: Steps of an episode.
 LENGTH = 200
-#: Metres beyond which depth is not told apart.
+#: The largest depth in observations, metres.
 FARTHEST = 5.0
-#: Panels of the wall, and metres from one to the next.
+#: Number of panels of the wall, and their spacing in metres.
 PANELS, SPACING = 24, 1.0
 
 
@@ -40,7 +41,7 @@ class _Corridors:
 
     def __init__(self, randoms: list[np.random.Generator], size: tuple[int, int]) -> None:
         n = len(randoms)
-        #: Of each robot, for its walls and where it begins.
+        #: One generator for each robot, for its wall and its start.
         self.randoms = randoms
         world = World()
         world.add_plane(name="floor")
@@ -54,7 +55,7 @@ class _Corridors:
         self.steps = np.zeros(n, np.int64)
 
     def _bend(self, batch: Batch, index: int, _: np.random.Generator) -> None:
-        """A wall that bends this way and that."""
+        """Bend the wall at random."""
         bends = self.randoms[index].uniform(-0.35, 0.35, PANELS)
         bends[:3] = 0.0
         x, y, heading = -SPACING, 0.0, 0.0
@@ -71,10 +72,10 @@ class _Corridors:
         self.steps[mask] = 0
 
     def look(self) -> NDArray[np.uint8]:
-        """Depths, 255 for near and 0 for far: (n, height, width, 1)."""
+        """Return depths, 255 for near and 0 for far: (n, height, width, 1)."""
         poses = np.zeros((len(self.state), 7))
         poses[:, :2], poses[:, 2] = self.state[:, :2], 0.4
-        # The camera looks half to the left, where the wall is.
+        # The camera looks to the left, towards the wall.
         half = (self.state[:, 2] + 0.5) / 2
         poses[:, 5], poses[:, 6] = np.sin(half), np.cos(half)
         depth = self.batch.render(self.camera, poses)["depth"]
@@ -83,7 +84,7 @@ class _Corridors:
     def step(
         self, turns: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], NDArray[np.float64]]:
-        """Drive on; return rewards, terminations, truncations and distances from the wall."""
+        """Drive one step; return rewards, terminations, truncations and distances from the wall."""
         self.state[:, 2] += np.clip(turns, -1, 1) * TURN
         self.state[:, 0] += STEP * np.cos(self.state[:, 2])
         self.state[:, 1] += STEP * np.sin(self.state[:, 2])
@@ -94,7 +95,7 @@ class _Corridors:
         return rewards, ended, ~ended & (self.steps >= LENGTH), distance
 
     def distances(self) -> NDArray[np.float64]:
-        """Metres to the nearest panel's middle line."""
+        """Return the distance in metres from the nearest panel's middle line."""
         panels = self.batch.poses[:, self.panels]
         along = 2 * np.arctan2(panels[..., 5], panels[..., 6])
         offset = self.state[:, None, :2] - panels[..., :2]
@@ -105,15 +106,16 @@ class _Corridors:
 
 
 class WallVectorEnv(VectorEnv[NDArray[np.uint8], NDArray[np.float32], Any]):
-    """Robots that are to drive along a wall, a metre beside it, by pictures of depth.
+    """Robots that learn to drive along a wall at a distance of one metre, from depth images.
 
-    Observations: (n, height, width, 1) of uint8, 255 near, 0 at 5 m. Actions: (n, 1) from −1, right, to 1, left. Reward:
-    1 at the wanted distance, 0 a metre off, −1 for a bump, for losing the wall or for turning round, which end an
-    episode; it is cut off after 200 steps. Worlds begin anew in the step after (``NEXT_STEP``).
+    Observations: (n, height, width, 1) of uint8, 255 near, 0 at 5 m. Actions: (n, 1) from −1, right, to 1, left.
+    Reward: 1 at the desired distance, 0 a metre off, −1 for a collision, for losing the wall or for turning
+    round, which end an episode. Episodes are truncated after 200 steps. Worlds are reset in the following step
+    (``NEXT_STEP``).
 
     Args:
-        num_envs: how many.
-        width: pixels of a picture across.
+        num_envs: the number of environments.
+        width: pixels of an image across.
         height: pixels down.
 
     """
@@ -133,15 +135,15 @@ class WallVectorEnv(VectorEnv[NDArray[np.uint8], NDArray[np.float32], Any]):
     def reset(
         self, *, seed: int | list[int | None] | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.uint8], dict[str, Any]]:
-        """Begin all anew; with a seed, as every time with that seed.
+        """Reset all environments; the same seed gives the same episodes.
 
         Args:
-            seed: of each environment, None for one that goes on with its random numbers; or of the first, from which they
-                count on.
-            options: none.
+            seed: one for each environment, None to continue with its random numbers; or the first of consecutive
+                ones.
+            options: ignored.
 
         Raises:
-            ValueError: there are not as many seeds as environments.
+            ValueError: the number of seeds differs from the number of environments.
 
         """
         seeds: list[int | None]
@@ -168,10 +170,10 @@ class WallVectorEnv(VectorEnv[NDArray[np.uint8], NDArray[np.float32], Any]):
     def step(
         self, actions: NDArray[np.float32]
     ) -> tuple[NDArray[np.uint8], NDArray[np.float64], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]:
-        """Drive a step in each world; those that ended begin anew instead.
+        """Drive one step in each world; those that have ended are reset instead.
 
         Raises:
-            ValueError: there is not a finite action for each environment. Nothing is changed then.
+            ValueError: an environment has no finite action. Nothing is changed then.
 
         """
         if self._corridors is None:
@@ -194,7 +196,7 @@ class WallVectorEnv(VectorEnv[NDArray[np.uint8], NDArray[np.float32], Any]):
 
 
 class WallEnv(gymnasium.Env[NDArray[np.uint8], NDArray[np.float32]]):
-    """One of ``WallVectorEnv``."""
+    """A single environment of ``WallVectorEnv``."""
 
     metadata: dict[str, Any] = {"render_modes": ["rgb_array"], "render_fps": 10}  # noqa: RUF012
 
@@ -208,21 +210,21 @@ class WallEnv(gymnasium.Env[NDArray[np.uint8], NDArray[np.float32]]):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[NDArray[np.uint8], dict[str, Any]]:
-        """Begin anew; with a seed, as every time with that seed."""
+        """Reset the environment; the same seed gives the same episode."""
         super().reset(seed=seed)
         observations, info = self._many.reset(seed=seed)
         self._seen = observations[0]
         return self._seen, {"distance": float(info["distance"][0])}
 
     def step(self, action: NDArray[np.float32]) -> tuple[NDArray[np.uint8], float, bool, bool, dict[str, Any]]:
-        """Drive a step."""
+        """Drive one step."""
         observations, rewards, terminated, truncated, info = self._many.step(np.asarray(action)[None])
         self._seen = observations[0]
         distance = float(info["distance"][0])
         return self._seen, float(rewards[0]), bool(terminated[0]), bool(truncated[0]), {"distance": distance}
 
     def render(self) -> Any:
-        """Return what was seen last, in grey: (height, width, 3)."""
+        """Return the last observation in grey: (height, width, 3)."""
         return np.repeat(self._seen, 3, axis=2) if self.render_mode == "rgb_array" else None
 
 

@@ -1,4 +1,4 @@
-"""The wire format, version 2, as numpy sees it; ``bridge/WIRE.md`` has every offset in words."""
+"""The wire format, version 2, as numpy types; ``bridge/WIRE.md`` documents every offset."""
 
 from __future__ import annotations
 
@@ -89,7 +89,7 @@ _ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
 
 
 class Intrinsics(NamedTuple):
-    """How pixels map to directions. Pixel centres are integers; distances in metres."""
+    """The mapping from pixels to directions. Pixel centres are integers; distances in metres."""
 
     fx: float
     fy: float
@@ -97,7 +97,7 @@ class Intrinsics(NamedTuple):
     cy: float
     #: K[1]
     skew: float
-    #: As many parameters as the model has, in the order that DistortionModel says.
+    #: The parameters of the model, in the order of DistortionModel.
     distortion: tuple[float, ...]
     near: float
     far: float
@@ -121,20 +121,20 @@ class ScanGeometry(NamedTuple):
 
 
 def intrinsics(header: np.void) -> Intrinsics:
-    """The block of an image, depth image or cloud."""
+    """Return the block of an image, depth image or cloud."""
     block = np.frombuffer(header["block"].tobytes(), INTRINSICS)[0]
     fx, fy, cx, cy, skew, _, near, far, tx, model, count, _ = block.item()
     return Intrinsics(fx, fy, cx, cy, skew, tuple(block["distortion"][:count].tolist()), near, far, tx, model)
 
 
 def scan_geometry(header: np.void) -> ScanGeometry:
-    """The block of a scan."""
+    """Return the block of a scan."""
     block = np.frombuffer(header["block"].tobytes(), SCAN_GEOMETRY)[0].item()
     return ScanGeometry(*block[:8])
 
 
 def element(kind: int, encoding: int) -> np.dtype[np.generic] | None:
-    """What one element of a payload is; None for a kind or encoding that this version does not know."""
+    """Return the type of one element of a payload; None for an unknown kind or encoding."""
     try:
         if encoding == Encoding.STRUCT:
             return STRUCTS.get(Kind(kind))
@@ -146,10 +146,10 @@ def element(kind: int, encoding: int) -> np.dtype[np.generic] | None:
 def plane(
     header: np.void, payload: np.ndarray[Any, np.dtype[np.uint8]], offset: int = 0
 ) -> np.ndarray[Any, np.dtype[Any]]:
-    """The elements of a payload whose header was checked, as a view: ``Frame.array`` has shapes and types.
+    """Return the elements of a payload with a checked header as a view: ``Frame.array`` has shapes and types.
 
     Raises:
-        BadFrameError: its kind or encoding is of a later version.
+        BadFrameError: its kind or encoding is that of a later version.
 
     """
     known = element(int(header["kind"]), int(header["encoding"]))
@@ -163,7 +163,7 @@ def plane(
     shape: tuple[int, ...] = (height, width)
     strides: tuple[int, ...] = (row_stride, elem_stride)
     if known.names is not None and int(header["encoding"]) == Encoding.STRUCT:
-        # Without elements a row's stride means nothing, and was not checked.
+        # Without elements, the row stride is meaningless and unchecked.
         shape, strides = (height if width > 0 else 0,), (row_stride,)
     if 0 in shape:
         return np.empty(shape + known.shape, known.base)
@@ -176,10 +176,10 @@ def plane(
 def check(header: np.void, available: int) -> None:
     """Check everything that a reader of ``available`` payload bytes relies on.
 
-    No header, however wrong, leads outside the payload after this.
+    No header that passes, however wrong, leads outside the payload.
 
     Raises:
-        BadFrameError: naming the first thing that does not hold.
+        BadFrameError: the first fault found.
 
     """
     if header["magic"] != MAGIC:
@@ -188,7 +188,7 @@ def check(header: np.void, available: int) -> None:
         raise BadFrameError(f"schema is {header['schema']}; this package reads {SCHEMA}")
     if header["header_len"] != HEADER_LEN:
         raise BadFrameError(f"header_len is {header['header_len']} instead of {HEADER_LEN}")
-    # Python's whole numbers: no sum or product overflows.
+    # Python integers: no sum or product overflows.
     payload_len = int(header["payload_len"])
     if payload_len > available:
         raise BadFrameError(f"payload_len is {payload_len}, but {available} bytes came")

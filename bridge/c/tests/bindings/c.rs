@@ -1,4 +1,4 @@
-//! The wire format in C.
+//! Generates the wire format in C.
 
 use std::fmt::Write as _;
 
@@ -6,9 +6,9 @@ use belvedere_bridge::{FrameHeader, schema};
 
 use crate::names::{c_type, part_of, parts, plain, snake};
 
-/// The block of a header, which is words in Rust.
+/// The block of a header, which is an array of words in Rust.
 const BLOCK: &str = "\
-// What only this kind has.
+// The block that is specific to the kind.
 typedef union bv_block {
     // images, depth images, clouds
     struct bv_intrinsics intrinsics;
@@ -41,7 +41,7 @@ pub(crate) fn layout() -> String {
     for numbers in schema::ENUMS {
         text += &enumeration(numbers);
     }
-    // The header's block is one of the two that come after it.
+    // The header contains one of the two block structs, which must be declared before it.
     let (headers, others): (Vec<&schema::Struct>, Vec<&schema::Struct>) =
         schema::structs().partition(|layout| layout.name == "FrameHeader");
     let (blocks, payloads): (Vec<&schema::Struct>, Vec<&schema::Struct>) =
@@ -56,7 +56,7 @@ pub(crate) fn layout() -> String {
     text.trim_end().to_owned()
 }
 
-/// A name of Rust's in C.
+/// Converts a name in Rust to C.
 fn word(name: &str) -> String {
     let is_known =
         |name: &str| part_of(name).is_some() || schema::ENUMS.iter().any(|numbers| numbers.name == name);

@@ -1,4 +1,4 @@
-//! Where everything lies, asserted by whoever's compiler reads the C header.
+//! Generates assertions of all offsets, which the compiler of each user of the C header checks.
 
 use std::fmt::Write as _;
 
@@ -8,10 +8,10 @@ use crate::names::{c_type, snake};
 
 pub(crate) fn layout() -> String {
     let mut text = "\
-// Where everything lies in Belvedere's frames, held at compile time: no flag of a compiler may move it.
+// The offsets in Belvedere's frames, checked at compile time against compiler flags that change layouts.
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //
-// Made from bridge/src/wire by bridge/c/tests/bindings; do not edit.
+// Generated from bridge/src/wire by bridge/c/tests/bindings; do not edit.
 #ifndef BELVEDERE_WIRE_HPP
 #define BELVEDERE_WIRE_HPP
 
@@ -37,7 +37,7 @@ pub(crate) fn layout() -> String {
 namespace belvedere {
 namespace detail {
 
-/// Whether streams of this kind carry Ts.
+/// Returns true if streams of this kind carry Ts.
 template <class T>
 constexpr bool carries(std::uint16_t kind) = delete;
 ";

@@ -1,5 +1,6 @@
-//! What C, C++ and Python know of the wire format is made from `belvedere_bridge::schema`, and the functions of the C
-//! header by cbindgen from `src/`. `BELVEDERE_BLESS=1 cargo test -p belvedere-bridge-c --test bindings` writes the files.
+//! Generates the bindings of the wire format for C, C++ and Python from `belvedere_bridge::schema`, and the functions
+//! of the C header from `src/` with cbindgen. `BELVEDERE_BLESS=1 cargo test -p belvedere-bridge-c --test bindings`
+//! writes the files.
 
 mod c;
 mod cpp;
@@ -10,7 +11,7 @@ use std::{fs, path::Path};
 
 use belvedere_bridge::{Kind, schema};
 
-/// The file is what is made now; or it becomes that.
+/// Checks that the file is up to date, or writes it.
 fn check(file: &str, made: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(file);
     if std::env::var_os("BELVEDERE_BLESS").is_some() {
@@ -36,7 +37,7 @@ fn the_c_header_is_current() {
         builder = builder.with_src(crate_dir.join(format!("src/{module}.rs")));
     }
     builder.generate().unwrap().write(&mut made);
-    // Rust's heading for what a caller must see to, in the words of a C reader.
+    // Rewrite Rust's heading of the caller's obligations for readers of C.
     let made = String::from_utf8(made).unwrap().replace("//\n// # Safety\n// ", "// Requires: ");
     check("bridge/c/include/belvedere.h", &made);
 }
@@ -52,7 +53,7 @@ fn the_python_module_is_current() {
 }
 
 #[test]
-fn every_kind_but_those_of_elements_has_one_struct() {
+fn every_kind_with_a_struct_has_exactly_one() {
     for &kind in Kind::ALL {
         let structs = schema::structs().filter(|layout| layout.kinds.contains(&kind.to_wire())).count();
         let of_elements = [Kind::Image, Kind::DepthImage, Kind::LaserScan, Kind::PointCloud].contains(&kind);
@@ -62,7 +63,7 @@ fn every_kind_but_those_of_elements_has_one_struct() {
 }
 
 #[test]
-fn fields_lie_without_gaps() {
+fn structs_have_no_padding() {
     for layout in schema::structs() {
         let ends: Vec<usize> =
             layout.fields.iter().skip(1).map(|field| field.offset).chain([layout.size]).collect();

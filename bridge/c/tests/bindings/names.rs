@@ -1,8 +1,8 @@
-//! Types and words of Rust, taken apart for other languages.
+//! Conversion of Rust's types and documentation for other languages.
 
 use belvedere_bridge::{MAX_DISTORTION, schema};
 
-/// `CameraInfo` → `camera_info`, `XyzRgbF32` → `xyz_rgb_f32`.
+/// Converts `CameraInfo` to `camera_info`, `XyzRgbF32` to `xyz_rgb_f32`.
 pub(crate) fn snake(name: &str) -> String {
     let mut snake = String::new();
     let mut before = ' ';
@@ -20,8 +20,8 @@ pub(crate) fn c_type(name: &str) -> String {
     format!("bv_{}", snake(name))
 }
 
-/// What a field is made of, and how many of it there are in each direction, the outermost first. A text is bytes of the
-/// type `Text`.
+/// Returns the element type of a field and the lengths of its array dimensions, the outermost first. A text is an array
+/// of the type `Text`.
 pub(crate) fn parts(type_name: &str) -> (String, Vec<usize>) {
     let name: String = type_name.chars().filter(|letter| !letter.is_whitespace()).collect();
     if let Some(length) = name.strip_prefix("Text<").and_then(|rest| rest.strip_suffix('>')) {
@@ -38,7 +38,7 @@ pub(crate) fn parts(type_name: &str) -> (String, Vec<usize>) {
     (element, lengths)
 }
 
-/// The struct of this name.
+/// Returns the struct with this name.
 pub(crate) fn part_of(name: &str) -> Option<&'static schema::Struct> {
     schema::structs().find(|layout| layout.name == name)
 }
@@ -52,7 +52,7 @@ pub(crate) fn size(type_name: &str) -> usize {
     lengths.iter().product::<usize>() * element
 }
 
-/// Documentation without the marks of Rust's: of `` `name` `` and of `` [`name`](path) `` what `word` makes of the name.
+/// Removes Rust's markup from documentation. `word` converts the name in `` `name` `` and `` [`name`](path) ``.
 pub(crate) fn plain(doc: &[&str], word: impl Fn(&str) -> String) -> Vec<String> {
     let text = doc.iter().map(|line| line.strip_prefix(' ').unwrap_or(line)).collect::<Vec<_>>().join("\n");
     let mut plain = String::new();

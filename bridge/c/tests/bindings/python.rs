@@ -1,4 +1,4 @@
-//! The wire format in Python, for numpy.
+//! Generates the wire format in Python, for numpy.
 
 use std::fmt::Write as _;
 
@@ -9,7 +9,7 @@ use crate::names::{part_of, parts, plain, snake};
 pub(crate) fn layout() -> String {
     let mut text = format!(
         "\
-\"\"\"The wire format as numpy sees it. Made from bridge/src/wire by bridge/c/tests/bindings; do not edit.\"\"\"
+\"\"\"The wire format as numpy types. Generated from bridge/src/wire by bridge/c/tests/bindings; do not edit.\"\"\"
 
 # fmt: off
 from __future__ import annotations
@@ -50,7 +50,7 @@ HEADER_TYPE_NAME = \"belvedere.FrameHeader.v{}\"
             let _ = writeln!(text, "    {} = {}", member(value), value.number);
         }
     }
-    // Parts before what they are in: a header's blocks, and what no kind carries.
+    // Parts come before the structs that contain them: the header's blocks, and structs that no kind carries.
     let (unkeyed, whole): (Vec<&schema::Struct>, Vec<&schema::Struct>) =
         schema::structs().partition(|layout| layout.kinds.is_empty());
     text += "\n";
@@ -72,7 +72,7 @@ HEADER_TYPE_NAME = \"belvedere.FrameHeader.v{}\"
             let _ = writeln!(text, "STRUCTS[Kind.{other}] = STRUCTS[Kind.{first}]");
         }
     }
-    text += "\n#: What one element is.\nELEMENTS: dict[Encoding, np.dtype[np.generic]] = {\n";
+    text += "\n#: The type of one element.\nELEMENTS: dict[Encoding, np.dtype[np.generic]] = {\n";
     let encodings = schema::ENUMS.iter().find(|numbers| numbers.name == "Encoding").unwrap();
     for value in encodings.values.iter().filter(|value| !value.element.is_empty()) {
         let (element, lengths) = parts(value.element);
@@ -90,7 +90,7 @@ fn documentation(doc: &[&str]) -> Vec<String> {
     plain(doc, |name| name.rsplit("::").next().unwrap_or(name).to_owned())
 }
 
-/// Lines of no more than 100 letters.
+/// Wraps text to at most 100 characters a line.
 fn wrapped(text: &str) -> Vec<String> {
     let mut lines = Vec::<String>::new();
     for word in text.split_whitespace() {
@@ -102,7 +102,7 @@ fn wrapped(text: &str) -> Vec<String> {
     lines
 }
 
-/// Names begin with a letter: 32fc1 is `F32C1`.
+/// Returns the name of a member, which must begin with a letter: 32fc1 becomes `F32C1`.
 fn member(value: &schema::Value) -> String {
     let name =
         if value.text.starts_with(|letter: char| letter.is_ascii_digit()) { value.name } else { value.text };

@@ -1,4 +1,4 @@
-// Failures, handles, values that somebody else owns. SPDX-License-Identifier: MIT OR Apache-2.0
+// Errors, handles and spans. SPDX-License-Identifier: MIT OR Apache-2.0
 #ifndef BELVEDERE_BASE_HPP
 #define BELVEDERE_BASE_HPP
 
@@ -26,13 +26,13 @@ private:
 
 namespace detail {
 
-/// Throws for an error; otherwise whether there was something.
+/// Throws on an error; otherwise returns true unless nothing was available.
 inline bool check(bv_status status) {
     if (static_cast<int>(status) < 0) throw Error(status);
     return status == BV_STATUS_OK;
 }
 
-/// A time as the C interface takes it: not negative, and not above 2^31 - 1.
+/// Converts a time for the C interface, clamped to 0 to 2^31 - 1.
 template <class Duration>
 std::uint32_t count_of(Duration time) {
     return static_cast<std::uint32_t>(time.count() < 0 ? 0 : time.count() > 0x7fffffff ? 0x7fffffff : time.count());
@@ -48,7 +48,7 @@ using Owned = std::unique_ptr<Handle, Closer<Handle, close>>;
 
 }  // namespace detail
 
-/// Consecutive values that somebody else owns.
+/// A view of consecutive values, which it does not own.
 template <class T>
 class Span {
 public:

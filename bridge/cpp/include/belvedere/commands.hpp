@@ -10,7 +10,7 @@ namespace belvedere {
 
 namespace detail {
 
-/// Which streams take a command, and which of them a TurtleBot has.
+/// The stream kind of a command, and its topic on a TurtleBot.
 template <class Command>
 struct CommandStream;
 template <>
@@ -31,8 +31,9 @@ struct CommandStream<bv_motor_power> {
 
 }  // namespace detail
 
-/// Sends commands to the robot: bv_velocity_command, bv_reset_odometry or bv_motor_power; several processes may. The
-/// robot takes what comes while this lives: leave it a step or two of its simulation after the last.
+/// A publisher of commands to the robot: bv_velocity_command, bv_reset_odometry or bv_motor_power. Several processes
+/// may send. The robot receives commands while this object lives: keep it for one or two steps of the simulation after
+/// the last command.
 template <class Command>
 class CommandPublisher {
 public:
@@ -43,12 +44,12 @@ private:
     detail::Owned<bv_command_publisher, bv_command_close> handle_;
 };
 
-/// Sends velocities.
+/// A publisher of velocity commands.
 class VelocityPublisher : public CommandPublisher<bv_velocity_command> {
 public:
     using CommandPublisher::CommandPublisher;
     using CommandPublisher::send;
-    /// Forward in m/s, turn to the left in rad/s.
+    /// Sends a velocity: forward in m/s, turn to the left in rad/s.
     void send(double forward, double turn) { send(bv_velocity_command{{forward, 0, 0}, {0, 0, turn}}); }
 };
 

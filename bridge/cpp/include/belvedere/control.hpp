@@ -14,62 +14,63 @@
 
 namespace belvedere {
 
-/// A command that the simulator did not follow; its text says why.
+/// The error for a command that the simulator refused, with the reason.
 class Refused : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// Where a model is to be.
+/// A pose for a model.
 struct Place {
-    /// Metres.
+    /// Position, metres.
     std::array<double, 3> position{};
-    /// x y z w.
+    /// Orientation, x y z w.
     std::array<double, 4> orientation{0, 0, 0, 1};
-    /// The frame that they are given in: a model, model::link, or nothing for the world.
+    /// The reference frame: a model, model::link, or empty for the world.
     std::string reference{};
 };
 
-/// Controls a simulation. All but call() wait for the answer as long as was said to Node::control(), and give the
-/// simulated time in ns at which it was done. They throw Refused, and Error with BV_STATUS_NOTHING when no simulator
-/// answers in time.
+/// The control of a simulation. All functions but call() wait for the result for the timeout given to Node::control(),
+/// and return the simulated time in ns at which the command was executed. They throw Refused, and Error with
+/// BV_STATUS_NOTHING if no simulator answers in time.
 class Control {
 public:
     explicit Control(bv_control* handle, std::chrono::milliseconds timeout = std::chrono::seconds(5))
         : handle_(handle), timeout_(timeout) {}
 
-    /// Lets simulated time stand.
+    /// Pauses simulated time.
     std::uint64_t pause() { return done(command(BV_OPERATION_PAUSE)); }
-    /// Lets it go on.
+    /// Resumes simulated time.
     std::uint64_t resume() { return done(command(BV_OPERATION_RESUME)); }
-    /// Runs some steps of physics with all that is published on the way, then pauses.
+    /// Runs physics steps and publishes everything that is due, then pauses.
     std::uint64_t step(std::uint64_t steps = 1) {
         bv_simulation_command step = command(BV_OPERATION_STEP);
         step.steps = steps;
         return done(step);
     }
-    /// Puts every model back to where it was at the start, at rest; time goes on.
+    /// Returns every model to its initial pose, at rest; time continues.
     std::uint64_t reset_world() { return done(command(BV_OPERATION_RESET_WORLD)); }
-    /// Begins again at time 0: what follows are the bytes of a fresh start.
+    /// Restarts at time 0; the output is the same as after a fresh start.
     std::uint64_t reset() { return done(command(BV_OPERATION_RESET_SIMULATION)); }
-    /// Moves a model, which is at rest then.
+    /// Moves a model and stops it.
     std::uint64_t move(const std::string& model, const Place& place) {
         return done(command(BV_OPERATION_SET_MODEL_STATE, model, place));
     }
-    /// Puts the model of a text, URDF or SDF, into the world; without a name, under its own.
+    /// Adds the model of a text, URDF or SDF, to the world; without a name, under the model's own.
     std::uint64_t spawn(const std::string& text, const std::string& name = {}, const Place& place = {}) {
         return done(command(BV_OPERATION_SPAWN, name, place), text);
     }
-    /// Takes a model out.
+    /// Removes a model.
     std::uint64_t remove(const std::string& model) { return done(command(BV_OPERATION_DELETE, model)); }
-    /// Changes settings of a sensor, named or told by a topic that it sends, from its next frame on: words such as
-    /// "update_rate=15 exposure=0.5", all of them or none.
+    /// Changes settings of a sensor, given by its name or by a topic that it publishes, from its next frame on. The
+    /// settings are words such as "update_rate=15 exposure=0.5"; either all of them are applied or none.
     std::uint64_t configure(const std::string& sensor, const std::string& settings) {
         return done(command(BV_OPERATION_CONFIGURE, sensor), settings);
     }
 
-    /// Sends any command, with the text of a model to be spawned or of settings, and waits for its result: none in time,
-    /// none at all. One that was refused has `done` 0 and a reason. An id of 0 is replaced by one that no other has.
+    /// Sends any command, with the text of a model to be spawned or of settings, and waits for its result. Returns
+    /// std::nullopt if none arrives in time. A refused command has `done` 0 and a reason. An id of 0 is replaced by a
+    /// unique one.
     std::optional<bv_simulation_result> call(const bv_simulation_command& command, std::chrono::milliseconds timeout,
                                              const std::string& text = {}) {
         bv_simulation_result result;
@@ -77,14 +78,14 @@ public:
         if (!detail::check(status)) return std::nullopt;
         return result;
     }
-    /// Whether there is a simulator that listens now; never sleeps.
+    /// Returns true if a simulator is listening now; never sleeps.
     bool is_connected() {
         bool connected = false;
         detail::check(bv_control_is_connected(handle_.get(), &connected));
         return connected;
     }
-    /// When the last result was sent, on the clock of a header's publish_mono_ns; 0 before the first. What was sent later
-    /// shows what the command has changed.
+    /// Returns when the last result was sent, on the clock of a header's publish_mono_ns; 0 before the first. Frames
+    /// that were sent later show the effect of the command.
     std::uint64_t answered_ns() const { return bv_control_answered_ns(handle_.get()); }
 
 private:
@@ -107,7 +108,7 @@ private:
         const auto result = call(command, timeout_, text);
         if (!result)
             throw Error(BV_STATUS_NOTHING,
-                        "no simulator answered; the most to wait was " + std::to_string(timeout_.count()) + " ms");
+                        "no simulator answered within " + std::to_string(timeout_.count()) + " ms");
         const char* reason = result->reason;
         if (result->done == 0) throw Refused(std::string(reason, std::find(reason, reason + sizeof result->reason, '\0')));
         return result->time_ns;

@@ -1,4 +1,4 @@
-// Frames, and what they are received by. SPDX-License-Identifier: MIT OR Apache-2.0
+// Frames, subscribers and synchronisers. SPDX-License-Identifier: MIT OR Apache-2.0
 #ifndef BELVEDERE_FRAMES_HPP
 #define BELVEDERE_FRAMES_HPP
 
@@ -21,48 +21,49 @@
 
 namespace belvedere {
 
-/// A received frame where it lies in shared memory; unchanged and valid as long as this lives.
+/// A received frame in shared memory, unchanged and valid as long as this object lives.
 class Frame {
 public:
     explicit Frame(bv_frame* handle) : handle_(handle) {}
 
-    // What is a view of the frame cannot be had of a temporary, which is gone at the end of the statement.
+    // Views are deleted for temporaries: the frame would be released at the end of the statement.
     const Header& header() const& { return *bv_frame_get_header(handle_.get()); }
     const Header& header() const&& = delete;
     bv_kind kind() const { return static_cast<bv_kind>(header().kind); }
     bv_encoding encoding() const { return static_cast<bv_encoding>(header().encoding); }
 
-    /// The frame that the data are given in.
+    /// Returns the coordinate frame of the data.
     std::string frame_id() const {
         const char* id = header().frame_id;
         return std::string(id, std::find(id, id + sizeof header().frame_id, '\0'));
     }
-    /// How pixels map to directions. Throws std::invalid_argument for a kind that has none.
+    /// Returns the mapping from pixels to directions. Throws std::invalid_argument for a kind without intrinsics.
     const bv_intrinsics& intrinsics() const&& = delete;
     const bv_intrinsics& intrinsics() const& {
         if (kind() != BV_KIND_IMAGE && kind() != BV_KIND_DEPTH_IMAGE && kind() != BV_KIND_POINT_CLOUD)
             throw std::invalid_argument("a frame of this kind has no intrinsics");
         return header().block.intrinsics;
     }
-    /// Which way the lens distorts; 0 for no model. Throws std::invalid_argument for a kind without intrinsics.
+    /// Returns the distortion model of the lens; 0 for none. Throws std::invalid_argument for a kind without
+    /// intrinsics.
     bv_distortion_model distortion_model() const {
         return static_cast<bv_distortion_model>(intrinsics().distortion_model);
     }
-    /// The parameters of that model, as many as it has.
+    /// Returns the parameters of the distortion model.
     Span<const double> distortion() const&& = delete;
     Span<const double> distortion() const& {
         const bv_intrinsics& lens = intrinsics();
         return {lens.distortion, std::min<std::size_t>(lens.distortion_len, std::size(lens.distortion))};
     }
 
-    /// All bytes, aligned to 64.
+    /// Returns all bytes of the payload, aligned to 64.
     Span<const std::uint8_t> payload() const&& = delete;
     Span<const std::uint8_t> payload() const& {
         return {bv_frame_get_payload(handle_.get()), static_cast<std::size_t>(header().payload_len)};
     }
 
-    /// One row as values of T: bytes or pixels of an image, float of depth and ranges.
-    /// Throws std::out_of_range for a row that is not there or a T that does not fit.
+    /// Returns one row as values of T: bytes or pixels of an image, float for depth and ranges.
+    /// Throws std::out_of_range if the row does not exist or T does not fit.
     template <class T>
     Span<const T> row(std::uint32_t) const&& = delete;
     template <class T>
@@ -70,7 +71,7 @@ public:
         return plane_row<T>(0, y);
     }
 
-    /// One row of intensities behind the ranges.
+    /// Returns one row of the intensities that follow the ranges.
     template <class T = float>
     Span<const T> intensity_row(std::uint32_t) const&& = delete;
     template <class T = float>
@@ -80,13 +81,13 @@ public:
         return plane_row<T>(static_cast<std::size_t>(h.height) * h.row_stride, y);
     }
 
-    /// The structs of a stream of fixed messages, such as bv_transform, copied out.
-    /// Throws std::out_of_range for a frame that holds others.
+    /// Returns copies of the structs of a stream of fixed messages, such as bv_transform.
+    /// Throws std::out_of_range if the frame holds other structs.
     template <class T>
     std::vector<T> structs() const {
         static_assert(std::is_trivially_copyable<T>::value, "T must be one of the structs of belvedere.h");
         const Header& h = header();
-        // The stride of rows is that of structs, so that no height makes more of them than the payload has.
+        // Requiring a row stride of at least one struct bounds the number of structs by the size of the payload.
         if (!detail::carries<T>(h.kind)) throw std::out_of_range("the frame is of a kind that does not hold these structs");
         if (h.encoding != BV_ENCODING_STRUCT || h.elem_stride < sizeof(T) || (h.height > 1 && h.row_stride < sizeof(T)))
             throw std::out_of_range("the frame does not hold structs of this size");
@@ -100,13 +101,13 @@ public:
         return values;
     }
 
-    /// Frames that were sent between the last one taken and this one.
+    /// Returns the number of frames that were sent between the previously taken frame and this one.
     std::uint64_t missed() const { return bv_frame_missed(handle_.get()); }
-    /// Whether the simulator was started again since the frame before.
+    /// Returns true if the simulator was restarted since the previous frame.
     bool restarted() const { return bv_frame_restarted(handle_.get()); }
-    /// Whether it was sent before the subscriber was connected: its age says nothing then.
+    /// Returns true if the frame was sent before the subscriber connected: its age then does not show the latency.
     bool is_from_history() const { return bv_frame_is_from_history(handle_.get()); }
-    /// Time since it was sent.
+    /// Returns the time since the frame was sent.
     std::chrono::nanoseconds age() const {
         return std::chrono::nanoseconds(static_cast<std::int64_t>(bv_frame_age_ns(handle_.get())));
     }
@@ -127,8 +128,9 @@ private:
     detail::Owned<bv_frame, bv_frame_release> handle_;
 };
 
-/// What a take gives: a std::optional, whose content must be given a name before it is used. `camera.take()->header()`
-/// would be read after the frame is gone, and reads nothing when there was none, so it does not compile.
+/// The result of a take: a std::optional that must be named before its content is used. `camera.take()->header()` does
+/// not compile, since it would be read after the frame is released, and would dereference an empty optional if there
+/// was no frame.
 template <class T>
 class Taken : public std::optional<T> {
 public:
@@ -138,29 +140,30 @@ public:
     const T* operator->() const&& = delete;
 };
 
-/// The reading end of a stream: there before its publisher, and after. Goes on by itself when the publisher ends, or
-/// is killed, and starts again.
+/// The reading end of a stream. It may exist before its publisher and after it. If the publisher ends or is killed, and
+/// starts again, the subscriber continues with the new one.
 class Subscriber {
 public:
     explicit Subscriber(bv_subscriber* handle) : handle_(handle) {}
 
-    /// Sleeps until there is a frame; false when the time has passed, or a signal came, without one.
+    /// Sleeps until a frame is available; returns false if the timeout passes, or a signal arrives, without one.
     bool wait(std::chrono::milliseconds timeout) {
         return detail::check(bv_subscriber_wait(handle_.get(), detail::count_of(timeout)));
     }
-    /// Looks for frames without sleeping when they are due, for at most so long a frame: they are had microseconds after
-    /// they were sent, at the price of processor time; bv_subscriber_set_busy_poll() says how much. Zero, as at first: never.
+    /// Enables busy polling: frames that are due are polled for without sleeping, for at most `limit` each, which
+    /// reduces their latency to microseconds at the cost of processor time; see bv_subscriber_set_busy_poll(). Zero,
+    /// the default, disables it.
     void set_busy_poll(std::chrono::microseconds limit) {
         detail::check(bv_subscriber_set_busy_poll(handle_.get(), detail::count_of(limit)));
     }
-    /// The oldest frame that waits, if any; never sleeps. Two may be held at a time.
+    /// Returns the oldest queued frame, if any; never sleeps. Two frames may be held at a time.
     Taken<Frame> take() { return take_with(bv_subscriber_take); }
-    /// The newest frame that waits, if any, dropping those before it; never sleeps.
+    /// Returns the newest queued frame, if any, and drops older ones; never sleeps.
     Taken<Frame> take_newest() { return take_with(bv_subscriber_take_newest); }
 
-    /// A descriptor for the poll, select or epoll of another event loop: the same over the subscriber's whole life.
-    /// It is readable when frames may wait or it is time to look for the publisher: take() then until there is none.
-    /// Do not read from it, nor close it.
+    /// Returns a descriptor for the poll, select or epoll of another event loop, the same over the subscriber's whole
+    /// life. It is readable if frames may be queued or the publisher must be checked: then call take() until it returns
+    /// none. Do not read from it or close it.
     int fd() {
         int fd = -1;
         detail::check(bv_subscriber_fd(handle_.get(), &fd));
@@ -169,7 +172,7 @@ public:
 
     std::uint64_t missed_total() const { return bv_subscriber_missed_total(handle_.get()); }
     std::size_t publishers() const { return bv_subscriber_publishers(handle_.get()); }
-    /// Time since the last frame: the sign that a stream has stopped.
+    /// Returns the time since the last frame: a long silence is the only reliable sign that a stream has stopped.
     std::chrono::nanoseconds silence() const {
         return std::chrono::nanoseconds(static_cast<std::int64_t>(bv_subscriber_silence_ns(handle_.get())));
     }
@@ -184,30 +187,30 @@ private:
     detail::Owned<bv_subscriber, bv_subscriber_close> handle_;
 };
 
-/// Gives the frames of N streams that were taken at the same time: a picture with its depth and its camera_info.
-/// Each frame is in one set at most, sets come in order, and a frame that can find no partner any more is skipped. One
-/// set may be kept while the next is waited for.
+/// A synchroniser, which returns frames of N streams that were captured at the same time: an image with its depth image
+/// and its camera_info. Each frame is in at most one set, sets come in order, and a frame that cannot find a partner
+/// any more is skipped. One set may be kept while the next is awaited.
 template <std::size_t N>
 class Synchronizer {
-    static_assert(N >= 2 && N <= BV_SYNCHRONIZER_MAX, "a set is of 2 to 8 streams");
+    static_assert(N >= 2 && N <= BV_SYNCHRONIZER_MAX, "a set has 2 to 8 streams");
 
 public:
     explicit Synchronizer(bv_synchronizer* handle) : handle_(handle) {}
 
-    /// Sleeps until there is a set; false when the time has passed, or a signal came, without one.
+    /// Sleeps until a set is available; returns false if the timeout passes, or a signal arrives, without one.
     bool wait(std::chrono::milliseconds timeout) {
         return detail::check(bv_synchronizer_wait(handle_.get(), detail::count_of(timeout)));
     }
-    /// The next set, in the order of the topics, if it is complete; never sleeps.
+    /// Returns the next set, in the order of the topics, if it is complete; never sleeps.
     Taken<std::array<Frame, N>> take() {
         bv_frame* frames[N];
         if (!detail::check(bv_synchronizer_take(handle_.get(), frames))) return std::nullopt;
         return set(frames, std::make_index_sequence<N>());
     }
 
-    /// Frames that were taken and found no partner.
+    /// Returns the number of frames that were taken and found no partner.
     std::uint64_t skipped() const { return bv_synchronizer_skipped(handle_.get()); }
-    /// Frames that were sent and never taken, over all streams.
+    /// Returns the number of frames that were sent and never taken, over all streams.
     std::uint64_t missed_total() const { return bv_synchronizer_missed_total(handle_.get()); }
 
 private:

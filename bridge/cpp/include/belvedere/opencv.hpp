@@ -10,12 +10,12 @@
 
 namespace belvedere {
 
-/// Pixels, depth, ranges (a row for each layer) or points (eight channels: x y z and five of colour and padding),
-/// where the simulator wrote them. It is valid as long as the frame lives, and the memory is read-only, which cv::Mat
-/// cannot say: a write into it is a segmentation fault, so clone() what is to be changed or kept.
+/// Returns pixels, depth, ranges (one row per layer) or points (eight channels: x y z, and five for colour and padding)
+/// as a matrix over the simulator's own memory. It is valid as long as the frame lives. The memory is read-only, which
+/// cv::Mat cannot express: writing to it is a segmentation fault, so clone() a matrix before you change or keep it.
 ///
-/// rgb8 has red first; OpenCV's own pictures have blue first: cv::cvtColor(mat, bgr, cv::COLOR_RGB2BGR).
-/// Throws std::invalid_argument for a frame that is no array of these.
+/// rgb8 has red first, but OpenCV's own images have blue first: cv::cvtColor(mat, bgr, cv::COLOR_RGB2BGR).
+/// Throws std::invalid_argument if the frame's encoding or strides do not fit a matrix.
 inline cv::Mat cv_mat(const Frame& frame) {
     const Header& h = frame.header();
     int type = 0;
@@ -40,29 +40,29 @@ inline cv::Mat cv_mat(const Frame& frame) {
         case BV_ENCODING_F32C3: type = CV_32FC3; break;
         case BV_ENCODING_I32C1: type = CV_32SC1; break;
         case BV_ENCODING_XYZ_RGB_F32: type = CV_32FC(8); break;
-        default: throw std::invalid_argument("a frame of this encoding is no cv::Mat");
+        default: throw std::invalid_argument("a frame of this encoding cannot be a cv::Mat");
     }
     if (h.width == 0 || h.height == 0) return cv::Mat(0, 0, type);
     const std::size_t size = CV_ELEM_SIZE(type);
     const std::size_t step = h.height == 1 ? h.width * size : h.row_stride;
     if (h.elem_stride != size || step % CV_ELEM_SIZE1(type) != 0)
-        throw std::invalid_argument("a frame with gaps between its elements is no cv::Mat");
-    // OpenCV has no constant pixels.
+        throw std::invalid_argument("a frame with gaps between its elements cannot be a cv::Mat");
+    // OpenCV has no matrices of const elements.
     void* data = const_cast<std::uint8_t*>(frame.payload().data());
     return cv::Mat(static_cast<int>(h.height), static_cast<int>(h.width), type, data, step);
 }
-/// The frame would be released before the picture is looked at.
+/// Deleted: the frame would be released before the matrix is used.
 cv::Mat cv_mat(Frame&&) = delete;
 
-/// fx skew cx, 0 fy cy, 0 0 1. Throws std::invalid_argument for a kind without intrinsics.
+/// Returns the camera matrix: fx skew cx, 0 fy cy, 0 0 1. Throws std::invalid_argument for a kind without intrinsics.
 inline cv::Matx33d cv_camera_matrix(const Frame& frame) {
     const bv_intrinsics& lens = frame.intrinsics();
     return {lens.fx, lens.skew, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1};
 }
 
-/// As many parameters as the frame's distortion_model() has, in its order. OpenCV takes those of plumb_bob (5) and
-/// rational_polynomial (8, 12 or 14) in cv::undistort and its kin, and those of equidistant (4) in cv::fisheye; the
-/// other models it does not have.
+/// Returns the parameters of the frame's distortion_model(), in its order. OpenCV supports plumb_bob (5) and
+/// rational_polynomial (8, 12 or 14) in cv::undistort and related functions, and equidistant (4) in cv::fisheye; it
+/// does not have the other models.
 inline std::vector<double> cv_distortion(const Frame& frame) {
     const Span<const double> d = frame.distortion();
     return {d.begin(), d.end()};

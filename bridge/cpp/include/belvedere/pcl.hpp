@@ -13,13 +13,13 @@ static_assert(sizeof(pcl::PointXYZRGB) == 32 && offsetof(pcl::PointXYZRGB, x) ==
                   offsetof(pcl::PointXYZRGB, rgb) == 16,
               "the wire's points have PCL's layout");
 
-/// One row of points, where the simulator wrote them, as long as the frame lives. What PCL has in its fourth
-/// coordinate and in alpha is 0 here: use x, y, z, r, g, b, not getVector4fMap().
-/// Throws std::out_of_range for a row that is not there, or a frame that is no cloud.
+/// Returns one row of points in the simulator's own memory, valid as long as the frame lives. PCL's fourth coordinate
+/// and alpha are 0 here: use x, y, z, r, g, b, not getVector4fMap().
+/// Throws std::out_of_range if the row does not exist or the frame is not a cloud.
 inline Span<const pcl::PointXYZRGB> pcl_row(const Frame& frame, std::uint32_t y) {
     const Header& h = frame.header();
     if (frame.encoding() != BV_ENCODING_XYZ_RGB_F32 || h.elem_stride != sizeof(pcl::PointXYZRGB))
-        throw std::out_of_range("the frame is no point cloud");
+        throw std::out_of_range("the frame is not a point cloud");
     const Span<const std::uint8_t> row = frame.row<std::uint8_t>(y);
     if (reinterpret_cast<std::uintptr_t>(row.data()) % alignof(pcl::PointXYZRGB) != 0)
         throw std::out_of_range("rows of the cloud are not aligned for PCL");
@@ -27,8 +27,9 @@ inline Span<const pcl::PointXYZRGB> pcl_row(const Frame& frame, std::uint32_t y)
 }
 Span<const pcl::PointXYZRGB> pcl_row(Frame&&, std::uint32_t) = delete;
 
-/// A copy, since pcl::PointCloud owns its points; organised as the frame is, with its frame, number and stamp (that
-/// of the simulation, in PCL's microseconds). Where there is no point it is NaN, so it is not dense.
+/// Returns a copy, since pcl::PointCloud owns its points. It is organised like the frame, with its coordinate frame,
+/// sequence number and stamp (simulated time, in PCL's microseconds). Missing points are NaN, so the cloud is not
+/// dense.
 inline pcl::PointCloud<pcl::PointXYZRGB> pcl_cloud(const Frame& frame) {
     const Header& h = frame.header();
     pcl::PointCloud<pcl::PointXYZRGB> cloud(h.width, h.height);
@@ -39,7 +40,7 @@ inline pcl::PointCloud<pcl::PointXYZRGB> pcl_cloud(const Frame& frame) {
     auto out = cloud.points.begin();
     for (std::uint32_t y = 0; y < h.height; ++y)
         for (const pcl::PointXYZRGB& in : pcl_row(frame, y)) {
-            // Over a new point, which has its fourth coordinate and alpha.
+            // Assigned by component, so that a new point keeps PCL's values of the fourth coordinate and alpha.
             out->x = in.x;
             out->y = in.y;
             out->z = in.z;

@@ -1,7 +1,7 @@
-// Where everything lies in Belvedere's frames, held at compile time: no flag of a compiler may move it.
+// The offsets in Belvedere's frames, checked at compile time against compiler flags that change layouts.
 // SPDX-License-Identifier: MIT OR Apache-2.0
 //
-// Made from bridge/src/wire by bridge/c/tests/bindings; do not edit.
+// Generated from bridge/src/wire by bridge/c/tests/bindings; do not edit.
 #ifndef BELVEDERE_WIRE_HPP
 #define BELVEDERE_WIRE_HPP
 
@@ -202,7 +202,7 @@ BELVEDERE_AT(bv_tag_detection, orientation, 136);
 namespace belvedere {
 namespace detail {
 
-/// Whether streams of this kind carry Ts.
+/// Returns true if streams of this kind carry Ts.
 template <class T>
 constexpr bool carries(std::uint16_t kind) = delete;
 template <>

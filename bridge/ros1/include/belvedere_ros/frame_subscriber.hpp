@@ -1,10 +1,10 @@
-// Frames without a copy, for nodelets in the bridge's own process.
+// Frames without a copy, for nodelets in the process of the bridge.
 //
 //   frames_ = std::make_unique<belvedere_ros::FrameSubscriber>(getNodeHandle(), "image_raw",
-//       [this](const belvedere_ros::FrameViewConstPtr& view) { look_at(view->frame().row<std::uint8_t>(0)); });
+//       [this](const belvedere_ros::FrameViewConstPtr& view) { process(view->frame().row<std::uint8_t>(0)); });
 //
-// What roscpp hands from nodelet to nodelet is a message, into which the bridge has copied the payload. This hands over the
-// frame itself, where the simulator wrote it.
+// roscpp passes messages from nodelet to nodelet, into which the bridge has copied the payload. This class passes the
+// frame itself, in the simulator's own memory.
 #pragma once
 
 #include <boost/shared_ptr.hpp>
@@ -21,15 +21,16 @@
 
 namespace belvedere_ros {
 
-/// A frame in shared memory, which is unchanged for as long as somebody holds this. Any thread may read it.
+/// A frame in shared memory, which does not change as long as a reference to this object exists. Any thread may read
+/// it.
 class FrameView {
 public:
     FrameView(std_msgs::Header header, belvedere::Frame frame) : header_(std::move(header)), frame_(std::move(frame)) {}
 
-    /// Stamp and frame_id, as the message of this frame has them.
+    /// Returns stamp and frame_id, as in the message of this frame.
     const std_msgs::Header& header() const { return header_; }
-    /// Sizes, encoding, intrinsics, rows and bytes; belvedere/opencv.hpp, eigen.hpp and pcl.hpp show it as the types of these
-    /// libraries.
+    /// Returns the frame with sizes, encoding, intrinsics, rows and bytes; belvedere/opencv.hpp, eigen.hpp and pcl.hpp
+    /// convert it to the types of these libraries.
     const belvedere::Frame& frame() const { return frame_; }
 
 private:
@@ -39,26 +40,28 @@ private:
 
 using FrameViewConstPtr = boost::shared_ptr<const FrameView>;
 
-/// Gives the frames of a topic that a bridge in this process serves, now or later.
+/// A subscriber to the frames of a topic that a bridge in this process serves, now or later.
 ///
-/// Its callback runs in a thread of its own, one at a time, with no queue between: that would cost a second awakening. A
-/// view may be kept; while two are, there is no room for a third, frames are missed, and the log says so.
+/// The callback runs in its own thread, one call at a time. There is no queue in between, which would cost a second
+/// wakeup. A view may be kept. While two are kept, there is no room for a third: frames are missed, and the log reports
+/// it.
 class FrameSubscriber {
 public:
     using Callback = std::function<void(const FrameViewConstPtr&)>;
 
-    /// The topic is resolved and remapped as that of a ros::Subscriber. Throws ros::InvalidNameException.
+    /// Subscribes to a topic, which is resolved and remapped like that of a ros::Subscriber. Throws
+    /// ros::InvalidNameException.
     ///
-    /// With `busy_poll`, frames are looked for when they are due, for at most so long each, instead of slept for: they come
-    /// microseconds after they were sent, at the price of processor time (belvedere::Subscriber::set_busy_poll).
+    /// With `busy_poll`, frames that are due are polled for without sleeping, for at most this time each, which reduces
+    /// their latency to microseconds at the cost of processor time (belvedere::Subscriber::set_busy_poll).
     FrameSubscriber(const ros::NodeHandle& nh, const std::string& topic, Callback callback, std::chrono::microseconds busy_poll = {});
-    /// No callback runs afterwards. Not to be called from the callback.
+    /// Ends the subscription: no callback runs afterwards. Must not be called from the callback.
     ~FrameSubscriber();
     FrameSubscriber(const FrameSubscriber&) = delete;
     FrameSubscriber& operator=(const FrameSubscriber&) = delete;
 
     const std::string& topic() const;
-    /// Whether a bridge in this process serves the topic now.
+    /// Returns true if a bridge in this process serves the topic now.
     bool is_served() const;
 
 private:

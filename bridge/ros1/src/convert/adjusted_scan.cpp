@@ -8,10 +8,10 @@ namespace belvedere_ros {
 
 namespace {
 
-// What share of the angle between two rays an edge may be off: it is written with few digits.
+// The tolerance of an edge, as a share of the angle between two rays: edges are written with few digits.
 constexpr double kEdge = 0.01;
 
-/// A stamp, moved by seconds; 0, which is no stamp, for what would be before time began.
+/// Returns a stamp moved by seconds; 0, which means no stamp, if the result would be before time 0.
 std::uint64_t moved(std::uint64_t stamp_ns, double seconds) {
     if (!(std::abs(seconds) <= ScanParameters::most_offset))
         throw Unrepresentable("its stamp cannot be moved by " + std::to_string(seconds) + " s");
@@ -35,7 +35,7 @@ AdjustedScan::AdjustedScan(const Sample& scan, const ScanParameters& parameters)
 void AdjustedScan::crop(const ScanParameters& parameters) {
     bv_scan_geometry& geometry = header_.block.scan;
     if (header_.width == 0 || !(geometry.angle_increment > 0)) return;
-    // The rays from the first one to the last one that lie between the edges.
+    // Keep the rays from the first to the last one between the edges.
     const double last_ray = header_.width - 1.0;
     const auto place = [&](double angle) { return (angle - geometry.angle_min) / geometry.angle_increment; };
     const double first = std::max(0.0, std::ceil(place(parameters.angle_min) - kEdge));
@@ -48,7 +48,7 @@ void AdjustedScan::crop(const ScanParameters& parameters) {
     payload_ = {payload_.data() + skipped, payload_.size() - skipped};
     header_.width = static_cast<std::uint32_t>(last - first) + 1;
     geometry.angle_min += first * geometry.angle_increment;
-    // Stamped at its first ray.
+    // The stamp is that of the first ray.
     header_.stamp_ns = moved(header_.stamp_ns, first * geometry.time_increment);
 }
 

@@ -1,4 +1,4 @@
-// A scan as the parameters of its topic want it.
+// A scan adjusted by the parameters of its topic.
 #pragma once
 
 #include "../scan_parameters.hpp"
@@ -6,10 +6,10 @@
 
 namespace belvedere_ros {
 
-/// Sees the same ranges through a header of its own; as long as the frame lives.
+/// The same ranges with an adjusted header; valid as long as the frame lives.
 class AdjustedScan {
 public:
-    /// Throws Unrepresentable when no ray is left, or the scan's times are none.
+    /// Adjusts the scan. Throws Unrepresentable if no ray remains, or if the times of the scan are invalid.
     AdjustedScan(const Sample& scan, const ScanParameters& parameters);
 
     Sample sample() const { return {header_, payload_}; }

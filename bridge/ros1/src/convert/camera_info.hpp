@@ -1,4 +1,4 @@
-// How pixels of an image map to directions.
+// The calibration of a camera.
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>
@@ -7,7 +7,8 @@
 
 namespace belvedere_ros {
 
-/// As REP-104 has it: D as long as the model's, K and P filled in, stamp and frame_id those of the image.
+/// Converts a camera_info as specified by REP-104: D has the length of the model's parameters, K and P are filled in,
+/// stamp and frame_id are those of the image.
 sensor_msgs::CameraInfoPtr to_camera_info(const Sample& sample);
 
 }  // namespace belvedere_ros

@@ -1,4 +1,4 @@
-// The simulation's time.
+// Simulated time.
 #pragma once
 
 #include <rosgraph_msgs/Clock.h>
@@ -7,7 +7,7 @@
 
 namespace belvedere_ros {
 
-/// For /clock, which nodes with use_sim_time live by.
+/// Converts the time for /clock, which nodes with use_sim_time follow.
 rosgraph_msgs::ClockPtr to_clock(const Sample& sample);
 
 }  // namespace belvedere_ros

@@ -1,4 +1,4 @@
-// What ROS tells the robot, as the simulator takes it.
+// Conversion of ROS's commands for the simulator.
 #pragma once
 
 #include <belvedere.h>
@@ -8,9 +8,9 @@
 
 namespace belvedere_ros {
 
-/// Unrepresentable for a velocity that is not finite.
+/// Converts a velocity; throws Unrepresentable if it is not finite.
 bv_velocity_command from_twist(const geometry_msgs::Twist& twist);
-/// Unrepresentable for a state that is neither on nor off.
+/// Converts a state; throws Unrepresentable if it is neither on nor off.
 bv_motor_power from_motor_power(const kobuki_msgs::MotorPower& power);
 bv_reset_odometry from_empty(const std_msgs::Empty& empty);
 

@@ -1,4 +1,4 @@
-// What the base says of all its sensors at once.
+// The state of all sensors of the base.
 #pragma once
 
 #include <kobuki_msgs/SensorState.h>
@@ -7,7 +7,8 @@
 
 namespace belvedere_ros {
 
-/// Bits and units are the same. Currents and inputs, which are not simulated, are as many zeros as a Kobuki sends.
+/// Converts the state, whose bits and units are the same. Currents and inputs are not simulated; the message has as
+/// many zeros for them as a Kobuki sends values.
 kobuki_msgs::SensorStatePtr to_core_sensors(const Sample& sample);
 
 }  // namespace belvedere_ros

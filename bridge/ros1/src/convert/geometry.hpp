@@ -1,4 +1,4 @@
-// Vectors and rotations.
+// Conversion of vectors and rotations.
 #pragma once
 
 #include <geometry_msgs/Point.h>
@@ -7,7 +7,7 @@
 
 namespace belvedere_ros {
 
-/// A geometry_msgs/Point or Vector3.
+/// Converts to a geometry_msgs/Point or Vector3.
 template <class Xyz>
 Xyz to_xyz(const double (&from)[3]) {
     Xyz to;
@@ -17,7 +17,7 @@ Xyz to_xyz(const double (&from)[3]) {
     return to;
 }
 
-/// From x y z w.
+/// Converts from x y z w.
 inline geometry_msgs::Quaternion to_quaternion(const double (&from)[4]) {
     geometry_msgs::Quaternion to;
     to.x = from[0];

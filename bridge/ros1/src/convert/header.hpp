@@ -1,4 +1,4 @@
-// What every message of ROS begins with, and how values are read out of a frame.
+// The header of ROS messages, and reading of values from a frame.
 #pragma once
 
 #include <std_msgs/Header.h>
@@ -11,31 +11,31 @@
 
 namespace belvedere_ros {
 
-/// A frame that the message type has no way to say.
+/// The error for a frame that the message type cannot represent.
 class Unrepresentable : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// Nanoseconds of simulation as time of ROS; Unrepresentable beyond 2³² s.
+/// Converts nanoseconds of simulated time to ROS time; throws Unrepresentable beyond 2³² s.
 ros::Time to_time(std::uint64_t nanoseconds);
 
-/// Stamp and frame_id; the number is roscpp's to count.
+/// Converts stamp and frame_id; roscpp sets the sequence number.
 std_msgs::Header to_header(const Sample& sample);
 
-/// Text of a fixed field, without the leading slash that tf2 refuses.
+/// Returns the text of a field, without the leading slash that tf2 refuses.
 template <std::size_t length>
 std::string to_text(const char (&field)[length]) {
     const char* begin = field[0] == '/' ? field + 1 : field;
     return {begin, strnlen(begin, static_cast<std::size_t>(field + length - begin))};
 }
 
-/// How many structs the frame holds.
+/// Returns the number of structs in the frame.
 inline std::uint32_t struct_count(const Sample& sample) {
     return sample.header.width == 0 ? 0 : sample.header.height;
 }
 
-/// One of them, copied out. Unrepresentable when the frame holds something smaller.
+/// Returns a copy of one of the structs. Throws Unrepresentable if the frame holds smaller ones.
 template <class T>
 T read_struct(const Sample& sample, std::uint32_t index = 0) {
     static_assert(std::is_trivially_copyable<T>::value, "T must be one of the structs of belvedere.h");

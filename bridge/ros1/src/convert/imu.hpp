@@ -1,4 +1,4 @@
-// What an inertial measurement unit measures.
+// The measurement of an inertial measurement unit.
 #pragma once
 
 #include <sensor_msgs/Imu.h>
@@ -7,7 +7,8 @@
 
 namespace belvedere_ros {
 
-/// By REP-145: +g upwards at rest; covariances of zeros are not known, -1 first is not measured.
+/// Converts a measurement as specified by REP-145: +g upwards at rest; a covariance of zeros means unknown, −1 as its
+/// first element means not measured.
 sensor_msgs::ImuPtr to_imu(const Sample& sample);
 
 }  // namespace belvedere_ros

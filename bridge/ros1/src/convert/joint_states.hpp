@@ -1,4 +1,4 @@
-// Where the joints are.
+// The states of joints.
 #pragma once
 
 #include <sensor_msgs/JointState.h>
@@ -7,7 +7,7 @@
 
 namespace belvedere_ros {
 
-/// All joints that move, in the order of the stream; radians or metres.
+/// Converts all movable joints, in the order of the stream; radians or metres.
 sensor_msgs::JointStatePtr to_joint_states(const Sample& sample);
 
 }  // namespace belvedere_ros

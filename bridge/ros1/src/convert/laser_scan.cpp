@@ -10,7 +10,7 @@ std::vector<float> floats(const Sample& sample, std::size_t offset) {
     const std::size_t bytes = static_cast<std::size_t>(sample.header.width) * sizeof(float);
     if (offset + bytes > sample.payload.size()) throw Unrepresentable("the scan ends before its last ray");
     std::vector<float> values;
-    // Payloads are aligned to 64 and planes begin at multiples of a float's size.
+    // Payloads are aligned to 64 bytes, and planes begin at multiples of a float's size.
     const auto* begin = reinterpret_cast<const float*>(sample.payload.data() + offset);
     values.assign(begin, begin + sample.header.width);
     return values;

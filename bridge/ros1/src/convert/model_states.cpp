@@ -8,7 +8,7 @@ namespace belvedere_ros {
 
 namespace {
 
-// The two types differ in nothing but their names.
+// The two types differ only in their names.
 template <class States>
 boost::shared_ptr<States> to_states(const Sample& sample) {
     auto states = boost::make_shared<States>();

@@ -1,4 +1,4 @@
-// Where all models, or all links, are in the world.
+// Poses and velocities of all models or links.
 #pragma once
 
 #include <gazebo_msgs/LinkStates.h>
@@ -8,10 +8,10 @@
 
 namespace belvedere_ros {
 
-/// Names, poses and velocities in the world, in the order of the stream.
+/// Converts names, poses and velocities in the world, in the order of the stream.
 gazebo_msgs::ModelStatesPtr to_model_states(const Sample& sample);
 
-/// The same of a stream of links: names are model::link.
+/// Converts a stream of links, whose names are model::link.
 gazebo_msgs::LinkStatesPtr to_link_states(const Sample& sample);
 
 }  // namespace belvedere_ros

@@ -1,4 +1,4 @@
-// What the robot's wheels and gyro say of its way.
+// Odometry from the robot's wheels and gyro.
 #pragma once
 
 #include <nav_msgs/Odometry.h>
@@ -7,7 +7,7 @@
 
 namespace belvedere_ros {
 
-/// Pose in frame_id, velocity in child_frame_id, with their covariances.
+/// Converts the pose in frame_id and the velocity in child_frame_id, with their covariances.
 nav_msgs::OdometryPtr to_odometry(const Sample& sample);
 
 }  // namespace belvedere_ros

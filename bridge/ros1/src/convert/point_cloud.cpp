@@ -18,7 +18,7 @@ sensor_msgs::PointField field_of(const char* name, std::uint32_t offset,
     return field;
 }
 
-/// What a point has besides its place.
+/// Returns the fields of a point besides its position.
 std::vector<sensor_msgs::PointField> own_fields(std::uint16_t encoding) {
     if (encoding == BV_ENCODING_XYZ_RGB_F32) return {field_of("rgb", 16)};
     if (encoding == BV_ENCODING_XYZ_IRT_F32)
@@ -49,7 +49,7 @@ sensor_msgs::PointCloud2Ptr to_point_cloud(const Sample& sample) {
     cloud->fields = {field_of("x", 0), field_of("y", 4), field_of("z", 8)};
     cloud->fields.insert(cloud->fields.end(), own.begin(), own.end());
     cloud->is_bigendian = false;
-    // A lidar's points in one row are those that there are.
+    // A lidar's cloud in one row contains only valid points.
     cloud->is_dense = header.encoding != BV_ENCODING_XYZ_RGB_F32 && header.height <= 1;
     cloud->point_step = header.elem_stride;
     cloud->row_step = copy_rows(sample, cloud->data);

@@ -1,4 +1,4 @@
-// What a rangefinder measures.
+// The measurement of a rangefinder.
 #pragma once
 
 #include <sensor_msgs/Range.h>

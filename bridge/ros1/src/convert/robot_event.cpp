@@ -6,13 +6,14 @@ namespace belvedere_ros {
 
 namespace {
 
-// As bv_robot_event has them.
+// The values of bv_robot_event.
 enum Source : std::uint32_t { bumper, cliff, wheel_drop };
 
-// Of a place where a Kobuki has no such sensor.
+// The index of a place where a Kobuki has no such sensor.
 constexpr int kNone = -1;
 
-/// The event of one source. `places` are the numbers of left, centre and right there, of which `place` takes one.
+/// Converts an event of one source. `places` are the message's numbers for left, centre and right; the one of the event
+/// is written to `place`.
 template <class Message>
 boost::shared_ptr<Message> to_event(const Sample& sample, Source source, std::uint8_t Message::*place, const int (&places)[3]) {
     const auto from = read_struct<bv_robot_event>(sample);
@@ -30,7 +31,7 @@ boost::shared_ptr<Message> to_event(const Sample& sample, Source source, std::ui
 
 using kobuki_msgs::BumperEvent, kobuki_msgs::CliffEvent, kobuki_msgs::WheelDropEvent;
 
-// 1 is pressed, cliff and dropped in both.
+// 1 means pressed, cliff or dropped in both.
 static_assert(BumperEvent::PRESSED == 1 && CliffEvent::CLIFF == 1 && WheelDropEvent::DROPPED == 1);
 
 kobuki_msgs::BumperEventPtr to_bumper_event(const Sample& sample) {
@@ -44,7 +45,7 @@ kobuki_msgs::CliffEventPtr to_cliff_event(const Sample& sample) {
 }
 
 kobuki_msgs::WheelDropEventPtr to_wheel_drop_event(const Sample& sample) {
-    // The right one is its second.
+    // The right wheel is number 1 in the message.
     return to_event(sample, wheel_drop, &WheelDropEvent::wheel, {WheelDropEvent::LEFT, kNone, WheelDropEvent::RIGHT});
 }
 

@@ -1,4 +1,4 @@
-// What has happened to a sensor of the base.
+// Events of the base's sensors.
 #pragma once
 
 #include <kobuki_msgs/BumperEvent.h>
@@ -9,7 +9,8 @@
 
 namespace belvedere_ros {
 
-/// Each of the three is Unrepresentable for an event of another source, and for a place that a Kobuki has no sensor at.
+/// Each of the three throws Unrepresentable for an event of another source, and for a place where a Kobuki has no
+/// sensor.
 kobuki_msgs::BumperEventPtr to_bumper_event(const Sample& sample);
 kobuki_msgs::CliffEventPtr to_cliff_event(const Sample& sample);
 kobuki_msgs::WheelDropEventPtr to_wheel_drop_event(const Sample& sample);

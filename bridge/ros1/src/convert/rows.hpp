@@ -1,4 +1,4 @@
-// The one copy that a payload makes.
+// The only copy of a payload.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,12 @@
 
 namespace belvedere_ros {
 
-/// Copies the rows of a picture or cloud into a message; gives the bytes from row to row there.
+/// Copies the rows of an image or cloud into a message. Returns the message's row stride.
 ///
-/// No header makes it take more than twice the payload, which has all but the padding of the last row. The distance of rows
-/// is checked where there are several, that of elements likewise; of a single row the elements say how long it is, and
-/// nothing says it of a single element. Throws Unrepresentable for one that is longer.
+/// For any header, the message takes at most twice the size of the payload, which lacks only the padding of the last
+/// row. The row stride has been checked only if there are several rows, and the element stride only if there are
+/// several elements. A single row takes its length from the elements. For a single element nothing bounds the stride.
+/// Throws Unrepresentable if the message would be larger than that.
 inline std::uint32_t copy_rows(const Sample& sample, std::vector<std::uint8_t>& data) {
     const belvedere::Header& header = sample.header;
     if (header.width == 0 || header.height == 0) return 0;
@@ -24,7 +25,7 @@ inline std::uint32_t copy_rows(const Sample& sample, std::vector<std::uint8_t>& 
         throw Unrepresentable("rows are " + std::to_string(step) + " bytes long, in a payload of " + std::to_string(sample.payload.size()));
     const std::size_t size = header.height * step;
     const std::uint8_t* begin = sample.payload.data();
-    // assign() does not write zeros first, as resize() and a copy would. The last row may come without its padding.
+    // assign() does not write zeros first, as resize() and a copy would. The last row may be unpadded.
     data.assign(begin, begin + std::min(size, sample.payload.size()));
     data.resize(size);
     return static_cast<std::uint32_t>(step);

@@ -11,7 +11,7 @@ namespace belvedere_ros {
 
 namespace {
 
-/// Fields one after the other, without padding, as drivers send them.
+/// Appends packed fields, in the layout of drivers.
 class Fields {
 public:
     explicit Fields(std::vector<sensor_msgs::PointField>& fields) : fields_(fields) {}
@@ -58,7 +58,7 @@ sensor_msgs::PointCloud2Ptr to_scan_cloud(const Sample& sample) {
     const bool has_intensities = (header.flags & BV_HAS_INTENSITIES) != 0;
     if (header.height > std::numeric_limits<std::uint16_t>::max())
         throw Unrepresentable("the lidar has more layers than rings can be numbered");
-    // Before memory is taken for points that are not there.
+    // Check before allocating memory for points that do not exist.
     const std::size_t planes = has_intensities ? 2 : 1;
     const std::size_t row_stride = header.row_stride, row_bytes = header.width * sizeof(float);
     const bool is_empty = header.width == 0 || header.height == 0;

@@ -1,4 +1,4 @@
-// A scan of several layers as a cloud.
+// Conversion of a scan with several layers to a cloud.
 #pragma once
 
 #include <sensor_msgs/PointCloud2.h>
@@ -7,9 +7,9 @@
 
 namespace belvedere_ros {
 
-/// Organised: a row for each layer, the lowest first, and a column for each ray. Fields as those of a Velodyne's driver:
-/// x, y, z, intensity where there is one, ring (the layer), time (seconds after the stamp). A ray that measures nothing is
-/// NaN.
+/// Converts a scan to an organised cloud: one row per layer, the lowest first, and one column per ray. Its fields are
+/// those of Velodyne's driver: x, y, z, intensity if available, ring (the layer), time (seconds after the stamp). A ray
+/// without a range is NaN.
 sensor_msgs::PointCloud2Ptr to_scan_cloud(const Sample& sample);
 
 }  // namespace belvedere_ros

@@ -8,7 +8,7 @@ namespace belvedere_ros {
 
 namespace {
 
-/// Whether a frame is this one, in the namespace of whatever robot: robot1/odom is odom.
+/// Returns true if a frame has this name, in the namespace of any robot: robot1/odom is odom.
 bool is_named(const std::string& frame, const std::string& name) {
     if (frame.size() <= name.size()) return frame == name;
     const std::size_t rest = frame.size() - name.size();

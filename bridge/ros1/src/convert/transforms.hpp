@@ -1,4 +1,4 @@
-// Where frames are in other frames.
+// Transforms between frames.
 #pragma once
 
 #include <tf2_msgs/TFMessage.h>
@@ -7,7 +7,7 @@
 
 namespace belvedere_ros {
 
-/// Moving and fixed transforms alike; all have the stamp of the frame. With a `parent`, only those that are given in it.
+/// Converts moving or fixed transforms, all with the stamp of the frame. With a `parent`, only those in that frame.
 tf2_msgs::TFMessagePtr to_transforms(const Sample& sample, const std::string& parent = {});
 
 }  // namespace belvedere_ros

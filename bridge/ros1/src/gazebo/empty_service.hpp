@@ -1,4 +1,4 @@
-// A service without fields that can say why it has failed.
+// A service without fields that can report the reason of a failure.
 #pragma once
 
 #include <ros/service_callback_helper.h>
@@ -12,8 +12,8 @@
 
 namespace belvedere_ros::gazebo {
 
-/// std_srvs/Empty. What its function throws is what the caller's error says: roscpp's own way, a callback that gives false,
-/// has no words.
+/// A std_srvs/Empty service. The message of an exception of its function becomes the caller's error. roscpp's usual
+/// callback, which returns false, cannot report a reason.
 class EmptyService : public ros::ServiceCallbackHelper {
 public:
     explicit EmptyService(std::function<void()> act) : act_(std::move(act)) {}
@@ -25,7 +25,7 @@ public:
         } catch (const std::exception& error) {
             params.response = ros::serialization::serializeServiceResponse(false, std::string(error.what()));
         }
-        return true;  // there is an answer
+        return true;  // the answer is written
     }
 
 private:

@@ -11,7 +11,7 @@ namespace belvedere_ros::gazebo {
 
 namespace {
 
-// How long a node may take from finding nobody to having registered a service, for all that begin at the same moment.
+// The longest time between finding no server and having registered a service, for nodes that start at the same time.
 constexpr std::chrono::milliseconds kSettled{400};
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Which of several nodes serves Gazebo's namespace.
+// Selects which of several nodes serves Gazebo's namespace.
 #pragma once
 
 #include <ros/node_handle.h>
@@ -14,19 +14,20 @@ namespace belvedere_ros::gazebo {
 
 class Services;
 
-/// A service has one server, and the master gives its name to the last node that registers it, telling nobody. So a node
-/// that finds nobody there registers one of the services; if it has that still at a later look, it serves them all. One
-/// that finds another there, or itself outdone, says so once and leaves all to the other for as long as that lives.
+/// A service has one server. The master gives its name to the last node that registers it, without notice to the
+/// others. So a node that finds no server registers one of the services, and if it still owns it at a later check, it
+/// serves all of them. A node that finds another server, or that has lost the service, logs this once and leaves the
+/// services to the other node as long as that lives.
 class Namespace {
 public:
-    /// `name` as it is given to `nh`; empty: nobody serves anything.
+    /// Uses the namespace `name` of `nh`; if it is empty, no services are offered.
     Namespace(const ros::NodeHandle& nh, const std::string& name, Domain& domain);
     ~Namespace();
 
-    /// Looks whose it is, and serves it if it may. To be called again and again once there is a simulator.
+    /// Checks for another server, and serves if there is none. Must be called repeatedly once there is a simulator.
     void look();
 
-    /// Whether it is served here.
+    /// Returns true if this node serves the namespace.
     bool is_ours() const { return is_ours_; }
 
 private:
@@ -34,8 +35,8 @@ private:
 
     const ros::NodeHandle nh_;
     const bool is_wanted_;
-    /// Where this process serves. Once roscpp shuts down, which another thread may have it do at any time, asking for it
-    /// aborts the process.
+    /// The service port of this process. It is stored because requesting it from roscpp after a shutdown, which another
+    /// thread may start at any time, aborts the process.
     const std::uint32_t port_;
     Domain& domain_;
     std::unique_ptr<Services> services_;

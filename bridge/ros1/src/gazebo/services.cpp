@@ -32,13 +32,14 @@ void set_twist(bv_simulation_command& command, const geometry_msgs::Twist& twist
     std::copy(std::begin(angular), std::end(angular), command.angular);
 }
 
-/// A description as XML has it: Gazebo lets a script's text begin with an empty line, even before its declaration.
+/// Removes whitespace before an XML declaration, which XML does not allow. Gazebo accepts texts of scripts that begin
+/// with an empty line.
 std::string to_xml(const std::string& text) {
     const std::size_t begin = text.find_first_not_of(" \t\r\n");
     return begin != std::string::npos && text.compare(begin, 5, "<?xml") == 0 ? text.substr(begin) : text;
 }
 
-/// A few of the names that there are, for who has given another.
+/// Returns some existing names, for the error about an unknown one.
 std::string some_of(const States& states) {
     constexpr std::size_t kSome = 12;
     std::string text;
@@ -76,7 +77,7 @@ bool Services::are_ours(std::uint32_t own_port) const {
     if (!servers_.front()) return false;  // another nodelet of this process was the first
     std::string host;
     std::uint32_t port = 0;
-    // A master that does not answer has given it to nobody else.
+    // A master that does not answer has not given it to another node.
     return !ros::ServiceManager::instance()->lookupService(servers_.front().getService(), host, port) ||
            (host == ros::network::getHost() && port == own_port);
 }

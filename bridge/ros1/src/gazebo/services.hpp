@@ -21,20 +21,21 @@
 
 namespace belvedere_ros::gazebo {
 
-/// Named and answered as those of gazebo_ros, in a thread of their own: a simulator that is slow to answer keeps nothing
-/// else waiting. What cannot be done is answered with success false and the reason.
+/// Services with the names and answers of gazebo_ros, in their own thread, so that a slow simulator delays nothing
+/// else. A failed request is answered with success false and the reason.
 class Services {
 public:
-    /// Serves the first of them, by which nodes know whose they are. `nh` is that of Gazebo's namespace.
+    /// Serves the first service, by which nodes detect the owner. `nh` is the handle of Gazebo's namespace.
     Services(const ros::NodeHandle& nh, Domain& domain);
 
-    /// Serves the others too. To be called once.
+    /// Serves the other services. Must be called once.
     void serve_all();
 
-    /// Whether the master has the first of them here, at this process's port: false when another node has registered it since.
+    /// Returns true if the master has the first service at this process's port; false if another node has registered it
+    /// since.
     bool are_ours(std::uint32_t own_port) const;
 
-    /// Whether some node serves them there already.
+    /// Returns true if a node serves them already.
     static bool are_at(const ros::NodeHandle& nh);
 
 private:
@@ -61,7 +62,7 @@ private:
     std::vector<ros::ServiceServer> servers_;
     ros::Subscriber states_;
     ros::WallTimer rest_;
-    // The last that begins, the first that ends.
+    // Declared last so that it starts last and ends first.
     ros::AsyncSpinner spinner_;
 };
 

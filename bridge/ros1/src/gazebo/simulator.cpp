@@ -11,14 +11,15 @@ namespace {
 
 using std::chrono::milliseconds;
 
-// How long an answer is waited for: a frame may have to be rendered before it, or a model's meshes read.
+// Timeouts of an answer: the simulator may have to render a frame first, or to read a model's meshes.
 constexpr milliseconds kPatience{5'000};
 constexpr milliseconds kPatienceWithText{20'000};
-// How long it takes to notice that the simulator has gone.
+// The interval of checks that the simulator still exists.
 constexpr milliseconds kLook{100};
-// What was sent so long ago is not now: states come 50 times in a simulated second, and ten times a second in a pause.
+// The age at which states are outdated: they are sent 50 times per simulated second, and ten times a second while
+// paused.
 constexpr std::uint64_t kNow_ns = 250'000'000;
-// How long the streams are kept after their last use.
+// The time for which the streams are kept after their last use.
 constexpr std::chrono::seconds kKeep{5};
 
 std::string seconds_of(milliseconds patience) {
@@ -87,7 +88,7 @@ Simulator::Both Simulator::models_and_links() {
     const States &models = models_.newest, &links = links_.newest;
     follow(models_, sent_after_ns, deadline);
     follow(links_, sent_after_ns, deadline);
-    // Those of one moment are sent one directly after the other.
+    // States with the same stamp are sent directly one after the other.
     while (models.stamp_ns != links.stamp_ns) {
         Stream& older = models.sent_ns < links.sent_ns ? models_ : links_;
         follow(older, older.newest.sent_ns, deadline);

@@ -1,4 +1,4 @@
-// The simulator as services see it: it does what it is told, and says where everything is.
+// The simulator as seen by the services: it executes commands and reports states.
 #pragma once
 
 #include <belvedere.hpp>
@@ -13,38 +13,38 @@
 
 namespace belvedere_ros::gazebo {
 
-/// What could not be done, and why, in words for who asked.
+/// The error of a request, with a reason for the caller.
 class Refused : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// Commands, and the states of models and links. Everything throws Refused: also when there is no simulator, which is
-/// said at once, and when it does not answer in time. One thread may use it.
+/// Commands, and the states of models and links. Everything throws Refused: immediately if there is no simulator, and
+/// on a timeout. Only one thread may use it.
 class Simulator {
 public:
     explicit Simulator(Domain& domain) : domain_(domain) {}
 
-    /// Has it do something.
+    /// Sends a command and waits for its success.
     void command(const bv_simulation_command& command, const std::string& text = {});
 
-    /// Where all models are, now and after all commands before.
+    /// Returns the states of all models, now and after all previous commands.
     const States& models();
 
     struct Both {
         const States& models;
         const States& links;
     };
-    /// Models and links at one and the same moment.
+    /// Returns models and links with the same stamp.
     Both models_and_links();
 
-    /// Lets go of the streams if they have not been used for a while: what is followed is made.
+    /// Unsubscribes if the streams have not been used for a while, since streams without subscribers are not computed.
     void rest();
 
 private:
     using Clock = std::chrono::steady_clock;
 
-    // A stream of states, followed from its first use on.
+    // A stream of states, subscribed from its first use on.
     struct Stream {
         const char* topic;
         std::optional<belvedere::Subscriber> subscriber = std::nullopt;
@@ -59,15 +59,15 @@ private:
     Domain& domain_;
     std::optional<belvedere::Control> control_;
     Stream models_{"simulation/model_states"}, links_{"simulation/link_states"};
-    // When the last command was answered; in the past of all that is sent later.
+    // Time of the last command's answer; everything sent later includes its effect.
     std::uint64_t answered_ns_ = 0;
     Clock::time_point used_{};
 };
 
-/// A command, its fields zero.
+/// Returns a command with zero fields.
 bv_simulation_command command_of(bv_operation operation);
 
-/// Fills in a name; Refused when it is too long.
+/// Writes a name; throws Refused if it is too long.
 void set_name(char (&field)[64], const std::string& name);
 
 }  // namespace belvedere_ros::gazebo

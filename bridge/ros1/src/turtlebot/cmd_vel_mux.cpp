@@ -1,5 +1,6 @@
-// The TurtleBot's multiplexer of velocity commands, with the topics and parameters of yocs_cmd_vel_mux: ~subscribers, a list of
-// name, topic, timeout and priority, and ~publisher. Their topics are in the nodelet's private namespace, beside ~active.
+// The TurtleBot's multiplexer of velocity commands, with the topics and parameters of yocs_cmd_vel_mux: ~subscribers, a
+// list of name, topic, timeout and priority, and ~publisher. Topics are in the nodelet's private namespace, next to
+// ~active.
 
 #include <geometry_msgs/Twist.h>
 #include <nodelet/nodelet.h>
@@ -77,7 +78,7 @@ class CmdVelMux : public nodelet::Nodelet {
         if (!mux_->active(ros::Time::now().toSec())) tell("idle");
     }
 
-    /// Who is heard, when that changes.
+    /// Publishes the active source when it changes.
     void tell(const std::string& name) {
         if (name == told_) return;
         told_ = name;
@@ -90,7 +91,7 @@ class CmdVelMux : public nodelet::Nodelet {
     std::unique_ptr<Mux> mux_;
     std::string told_;
     ros::Publisher output_, active_;
-    // The first that end: they use what is above.
+    // Declared last so that they end first: they use the members above.
     std::vector<ros::Subscriber> inputs_;
     ros::Timer timer_;
 };

@@ -58,7 +58,7 @@ sensor_msgs::LaserScanPtr DepthScan::scan(const sensor_msgs::Image& depth, const
     for (std::size_t ray = 0; ray < depth.width; ++ray) {
         const double angle = -right + static_cast<double>(ray) * (left + right) / (depth.width - 1);
         const double column = std::clamp(std::round(centre - focal * std::tan(angle)), 0.0, depth.width - 1.0);
-        // The picture's plane is upright: only the column tells how much longer the way is than the depth.
+        // The image plane is upright: only the column determines the ratio of range to depth.
         const auto slant = static_cast<float>(std::hypot(1.0, (column - centre) / focal));
         float nearest = kNone;
         for (long row = first; row < first + scan_height; ++row) {

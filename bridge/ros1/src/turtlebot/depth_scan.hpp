@@ -1,4 +1,4 @@
-// What a lidar would see of a depth picture.
+// A laser scan from a depth image.
 #pragma once
 
 #include <sensor_msgs/CameraInfo.h>
@@ -10,25 +10,25 @@
 
 namespace belvedere_ros::turtlebot {
 
-/// A picture that is none of depths, or has fewer rows than asked for.
+/// The error for an image that has no depths, or has fewer rows than requested.
 class BadDepth : public std::runtime_error {
 public:
     using std::runtime_error::runtime_error;
 };
 
-/// With the defaults of depthimage_to_laserscan.
+/// The conversion and its parameters, with the defaults of depthimage_to_laserscan.
 struct DepthScan {
-    /// Rows around the principal point, of which the nearest depth counts.
+    /// Number of rows around the principal point; the nearest of their depths is used.
     int scan_height = 1;
     float scan_time = 1.0f / 30.0f;
     float range_min = 0.45f;
     float range_max = 10.0f;
-    /// x forward, z up: not the optical frame.
+    /// A frame with x forward and z up: not the optical frame.
     std::string output_frame_id = "camera_depth_frame";
 
-    /// A ray for each column, in equal angles counter-clockwise; of each the column that it lies in. A range outside the
-    /// limits does not count; where none does it is ±infinity, as the depths are, or NaN. Depths are 32FC1 in metres or
-    /// 16UC1 in millimetres, 0 for none. Throws BadDepth.
+    /// Converts a depth image to a scan with one ray per column, in equal angles counter-clockwise. Each ray uses the
+    /// column that it falls into. Ranges beyond the limits are ignored; if none remains, the ray is ±infinity, like the
+    /// depths, or NaN. Depths are 32FC1 in metres or 16UC1 in millimetres, 0 for none. Throws BadDepth.
     sensor_msgs::LaserScanPtr scan(const sensor_msgs::Image& depth, const sensor_msgs::CameraInfo& info) const;
 };
 

@@ -1,5 +1,6 @@
-// A scan out of a depth camera, with the topics and parameters of depthimage_to_laserscan: image and its camera_info, scan;
-// ~scan_height, ~scan_time, ~range_min, ~range_max, ~output_frame_id. Pictures are taken while the scan has subscribers.
+// A scan from a depth camera, with the topics and parameters of depthimage_to_laserscan: image and its camera_info,
+// scan; ~scan_height, ~scan_time, ~range_min, ~range_max, ~output_frame_id. It subscribes to images while the scan has
+// subscribers.
 
 #include <image_transport/image_transport.h>
 #include <nodelet/nodelet.h>
@@ -40,7 +41,7 @@ class DepthToScan : public nodelet::Nodelet {
         scans_ = nh.advertise<sensor_msgs::LaserScan>("scan", 10, heard, heard);
     }
 
-    /// Follows the camera, or no more.
+    /// Subscribes to the camera if the scan has subscribers, else unsubscribes.
     void follow() {
         const std::lock_guard<std::mutex> lock(mutex_);
         if (scans_.getNumSubscribers() == 0) {

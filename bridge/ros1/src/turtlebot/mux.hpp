@@ -1,4 +1,4 @@
-// Which of several sources of commands is heard.
+// Selects which of several sources of commands is active.
 #pragma once
 
 #include <cstddef>
@@ -8,24 +8,26 @@
 
 namespace belvedere_ros::turtlebot {
 
-/// One that sends commands.
+/// A source of commands.
 struct Source {
     std::string name;
     std::string topic;
-    /// How long it is heard after each command, in seconds.
+    /// How long it stays active after each command, in seconds.
     double timeout_s = 0;
-    /// The higher ones are heard before the lower ones.
+    /// Sources of higher priority replace those of lower priority.
     int priority = 0;
 };
 
-/// Hears one source at a time: until it has been silent for its timeout, or one of higher priority speaks.
+/// A multiplexer with one active source at a time: until it has been silent for its timeout, or a source of higher
+/// priority sends.
 class Mux {
 public:
     explicit Mux(std::vector<Source> sources) : sources_(std::move(sources)) {}
 
     const std::vector<Source>& sources() const { return sources_; }
 
-    /// Whether a command goes on which a source sends now, in seconds of any clock. One that runs backwards begins anew.
+    /// Returns true if a command that a source sends now is forwarded. The time is in seconds of any clock; if it runs
+    /// backwards, the multiplexer starts anew.
     bool hears(std::size_t source, double now_s) {
         const std::optional<std::size_t> active = this->active(now_s);
         if (active && *active != source && sources_[source].priority <= sources_[*active].priority) return false;
@@ -34,7 +36,7 @@ public:
         return true;
     }
 
-    /// The one that is heard; none when all are silent.
+    /// Returns the active source; none if all are silent.
     std::optional<std::size_t> active(double now_s) {
         if (active_ && (now_s < last_s_ || now_s - last_s_ > sources_[*active_].timeout_s)) active_.reset();
         return active_;

@@ -1,4 +1,4 @@
-// Says the sum of a message and of a service; it is the compiler that has to find them.
+// Prints the MD5 sums of a message and of a service; the test is that the compiler finds them.
 #include <gazebo_msgs/SpawnModel.h>
 #include <kobuki_msgs/AutoDockingAction.h>
 #include <kobuki_msgs/SensorState.h>

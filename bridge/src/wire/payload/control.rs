@@ -1,4 +1,4 @@
-//! Commands to a running simulation, their results, and what stands where in it.
+//! Commands to a running simulation, their results, and the states of its models.
 
 use bytemuck::Zeroable as _;
 
@@ -9,68 +9,68 @@ use crate::{
 };
 
 wire_structs! {
-    /// What a simulator is to do. A text of `text_len` bytes follows it in the payload.
+    /// A command to a simulator. A text of `text_len` bytes follows it in the payload.
     pub struct SimulationCommand, 320 bytes, of [Kind::SimulationCommand] {
-        /// Chosen at random by the sender; the result names it.
+        /// A random number chosen by the sender; the result repeats it.
         pub id: u64 = 0,
-        /// An [`Operation`]'s number.
+        /// The number of an [`Operation`].
         pub operation: u16 = 8,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: u16 = 10,
-        /// Bytes of UTF-8 that follow this struct, without a NUL: the model to be spawned, the settings to
-        /// be changed. 0 for other operations.
+        /// Length of the UTF-8 text that follows this struct, without a NUL: the model to be spawned, or the settings
+        /// to be changed. 0 for other operations.
         pub text_len: u32 = 12,
-        /// Steps of physics to run.
+        /// Number of physics steps to run.
         pub steps: u64 = 16,
-        /// The model that is meant; of a sensor's settings, the sensor, or a topic that it sends.
+        /// Name of the model; for settings, name of the sensor or of a topic that it publishes.
         pub name: Text<64> = 24,
-        /// The frame that pose and velocity are given in: a model, `model::link`, or nothing for the world.
+        /// The reference frame of pose and velocity: a model, `model::link`, or empty for the world.
         pub reference: Text<64> = 88,
-        /// Of the model's frame, metres.
+        /// Position of the model's frame, metres.
         pub position: [f64; 3] = 152,
-        /// Of the model's frame, x y z w; four zeros are no rotation.
+        /// Orientation of the model's frame, x y z w; four zeros mean no rotation.
         pub orientation: [f64; 4] = 176,
-        /// Of the model's origin, along the axes of the reference, metres per second.
+        /// Velocity of the model's origin along the axes of the reference, metres per second.
         pub linear: [f64; 3] = 208,
-        /// About the axes of the reference, radians per second.
+        /// Angular velocity about the axes of the reference, radians per second.
         pub angular: [f64; 3] = 232,
-        /// Of what is spawned: it stands before its topics and frames; nothing for none.
+        /// Prefix of the topics and frames of a spawned robot; empty for none.
         pub robot_namespace: Text<64> = 256,
     }
 
-    /// What became of a [`SimulationCommand`].
+    /// The result of a [`SimulationCommand`].
     pub struct SimulationResult, 512 bytes, of [Kind::SimulationResult] {
-        /// The command's.
+        /// The id of the command.
         pub id: u64 = 0,
-        /// Simulated time after it.
+        /// Simulated time after the command.
         pub time_ns: u64 = 8,
-        /// 1 when it was done, 0 when it was refused.
+        /// 1 if the command was executed, 0 if it was refused.
         pub done: u16 = 16,
-        /// The command's.
+        /// The operation of the command.
         pub operation: u16 = 18,
-        /// 0.
+        /// Reserved; 0.
         pub reserved: u32 = 20,
-        /// Why it was refused; nothing when it was done.
+        /// The reason for a refusal; empty otherwise.
         pub reason: Text<488> = 24,
     }
 
-    /// Where a model or a link is, and how it moves.
+    /// The pose and velocity of a model or a link.
     pub struct ModelState, 232 bytes, of [Kind::ModelStates] {
-        /// The model's name; `model::link` for a link. Twice as long as other names since it is made of two.
+        /// The model's name, or `model::link` for a link. It is twice as long as other names, since it is made of two.
         pub name: Text<128> = 0,
-        /// In the world, metres.
+        /// Position in the world, metres.
         pub position: [f64; 3] = 128,
-        /// In the world, x y z w.
+        /// Orientation in the world, x y z w.
         pub orientation: [f64; 4] = 152,
-        /// Of its origin, along the world's axes, metres per second.
+        /// Velocity of its origin along the world's axes, metres per second.
         pub linear: [f64; 3] = 184,
-        /// About the world's axes, radians per second.
+        /// Angular velocity about the world's axes, radians per second.
         pub angular: [f64; 3] = 208,
     }
 }
 
 impl SimulationCommand {
-    /// A command with an id that no other has, all else 0.
+    /// Creates a command with a unique id, an identity orientation, and zeros otherwise.
     #[must_use]
     pub fn new(operation: Operation) -> Self {
         Self {

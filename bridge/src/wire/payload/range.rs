@@ -1,21 +1,22 @@
-//! What a rangefinder measures.
+//! The measurement of a rangefinder.
 
 use super::Message;
 use crate::wire::{Kind, layout::wire_structs};
 
 wire_structs! {
-    /// One distance, as `sensor_msgs/Range` has it: to the nearest thing within the field of view.
+    /// A distance to the nearest surface within the field of view, as in `sensor_msgs/Range`.
     with #[derive(PartialEq)]
     pub struct Range, 20 bytes, of [Kind::Range] {
         /// 0 ultrasound, 1 infrared.
         pub radiation_type: u32 = 0,
-        /// Full angle of the cone that is measured in, radians.
+        /// Full angle of the measured cone, radians.
         pub field_of_view: f32 = 4,
-        /// Metres: nothing nearer is measured.
+        /// Smallest measured distance, metres.
         pub min_range: f32 = 8,
-        /// Metres: nothing farther is measured.
+        /// Largest measured distance, metres.
         pub max_range: f32 = 12,
-        /// Metres; −inf too near, +inf nothing in range (REP-117), or as the simulator's description of it says.
+        /// The distance, metres. Out of range: −inf too near, +inf nothing in range (REP-117), unless the sensor's
+        /// description specifies other values.
         pub range: f32 = 16,
     }
 }

@@ -1,17 +1,17 @@
-//! What of a sensor can be changed while it runs.
+//! The settings of sensors that can be changed while the simulation runs.
 
 use super::Message;
 use crate::wire::{Kind, Text, layout::wire_structs};
 
 wire_structs! {
-    /// A number that can be set; all three are NaN where a sensor has no such setting.
+    /// The value and limits of a setting; all three are NaN if the sensor does not have the setting.
     with #[derive(PartialEq)]
     pub struct Setting, 24 bytes {
-        /// What it is.
+        /// The current value.
         pub value: f64 = 0,
-        /// The least that it may be.
+        /// The smallest allowed value.
         pub min: f64 = 8,
-        /// The most that it may be.
+        /// The largest allowed value.
         pub max: f64 = 16,
     }
 
@@ -21,26 +21,26 @@ wire_structs! {
     pub struct SensorSettings, 1696 bytes, of [Kind::SensorSettings] {
         /// The sensor's name in the robot's description.
         pub name: Text<64> = 0,
-        /// The streams that it sends, without leading slashes; the rest is empty.
+        /// The topics that it publishes, without leading slashes; unused entries are empty.
         pub topics: [Text<256>; 6] = 64,
         /// Frames per second.
         pub update_rate: Setting = 1600,
         /// Mean of the noise: of colours in [0, 1] for a camera, of ranges in metres for a lidar.
         pub noise_mean: Setting = 1624,
-        /// Its standard deviation, in the same unit.
+        /// Standard deviation of the noise, in the same unit.
         pub noise_stddev: Setting = 1648,
-        /// Exposure of a camera: the share of the light that its description gives it, 1 as described.
+        /// Exposure of a camera, relative to its description: 1 is as described.
         pub exposure: Setting = 1672,
     }
 }
 
 impl Setting {
-    /// What a sensor has not.
+    /// The value of a setting that a sensor does not have.
     pub const NONE: Self = Self { value: f64::NAN, min: f64::NAN, max: f64::NAN };
 }
 
 impl SensorSettings {
-    /// The settings with their names.
+    /// Returns the settings with their names.
     #[must_use]
     pub fn by_name(&self) -> [(&'static str, Setting); 4] {
         [
@@ -51,7 +51,7 @@ impl SensorSettings {
         ]
     }
 
-    /// The streams that it sends.
+    /// Returns the topics that the sensor publishes.
     pub fn topics(&self) -> impl Iterator<Item = &str> {
         self.topics.iter().map(Text::as_str).filter(|topic| !topic.is_empty())
     }

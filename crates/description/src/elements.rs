@@ -115,19 +115,12 @@ impl Report {
             if name.contains(':') || name == "xmlns" || name == "value" {
                 continue;
             }
-            match rows.iter().find(|row| row.name.strip_prefix('.') == Some(name)) {
-                Some(row) => {
-                    self.not_simulated(row, element, &format!("attribute '{name}'"), value, &element.source)
-                }
-                None => {
-                    let known = rows.iter().filter_map(|row| row.name.strip_prefix('.'));
-                    self.unknown(
-                        element,
-                        &format!("attribute '{name}'"),
-                        did_you_mean(name, known),
-                        &element.source,
-                    );
-                }
+            let what = format!("attribute '{name}'");
+            if let Some(row) = rows.iter().find(|row| row.name.strip_prefix('.') == Some(name)) {
+                self.not_simulated(row, element, &what, value, &element.source);
+            } else {
+                let known = rows.iter().filter_map(|row| row.name.strip_prefix('.'));
+                self.unknown(element, &what, did_you_mean(name, known), &element.source);
             }
         }
         for child in element.elements() {
@@ -268,7 +261,9 @@ mod tests {
         }
         assert!(CONTEXTS.len() > 40);
         for (context, rows) in CONTEXTS.iter() {
-            rows.iter().for_each(|row| check(row, context));
+            for row in rows {
+                check(row, context);
+            }
         }
     }
 
@@ -294,12 +289,16 @@ mod tests {
             if is_asked && !sources.contains(&format!("\"{name}\"")) {
                 missing.push(name.to_owned());
             }
-            row.inside.iter().for_each(|row| check(row, sources, missing));
+            for inside in &row.inside {
+                check(inside, sources, missing);
+            }
         }
         let mut text = String::new();
         sources(&Path::new(env!("CARGO_MANIFEST_DIR")).join("src"), &mut text);
         let mut missing = Vec::new();
-        CONTEXTS.values().flatten().for_each(|row| check(row, &text, &mut missing));
+        for row in CONTEXTS.values().flatten() {
+            check(row, &text, &mut missing);
+        }
         assert_eq!(missing, [""; 0]);
     }
 }

@@ -83,7 +83,7 @@ fn joint_key(name: &str) -> String {
 /// The frames of one model or world.
 pub(super) struct Frames {
     root: &'static str,
-    frames: HashMap<String, Frame>,
+    own: HashMap<String, Frame>,
     /// Those of nested models, by the models' names.
     nested: HashMap<String, Frames>,
 }
@@ -91,7 +91,7 @@ pub(super) struct Frames {
 impl Frames {
     /// `root` is the name of the frame that everything hangs on: `__model__` or `world`.
     pub(super) fn new(root: &'static str) -> Self {
-        Self { root, frames: HashMap::new(), nested: HashMap::new() }
+        Self { root, own: HashMap::new(), nested: HashMap::new() }
     }
 
     /// Adds a frame whose pose was written in `written`, relative to `default_parent` if it does not say.
@@ -99,7 +99,7 @@ impl Frames {
         let attached_to = default_parent.unwrap_or(self.root).to_owned();
         let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
         let frame = Frame { parent, attached_to, pose: written.pose, source: written.source.clone() };
-        self.frames.insert(name.to_owned(), frame);
+        self.own.insert(name.to_owned(), frame);
     }
 
     /// Adds the frames of a nested model, which `model::frame` names.
@@ -116,7 +116,7 @@ impl Frames {
     /// Adds a joint's frame. A name that a link or frame has already means that one, as in libsdformat; the joint's own
     /// place is still found by [`Frames::resolve_joint`].
     pub(super) fn add_joint(&mut self, name: &str, written: &WrittenPose, child: Option<&str>) {
-        if !self.frames.contains_key(name) {
+        if !self.own.contains_key(name) {
             self.add_known(name.to_owned(), &joint_key(name), Pose::IDENTITY, &written.source);
         }
         self.add(&joint_key(name), written, child);
@@ -143,18 +143,18 @@ impl Frames {
 
     /// Whether there is a frame of that name already.
     pub(super) fn has(&self, name: &str) -> bool {
-        self.frames.contains_key(name)
+        self.own.contains_key(name)
     }
 
     /// The link that a frame moves with: the first of what it is attached to that `link` knows as one.
     pub(super) fn link_of<T>(&self, name: &str, link: &dyn Fn(&str) -> Option<T>) -> Option<T> {
         let mut name = name;
         // A chain longer than there are frames goes in a circle.
-        for _ in 0..=self.frames.len() {
+        for _ in 0..=self.own.len() {
             if let Some(found) = link(name) {
                 return Some(found);
             }
-            if let Some(frame) = self.frames.get(name) {
+            if let Some(frame) = self.own.get(name) {
                 name = &frame.attached_to;
                 continue;
             }
@@ -167,7 +167,7 @@ impl Frames {
     /// Adds a frame of known pose in another.
     pub(super) fn add_known(&mut self, name: String, parent: &str, pose: Pose, source: &Source) {
         let frame = Frame { parent: parent.into(), attached_to: parent.into(), pose, source: source.clone() };
-        self.frames.insert(name, frame);
+        self.own.insert(name, frame);
     }
 
     /// The pose of a frame in the root. `source` is where it is asked for.
@@ -175,19 +175,19 @@ impl Frames {
         let mut root_from_frame = Pose::IDENTITY;
         let (mut name, mut source) = (name, source);
         // A chain longer than there are frames goes in a circle.
-        for _ in 0..=self.frames.len() {
+        for _ in 0..=self.own.len() {
             if name == self.root {
                 return Some(root_from_frame);
             }
-            if !self.frames.contains_key(name)
+            if !self.own.contains_key(name)
                 && let Some((inner, model, rest)) = self.nested(name)
             {
                 root_from_frame = inner.resolve(rest, source, diagnostics)? * root_from_frame;
                 name = model;
                 continue;
             }
-            let Some(frame) = self.frames.get(name) else {
-                let known = self.frames.keys().map(String::as_str).filter(|key| !key.starts_with(JOINT));
+            let Some(frame) = self.own.get(name) else {
+                let known = self.own.keys().map(String::as_str).filter(|key| !key.starts_with(JOINT));
                 let meant = did_you_mean(name, known.chain([self.root]));
                 diagnostics.error(
                     source,

@@ -45,14 +45,11 @@ pub(super) fn frame_name(sensor: &Element) -> String {
 /// name of its link, `inner::link` for one of a nested model.
 pub(crate) fn name_topics(sensor: &mut Sensor, world: &str, model: &str, link: &str) {
     let (inner, link) = link.rsplit_once("::").unwrap_or(("", link));
-    let models: String = std::iter::once(model)
-        .chain(inner.split("::"))
-        .filter(|name| !name.is_empty())
-        .map(|name| format!("/model/{name}"))
-        .collect();
+    let models = std::iter::once(model).chain(inner.split("::")).filter(|name| !name.is_empty());
+    let models = models.collect::<Vec<_>>().join("/model/");
     // What cannot be in a topic of ROS becomes an underscore.
     let scope: String =
-        format!("/world/{world}{models}/link/{link}/sensor/{}", sensor.name)
+        format!("/world/{world}/model/{models}/link/{link}/sensor/{}", sensor.name)
             .chars()
             .map(|character| {
                 if character.is_ascii_alphanumeric() || "_/-.~".contains(character) { character } else { '_' }

@@ -54,6 +54,7 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     for line in report.into_iter().flatten() {
         print_line(&line)?;
     }
+    args.simulated.judge(&mut diagnostics);
     // Errors are printed by main(), as the command fails with them.
     for problem in diagnostics.problems().iter().filter(|problem| problem.severity != Severity::Error) {
         print_line(&problem.to_string())?;
@@ -61,12 +62,19 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     if diagnostics.has_errors() {
         return Err(CliError::Description(diagnostics.errors().cloned().collect()));
     }
-    let count = diagnostics.problems().len();
-    print_line(&match count {
-        0 => "no problems".to_owned(),
-        1 => "no errors, 1 remark".to_owned(),
-        _ => format!("no errors, {count} remarks"),
-    })
+    print_line(&counts(&diagnostics))
+}
+
+/// How many warnings and notes there are, in words.
+fn counts(diagnostics: &Diagnostics) -> String {
+    let count = |severity, word: &str| {
+        let count = diagnostics.problems().iter().filter(|problem| problem.severity == severity).count();
+        let plural = if count == 1 { "" } else { "s" };
+        (count > 0).then(|| format!("{count} {word}{plural}"))
+    };
+    let counts = [count(Severity::Warning, "warning"), count(Severity::Note, "note")];
+    let counts: Vec<String> = counts.into_iter().flatten().collect();
+    if counts.is_empty() { "no problems".into() } else { format!("no errors, {}", counts.join(" and ")) }
 }
 
 impl CheckArgs {

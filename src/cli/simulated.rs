@@ -47,6 +47,9 @@ pub(super) struct SimulatedArgs {
     /// incidence, flow_back, flow_forward
     #[arg(long)]
     pub(super) truth: bool,
+    /// Treat warnings as errors, so that nothing runs that would differ from what its files say
+    #[arg(long)]
+    strict: bool,
     /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
@@ -82,7 +85,15 @@ impl SimulatedArgs {
         let world = load_world(self.world(), packages, rules, diagnostics);
         let taken = world.iter().flat_map(|world| &world.models).map(|model| model.name.as_str());
         let robots = self.robots.load(packages, self.rules(), &taken.collect(), diagnostics);
+        self.judge(diagnostics);
         (world, robots)
+    }
+
+    /// Makes warnings errors, if that was asked for.
+    pub(super) fn judge(&self, diagnostics: &mut Diagnostics) {
+        if self.strict {
+            diagnostics.warnings_are_errors();
+        }
     }
 
     /// Puts the robots into a simulation of their world, each with its autopilot, and returns their identities.

@@ -5,7 +5,7 @@ use crate::sdf;
 use crate::sdf::*;
 use belvedere::description::Severity;
 use belvedere::description::load::{load_world, world_names};
-use belvedere::description::model::{Geometry, JointKind, LightKind, SensorKind};
+use belvedere::description::model::{Geometry, JointKind, LightKind, ModelPlugin, SensorKind};
 use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
@@ -512,5 +512,24 @@ fn sensors_without_a_topic_publish_under_gz_sims_names() {
             "/world/w/model/m_m/model/inner/link/k/sensor/s/imu",
             "/p",
         ]
+    );
+}
+
+#[test]
+fn plugins_of_nested_models_name_the_joints_as_the_outer_model_does() {
+    let joint = "<joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz></axis></joint>";
+    let plugin = "<plugin filename='gz-sim8-joint-state-publisher-system' name='gz::sim::systems::JointStatePublisher'>\
+                  <joint_name>j</joint_name></plugin>";
+    let world = good(
+        "1.9",
+        &format!(
+            "<model name='m'><model name='inner'><link name='a'/><link name='b'/>{joint}{plugin}</model></model>"
+        ),
+    );
+    let model = &world.models[0];
+    let [ModelPlugin::JointStates(states)] = &model.plugins[..] else { panic!("{:?}", model.plugins) };
+    assert_eq!(
+        (states.joints.as_slice(), model.joints[0].name.as_str()),
+        (&["inner::j".to_owned()][..], "inner::j")
     );
 }

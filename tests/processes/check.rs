@@ -353,15 +353,12 @@ fn check_tells_what_a_sensor_will_do() {
     // A device has noise of its own.
     let said = of("camera", &own("<preset>webcam</preset>"));
     assert!(line(&said, "device ").contains("read noise") && !said.contains("noise        none"), "{said}");
-    // What is missing is a topic.
+    // Without a topic it has gz-sim's.
     sensor(&folder, "camera", "");
     let path = folder.path().join("s.sdf");
     std::fs::write(&path, std::fs::read_to_string(&path).unwrap().replace("<topic>t</topic>", "")).unwrap();
     let (said, _) = checked(path.to_str().unwrap(), &NO_WORLD);
-    assert!(
-        said.contains("sensor 's' publishes nothing") && said.contains("a <topic> as in gz-sim"),
-        "{said}"
-    );
+    assert!(said.contains("publishes    /world/empty/model/m/link/link/sensor/s/image: "), "{said}");
 }
 
 #[test]
@@ -396,4 +393,31 @@ fn check_counts_tags_and_tells_of_lights_and_numbers_that_are_left_out() {
     };
     assert!(model("1 2 3 4 5").contains("which has 5 numbers: those that are missing are taken as 0"));
     assert!(model("1 2 3 4 5 6 7").contains("which has 7 numbers: only the first 6 are read"));
+}
+
+#[test]
+fn what_is_not_simulated_is_counted_and_is_an_error_when_strict() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("door.world");
+    let world = "<sdf version='1.8'><world name='w'><model name='m'><link name='a'/><link name='b'/>\n\
+                 <joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz>\
+                 <dynamics><damping>2</damping></dynamics><limit><effort>5</effort></limit></axis></joint></model></world></sdf>";
+    std::fs::write(&file, world).unwrap();
+    let file = file.to_str().unwrap();
+    let told = format!(
+        "{file}:2: warning: <damping> of <dynamics> is '2' and is not simulated: the joint moves without damping"
+    );
+    let checked = output(&["check", file, "--robot", "none"]);
+    let text = String::from_utf8_lossy(&checked.stdout);
+    assert!(checked.status.success() && text.contains(&told), "{text}");
+    assert!(text.ends_with("no errors, 1 warning and 1 note\n"), "{text}");
+    for command in [
+        &["check", file, "--robot", "none", "--strict"][..],
+        &["run", "--world", file, "--robot", "none", "--strict"],
+    ] {
+        let checked = output(command);
+        let text = String::from_utf8_lossy(&checked.stderr);
+        assert_eq!(checked.status.code(), Some(1), "{command:?}: {text}");
+        assert!(text.contains(&told.replace("warning", "error")), "{command:?}: {text}");
+    }
 }

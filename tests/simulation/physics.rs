@@ -241,3 +241,16 @@ fn a_wheel_of_triangles_has_their_radius() {
         assert!((found - f64::from(radius)).abs() < 1e-6, "{found}");
     }
 }
+
+#[test]
+fn a_model_stands_where_its_canonical_link_is() {
+    let links = "<link name='falls'/><link name='stays'><gravity>false</gravity></link>";
+    for (attribute, expected) in [("canonical_link='stays'", 5.0), ("", 5.0 - 0.5 * 9.8)] {
+        let world =
+            good("1.8", &format!("<model name='m' {attribute}><pose>0 0 5 0 0 0</pose>{links}</model>"));
+        let mut physics = Physics::new(&world).unwrap();
+        (0..1000).for_each(|_| physics.step());
+        let z = physics.world_from_model(0).translation().z;
+        assert!((z - expected).abs() < 0.01, "{attribute}: {z}");
+    }
+}

@@ -138,6 +138,15 @@ impl Diagnostics {
         self.problems.iter().filter(|problem| problem.severity == Severity::Error)
     }
 
+    /// Makes every warning an error.
+    pub fn warnings_are_errors(&mut self) {
+        for problem in &mut self.problems {
+            if problem.severity == Severity::Warning {
+                problem.severity = Severity::Error;
+            }
+        }
+    }
+
     /// True when the description cannot be used.
     pub fn has_errors(&self) -> bool {
         self.errors().next().is_some()

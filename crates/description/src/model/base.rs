@@ -16,9 +16,10 @@ pub enum ModelPlugin {
 }
 
 impl ModelPlugin {
-    /// The same in a model that has so many other links and joints before its own.
+    /// Returns the plugin as part of an outer model, which has `links` links and `joints` joints before its own, and
+    /// calls a joint by what `rename` makes of its name.
     #[must_use]
-    pub fn behind(self, links: usize, joints: usize) -> Self {
+    pub fn nested(self, links: usize, joints: usize, rename: impl Fn(&str) -> String) -> Self {
         match self {
             Self::Base(mut base) => {
                 for wheel in base.drive.joints_mut() {
@@ -28,7 +29,10 @@ impl ModelPlugin {
                 Self::Base(base)
             }
             Self::Pose(pose) => Self::Pose(PosePlugin { link: pose.link + links, ..pose }),
-            Self::JointStates(states) => Self::JointStates(states),
+            Self::JointStates(states) => {
+                let joints = states.joints.iter().map(|name| rename(name)).collect();
+                Self::JointStates(JointStatesPlugin { joints, ..states })
+            }
         }
     }
 }

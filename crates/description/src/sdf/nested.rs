@@ -4,7 +4,7 @@ use super::Loader;
 use super::frames::Frames;
 use super::model::{ParsedModel, Parts};
 use super::names::{Again, Names};
-use crate::model::Model;
+use crate::model::{Model, ModelPlugin};
 
 impl ParsedModel {
     /// What the outer model calls a link or joint of this one.
@@ -64,7 +64,8 @@ impl Loader<'_> {
             sensor.link += first;
             sensor
         }));
-        parts.plugins.extend(model.plugins.into_iter().map(|plugin| plugin.behind(first, first_joint)));
+        let renamed = |plugin: ModelPlugin| plugin.nested(first, first_joint, &outer_name);
+        parts.plugins.extend(model.plugins.into_iter().map(renamed));
         parts.lights.extend(lights.into_iter().map(|mut light| {
             light.world_from_light = outer_from_inner * light.world_from_light;
             light

@@ -16,8 +16,8 @@ use super::diagnostics::{Diagnostics, Source};
 use super::model::Mesh;
 use super::suggestion::did_you_mean;
 use glam::{DVec3, Vec3};
-pub use look::find_texture;
 use look::check_texture;
+pub use look::find_texture;
 use part::{Part, Unreadable, append, finish};
 use std::path::Path;
 use std::sync::Arc;
@@ -109,12 +109,7 @@ pub fn load_mesh_parts(
 }
 
 /// Reads a file by its format; none after an error.
-fn read(
-    path: &Path,
-    up_axis: UpAxis,
-    source: &Source,
-    diagnostics: &mut Diagnostics,
-) -> Option<Vec<Part>> {
+fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnostics) -> Option<Vec<Part>> {
     let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
     let parse = match extension.to_ascii_lowercase().as_str() {
         "dae" => return collada::load(path, up_axis, diagnostics),
@@ -196,3 +191,6 @@ pub fn merge_parts(parts: &[Arc<Mesh>]) -> Option<Arc<Mesh>> {
     }
     Some(Arc::new(merged))
 }
+
+#[cfg(test)]
+mod tests;

@@ -226,7 +226,9 @@ impl<'a> Document<'a> {
             let first = parts.len();
             match child.name.as_str() {
                 "node" => self.node(child, world_from_node, names, parts)?,
-                "instance_node" => self.node(self.referenced(child, "url")?, world_from_node, names, parts)?,
+                "instance_node" => {
+                    self.node(self.referenced(child, "url")?, world_from_node, names, parts)?
+                }
                 "instance_geometry" => {
                     let materials = self.bound_materials(child);
                     self.geometry(self.referenced(child, "url")?, world_from_node, &materials, parts)?;
@@ -290,7 +292,8 @@ impl<'a> Document<'a> {
     ) -> Outcome<()> {
         let shapes = match self.geometries.get(&std::ptr::from_ref(geometry)) {
             Some(known) => {
-                let bytes = known.iter().map(|shape| size_of_val(&shape.positions[..]) + size_of_val(&shape.uvs[..]));
+                let bytes =
+                    known.iter().map(|shape| size_of_val(&shape.positions[..]) + size_of_val(&shape.uvs[..]));
                 if let Err(spent) = self.budget.take(0, bytes.sum()) {
                     return wrong(geometry, spent.to_string());
                 }
@@ -308,7 +311,8 @@ impl<'a> Document<'a> {
                 let point = DVec3::from_array(position.map(f64::from));
                 world_from_geometry.transform_point3(point).as_vec3().to_array()
             };
-            let triangles = shape.triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+            let triangles =
+                shape.triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
             parts.push(Part {
                 name: geometry.attribute("id").unwrap_or_default().into(),
                 aliases: geometry.attribute("name").map(str::to_owned).into_iter().collect(),

@@ -99,12 +99,19 @@ impl<'a> Scene<'a> {
         let json = &self.container.json;
         let nodes = json["nodes"].as_array().map_or(0, Vec::len);
         self.scene_from_node = vec![scene_from_root; nodes];
-        let scene = if json["scene"].is_null() { &json["scenes"][0] } else { self.container.entry("scenes", &json["scene"])? };
+        let scene = if json["scene"].is_null() {
+            &json["scenes"][0]
+        } else {
+            self.container.entry("scenes", &json["scene"])?
+        };
         if scene.is_null() {
             // Without a scene, the nodes that are below no other.
             let lists = json["nodes"].as_array().into_iter().flatten();
-            let below: BTreeSet<u64> =
-                lists.flat_map(|node| node["children"].as_array()).flatten().filter_map(Value::as_u64).collect();
+            let below: BTreeSet<u64> = lists
+                .flat_map(|node| node["children"].as_array())
+                .flatten()
+                .filter_map(Value::as_u64)
+                .collect();
             for root in (0..nodes as u64).filter(|root| !below.contains(root)) {
                 self.node(&root.into(), scene_from_root, "")?;
             }
@@ -205,7 +212,8 @@ impl<'a> Scene<'a> {
             accessor => self.accessors.read(accessor)?.iter().map(|[index]| *index as u32).collect(),
         };
         let mirrored = skin.is_none() && scene_from_node.matrix3.determinant() < 0.0;
-        let triangles = triangles(mode, &indices).map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+        let triangles =
+            triangles(mode, &indices).map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
         Ok(Some(Part {
             triangles: triangles.collect(),
             positions: positions.iter().map(|point: &DVec3| point.as_vec3().to_array()).collect(),
@@ -240,7 +248,9 @@ fn triangles(mode: u64, indices: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + 
             let [a, b, c] = [corners[0], corners[1], corners[2]];
             if at % 2 == 0 { [a, b, c] } else { [b, a, c] }
         })),
-        FAN => Box::new(indices.iter().skip(1).zip(indices.iter().skip(2)).map(|(b, c)| [indices[0], *b, *c])),
+        FAN => {
+            Box::new(indices.iter().skip(1).zip(indices.iter().skip(2)).map(|(b, c)| [indices[0], *b, *c]))
+        }
         _ => Box::new(indices.as_chunks::<3>().0.iter().copied()),
     }
 }

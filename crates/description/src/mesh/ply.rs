@@ -19,7 +19,8 @@ pub(super) fn parse(bytes: &[u8], _: &Path, _: &mut Diagnostics) -> Result<Vec<P
     let mut numbers =
         Numbers { form: header.form, rest: &bytes[header.bytes..], line: header.lines, words: Vec::new() };
     let look = Look { texture: header.texture.map(Into::into), ..Look::default() };
-    let mut mesh = Reader { part: Part { material: look.material(), ..Part::default() }, ..Reader::default() };
+    let mut mesh =
+        Reader { part: Part { material: look.material(), ..Part::default() }, ..Reader::default() };
     for element in &header.elements {
         mesh.element(element, &mut numbers)?;
     }
@@ -99,7 +100,9 @@ impl Reader {
     fn face(&mut self, corners: &[f64]) -> Result<(), String> {
         let (indices, points) = points(corners, &self.part.positions)?;
         let cut = self.cutter.cut(&points, &[]);
-        self.part.triangles.extend(cut.iter().map(|triangle| triangle.map(|corner| indices[corner as usize])));
+        self.part
+            .triangles
+            .extend(cut.iter().map(|triangle| triangle.map(|corner| indices[corner as usize])));
         Ok(())
     }
 
@@ -108,7 +111,9 @@ impl Reader {
         let (indices, points) = points(corners, shared)?;
         let first = self.part.positions.len() as u32;
         self.part.positions.extend(indices.iter().map(|index| shared[*index as usize]));
-        let uv = |corner: usize| uvs.get(2 * corner..2 * corner + 2).map_or([0.0; 2], |uv| [uv[0] as f32, uv[1] as f32]);
+        let uv = |corner: usize| {
+            uvs.get(2 * corner..2 * corner + 2).map_or([0.0; 2], |uv| [uv[0] as f32, uv[1] as f32])
+        };
         self.corner_uvs.extend((0..corners.len()).map(uv));
         let cut = self.cutter.cut(&points, &[]);
         self.part.triangles.extend(cut.iter().map(|triangle| triangle.map(|corner| first + corner)));

@@ -25,7 +25,8 @@ pub(super) fn parse(
         return solids(&text(bytes), path, diagnostics);
     }
     let Some(count) = count else {
-        let form = format!("text that begins with 'solid', or {HEADER} bytes and the number of its triangles");
+        let form =
+            format!("text that begins with 'solid', or {HEADER} bytes and the number of its triangles");
         return Err(format!("an STL is {form}, and this is {} other bytes", bytes.len()).into());
     };
     let triangles = &bytes[HEADER + 4..];

@@ -166,7 +166,8 @@ impl<'a> Accessors<'a> {
         let buffer = view["buffer"].as_u64().ok_or("a view has no buffer")?;
         let end = begin.saturating_add(number(&view["byteLength"])?);
         // A buffer without bytes stands in for what an extension unpacks.
-        if let Some(extension) = view["extensions"].as_object().and_then(|extensions| extensions.keys().next())
+        if let Some(extension) =
+            view["extensions"].as_object().and_then(|extensions| extensions.keys().next())
             && self.buffer(buffer).is_err()
         {
             return Err(unsupported(extension));

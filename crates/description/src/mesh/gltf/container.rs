@@ -104,7 +104,9 @@ pub(super) fn unsupported(extension: &str) -> String {
     let remedy = match extension {
         "KHR_draco_mesh_compression" => "export it without Draco compression",
         "EXT_meshopt_compression" | "KHR_meshopt_compression" => "export it without meshopt compression",
-        "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" => "export it with PNG or JPEG pictures",
+        "KHR_texture_basisu" | "EXT_texture_webp" | "EXT_texture_avif" => {
+            "export it with PNG or JPEG pictures"
+        }
         "EXT_mesh_gpu_instancing" => "export each instance as a node",
         _ => "export it without",
     };
@@ -113,7 +115,8 @@ pub(super) fn unsupported(extension: &str) -> String {
 
 /// The JSON and the binary chunk of a GLB.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Unreadable> {
-    let word = |at: usize| bytes.get(at..).and_then(<[u8]>::first_chunk).map(|word| u32::from_le_bytes(*word));
+    let word =
+        |at: usize| bytes.get(at..).and_then(<[u8]>::first_chunk).map(|word| u32::from_le_bytes(*word));
     match word(4) {
         Some(2) => {}
         Some(version) => return Err(format!("it is GLB of version {version}: export it as glTF 2.0").into()),
@@ -166,7 +169,9 @@ mod tests {
     /// The examples of RFC 4648, section 10.
     #[test]
     fn base64_is_that_of_its_standard() {
-        for (bytes, text) in [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")] {
+        for (bytes, text) in
+            [("", ""), ("f", "Zg=="), ("fo", "Zm8="), ("foo", "Zm9v"), ("foobar", "Zm9vYmFy")]
+        {
             assert_eq!(base64(text).as_deref(), Some(bytes.as_bytes()));
         }
         assert_eq!(base64("Zg=g"), None);

@@ -93,7 +93,8 @@ pub(super) fn surface(
             place(normals, &mut surface);
         }
         if texture.is_null() || same("texCoord") && same("extensions") {
-            let map = image(container, normals, left_out)?.filter(|map| picture::is_embedded(map) || map.is_file());
+            let map =
+                image(container, normals, left_out)?.filter(|map| picture::is_embedded(map) || map.is_file());
             if let Some(material) = &mut surface.material {
                 material.normal_map = map;
             }
@@ -132,7 +133,8 @@ fn image(
     let texture = container.entry("textures", &texture["index"])?;
     let Some(index) = texture["source"].as_u64() else {
         let extension = texture["extensions"].as_object().and_then(|extensions| extensions.keys().next());
-        left_out.insert(extension.map_or_else(|| "a texture without picture".into(), |name| unsupported(name)));
+        left_out
+            .insert(extension.map_or_else(|| "a texture without picture".into(), |name| unsupported(name)));
         return Ok(None);
     };
     let image = container.entry("images", &index.into())?;
@@ -152,6 +154,7 @@ pub(super) fn numbers<const N: usize>(value: &Value, otherwise: [f64; N]) -> [f6
 /// An amount of light, in which glTF counts, as a colour's share as it is displayed.
 fn displayed(light: f64) -> f32 {
     let light = light.clamp(0.0, 1.0);
-    let share = if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * libm::pow(light, 1.0 / 2.4) - 0.055 };
+    let share =
+        if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * libm::pow(light, 1.0 / 2.4) - 0.055 };
     share as f32
 }

@@ -45,7 +45,8 @@ impl Skin {
         let mut placed = DVec3::ZERO;
         for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
             let scene_from_bound = self.scene_from_bound.get(joint as usize);
-            let scene_from_bound = scene_from_bound.ok_or_else(|| format!("a vertex hangs on joint {joint}"))?;
+            let scene_from_bound =
+                scene_from_bound.ok_or_else(|| format!("a vertex hangs on joint {joint}"))?;
             placed += scene_from_bound.transform_point3(point) * (weight / total);
         }
         Ok(placed)

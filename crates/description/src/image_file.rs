@@ -44,4 +44,12 @@ mod tests {
         }
         assert!(open(&folder.path().join("none.png")).is_err());
     }
+    /// The half of 16 bits is the half of 8.
+    #[test]
+    fn pictures_of_16_bits_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep.png");
+        image::ImageBuffer::from_pixel(3, 2, image::Rgb([0x8080_u16, 0xffff, 0])).save(&path).unwrap();
+        assert_eq!(open(&path).unwrap().into_rgba8().get_pixel(2, 1).0, [0x80, 0xff, 0, 0xff]);
+    }
 }

@@ -227,7 +227,7 @@ impl<'a> Document<'a> {
             match child.name.as_str() {
                 "node" => self.node(child, world_from_node, names, parts)?,
                 "instance_node" => {
-                    self.node(self.referenced(child, "url")?, world_from_node, names, parts)?
+                    self.node(self.referenced(child, "url")?, world_from_node, names, parts)?;
                 }
                 "instance_geometry" => {
                     let materials = self.bound_materials(child);
@@ -290,20 +290,16 @@ impl<'a> Document<'a> {
         materials: &HashMap<&str, Material>,
         parts: &mut Vec<Part>,
     ) -> Outcome<()> {
-        let shapes = match self.geometries.get(&std::ptr::from_ref(geometry)) {
-            Some(known) => {
-                let bytes =
-                    known.iter().map(|shape| size_of_val(&shape.positions[..]) + size_of_val(&shape.uvs[..]));
-                if let Err(spent) = self.budget.take(0, bytes.sum()) {
-                    return wrong(geometry, spent.to_string());
-                }
-                known.clone()
+        let shapes = if let Some(known) = self.geometries.get(&std::ptr::from_ref(geometry)) {
+            let bytes = |shape: &Shape<'_>| size_of_val(&shape.positions[..]) + size_of_val(&shape.uvs[..]);
+            if let Err(spent) = self.budget.take(0, known.iter().map(bytes).sum()) {
+                return wrong(geometry, spent.to_string());
             }
-            None => {
-                let shapes: Rc<[Shape<'a>]> = self.shapes(geometry)?.into();
-                self.geometries.insert(geometry, shapes.clone());
-                shapes
-            }
+            known.clone()
+        } else {
+            let shapes: Rc<[Shape<'a>]> = self.shapes(geometry)?.into();
+            self.geometries.insert(geometry, shapes.clone());
+            shapes
         };
         let mirrored = world_from_geometry.matrix3.determinant() < 0.0;
         for shape in &*shapes {
@@ -339,7 +335,7 @@ impl<'a> Document<'a> {
         Ok(shapes)
     }
 
-    /// The numbers of a source, which are read once.
+    /// Returns the numbers of a source, which are read once.
     fn values(&mut self, source: &'a Element) -> Outcome<Rc<Values<'a>>> {
         if let Some(known) = self.values.get(&std::ptr::from_ref(source)) {
             return Ok(known.clone());
@@ -385,7 +381,7 @@ impl<'a> Document<'a> {
         let polygons = polygons(primitive)?;
         let mut shape = Shape { symbol: primitive.attribute("material"), ..Shape::default() };
         let mut corners = Vec::new();
-        for polygon in &polygons.polygons {
+        for polygon in &polygons.outlines {
             let first = shape.positions.len() as u32;
             corners.clear();
             let range = polygon.corners.start * polygons.stride..polygon.corners.end * polygons.stride;

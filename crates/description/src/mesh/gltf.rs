@@ -60,7 +60,7 @@ fn read(
         container: &container,
         accessors: Accessors::new(&container),
         budget: Budget::default(),
-        scene_from_node: Vec::new(),
+        poses: Vec::new(),
         placed: Vec::new(),
         parts: Vec::new(),
         left_out: BTreeSet::new(),
@@ -84,8 +84,8 @@ struct Scene<'a> {
     accessors: Accessors<'a>,
     budget: Budget,
     /// Where each node is, as far as the scene has it.
-    scene_from_node: Vec<DAffine3>,
-    /// Nodes that have a mesh, in order, with the name of the nearest node that has one.
+    poses: Vec<DAffine3>,
+    /// Nodes that have a mesh, in order, with their name, or that of the nearest node above that has one.
     placed: Vec<(&'a Value, &'a str, DAffine3)>,
     parts: Vec<Part>,
     /// What is not drawn.
@@ -98,7 +98,7 @@ impl<'a> Scene<'a> {
     fn read(&mut self, scene_from_root: DAffine3) -> Result<(), String> {
         let json = &self.container.json;
         let nodes = json["nodes"].as_array().map_or(0, Vec::len);
-        self.scene_from_node = vec![scene_from_root; nodes];
+        self.poses = vec![scene_from_root; nodes];
         let scene = if json["scene"].is_null() {
             &json["scenes"][0]
         } else {
@@ -108,7 +108,7 @@ impl<'a> Scene<'a> {
             // Without a scene, the nodes that are below no other.
             let lists = json["nodes"].as_array().into_iter().flatten();
             let below: BTreeSet<u64> = lists
-                .flat_map(|node| node["children"].as_array())
+                .filter_map(|node| node["children"].as_array())
                 .flatten()
                 .filter_map(Value::as_u64)
                 .collect();
@@ -136,7 +136,7 @@ impl<'a> Scene<'a> {
             return Err(format!("the transform of node {index} is not finite"));
         }
         let at = index.as_u64().unwrap_or_default() as usize;
-        self.scene_from_node[at] = scene_from_node;
+        self.poses[at] = scene_from_node;
         let name = node["name"].as_str().unwrap_or(above);
         if !node["mesh"].is_null() {
             self.placed.push((node, name, scene_from_node));
@@ -154,14 +154,14 @@ impl<'a> Scene<'a> {
             Value::Null => None,
             index => {
                 self.posed.insert("a skin, which stays in its rest pose");
-                Some(Skin::read(self.container, &self.accessors, index, &self.scene_from_node)?)
+                Some(Skin::read(self.container, &self.accessors, index, &self.poses)?)
             }
         };
         let title = mesh["name"].as_str().unwrap_or_default();
         for primitive in mesh["primitives"].as_array().into_iter().flatten() {
             let part = self.primitive(primitive, skin.as_ref(), scene_from_node);
             let Some(mut part) = part.map_err(|what| format!("mesh '{title}': {what}"))? else { continue };
-            part.name = if name.is_empty() { title } else { name }.to_owned();
+            if name.is_empty() { title } else { name }.clone_into(&mut part.name);
             part.aliases.push(title.to_owned());
             let bytes = size_of_val(&part.positions[..]) + size_of_val(&part.triangles[..]);
             self.budget.take(0, bytes).map_err(|spent| spent.to_string())?;
@@ -223,15 +223,15 @@ impl<'a> Scene<'a> {
         }))
     }
 
-    /// Where a skin has its vertices.
+    /// Returns where a skin has its vertices.
     fn posed(&self, skin: &Skin, attributes: &Value, points: &[[f64; 3]]) -> Result<Vec<DVec3>, String> {
         let joints: Vec<[f64; 4]> = self.accessors.read(&attributes["JOINTS_0"])?;
         let weights: Vec<[f64; 4]> = self.accessors.read(&attributes["WEIGHTS_0"])?;
         if joints.len() != points.len() || weights.len() != points.len() {
             return Err("its vertices, joints and weights differ in number".into());
         }
-        let hung = points.iter().zip(joints.into_iter().zip(weights));
-        hung.map(|(point, (joints, weights))| skin.place((*point).into(), joints, weights)).collect()
+        let bound = points.iter().zip(joints.into_iter().zip(weights));
+        bound.map(|(point, (joints, weights))| skin.place((*point).into(), joints, weights)).collect()
     }
 }
 
@@ -240,7 +240,7 @@ const TRIANGLES: u64 = 4;
 const STRIP: u64 = 5;
 const FAN: u64 = 6;
 
-/// The triangles that indices mean.
+/// Returns the triangles that indices stand for.
 fn triangles(mode: u64, indices: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + '_> {
     match mode {
         // Every second triangle of a strip runs the other way round.
@@ -255,7 +255,7 @@ fn triangles(mode: u64, indices: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + 
     }
 }
 
-/// The transform of a node in that above it.
+/// Returns the transform of a node relative to its parent.
 fn transform(node: &Value) -> DAffine3 {
     if !node["matrix"].is_null() {
         return affine(&numbers(&node["matrix"], DMat4::IDENTITY.to_cols_array()));

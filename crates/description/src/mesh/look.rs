@@ -20,6 +20,8 @@ pub(super) struct Look {
 }
 
 impl Look {
+    /// Makes a material of the look; none if it has neither colour nor texture.
+    ///
     /// Exporters leave the ambient colour black or at odds with the diffuse one, so the diffuse colour stands for both.
     /// What is beyond its range counts as its end.
     pub(super) fn material(self) -> Option<Material> {
@@ -40,7 +42,7 @@ impl Look {
     }
 }
 
-/// The picture that a mesh in `folder` names: there, or in the `materials/textures` of its model, where Gazebo looks
+/// Returns the picture that a mesh in `folder` names: there, or in the `materials/textures` of its model, where Gazebo looks
 /// too. Folders of the machine that the mesh was made on are left off.
 pub fn find_texture(name: &str, folder: &Path) -> Option<PathBuf> {
     let name = name.replace('\\', "/");
@@ -64,12 +66,14 @@ pub(super) fn check_texture(part: &mut Part, path: &Path, source: &Source, diagn
         *texture = found;
         return;
     }
-    let consequence = format!("which the mesh {} names: it is drawn in one colour", path.display());
+    let named = format!("which the mesh {} names", path.display());
     let (what, remedy) = if is_remote {
-        let what = format!("the texture {name} is on the web, from where no file is fetched, {consequence}");
+        let what = format!(
+            "the texture {name}, {named}, is remote, and files are not fetched: it is drawn in one colour"
+        );
         (what, "download it, and name the file in the mesh")
     } else {
-        let what = format!("there is no texture {name}, {consequence}");
+        let what = format!("there is no texture {name}, {named}: it is drawn in one colour");
         (what, "put it beside the mesh, or into materials/textures of its model")
     };
     diagnostics.warning(source, what, remedy);

@@ -30,7 +30,7 @@ pub(super) fn parse(
     Ok(reader.parts)
 }
 
-/// The statements of a file, each with the number of its first line: a line that ends with `\` goes on in the next.
+/// Splits a file into statements, each with the number of its first line: a line that ends with `\` goes on in the next.
 fn statements(text: &str) -> impl Iterator<Item = (u32, Cow<'_, str>)> {
     let mut lines = (1..).zip(text.lines());
     std::iter::from_fn(move || {
@@ -115,11 +115,9 @@ impl<'a> Reader<'a> {
                 self.group.clear();
                 self.is_open = false;
             }
-            "usemtl" => {
-                if rest != self.material {
-                    rest.clone_into(&mut self.material);
-                    self.is_open = false;
-                }
+            "usemtl" if rest != self.material => {
+                rest.clone_into(&mut self.material);
+                self.is_open = false;
             }
             "mtllib" => self.library(rest),
             "surf" => self.warn("surf", "free-form surfaces are left out", "export polygons"),
@@ -202,7 +200,7 @@ impl<'a> Reader<'a> {
         self.parts.push(Part { name, aliases, material: material.flatten(), ..Part::default() });
     }
 
-    /// Reads the materials of a library: one, since names may have spaces, else several.
+    /// Reads libraries of materials. `names` is one name with spaces, if there is such a file, else a list of names.
     fn library(&mut self, names: &str) {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let whole = folder.join(names.replace('\\', "/"));
@@ -233,7 +231,7 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Three numbers, of which so many are required and the others 0, and what follows them.
+/// Reads three numbers, of which the first `required` must be there and the others default to 0, and all that follow.
 fn numbers(rest: &str, required: usize) -> Result<([f32; 3], Vec<f32>), String> {
     let (mut three, mut more, mut count) = ([0.0; 3], Vec::new(), 0);
     for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
@@ -250,7 +248,7 @@ fn numbers(rest: &str, required: usize) -> Result<([f32; 3], Vec<f32>), String> 
     Ok((three, more))
 }
 
-/// The place in a list that an index of a face means: from 1, or counted back from the last.
+/// Returns the place in a list that an index of a face stands for: it counts from 1, or back from the end.
 fn index(word: &str, length: usize, what: &str) -> Result<u32, String> {
     let index: i64 = word.parse().map_err(|_| format!("'{word}' is not the number of a {what}"))?;
     let place = if index < 0 { index + length as i64 } else { index - 1 };

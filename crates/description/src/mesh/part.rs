@@ -28,7 +28,7 @@ pub(super) struct Unreadable {
 }
 
 impl Unreadable {
-    /// A fault of a line.
+    /// Makes a fault of a line.
     pub(super) fn at(line: u32, what: impl Into<String>) -> Self {
         Self { line: Some(line), what: what.into() }
     }
@@ -46,7 +46,8 @@ impl From<&str> for Unreadable {
     }
 }
 
-/// The text of a file, of which single names may be in an unknown encoding; exporters of Windows also write UTF-16.
+/// Decodes a file as text. Names in an unknown encoding are kept as far as possible, and exporters on Windows may write
+/// UTF-16.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     let wide = |read: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| read([pair[0], pair[1]])).collect();

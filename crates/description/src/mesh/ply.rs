@@ -1,7 +1,7 @@
 //! PLY (Stanford): vertices and polygons in text or in bytes.
 //!
-//! Normals are of no use here, and colours of vertices are not drawn, as in Gazebo. Elements other than vertices, faces
-//! and strips of triangles are passed over.
+//! Normals and colours of vertices are ignored; Gazebo does not draw the colours, either. Elements other than
+//! vertices, faces and strips of triangles are ignored.
 
 mod header;
 
@@ -96,7 +96,7 @@ impl Reader {
     /// Cuts a face.
     ///
     /// # Errors
-    /// It names a vertex that is not there.
+    /// The face names a vertex that is not there.
     fn face(&mut self, corners: &[f64]) -> Result<(), String> {
         let (indices, points) = points(corners, &self.part.positions)?;
         let cut = self.cutter.cut(&points, &[]);
@@ -121,7 +121,7 @@ impl Reader {
     }
 }
 
-/// The vertices that a face names, and where they are.
+/// Returns the vertices that a face names, and their positions.
 fn points(corners: &[f64], positions: &[[f32; 3]]) -> Result<(Vec<u32>, Vec<DVec3>), String> {
     let mut found = (Vec::with_capacity(corners.len()), Vec::with_capacity(corners.len()));
     for &corner in corners {
@@ -144,8 +144,8 @@ struct Numbers<'a> {
     words: Vec<&'a str>,
 }
 
-impl<'a> Numbers<'a> {
-    /// The line that is being read, if the file has lines.
+impl Numbers<'_> {
+    /// Returns the number of the line that is being read, if the file has lines.
     fn text_line(&self) -> Option<u32> {
         (self.form == Form::Text).then_some(self.line)
     }

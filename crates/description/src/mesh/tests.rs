@@ -72,7 +72,7 @@ impl Files {
     }
 }
 
-/// Corners of each triangle.
+/// Returns the corners of each triangle.
 fn triangles(meshes: &[Arc<Mesh>]) -> Vec<[DVec3; 3]> {
     let corner = |mesh: &Mesh, at: u32| DVec3::from_array(mesh.positions[at as usize].map(f64::from));
     let of = |mesh: &Arc<Mesh>| {
@@ -85,12 +85,12 @@ fn area(meshes: &[Arc<Mesh>]) -> f64 {
     triangles(meshes).iter().map(|[a, b, c]| (b - a).cross(c - a).length() / 2.0).sum()
 }
 
-/// The volume that a closed surface encloses, positive if it faces outwards.
+/// Returns the volume that a closed surface encloses, positive if it faces outwards.
 fn volume(meshes: &[Arc<Mesh>]) -> f64 {
     triangles(meshes).iter().map(|[a, b, c]| a.dot(b.cross(*c)) / 6.0).sum()
 }
 
-/// The corners of the box around the triangles.
+/// Returns the corners of the box around the triangles.
 fn bounds(meshes: &[Arc<Mesh>]) -> [[f64; 3]; 2] {
     let corners = || triangles(meshes).into_iter().flatten();
     let low = corners().fold(DVec3::INFINITY, DVec3::min);
@@ -98,7 +98,7 @@ fn bounds(meshes: &[Arc<Mesh>]) -> [[f64; 3]; 2] {
         .map(|corner| (corner * 1e6).round().to_array().map(|it| it / 1e6))
 }
 
-/// How often a ray meets the triangles, front and back.
+/// Counts how often a ray meets the triangles, front and back.
 fn hits(meshes: &[Arc<Mesh>], origin: [f64; 3], direction: [f64; 3]) -> usize {
     let (origin, direction) = (DVec3::from(origin), DVec3::from(direction));
     let meets = |[a, b, c]: &[DVec3; 3]| {
@@ -130,7 +130,7 @@ fn assert_l(meshes: &[Arc<Mesh>]) {
 }
 
 #[test]
-fn a_texture_on_the_web_is_told_as_such() {
+fn a_remote_texture_is_a_warning() {
     let files = Files::new();
     files.write("m.mtl", "newmtl a\nmap_Kd https://example.org/wood.png\n");
     files.write("m.obj", "mtllib m.mtl\nusemtl a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
@@ -138,7 +138,7 @@ fn a_texture_on_the_web_is_told_as_such() {
     assert!(meshes.unwrap()[0].material.as_ref().unwrap().texture.is_none());
     let [problem] = &problems[..] else { panic!("{problems:?}") };
     assert!(
-        problem.contains("w.sdf:7: warning: the texture https://example.org/wood.png is on the web"),
+        problem.contains("w.sdf:7: warning: the texture https://example.org/wood.png, which the mesh m.obj names, is remote"),
         "{problem}"
     );
     assert!(problem.contains("download it"), "{problem}");

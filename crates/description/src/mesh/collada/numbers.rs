@@ -57,7 +57,7 @@ pub(super) struct Polygons {
     /// Indices of a corner, one of them for each input.
     pub(super) stride: usize,
     pub(super) indices: Vec<usize>,
-    pub(super) polygons: Vec<Polygon>,
+    pub(super) outlines: Vec<Polygon>,
 }
 
 /// A polygon among the [`Polygons`].
@@ -70,7 +70,7 @@ pub(super) struct Polygon {
 
 impl Polygons {
     fn push(&mut self, corners: Range<usize>) {
-        self.polygons.push(Polygon { corners, holes: Vec::new() });
+        self.outlines.push(Polygon { corners, holes: Vec::new() });
     }
 
     /// Adds a triangle of corners that are there.
@@ -91,7 +91,7 @@ impl Polygons {
         let (first, begin) = (self.corners(), self.indices.len());
         append(element, &mut self.indices)?;
         let count = self.indices.len() - begin;
-        if count % self.stride != 0 {
+        if !count.is_multiple_of(self.stride) {
             return wrong(element, format!("{count} indices are no multiple of {}", self.stride));
         }
         Ok(first..self.corners())
@@ -166,7 +166,7 @@ fn with_holes(element: &Element, found: &mut Polygons) -> Outcome<()> {
             found.indices.truncate(corners.end * found.stride);
         }
     }
-    found.polygons.push(Polygon { corners, holes });
+    found.outlines.push(Polygon { corners, holes });
     Ok(())
 }
 
@@ -226,7 +226,7 @@ pub(super) fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
     Ok(Some(transform))
 }
 
-/// The numbers of an element's text.
+/// Returns the numbers of an element's text.
 pub(super) fn list<T: FromStr>(element: &Element) -> Outcome<Vec<T>> {
     let mut numbers = Vec::new();
     append(element, &mut numbers)?;

@@ -47,7 +47,7 @@ pub(super) struct Accessors<'a> {
     buffers: RefCell<HashMap<u64, Rc<Cow<'a, [u8]>>>>,
 }
 
-/// A run of bytes that holds rows of numbers.
+/// A range of bytes that holds rows of numbers.
 struct Rows {
     /// Bytes from one row to the next; the rows are close together if it is none.
     stride: Option<usize>,
@@ -61,10 +61,10 @@ impl<'a> Accessors<'a> {
         Self { container, buffers: RefCell::default() }
     }
 
-    /// The numbers of an accessor, N for each entry.
+    /// Returns the numbers of an accessor, N for each entry.
     ///
     /// # Errors
-    /// In words, what is wrong with it.
+    /// A message about what is wrong with the accessor.
     pub(super) fn read<const N: usize>(&self, index: &Value) -> Result<Vec<[f64; N]>, String> {
         let accessor = self.container.entry("accessors", index)?;
         let wrong = |what: String| format!("accessor {index}: {what}");
@@ -146,10 +146,10 @@ impl<'a> Accessors<'a> {
         Ok((0..count).map(row).collect())
     }
 
-    /// The bytes of a view.
+    /// Returns the bytes of a view.
     ///
     /// # Errors
-    /// In words, what is wrong with it.
+    /// A message about what is wrong with the view.
     pub(super) fn view_bytes(&self, view: &Value) -> Result<Vec<u8>, String> {
         let Rows { buffer, begin, end, .. } = self.view(view)?;
         let bytes = self.buffer(buffer)?;

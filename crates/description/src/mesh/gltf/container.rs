@@ -25,10 +25,10 @@ pub(super) struct Container<'a> {
 }
 
 impl<'a> Container<'a> {
-    /// Takes a file apart.
+    /// Splits a file into its JSON and its binary chunk.
     ///
     /// # Errors
-    /// It is broken, of another version, or requires an extension that is not read.
+    /// The file is broken, of another version, or requires an extension that is not read.
     pub(super) fn open(bytes: &'a [u8], path: &'a Path) -> Result<Self, Unreadable> {
         let is_binary = bytes.starts_with(MAGIC);
         let (json, binary) = if is_binary { chunks(bytes)? } else { (bytes, None) };
@@ -49,19 +49,19 @@ impl<'a> Container<'a> {
         Ok(Self { json, binary, path })
     }
 
-    /// An entry of a list of the file.
+    /// Returns an entry of a list of the file.
     ///
     /// # Errors
-    /// There is none of that number.
+    /// The list has no entry of that number.
     pub(super) fn entry(&self, list: &str, index: &Value) -> Result<&Value, String> {
         let found = index.as_u64().and_then(|index| self.json[list].get(usize::try_from(index).ok()?));
         found.ok_or_else(|| format!("there is no entry {index} in {list}"))
     }
 
-    /// The bytes of a buffer.
+    /// Returns the bytes of a buffer.
     ///
     /// # Errors
-    /// They cannot be had.
+    /// The file that it names cannot be read, or it names none.
     pub(super) fn buffer(&self, index: &Value) -> Result<std::borrow::Cow<'a, [u8]>, String> {
         let buffer = self.entry("buffers", index)?;
         match buffer["uri"].as_str() {
@@ -73,33 +73,34 @@ impl<'a> Container<'a> {
         }
     }
 
-    /// The file that a relative URI means.
+    /// Returns the path of the file that a relative URI names.
     pub(super) fn beside(&self, uri: &str) -> PathBuf {
         let name = percent_decode_str(uri).decode_utf8_lossy();
         self.path.parent().unwrap_or(Path::new("")).join(&*name)
     }
 
-    /// The bytes behind a URI.
+    /// Returns the bytes that a URI contains or names.
     ///
     /// # Errors
-    /// They cannot be had.
+    /// The URI is broken or remote, or its file cannot be read.
     pub(super) fn bytes(&self, uri: &str) -> Result<Vec<u8>, String> {
         if let Some(data) = uri.strip_prefix("data:") {
             let (kind, text) = data.split_once(',').ok_or("a data: URI has no comma")?;
-            return match kind.ends_with(";base64") {
-                true => base64(text).ok_or_else(|| "a data: URI is not base64".into()),
-                false => Ok(percent_decode_str(text).collect()),
+            return if kind.ends_with(";base64") {
+                base64(text).ok_or_else(|| "a data: URI is not base64".into())
+            } else {
+                Ok(percent_decode_str(text).collect())
             };
         }
         if uri.contains("://") {
-            return Err(format!("{uri} is on the web, from where no file is fetched: download it"));
+            return Err(format!("{uri} is remote, and files are not fetched: download it"));
         }
         let path = self.beside(uri);
         std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))
     }
 }
 
-/// What to do about a file that needs an extension that is not read.
+/// Returns the message about an extension that a file needs and that is not read, with its remedy.
 pub(super) fn unsupported(extension: &str) -> String {
     let remedy = match extension {
         "KHR_draco_mesh_compression" => "export it without Draco compression",
@@ -113,7 +114,7 @@ pub(super) fn unsupported(extension: &str) -> String {
     format!("it needs the extension {extension}, which is not read: {remedy}")
 }
 
-/// The JSON and the binary chunk of a GLB.
+/// Returns the JSON and the binary chunk of a GLB.
 fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Unreadable> {
     let word =
         |at: usize| bytes.get(at..).and_then(<[u8]>::first_chunk).map(|word| u32::from_le_bytes(*word));
@@ -140,6 +141,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Unreadable> {
     Ok((json.ok_or_else(|| Unreadable::from("it has no JSON"))?, binary))
 }
 
+/// Decodes base64 of either alphabet.
 fn base64(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::with_capacity(text.len() / 4 * 3);
     let (mut bits, mut count) = (0_u32, 0);

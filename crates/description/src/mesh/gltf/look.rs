@@ -22,7 +22,7 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// Texture coordinates of the mesh, v up, from those of the file, v down.
+    /// Returns texture coordinates of the mesh, v up, for those of the file, v down.
     pub(super) fn uv(&self, [u, v]: [f64; 2]) -> [f32; 2] {
         let uv = match self.axes {
             Some([right, down]) => right * u + down * v + self.offset,
@@ -35,7 +35,7 @@ impl Surface {
 /// Reads a material. What is not drawn of it goes into `left_out`.
 ///
 /// # Errors
-/// In words, what is wrong with it.
+/// A message about what is wrong with it.
 pub(super) fn surface(
     container: &Container<'_>,
     index: &Value,
@@ -47,9 +47,10 @@ pub(super) fn surface(
     let material = container.entry("materials", index)?;
     let metal = &material["pbrMetallicRoughness"];
     let gloss = &material["extensions"]["KHR_materials_pbrSpecularGlossiness"];
-    let (factor, texture) = match metal.is_null() && !gloss.is_null() {
-        true => (&gloss["diffuseFactor"], &gloss["diffuseTexture"]),
-        false => (&metal["baseColorFactor"], &metal["baseColorTexture"]),
+    let (factor, texture) = if metal.is_null() && !gloss.is_null() {
+        (&gloss["diffuseFactor"], &gloss["diffuseTexture"])
+    } else {
+        (&metal["baseColorFactor"], &metal["baseColorTexture"])
     };
     let [red, green, blue, alpha] = numbers(factor, [1.0; 4]);
     let diffuse = [red, green, blue].map(displayed);
@@ -60,7 +61,7 @@ pub(super) fn surface(
         (&metal["metallicRoughnessTexture"], "maps of metal and roughness"),
     ];
     left_out.extend(maps.iter().filter(|(map, _)| !map.is_null()).map(|(_, what)| (*what).to_owned()));
-    // The factor is of the map, and would light all of the surface.
+    // The factor is multiplied by the map. Without the map it would light all of the surface.
     if !material["emissiveTexture"].is_null() {
         emissive = [0.0; 3];
     }
@@ -121,7 +122,7 @@ fn place(texture: &Value, surface: &mut Surface) {
     surface.axes = Some([dvec2(cos, -sin) * x, dvec2(sin, cos) * y]);
 }
 
-/// The picture of a texture: a file beside, or in the file itself.
+/// Returns the picture of a texture: a file beside the glTF, or a picture inside it.
 fn image(
     container: &Container<'_>,
     texture: &Value,
@@ -145,13 +146,13 @@ fn image(
     }))
 }
 
-/// As many numbers as the file is to have there, or what stands for them.
+/// Returns the numbers of a list, or `otherwise` if it does not have as many.
 pub(super) fn numbers<const N: usize>(value: &Value, otherwise: [f64; N]) -> [f64; N] {
     let list = value.as_array().filter(|list| list.len() == N);
     list.map_or(otherwise, |list| std::array::from_fn(|at| list[at].as_f64().unwrap_or(otherwise[at])))
 }
 
-/// An amount of light, in which glTF counts, as a colour's share as it is displayed.
+/// Converts an amount of light, in which glTF counts, to a share of a colour as it is displayed.
 fn displayed(light: f64) -> f32 {
     let light = light.clamp(0.0, 1.0);
     let share =

@@ -10,14 +10,14 @@ use std::path::{Path, PathBuf};
 /// What stands between the file's name and the number of the picture.
 const MARK: &str = "#image";
 
-/// Names a picture of a file.
+/// Returns the name of a picture inside a file.
 pub(in crate::mesh) fn name(file: &Path, image: u64) -> PathBuf {
     let mut name = OsString::from(file);
     name.push(format!("{MARK}{image}"));
     name.into()
 }
 
-/// The file and the number that a name means.
+/// Splits a name into the file and the number of the picture.
 fn parts(name: &Path) -> Option<(&Path, u64)> {
     let (file, image) = name.to_str()?.rsplit_once(MARK)?;
     let file = Path::new(file);
@@ -34,7 +34,7 @@ pub(crate) fn is_embedded(name: &Path) -> bool {
 /// Reads the file of a picture, which may be inside of another.
 ///
 /// # Errors
-/// It cannot be read.
+/// The file, or the picture inside it, cannot be read.
 pub(crate) fn read(name: &Path) -> io::Result<Vec<u8>> {
     match parts(name) {
         Some((file, image)) if !name.exists() => {

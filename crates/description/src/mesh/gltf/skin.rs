@@ -1,4 +1,4 @@
-//! Skins of a glTF in their rest pose: each vertex goes with the joints that it hangs on.
+//! Skins of a glTF in their rest pose: each vertex moves with its joints.
 
 use super::accessor::Accessors;
 use super::container::Container;
@@ -14,7 +14,7 @@ impl Skin {
     /// Reads a skin. `scene_from_node` has where each node is.
     ///
     /// # Errors
-    /// In words, what is wrong with it.
+    /// A message about what is wrong with the skin.
     pub(super) fn read(
         container: &Container<'_>,
         accessors: &Accessors<'_>,
@@ -36,24 +36,24 @@ impl Skin {
         Ok(Self { scene_from_bound: joints.iter().enumerate().map(joint).collect::<Result<_, String>>()? })
     }
 
-    /// Where a vertex is by the joints that it hangs on and their weights.
+    /// Returns where a vertex is by its joints and their weights.
     ///
     /// # Errors
-    /// It names a joint that is not there.
+    /// The vertex names a joint that the skin does not have.
     pub(super) fn place(&self, point: DVec3, joints: [f64; 4], weights: [f64; 4]) -> Result<DVec3, String> {
         let total: f64 = weights.iter().sum();
         let mut placed = DVec3::ZERO;
         for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
             let scene_from_bound = self.scene_from_bound.get(joint as usize);
-            let scene_from_bound =
-                scene_from_bound.ok_or_else(|| format!("a vertex hangs on joint {joint}"))?;
+            let scene_from_bound = scene_from_bound
+                .ok_or_else(|| format!("a vertex names joint {joint}, which the skin does not have"))?;
             placed += scene_from_bound.transform_point3(point) * (weight / total);
         }
         Ok(placed)
     }
 }
 
-/// A matrix of a file, column by column.
+/// Converts a matrix of a file, which has it column by column.
 pub(super) fn affine(columns: &[f64; 16]) -> DAffine3 {
     DAffine3::from_mat4(DMat4::from_cols_array(columns))
 }

@@ -3,7 +3,7 @@
 use crate::mesh::look::{Look, find_texture};
 use std::path::Path;
 
-/// Reads the materials of a library in `folder`. What is not understood of a material is passed over.
+/// Reads the materials of a library in `folder`. Unknown or broken properties of a material are ignored.
 pub(super) fn parse(text: &str, folder: &Path) -> Vec<(String, Look)> {
     let mut materials: Vec<(String, Look)> = Vec::new();
     for line in text.lines() {
@@ -37,7 +37,7 @@ pub(super) fn parse(text: &str, folder: &Path) -> Vec<(String, Look)> {
     materials
 }
 
-/// A colour: one number stands for all three.
+/// Reads a colour, of which one number stands for all three.
 fn color(rest: &str) -> Option<[f32; 3]> {
     let numbers: Option<Vec<f32>> = rest.split_whitespace().map(number).collect();
     match numbers?[..] {

@@ -38,7 +38,7 @@ impl Number {
         })
     }
 
-    /// The bytes that it takes.
+    /// Returns its size in bytes.
     pub(super) fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -64,20 +64,21 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// The place of the first property of one of these names.
+    /// Returns the place of the first property that has one of these names.
     pub(super) fn place(&self, names: &[&str]) -> Option<usize> {
         self.properties.iter().position(|property| names.contains(&property.name.as_str()))
     }
 }
 
-/// What a header says.
+/// The content of a header.
 pub(super) struct Header {
     pub(super) form: Form,
     pub(super) elements: Vec<Element>,
-    /// The picture of a `comment TextureFile`, by which MeshLab names it.
+    /// The picture of a `comment TextureFile`, which is a convention of `MeshLab`.
     pub(super) texture: Option<String>,
-    /// Bytes, and lines, of the header.
+    /// Size of the header in bytes.
     pub(super) bytes: usize,
+    /// Size of the header in lines.
     pub(super) lines: u32,
 }
 

@@ -18,7 +18,7 @@ fn dae(positions: &str, primitives: &str, nodes: &str) -> String {
 }
 
 fn l() -> String {
-    L.as_flattened().iter().map(|number| format!("{number} ")).collect()
+    L.as_flattened().iter().map(f64::to_string).collect::<Vec<_>>().join(" ") + " "
 }
 
 const INPUT: &str = "<input semantic='VERTEX' source='#v' offset='0'/>";

@@ -67,11 +67,11 @@ impl Model {
         let corners: Vec<u16> = FACES.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect();
         let indices = model.shorts(&corners);
         model.json["meshes"] = json!([{ "name": "block", "primitives": [{ "attributes": { "POSITION": positions }, "indices": indices }] }]);
-        model.nodes(json!([{ "name": "n", "mesh": 0 }]), json!([0]));
+        model.nodes(json!([{ "name": "n", "mesh": 0 }]), &[0]);
         model
     }
 
-    fn nodes(&mut self, nodes: Value, roots: Value) {
+    fn nodes(&mut self, nodes: Value, roots: &[usize]) {
         self.json["nodes"] = nodes;
         self.json["scenes"] = json!([{ "nodes": roots }]);
     }
@@ -135,7 +135,7 @@ fn buffers_are_inside_beside_or_in_uris() {
         }
     }
     for (uri, words) in
-        [("gone.bin", "gone.bin"), ("https://example.org/m.bin", "is on the web"), ("data:,%zz", "needs")]
+        [("gone.bin", "gone.bin"), ("https://example.org/m.bin", "is remote"), ("data:,%zz", "needs")]
     {
         let mut json = model.json.clone();
         json["buffers"] = json!([{ "byteLength": 1, "uri": uri }]);
@@ -177,7 +177,7 @@ fn nodes_stand_where_they_are_put() {
     ];
     for (mut node, corners, content) in places {
         node["mesh"] = 0.into();
-        model.nodes(json!([node]), json!([0]));
+        model.nodes(json!([node]), &[0]);
         let meshes = model.meshes();
         assert_eq!(bounds(&meshes), corners);
         assert!((volume(&meshes) - content).abs() < 1e-4, "{}", volume(&meshes));
@@ -189,7 +189,7 @@ fn nodes_stand_where_they_are_put() {
         { "name": "b", "mesh": 0, "translation": [0, 5, 0] },
         { "mesh": 0, "translation": [0, 0, 50] }
     ]);
-    model.nodes(nodes, json!([0]));
+    model.nodes(nodes, &[0]);
     assert_eq!(bounds(&model.meshes()), [[1.0, 0.0, 0.0], [2.0, 7.0, 3.0]]);
     let files = Files::new();
     files.write("m.glb", model.glb());
@@ -251,7 +251,7 @@ fn png(color: [u8; 4]) -> Vec<u8> {
 }
 
 /// The box with a material and texture coordinates of its corners in bytes, as shares of 255.
-fn painted(material: Value) -> Model {
+fn painted(material: &Value) -> Model {
     let mut model = Model::block();
     let bytes: Vec<u8> = (0..8_u8).flat_map(|at| [51 * (at % 4), 255 - 51 * (at / 2), 0, 0]).collect();
     let uvs = model.accessor(&bytes, 5121, "VEC2", 8);
@@ -265,30 +265,31 @@ fn painted(material: Value) -> Model {
 
 #[test]
 fn looks_are_those_of_their_materials() {
-    let look = |material: Value| painted(material).meshes()[0].material.clone().unwrap();
+    let look = |material: &Value| painted(material).meshes()[0].material.clone().unwrap();
     // Half the light is displayed as 0.735 (sRGB).
     let plain = look(
-        json!({ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 0, 0.25] }, "emissiveFactor": [0, 0, 1] }),
+        &json!({ "pbrMetallicRoughness": { "baseColorFactor": [0.5, 1, 0, 0.25] }, "emissiveFactor": [0, 0, 1] }),
     );
     assert!((plain.diffuse[0] - 0.735_357).abs() < 1e-5, "{:?}", plain.diffuse);
     assert_eq!((plain.diffuse[1], plain.diffuse[2], plain.alpha), (1.0, 0.0, 1.0));
     assert_eq!((plain.texture_alpha, plain.emissive), (TextureAlpha::Ignored, [0.0, 0.0, 1.0]));
-    let glass =
-        look(json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.25] } }));
+    let glass = look(
+        &json!({ "alphaMode": "BLEND", "pbrMetallicRoughness": { "baseColorFactor": [1, 1, 1, 0.25] } }),
+    );
     assert_eq!((glass.alpha, glass.texture_alpha), (0.25, TextureAlpha::Blended));
-    let leaf = look(json!({ "alphaMode": "MASK", "alphaCutoff": 0.75 }));
+    let leaf = look(&json!({ "alphaMode": "MASK", "alphaCutoff": 0.75 }));
     assert_eq!((leaf.alpha, leaf.texture_alpha), (1.0, TextureAlpha::CutOut { least: 0.75 }));
-    assert_eq!(look(json!({ "alphaMode": "MASK" })).texture_alpha, TextureAlpha::CutOut { least: 0.5 });
+    assert_eq!(look(&json!({ "alphaMode": "MASK" })).texture_alpha, TextureAlpha::CutOut { least: 0.5 });
     let old =
         json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": { "diffuseFactor": [0, 1, 0, 1] } } });
-    assert_eq!(look(old).diffuse, [0.0, 1.0, 0.0]);
+    assert_eq!(look(&old).diffuse, [0.0, 1.0, 0.0]);
     assert!(Model::block().meshes()[0].material.is_none());
 }
 
 #[test]
 fn pictures_are_inside_beside_or_in_uris() {
     let files = Files::new();
-    let mut model = painted(json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }));
+    let mut model = painted(&json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } }));
     model.json["textures"] = json!([{ "source": 1 }]);
     let view = model.view(&png([9, 8, 7, 255]));
     files.write("blue paint.png", png([1, 2, 3, 255]));
@@ -309,8 +310,7 @@ fn pictures_are_inside_beside_or_in_uris() {
             meshes[0].uvs
         );
     }
-    for (picture, words) in
-        [("gone.png", "there is no texture"), ("https://example.org/a.png", "is on the web")]
+    for (picture, words) in [("gone.png", "there is no texture"), ("https://example.org/a.png", "is remote")]
     {
         model.json["images"] = json!([{}, { "uri": picture }]);
         files.write("m.glb", model.glb());
@@ -326,7 +326,7 @@ fn pictures_are_inside_beside_or_in_uris() {
 fn textures_are_turned_as_the_extension_says() {
     let transform = json!({ "offset": [0, 1], "rotation": std::f64::consts::FRAC_PI_2, "scale": [0.5, 0.5] });
     let texture = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
-    let mut model = painted(json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } }));
+    let mut model = painted(&json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } }));
     model.json["extensionsRequired"] = json!(["KHR_texture_transform"]);
     let view = model.view(&png([9, 8, 7, 255]));
     model.json["textures"] = json!([{ "source": 0 }]);
@@ -343,7 +343,7 @@ fn textures_are_turned_as_the_extension_says() {
 fn what_is_not_drawn_is_a_note() {
     let files = Files::new();
     let mut model = painted(
-        json!({ "doubleSided": true, "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }),
+        &json!({ "doubleSided": true, "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }),
     );
     model.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
     files.write("m.glb", model.glb());
@@ -378,7 +378,7 @@ fn skins_are_in_their_rest_pose() {
         { "name": "low", "children": [2] },
         { "name": "high", "translation": [0, 0, 7] }
     ]);
-    model.nodes(nodes, json!([0, 1]));
+    model.nodes(nodes, &[0, 1]);
     files.write("m.glb", model.glb());
     let (meshes, problems) = files.load("m.glb");
     assert_eq!(bounds(&meshes.unwrap()), [[0.0; 3], [1.0, 2.0, 7.0]]);

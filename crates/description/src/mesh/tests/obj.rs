@@ -5,7 +5,7 @@ use super::{Files, L, area, assert_l, bounds};
 #[test]
 fn concave_faces_keep_their_notch() {
     let files = Files::new();
-    let vertices: String = L.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n")).collect();
+    let vertices = L.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
     // From every corner, and by indices that count back.
     for first in 0..6 {
         let face: Vec<String> = (0..6).map(|at| ((first + at) % 6 + 1).to_string()).collect();

@@ -12,7 +12,7 @@ fn header(format: &str, more: &str) -> String {
 #[test]
 fn text_and_bytes_of_both_orders_are_one() {
     let files = Files::new();
-    let rows: String = L.iter().map(|[x, y, z]| format!("{x} {y} {z} 255\n")).collect();
+    let rows = L.map(|[x, y, z]| format!("{x} {y} {z} 255\n")).concat();
     files.write("text.ply", format!("{}{rows}6 0 1 2 3 4 5\n", header("ascii", "")));
     assert_l(&files.meshes("text.ply"));
     for (format, little) in [("binary_little_endian", true), ("binary_big_endian", false)] {
@@ -84,7 +84,7 @@ fn strips_and_elements_of_others() {
 #[test]
 fn broken_files_name_their_line() {
     let files = Files::new();
-    let rows: String = L.iter().map(|[x, y, z]| format!("{x} {y} {z} 255\n")).collect();
+    let rows = L.map(|[x, y, z]| format!("{x} {y} {z} 255\n")).concat();
     let whole = format!("{}{rows}6 0 1 2 3 4 5\n", header("ascii", ""));
     for (from, to, words) in [
         ("ply\n", "plx\n", "a.ply:1: "),

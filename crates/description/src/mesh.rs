@@ -16,8 +16,8 @@ use super::diagnostics::{Diagnostics, Source};
 use super::model::Mesh;
 use super::suggestion::did_you_mean;
 use glam::{DVec3, Vec3};
-use look::check_texture;
 pub use look::find_texture;
+use look::find_textures;
 use part::{Part, Unreadable, append, finish};
 use std::path::Path;
 use std::sync::Arc;
@@ -86,8 +86,8 @@ pub fn load_mesh_parts(
         parts = select(parts, submesh, path, source, diagnostics)?;
     }
     let mut meshes: Vec<Mesh> = Vec::new();
-    for mut part in parts {
-        check_texture(&mut part, path, source, diagnostics);
+    find_textures(&mut parts, path, source, diagnostics);
+    for part in parts {
         let mesh = finish(part, path, scale, source, diagnostics)?;
         if mesh.triangles.is_empty() {
             continue;

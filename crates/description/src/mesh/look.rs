@@ -5,6 +5,7 @@ use super::gltf::picture;
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::Material;
 use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
+use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 /// A file's look, as far as it says.
@@ -53,18 +54,29 @@ pub fn find_texture(name: &str, folder: &Path) -> Option<PathBuf> {
     found(&name).or_else(|| found(file))
 }
 
-/// Finds the picture that a mesh names. Without it the mesh is drawn in its colour, as in Gazebo.
-pub(super) fn check_texture(part: &mut Part, path: &Path, source: &Source, diagnostics: &mut Diagnostics) {
-    let Some(texture) = part.material.as_mut().and_then(|material| material.texture.as_mut()) else { return };
+/// Finds the pictures that the parts of a mesh name. Without its picture a part is drawn in its colour, as in Gazebo.
+pub(super) fn find_textures(parts: &mut [Part], path: &Path, source: &Source, diagnostics: &mut Diagnostics) {
+    // Each picture is looked for once, since a file may have a part for every face.
+    let mut known: HashMap<PathBuf, Option<PathBuf>> = HashMap::new();
+    for material in parts.iter_mut().filter_map(|part| part.material.as_mut()) {
+        if let Some(texture) = material.texture.take() {
+            let found = known.entry(texture);
+            let find = |name: &PathBuf| locate(name, path, source, diagnostics);
+            material.texture.clone_from(found.or_insert_with_key(find));
+        }
+    }
+}
+
+/// Returns the file of a picture that the mesh at `path` names; none after a warning.
+fn locate(texture: &Path, path: &Path, source: &Source, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
     if picture::is_embedded(texture) {
-        return;
+        return Some(texture.to_path_buf());
     }
     let folder = path.parent().unwrap_or(Path::new(""));
     let name = texture.to_string_lossy();
     let is_remote = name.starts_with("http://") || name.starts_with("https://");
     if !is_remote && let Some(found) = find_texture(&name, folder) {
-        *texture = found;
-        return;
+        return Some(found);
     }
     let named = format!("which the mesh {} names", path.display());
     let (what, remedy) = if is_remote {
@@ -77,7 +89,5 @@ pub(super) fn check_texture(part: &mut Part, path: &Path, source: &Source, diagn
         (what, "put it beside the mesh, or into materials/textures of its model")
     };
     diagnostics.warning(source, what, remedy);
-    if let Some(material) = &mut part.material {
-        material.texture = None;
-    }
+    None
 }

@@ -143,3 +143,58 @@ fn a_remote_texture_is_a_warning() {
     );
     assert!(problem.contains("download it"), "{problem}");
 }
+
+/// Any bytes of a file may be wrong: it is read or refused, and nothing panics.
+#[test]
+fn damaged_files_are_read_or_refused() {
+    let files = Files::new();
+    let faces = "v 0 0 0\nv 2 0 0\nv 2 2 0\nv 1 1 0\nvt 0 0\ng a\nf 1/1 2/1 3/1 4/1\nf -4 -3 -2\n";
+    let solid = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid a\n";
+    let head = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n";
+    let ply = format!("{head}0 0 0\n2 0 0\n2 2 0\n1 0.5 0\n4 0 1 2 3\n");
+    let mut binary = head.replace("ascii", "binary_big_endian").into_bytes();
+    binary.extend(
+        [[0.0_f32, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, 2.0, 0.0], [1.0, 0.5, 0.0]]
+            .as_flattened()
+            .iter()
+            .flat_map(|number| number.to_be_bytes()),
+    );
+    binary.extend([4, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3]);
+    let originals: [(&str, Vec<u8>); 7] = [
+        ("a.obj", faces.into()),
+        ("a.stl", solid.into()),
+        ("b.stl", stl::binary(2, 2, 0)),
+        ("a.ply", ply.into()),
+        ("b.ply", binary),
+        ("a.dae", collada::with_a_hole().into()),
+        ("a.glb", gltf::Model::block().glb()),
+    ];
+    // Knuth's generator, whose high bits are good enough.
+    let mut state = 1_u64;
+    let mut below = |count: usize| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 33) as usize % count
+    };
+    for (name, original) in originals {
+        files.write(name, &original);
+        files.meshes(name);
+        for _ in 0..300 {
+            let mut bytes = original.clone();
+            for _ in 0..=below(3) {
+                let at = below(bytes.len());
+                match below(4) {
+                    0 => bytes[at] = below(256) as u8,
+                    1 => bytes[at] = b'0' + below(10) as u8,
+                    2 => bytes.truncate(at + 1),
+                    _ => {
+                        bytes.remove(at);
+                        bytes.push(b' ');
+                    }
+                }
+            }
+            files.write(name, bytes);
+            // What is refused is an error: `load_as` asserts it.
+            files.load(name);
+        }
+    }
+}

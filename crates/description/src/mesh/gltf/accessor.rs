@@ -7,8 +7,9 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// More numbers than this in one accessor are a mistake.
-const MOST_NUMBERS: usize = 1 << 27;
+/// The greatest number of zeros that an accessor without bytes of its own may stand for, so that a short file does not
+/// take all memory.
+const MOST_ZEROS: usize = 1 << 25;
 
 /// The type of a number, by OpenGL's code.
 #[derive(Clone, Copy)]
@@ -81,12 +82,12 @@ impl<'a> Accessors<'a> {
             return Err(wrong(format!("its type is '{kind}', where {N} numbers are needed")));
         }
         let count = number(&accessor["count"]).map_err(wrong)?;
-        if count.saturating_mul(N) > MOST_NUMBERS {
-            return Err(wrong(format!("it has {count} entries")));
-        }
         let component = Component(accessor["componentType"].as_u64().unwrap_or_default());
         let normalized = accessor["normalized"].as_bool().unwrap_or(false);
         let mut entries = match &accessor["bufferView"] {
+            Value::Null if count.saturating_mul(N) > MOST_ZEROS => {
+                return Err(wrong(format!("it has {count} entries and no bytes")));
+            }
             Value::Null => vec![[0.0; N]; count],
             view => self.rows(view, &accessor["byteOffset"], component, normalized, count).map_err(wrong)?,
         };

@@ -37,18 +37,22 @@ fn concave_faces_keep_their_notch() {
     }
 }
 
-#[test]
-fn polygons_with_holes() {
-    let files = Files::new();
+/// A square of 16 with two holes of 1, and half of the first filled again.
+pub(super) fn with_a_hole() -> String {
     let square =
         |low: f64, high: f64| format!("{low} {low} 0 {high} {low} 0 {high} {high} 0 {low} {high} 0 ");
     let positions = square(0.0, 4.0) + &square(1.0, 2.0) + &square(2.5, 3.5) + "9 9 0";
     let polygons = format!(
         "<polygons count='2'>{INPUT}<ph><p>0 1 2 3</p><h>4 7 6 5</h><h>8 9 10 11</h><h>12</h></ph><p>4 5 6</p></polygons>"
     );
-    files.write("h.dae", dae(&positions, &polygons, NODE));
+    dae(&positions, &polygons, NODE)
+}
+
+#[test]
+fn polygons_with_holes() {
+    let files = Files::new();
+    files.write("h.dae", with_a_hole());
     let meshes = files.meshes("h.dae");
-    // 16 less two holes of 1, and half of the first filled again.
     assert!((area(&meshes) - 14.5).abs() < 1e-6, "{}", area(&meshes));
     let down = [0.0, 0.0, -1.0];
     for (x, y, count) in [(3.0, 3.1, 0), (1.2, 1.7, 0), (1.7, 1.2, 1), (2.3, 2.1, 1), (3.8, 0.3, 1)] {

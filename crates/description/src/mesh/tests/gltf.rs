@@ -23,7 +23,7 @@ const FACES: [[u16; 4]; 6] =
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
 
 /// A file that grows by its accessors.
-struct Model {
+pub(super) struct Model {
     json: Value,
     bytes: Vec<u8>,
 }
@@ -61,7 +61,7 @@ impl Model {
     }
 
     /// The box as a primitive.
-    fn block() -> Self {
+    pub(super) fn block() -> Self {
         let mut model = Self::new();
         let positions = model.floats(CORNERS.as_flattened(), "VEC3", 8);
         let corners: Vec<u16> = FACES.iter().flat_map(|&[a, b, c, d]| [a, b, c, a, c, d]).collect();
@@ -76,7 +76,7 @@ impl Model {
         self.json["scenes"] = json!([{ "nodes": roots }]);
     }
 
-    fn glb(&self) -> Vec<u8> {
+    pub(super) fn glb(&self) -> Vec<u8> {
         let mut json = self.json.clone();
         json["buffers"] = json!([{ "byteLength": self.bytes.len() }]);
         let mut text = json.to_string().into_bytes();
@@ -237,6 +237,8 @@ fn sparse_accessors_replace_what_they_name() {
     // A pyramid that stands on its tip at the origin.
     assert!((volume(&meshes) - 10.0 / 3.0).abs() < 1e-5);
     assert_eq!(hits(&meshes, [0.9, 1.9, 9.0], [0.0, 0.0, -1.0]), 2);
+    model.json["accessors"][0]["count"] = (1_u64 << 40).into();
+    assert!(model.error().contains("entries and no bytes"));
     model.json["accessors"][0]["count"] = 7.into();
     assert!(model.error().contains("a sparse entry replaces 7, of 7"));
 }
@@ -425,7 +427,7 @@ fn broken_files_are_one_error() {
     }
     let broken: [(&str, Value, &str); 12] = [
         ("/accessors/0/count", json!(9), "accessor 0: it needs 108 bytes, and its view has 96"),
-        ("/accessors/0/count", json!(1_u64 << 60), "accessor 0: it has"),
+        ("/accessors/0/count", json!(1_u64 << 60), "accessor 0: it needs"),
         ("/accessors/0/type", json!("VEC2"), "its type is 'VEC2'"),
         ("/accessors/0/componentType", json!(5124), "5124 is not a componentType"),
         ("/accessors/0/bufferView", json!(7), "there is no entry 7 in bufferViews"),

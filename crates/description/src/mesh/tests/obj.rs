@@ -78,7 +78,7 @@ fn what_is_missing_is_one_warning() {
             "a.obj:2: warning: the materials in gone.mtl",
         ),
         (format!("mtllib paint.mtl\nusemtl rd\n{faces}g x\nf 1 2 3\n"), "did you mean 'red'"),
-        (format!("mtllib paint.mtl\nusemtl red\n{faces}"), "there is no texture gone.png"),
+        (format!("mtllib paint.mtl\nusemtl red\n{faces}g x\nf 1 2 3\n"), "there is no texture gone.png"),
         (format!("{faces}surf 0 1 0 1 1 2 3\nsurf 0 1 0 1 1 2 3\n"), "a.obj:5: warning: free-form surfaces"),
     ] {
         files.write("a.obj", text);

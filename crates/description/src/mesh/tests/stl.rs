@@ -9,7 +9,7 @@ fn facet(x: f64) -> String {
     )
 }
 
-fn binary(said: u32, triangles: usize, more: usize) -> Vec<u8> {
+pub(super) fn binary(said: u32, triangles: usize, more: usize) -> Vec<u8> {
     let mut bytes = vec![b' '; 80];
     bytes.extend(said.to_le_bytes());
     for at in 0..triangles {

@@ -2,6 +2,7 @@
 
 mod collada;
 mod gltf;
+mod gltf_look;
 mod obj;
 mod ply;
 mod stl;

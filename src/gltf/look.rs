@@ -79,7 +79,7 @@ impl Looks {
 
 /// A picture's file as it is where glTF takes it, else as PNG.
 fn picture(path: &Path) -> Option<(&'static str, Vec<u8>)> {
-    let bytes = std::fs::read(path).ok()?;
+    let bytes = image_file::read(path).ok()?;
     match image::guess_format(&bytes) {
         Ok(image::ImageFormat::Png) => Some(("image/png", bytes)),
         Ok(image::ImageFormat::Jpeg) => Some(("image/jpeg", bytes)),

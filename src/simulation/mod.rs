@@ -79,7 +79,7 @@ impl SimulationBuilder {
     /// Builds it, at time 0.
     ///
     /// # Errors
-    /// A world that cannot run, a texture that cannot be read, a shape that cannot be traced; with its line.
+    /// A world that cannot run, or a shape that cannot be traced; with its line.
     pub fn build(self) -> Result<Simulation, SimulationError> {
         let Self { world, seed, gazebo_compat, execution } = self;
         let mut physics = Physics::with_models(&world, world.models.iter().map(|model| Some(placed(model))))?;

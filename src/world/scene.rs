@@ -34,7 +34,7 @@ impl WorldScene {
     /// Builds the scene of a world, whose links stand where `physics` has them now.
     ///
     /// # Errors
-    /// A texture that cannot be read, or a shape that cannot be traced; the problem names its place in the file.
+    /// A shape that cannot be traced; the problem names its place in the file.
     pub fn new(world: &World, physics: &Physics) -> Result<Self, Problem> {
         let mut assembly = Assembly::default();
         assembly

@@ -358,7 +358,7 @@ fn bad_meshes() {
             plain().replace("<node id='n'>", "<node id='n'><instance_node url='#n'/>").into(),
             "more than 300 deep",
         ),
-        ("part.ply", b"ply".to_vec(), "stl, obj, dae"),
+        ("part.step", b"ISO-10303-21;".to_vec(), "stl, obj, dae"),
     ];
     for (name, content, words) in cases {
         let path = folder.write(name, content);

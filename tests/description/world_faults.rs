@@ -236,7 +236,13 @@ fn bad_materials_and_textures() {
     assert!(text.contains("a.material:2: error: there is no texture 'gone.png': looked for"), "{text}");
     let problems = load("<script><uri>model://t/scripts</uri><name>AA</name></script>");
     assert!(problems[0].to_string().contains("did you mean 'A'?"), "{problems:#?}");
-    assert_one_error(&load("<script><name>Gazebo/Gray5</name></script>"), 4, &["no material 'Gazebo/Gray5'"]);
+    // As in a URDF, a name of Gazebo's own that is not known costs the colour only.
+    let unknown = &load("<script><name>Gazebo/Gray5</name></script>")[..];
+    let [problem] = unknown else { panic!("{unknown:#?}") };
+    let text = problem.to_string();
+    assert!(text.contains(":4: warning: Gazebo has no material 'Gazebo/Gray5'"), "{text}");
+    assert!(text.contains("did you mean 'Gazebo/Gr"), "{text}");
+    assert_one_error(&load("<script><name>Gray5</name></script>"), 4, &["no material 'Gray5'"]);
     let albedo = |file: &str| load(&format!("<pbr><metal><albedo_map>{file}</albedo_map></metal></pbr>"));
     assert_one_error(&albedo("nowhere.png"), 4, &["no texture 'nowhere.png': looked for"]);
     assert_one_error(&albedo("t/b.gif"), 4, &["b.gif", "convert it"]);

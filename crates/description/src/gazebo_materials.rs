@@ -45,6 +45,8 @@ const MATERIALS: &[Row] = &[
     plain("Orange", [1.0, 0.5088, 0.0468]),
     plain("Indigo", [0.33, 0.0, 0.5]),
     plain("JointAnchor", [1.0; 3]),
+    // Gazebo takes the colours of vertices, which shapes do not have.
+    plain("PointCloud", [1.0; 3]),
     ("Gold", [0.4, 0.248_69, 0.020_759], [0.8, 0.648_69, 0.120_759], BLACK),
     ("Pioneer2Body", [0.481_193, 0.000_123, 0.000_123], [0.681_193, 0.000_923, 0.000_923], BLACK),
     // Light of their own.
@@ -99,6 +101,11 @@ const MATERIALS: &[Row] = &[
     plain("Pedestrian", [0.58, 0.57, 0.55]),
     plain("Footway", [0.58, 0.57, 0.55]),
     plain("Runway", [0.35, 0.35, 0.35]),
+    plain("CoM", [0.50, 0.50, 0.25]),
+    plain("GreyGradientSky", [0.60, 0.60, 0.60]),
+    plain("CloudySky", [0.55, 0.66, 0.80]),
+    plain("Editor", [0.70, 0.70, 0.70]),
+    plain("EditorPlane", [0.70, 0.70, 0.70]),
 ];
 
 /// Name, colour of highlights and shininess of those that are glossy.
@@ -144,6 +151,10 @@ const GLOSS: &[Gloss] = &[
     ("Footway", [0.01; 3], 2.0),
 ];
 
+/// Other names of materials. Gazebo's own script defines `Gray` and `DarkGray` by `Grey` and `DarkGrey`. `Torquoise` was its
+/// misspelling for years, and stands in many robots.
+const ALIASES: [(&str, &str); 3] = [("Gray", "Grey"), ("DarkGray", "DarkGrey"), ("Torquoise", "Turquoise")];
+
 /// Alphas of the lasers and of one that goes by another than [`TRANSPARENT`].
 const ALPHAS: [(&str, f32); 3] = [("BlueLaser", 0.4), ("LightBlueLaser", 0.4), ("OrangeTransparent", 0.4)];
 
@@ -166,8 +177,7 @@ fn alpha(name: &str) -> f32 {
 /// ```
 pub fn gazebo_material(name: &str) -> Option<Material> {
     let short = name.strip_prefix("Gazebo/")?;
-    // A misspelling that was Gazebo's own for years, and stands in many robots.
-    let short = if short == "Torquoise" { "Turquoise" } else { short };
+    let short = ALIASES.iter().find(|(alias, _)| *alias == short).map_or(short, |(_, name)| name);
     let gloss = GLOSS.iter().find(|(row, ..)| *row == short);
     let (specular, shininess) =
         gloss.map_or(([0.0; 3], 0.0), |&(_, specular, shininess)| (specular, shininess));
@@ -185,4 +195,20 @@ pub fn gazebo_material(name: &str) -> Option<Material> {
 /// Every built-in name with its prefix, for "did you mean".
 pub fn gazebo_material_names() -> impl Iterator<Item = String> {
     MATERIALS.iter().map(|(name, ..)| format!("Gazebo/{name}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_spellings_of_grey_are_one() {
+        for (alias, name) in [("Gazebo/Gray", "Gazebo/Grey"), ("Gazebo/DarkGray", "Gazebo/DarkGrey")] {
+            assert_eq!(gazebo_material(alias), gazebo_material(name));
+            assert!(gazebo_material(alias).is_some());
+        }
+        for name in ["CoM", "GreyGradientSky", "CloudySky", "Editor", "EditorPlane", "PointCloud"] {
+            assert!(gazebo_material(&format!("Gazebo/{name}")).is_some(), "{name}");
+        }
+    }
 }

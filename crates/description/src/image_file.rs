@@ -1,7 +1,17 @@
 //! Pictures in files.
 
-use image::{DynamicImage, ImageReader, ImageResult};
+use crate::mesh::gltf::picture;
+use image::{DynamicImage, ImageFormat, ImageReader, ImageResult};
+use std::io::{self, Cursor};
 use std::path::Path;
+
+/// Reads the bytes of a picture's file. A picture inside of a glTF has a path of its own, `robot.glb#image0`.
+///
+/// # Errors
+/// A file that cannot be read, or holds no such picture.
+pub fn read(path: &Path) -> io::Result<Vec<u8>> {
+    picture::read(path)
+}
 
 /// Reads a picture. Its format is recognised by its content, since files such as a `wood.png` that is a JPEG exist; only
 /// a format without a signature, such as TGA, is recognised by the file's extension.
@@ -9,7 +19,11 @@ use std::path::Path;
 /// # Errors
 /// A file that cannot be read or decoded.
 pub fn open(path: &Path) -> ImageResult<DynamicImage> {
-    ImageReader::open(path)?.with_guessed_format()?.decode()
+    let mut reader = ImageReader::new(Cursor::new(read(path)?));
+    if let Ok(format) = ImageFormat::from_path(path) {
+        reader.set_format(format);
+    }
+    reader.with_guessed_format()?.decode()
 }
 
 #[cfg(test)]
@@ -29,5 +43,13 @@ mod tests {
             assert_eq!(open(&path).unwrap().into_rgb8().dimensions(), (3, 2), "{name}");
         }
         assert!(open(&folder.path().join("none.png")).is_err());
+    }
+    /// The half of 16 bits is the half of 8.
+    #[test]
+    fn pictures_of_16_bits_are_read() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("deep.png");
+        image::ImageBuffer::from_pixel(3, 2, image::Rgb([0x8080_u16, 0xffff, 0])).save(&path).unwrap();
+        assert_eq!(open(&path).unwrap().into_rgba8().get_pixel(2, 1).0, [0x80, 0xff, 0, 0xff]);
     }
 }

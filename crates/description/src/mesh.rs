@@ -1,24 +1,31 @@
-//! Triangle meshes from files: STL, Wavefront OBJ and Collada.
+//! Triangle meshes from files: STL, Wavefront OBJ, PLY, Collada and glTF.
 //!
-//! STL and OBJ are read by the crate `mesh-loader`, and taken as they are: metres, z up. Collada says its unit and its
-//! up axis, and is read by the module `collada`: `mesh-loader` keeps one instance of each geometry, and panics on an
-//! index out of range.
+//! STL, OBJ and PLY are taken as they are: metres, z up. Collada says its unit and its up axis, and in glTF y is up:
+//! see [`UpAxis`].
 
 mod collada;
+mod faces;
+pub(crate) mod gltf;
+mod look;
 mod obj;
+mod part;
+mod ply;
+mod stl;
 
 use super::diagnostics::{Diagnostics, Source};
-use super::model::{Material, Mesh};
+use super::model::Mesh;
 use super::suggestion::did_you_mean;
-use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use glam::{DVec3, Vec3};
-use std::path::{Path, PathBuf};
+pub use look::find_texture;
+use look::find_textures;
+use part::{Part, Unreadable, append, finish};
+use std::path::Path;
 use std::sync::Arc;
 
 /// The formats that are read, for error messages.
-pub const MESH_FORMATS: &str = "stl, obj, dae (Collada)";
+pub const MESH_FORMATS: &str = "stl, obj, dae (Collada), ply, gltf, glb";
 
-/// What becomes of Collada's `<up_axis>`.
+/// What becomes of Collada's `<up_axis>`, and of glTF's axes, of which y is up.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum UpAxis {
     /// Nothing: the numbers are taken as they stand, as Gazebo and rviz do, and as their models are made for.
@@ -37,21 +44,7 @@ pub struct Submesh {
     pub is_centred: bool,
 }
 
-/// Triangles of one material as a file gives them.
-#[derive(Debug, Default)]
-struct Part {
-    /// Name in the file, for errors.
-    name: String,
-    /// What else the file calls it.
-    aliases: Vec<String>,
-    positions: Vec<[f32; 3]>,
-    /// As many as positions, or none.
-    uvs: Vec<[f32; 2]>,
-    triangles: Vec<[u32; 3]>,
-    material: Option<Material>,
-}
-
-/// Loads a mesh (STL, Collada, OBJ) and applies `up_axis` and `scale`. `source` is where the description asks for it.
+/// Loads a mesh and applies `up_axis` and `scale`. `source` is where the description asks for it.
 ///
 /// If the file has several materials, that of most triangles stands for all: see [`load_mesh_parts`].
 ///
@@ -88,37 +81,13 @@ pub fn load_mesh_parts(
         return None;
     }
     diagnostics.opened(path);
-    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
-    let mut parts = match extension.to_ascii_lowercase().as_str() {
-        "dae" => collada::load(path, up_axis, diagnostics)?,
-        "stl" | "obj" => match mesh_loader::Loader::default()
-            .load_with_reader(path, |file| obj_or_stl(file, diagnostics))
-        {
-            Ok(scene) => scene.meshes.into_iter().zip(scene.materials).map(from_scene).collect(),
-            Err(error) => {
-                diagnostics.error(
-                    source,
-                    format!("the mesh {} cannot be read: {error}", path.display()),
-                    "check the file, or export it again",
-                );
-                return None;
-            }
-        },
-        _ => {
-            diagnostics.error(
-                source,
-                format!("the mesh {} is of a kind that is not read", path.display()),
-                format!("convert it to one of {MESH_FORMATS}"),
-            );
-            return None;
-        }
-    };
+    let mut parts = read(path, up_axis, source, diagnostics)?;
     if let Some(submesh) = submesh {
         parts = select(parts, submesh, path, source, diagnostics)?;
     }
     let mut meshes: Vec<Mesh> = Vec::new();
-    for mut part in parts {
-        check_texture(&mut part, path, source, diagnostics);
+    find_textures(&mut parts, path, source, diagnostics);
+    for part in parts {
         let mesh = finish(part, path, scale, source, diagnostics)?;
         if mesh.triangles.is_empty() {
             continue;
@@ -137,6 +106,39 @@ pub fn load_mesh_parts(
         return None;
     }
     Some(meshes.into_iter().map(Arc::new).collect())
+}
+
+/// Reads a file by its format; none after an error.
+fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnostics) -> Option<Vec<Part>> {
+    let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
+    let parse = match extension.to_ascii_lowercase().as_str() {
+        "dae" => return collada::load(path, up_axis, diagnostics),
+        "stl" => stl::parse,
+        "obj" => obj::parse,
+        "ply" => ply::parse,
+        "gltf" | "glb" => match up_axis {
+            UpAxis::Ignored => gltf::parse,
+            UpAxis::Applied => gltf::parse_upright,
+        },
+        _ => {
+            diagnostics.error(
+                source,
+                format!("the mesh {} is of a kind that is not read", path.display()),
+                format!("convert it to one of {MESH_FORMATS}"),
+            );
+            return None;
+        }
+    };
+    let read = std::fs::read(path).map_err(|error| Unreadable::from(error.to_string()));
+    match read.and_then(|bytes| parse(&bytes, path, diagnostics)) {
+        Ok(parts) => Some(parts),
+        Err(Unreadable { line, what }) => {
+            let place = line.map_or_else(|| source.clone(), |line| Source::new(path, line));
+            let what = format!("the mesh {} cannot be read: {what}", path.display());
+            diagnostics.error(&place, what, "check the file, or export it again");
+            None
+        }
+    }
 }
 
 /// The parts that a submesh means; none after an error.
@@ -190,175 +192,5 @@ pub fn merge_parts(parts: &[Arc<Mesh>]) -> Option<Arc<Mesh>> {
     Some(Arc::new(merged))
 }
 
-/// Appends triangles. Texture coordinates are filled up with zeros where only one side has them.
-fn append(mesh: &mut Mesh, more: &Mesh) {
-    let first = mesh.positions.len() as u32;
-    if !more.uvs.is_empty() || !mesh.uvs.is_empty() {
-        mesh.uvs.resize(mesh.positions.len(), [0.0; 2]);
-        mesh.uvs.extend(&more.uvs);
-        mesh.uvs.resize(mesh.positions.len() + more.positions.len(), [0.0; 2]);
-    }
-    mesh.positions.extend(&more.positions);
-    mesh.triangles.extend(more.triangles.iter().map(|triangle| triangle.map(|index| index + first)));
-}
-
-/// A mesh of `mesh-loader` with its material.
-fn from_scene((mesh, material): (mesh_loader::Mesh, mesh_loader::Material)) -> Part {
-    let [uvs, _] = mesh.texcoords;
-    let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
-    let texture: Option<PathBuf> = material.texture.diffuse;
-    let look = Look {
-        diffuse: if texture.is_some() { Some([1.0; 3]) } else { material.color.diffuse.map(rgb) },
-        emissive: material.color.emissive.map(rgb),
-        specular: material.color.specular.map(rgb),
-        shininess: material.shininess,
-        alpha: material.opacity,
-        texture_alpha: TextureAlpha::Ignored,
-        texture,
-    };
-    Part {
-        name: mesh.name,
-        aliases: Vec::new(),
-        uvs: if uvs.len() == mesh.vertices.len() { uvs } else { Vec::new() },
-        positions: mesh.vertices,
-        triangles: mesh.faces,
-        material: look.material(),
-    }
-}
-
-/// A file's look, as far as it says.
-#[derive(Default)]
-struct Look {
-    diffuse: Option<[f32; 3]>,
-    emissive: Option<[f32; 3]>,
-    specular: Option<[f32; 3]>,
-    shininess: Option<f32>,
-    alpha: Option<f32>,
-    texture_alpha: TextureAlpha,
-    texture: Option<PathBuf>,
-}
-
-impl Look {
-    /// Exporters leave the ambient colour black or at odds with the diffuse one, so the diffuse colour stands for both.
-    /// What is beyond its range counts as its end.
-    fn material(self) -> Option<Material> {
-        let diffuse = self.diffuse.or(self.texture.is_some().then_some([1.0; 3]))?;
-        let within = |value: f32, most: f32| if value.is_nan() { 0.0 } else { value.clamp(0.0, most) };
-        Some(Material {
-            diffuse,
-            ambient: diffuse,
-            emissive: self.emissive.unwrap_or([0.0; 3]),
-            specular: self.specular.unwrap_or([0.0; 3]),
-            shininess: within(self.shininess.unwrap_or(0.0), MAX_SHININESS),
-            alpha: within(self.alpha.unwrap_or(1.0), 1.0),
-            texture_alpha: self.texture_alpha,
-            texture: self.texture,
-            normal_map: None,
-            texture_repeat: [1.0; 2],
-        })
-    }
-}
-
-/// Reads a file for `mesh-loader`.
-fn obj_or_stl(path: &Path, diagnostics: &mut Diagnostics) -> std::io::Result<Vec<u8>> {
-    // The materials that an OBJ names as well.
-    diagnostics.opened(path);
-    let is_stl = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("stl"));
-    if !is_stl {
-        return obj::read(path);
-    }
-    let mut bytes = std::fs::read(path)?;
-    if is_binary_stl(&bytes) {
-        // Some headers begin with the word by which text is known.
-        bytes[..STL_HEADER].fill(0);
-    }
-    Ok(bytes)
-}
-
-/// Bytes of a binary STL before the number of its triangles.
-const STL_HEADER: usize = 80;
-
-/// Whether an STL is as long as its number of triangles says.
-fn is_binary_stl(bytes: &[u8]) -> bool {
-    let count = bytes.get(STL_HEADER..).and_then(<[u8]>::first_chunk);
-    count.is_some_and(|count| {
-        bytes.len() as u64 == STL_HEADER as u64 + 4 + 50 * u64::from(u32::from_le_bytes(*count))
-    })
-}
-
-/// The picture that a mesh in `folder` names: there, or in the `materials/textures` of its model, where Gazebo looks
-/// too. Folders of the machine that the mesh was made on are left off.
-pub fn find_texture(name: &str, folder: &Path) -> Option<PathBuf> {
-    let name = name.replace('\\', "/");
-    let file = name.rsplit('/').next().filter(|file| !file.is_empty())?;
-    let model = folder.ancestors().take(4).map(|above| above.join("materials/textures"));
-    let places: Vec<PathBuf> = std::iter::once(folder.to_path_buf()).chain(model).collect();
-    let found = |name: &str| places.iter().map(|place| place.join(name)).find(|path| path.is_file());
-    found(&name).or_else(|| found(file))
-}
-
-/// Finds the picture that a mesh names. Without it the mesh is drawn in its colour, as in Gazebo.
-fn check_texture(part: &mut Part, path: &Path, source: &Source, diagnostics: &mut Diagnostics) {
-    let Some(texture) = part.material.as_mut().and_then(|material| material.texture.as_mut()) else { return };
-    let folder = path.parent().unwrap_or(Path::new(""));
-    if let Some(found) = find_texture(&texture.to_string_lossy(), folder) {
-        *texture = found;
-        return;
-    }
-    let what = format!(
-        "there is no texture {}, which the mesh {} names: it is drawn in one colour",
-        texture.display(),
-        path.display()
-    );
-    let remedy = "put it beside the mesh, or into materials/textures of its model";
-    diagnostics.warning(source, what, remedy);
-    if let Some(material) = &mut part.material {
-        material.texture = None;
-    }
-}
-
-/// Checks every number, applies the scale, and leaves out triangles without area.
-fn finish(
-    part: Part,
-    path: &Path,
-    scale: DVec3,
-    source: &Source,
-    diagnostics: &mut Diagnostics,
-) -> Option<Mesh> {
-    let Part { name, mut positions, mut uvs, mut triangles, material, .. } = part;
-    let mut fail = |what: String| {
-        let name = if name.is_empty() { String::new() } else { format!(" of '{name}'") };
-        diagnostics.error(source, format!("the mesh {}: {what}{name}", path.display()), "export it again");
-        None
-    };
-    for (index, position) in positions.iter_mut().enumerate() {
-        *position = (Vec3::from(*position).as_dvec3() * scale).as_vec3().to_array();
-        if !position.iter().all(|value| value.is_finite()) {
-            return fail(format!("vertex {index} is not finite"));
-        }
-    }
-    if uvs.iter().flatten().any(|value| !value.is_finite()) {
-        return fail("a texture coordinate is not finite".into());
-    }
-    if uvs.len() != positions.len() {
-        uvs.clear();
-    }
-    if let Some((index, _)) = triangles
-        .iter()
-        .enumerate()
-        .find(|(_, triangle)| triangle.iter().any(|vertex| *vertex as usize >= positions.len()))
-    {
-        return fail(format!("triangle {index} names a vertex that is not there"));
-    }
-    triangles.retain(|triangle| {
-        let [a, b, c] = triangle.map(|vertex| Vec3::from(positions[vertex as usize]).as_dvec3());
-        (b - a).cross(c - a) != DVec3::ZERO
-    });
-    // A mirror turns the outside in.
-    if scale.x * scale.y * scale.z < 0.0 {
-        for triangle in &mut triangles {
-            triangle.swap(1, 2);
-        }
-    }
-    Some(Mesh { path: path.to_path_buf(), positions, uvs, triangles, material })
-}
+#[cfg(test)]
+mod tests;

@@ -37,9 +37,9 @@ pub(super) struct Placed {
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
     pub(super) builder: SceneBuilder,
-    /// By path, with whether they are opaque.
-    textures: HashMap<PathBuf, (TextureId, bool)>,
-    normal_maps: HashMap<PathBuf, TextureId>,
+    /// By path, with whether they are opaque; none for a picture that cannot be used.
+    textures: HashMap<PathBuf, Option<(TextureId, bool)>>,
+    normal_maps: HashMap<PathBuf, Option<TextureId>>,
     /// By address: only for as long as the models that they are of are borrowed.
     meshes: HashMap<*const Mesh, MeshId>,
     height_fields: HashMap<*const Heights, HeightFieldId>,
@@ -209,9 +209,8 @@ impl Assembly {
         optics: Optics,
         source: &Source,
     ) -> Result<MaterialId, Problem> {
-        let found = material.texture.as_deref().map(|path| self.texture(path, source)).transpose()?;
-        let normal_map =
-            material.normal_map.as_deref().map(|path| self.normal_map(path, source)).transpose()?;
+        let found = material.texture.as_deref().and_then(|path| self.texture(path, source));
+        let normal_map = material.normal_map.as_deref().and_then(|path| self.normal_map(path, source));
         let (texture, is_opaque) = found.map_or((None, true), |(texture, opaque)| (Some(texture), opaque));
         let texture_alpha = if is_opaque { TextureAlpha::Ignored } else { material.texture_alpha };
         let config = MaterialConfig {
@@ -231,32 +230,35 @@ impl Assembly {
         self.builder.add_material(&config).map_err(|error| refused(error, source))
     }
 
-    fn normal_map(&mut self, path: &Path, source: &Source) -> Result<TextureId, Problem> {
+    /// Returns the normals that a picture gives a surface; none, after a warning, if the picture cannot be used.
+    fn normal_map(&mut self, path: &Path, source: &Source) -> Option<TextureId> {
         if let Some(known) = self.normal_maps.get(path) {
-            return Ok(*known);
+            return *known;
         }
-        let picture = open(path, source)?;
-        let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
-        let added = self.builder.add_normal_map(picture.width(), picture.height(), texels);
-        let added = added.map_err(|error| refused(error, source))?;
+        let added = open(path, source).and_then(|picture| {
+            let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
+            let added = self.builder.add_normal_map(picture.width(), picture.height(), texels);
+            added.map_err(|error| unused(path, source, &error))
+        });
+        let added = added.inspect_err(|problem| tracing::warn!("{problem}")).ok();
         self.normal_maps.insert(path.to_path_buf(), added);
-        Ok(added)
+        added
     }
 
-    /// A picture, and whether all of it is opaque.
-    fn texture(&mut self, path: &Path, source: &Source) -> Result<(TextureId, bool), Problem> {
+    /// Returns a picture, and whether all of it is opaque; none, after a warning, if the picture cannot be used.
+    fn texture(&mut self, path: &Path, source: &Source) -> Option<(TextureId, bool)> {
         if let Some(known) = self.textures.get(path) {
-            return Ok(*known);
+            return *known;
         }
-        let picture = open(path, source)?;
-        let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
-        let added = self
-            .builder
-            .add_texture(picture.width(), picture.height(), texels)
-            .map_err(|error| refused(error, source))?;
-        let found = (added, texels.iter().all(|texel| texel[3] == u8::MAX));
-        self.textures.insert(path.to_path_buf(), found);
-        Ok(found)
+        let added = open(path, source).and_then(|picture| {
+            let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
+            let added = self.builder.add_texture(picture.width(), picture.height(), texels);
+            let added = added.map_err(|error| unused(path, source, &error))?;
+            Ok((added, texels.iter().all(|texel| texel[3] == u8::MAX)))
+        });
+        let added = added.inspect_err(|problem| tracing::warn!("{problem}")).ok();
+        self.textures.insert(path.to_path_buf(), added);
+        added
     }
 }
 
@@ -266,12 +268,7 @@ pub(super) fn of_link(placed: &[Vec<Vec<Placed>>], (model, link): (ModelIndex, L
 }
 
 fn open(path: &Path, source: &Source) -> Result<image::RgbaImage, Problem> {
-    let picture = image_file::open(path).map_err(|error| Problem {
-        severity: Severity::Error,
-        source: source.clone(),
-        what: format!("texture {} cannot be read: {error}", path.display()),
-        remedy: "use a PNG, JPEG, TGA or BMP picture".into(),
-    })?;
+    let picture = image_file::open(path).map_err(|error| unused(path, source, &error))?;
     Ok(rgba(picture))
 }
 
@@ -296,6 +293,19 @@ fn rgba(picture: DynamicImage) -> image::RgbaImage {
     }
     // There are as many bytes as it has texels.
     image::RgbaImage::from_raw(width, height, texels).unwrap_or_else(|| picture.into_rgba8())
+}
+
+/// Makes the warning about a picture that cannot be used. As in Gazebo, the surface is drawn without it.
+fn unused(path: &Path, source: &Source, error: &dyn std::error::Error) -> Problem {
+    Problem {
+        severity: Severity::Warning,
+        source: source.clone(),
+        what: format!(
+            "the picture {} cannot be used, so the surface is drawn without it: {error}",
+            path.display()
+        ),
+        remedy: "use a PNG, JPEG, TGA, BMP or DDS picture".into(),
+    }
 }
 
 /// The rotation that turns a rectangle's outside (+z) to `normal`, the picture on it as on the face of a box that
@@ -323,6 +333,24 @@ pub(super) fn refused(error: SceneError, source: &Source) -> Problem {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_picture_that_cannot_be_used_costs_only_itself() {
+        let folder = tempfile::tempdir().unwrap();
+        let torn = folder.path().join("torn.png");
+        std::fs::write(&torn, b"\x89PNG\r\n\x1a\n").unwrap();
+        let (source, mut assembly) = (Source::new("w.sdf", 3), Assembly::default());
+        for path in [torn, folder.path().join("gone.png")] {
+            let problem = open(&path, &source).unwrap_err();
+            assert!(problem.to_string().starts_with("w.sdf:3: warning: the picture "), "{problem}");
+            let material = description::Material {
+                texture: Some(path.clone()),
+                normal_map: Some(path),
+                ..description::Material::default()
+            };
+            assert!(assembly.material(&material, Optics::default(), &source).is_ok());
+        }
+    }
 
     #[test]
     fn pictures_are_widened_as_the_library_does() {

@@ -6,18 +6,25 @@
 //! lines, splines, skeletons, animation, lights and cameras, with the nodes that hold nothing else. Materials and looks that are missing or wrong
 //! cost a warning, not the mesh.
 
+mod look;
 mod numbers;
+mod shape;
 
-use super::{Look, Part, UpAxis};
+use super::UpAxis;
+use super::faces::Cutter;
+use super::part::Part;
 use crate::budget::Budget;
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::Material;
 use crate::xml::Element;
-use belvedere_sensors::scene::TextureAlpha;
 use glam::{DAffine3, DMat3, DVec3};
-use numbers::{Values, list, offset, polygons, transform, values};
-use std::collections::{HashMap, HashSet};
-use std::path::{Path, PathBuf};
+use numbers::{Values, transform};
+use shape::Shape;
+use std::cell::RefCell;
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeSet, HashMap};
+use std::path::Path;
+use std::rc::Rc;
 
 /// Where in the file it is wrong, and what.
 struct Wrong(Source, String);
@@ -42,6 +49,11 @@ pub(super) fn load(path: &Path, up_axis: UpAxis, diagnostics: &mut Diagnostics) 
     for Wrong(source, what) in document.left_out {
         diagnostics.warning(&source, format!("{what}: it is left out"), "export the mesh again");
     }
+    for id in document.ambiguous.take() {
+        let (first, second) = (&document.by_id[&*id].source, &document.repeated[&*id].source);
+        let what = format!("the id '{id}' occurs again: the element at {first} counts");
+        diagnostics.warning(second, what, "give each element an id of its own");
+    }
     match parts {
         Ok(parts) => Some(parts),
         Err(Wrong(source, what)) => {
@@ -51,37 +63,61 @@ pub(super) fn load(path: &Path, up_axis: UpAxis, diagnostics: &mut Diagnostics) 
     }
 }
 
+/// Collects elements by their ids. The first of an id counts.
+fn collect<'a>(
+    element: &'a Element,
+    by_id: &mut HashMap<&'a str, &'a Element>,
+    repeated: &mut HashMap<&'a str, &'a Element>,
+) {
+    if let Some(id) = element.attribute("id") {
+        match by_id.entry(id) {
+            Entry::Vacant(place) => {
+                place.insert(element);
+            }
+            Entry::Occupied(_) => {
+                repeated.entry(id).or_insert(element);
+            }
+        }
+    }
+    for child in element.elements() {
+        collect(child, by_id, repeated);
+    }
+}
+
 struct Document<'a> {
     root: &'a Element,
     up_axis: UpAxis,
     by_id: HashMap<&'a str, &'a Element>,
+    /// Elements whose id another had before.
+    repeated: HashMap<&'a str, &'a Element>,
+    /// Ids of those to which something refers.
+    ambiguous: RefCell<BTreeSet<String>>,
     budget: Budget,
-    /// Geometries that were taken once: from then on they are copies.
-    taken: HashSet<*const Element>,
+    cutter: Cutter,
+    /// Sources that were read.
+    values: HashMap<*const Element, Rc<Values<'a>>>,
+    /// Geometries that were read.
+    geometries: HashMap<*const Element, Rc<[Shape<'a>]>>,
     /// What is wrong, and can be done without.
     left_out: Vec<Wrong>,
 }
 
-/// An `<input>` of a primitive.
-struct Input<'a> {
-    offset: usize,
-    values: Values<'a>,
-}
-
 impl<'a> Document<'a> {
     fn new(root: &'a Element, up_axis: UpAxis) -> Self {
-        fn collect<'a>(element: &'a Element, by_id: &mut HashMap<&'a str, &'a Element>) {
-            if let Some(id) = element.attribute("id") {
-                by_id.entry(id).or_insert(element);
-            }
-            for child in element.elements() {
-                collect(child, by_id);
-            }
+        let (mut by_id, mut repeated) = (HashMap::new(), HashMap::new());
+        collect(root, &mut by_id, &mut repeated);
+        Self {
+            root,
+            up_axis,
+            by_id,
+            repeated,
+            ambiguous: RefCell::default(),
+            budget: Budget::default(),
+            cutter: Cutter::default(),
+            values: HashMap::new(),
+            geometries: HashMap::new(),
+            left_out: Vec::new(),
         }
-        let mut by_id = HashMap::new();
-        collect(root, &mut by_id);
-        let (budget, taken, left_out) = (Budget::default(), HashSet::new(), Vec::new());
-        Self { root, up_axis, by_id, budget, taken, left_out }
     }
 
     fn parts(&mut self) -> Outcome<Vec<Part>> {
@@ -94,7 +130,7 @@ impl<'a> Document<'a> {
         if let Some(instance) = scene {
             let scene = self.referenced(instance, "url")?;
             for node in scene.elements_named("node") {
-                self.node(node, world_from_file, &mut parts)?;
+                self.node(node, world_from_file, &[], &mut parts)?;
             }
         } else {
             let geometries = self.root.elements_named("library_geometries");
@@ -133,13 +169,24 @@ impl<'a> Document<'a> {
         let Some(reference) = element.attribute(attribute) else {
             return wrong(element, format!("<{}> has no '{attribute}'", element.name));
         };
-        match self.by_id.get(reference.trim_start_matches('#')) {
+        let id = reference.trim_start_matches('#');
+        if self.repeated.contains_key(id) {
+            self.ambiguous.borrow_mut().insert(id.to_owned());
+        }
+        match self.by_id.get(id) {
             Some(found) => Ok(found),
             None => wrong(element, format!("there is nothing with the id '{reference}'")),
         }
     }
 
-    fn node(&mut self, node: &'a Element, world_from_parent: DAffine3, parts: &mut Vec<Part>) -> Outcome<()> {
+    /// Places what stands on a node. `above` has the names of the nearest node above that has any.
+    fn node(
+        &mut self,
+        node: &'a Element,
+        world_from_parent: DAffine3,
+        above: &[&str],
+        parts: &mut Vec<Part>,
+    ) -> Outcome<()> {
         // What stands on a camera's or lamp's node moves no triangle.
         let holds = |name: &str| {
             matches!(name, "node" | "instance_node" | "instance_geometry" | "instance_controller")
@@ -158,22 +205,27 @@ impl<'a> Document<'a> {
                 world_from_node *= transform;
             }
         }
+        // Gazebo knows a part by its node, or by the nearest node above that has a name.
+        let own: Vec<&str> = ["name", "id"].iter().filter_map(|name| node.attribute(name)).collect();
+        let names = if own.is_empty() { above } else { &own[..] };
         for child in node.elements() {
+            let first = parts.len();
             match child.name.as_str() {
-                "node" => self.node(child, world_from_node, parts)?,
-                "instance_node" => self.node(self.referenced(child, "url")?, world_from_node, parts)?,
+                "node" => self.node(child, world_from_node, names, parts)?,
+                "instance_node" => {
+                    self.node(self.referenced(child, "url")?, world_from_node, names, parts)?;
+                }
                 "instance_geometry" => {
                     let materials = self.bound_materials(child);
-                    let first = parts.len();
                     self.geometry(self.referenced(child, "url")?, world_from_node, &materials, parts)?;
-                    // Gazebo knows a part by its node.
-                    let names = ["name", "id"].iter().filter_map(|name| node.attribute(name));
-                    for part in &mut parts[first..] {
-                        part.aliases.extend(names.clone().map(str::to_owned));
-                    }
                 }
                 "instance_controller" => self.skin(child, parts)?,
                 _ => {}
+            }
+            if child.name.starts_with("instance_") && child.name != "instance_node" {
+                for part in &mut parts[first..] {
+                    part.aliases.extend(names.iter().copied().map(str::to_owned));
+                }
             }
         }
         self.budget.leave(1);
@@ -216,52 +268,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    fn effect(&self, effect: &Element) -> Outcome<Option<Material>> {
-        let Some(profile) = effect.child("profile_COMMON") else { return Ok(None) };
-        let Some(shading) = profile.child("technique").and_then(|technique| {
-            ["phong", "lambert", "blinn", "constant"].iter().find_map(|name| technique.child(name))
-        }) else {
-            return Ok(None);
-        };
-        let color = |name: &str| -> Outcome<Option<[f32; 3]>> {
-            match shading.child(name).and_then(|part| part.child("color")) {
-                Some(element) => rgba(element).map(|[r, g, b, _]| Some([r, g, b])),
-                None => Ok(None),
-            }
-        };
-        let shininess = shading.child("shininess").map(float).transpose()?.flatten();
-        let (alpha, texture_alpha) = opacity(shading)?;
-        let texture = shading.child("diffuse").and_then(|diffuse| diffuse.child("texture"));
-        let picture = texture
-            .and_then(|texture| texture.attribute("texture"))
-            .and_then(|sampler| self.picture(profile, sampler));
-        let (diffuse, emissive, specular) = (color("diffuse")?, color("emission")?, color("specular")?);
-        let look = Look { diffuse, emissive, specular, shininess, alpha, texture_alpha, texture: picture };
-        Ok(look.material())
-    }
-
-    /// The file behind a texture: sampler → surface → image (1.4), sampler → image (1.5), or the image itself.
-    fn picture(&self, profile: &Element, sampler: &str) -> Option<PathBuf> {
-        let parameter = |sid: &str| {
-            profile.elements_named("newparam").find(|parameter| parameter.attribute("sid") == Some(sid))
-        };
-        let mut id = sampler;
-        let source;
-        if let Some(sampler) = parameter(sampler).and_then(|parameter| parameter.child("sampler2D")) {
-            if let Some(image) = sampler.child("instance_image") {
-                id = image.attribute("url")?.trim_start_matches('#');
-            } else {
-                let surface = parameter(&sampler.child("source")?.text())?.child("surface")?;
-                source = surface.child("init_from")?.text();
-                id = &source;
-            }
-        }
-        let init = self.by_id.get(id)?.child("init_from")?;
-        let file = init.child("ref").unwrap_or(init).text();
-        let file = file.trim_start_matches("file://").replace('\\', "/").replace("%20", " ");
-        (!file.is_empty()).then(|| file.into())
-    }
-
+    /// Places a copy of a geometry's parts.
     fn geometry(
         &mut self,
         geometry: &'a Element,
@@ -269,134 +276,34 @@ impl<'a> Document<'a> {
         materials: &HashMap<&str, Material>,
         parts: &mut Vec<Part>,
     ) -> Outcome<()> {
-        let Some(mesh) = geometry.child("mesh") else { return Ok(()) };
-        let mut copied = 0;
-        for primitive in mesh.elements() {
-            let polygons = match primitive.name.as_str() {
-                "triangles" | "polylist" | "polygons" | "trifans" | "tristrips" => polygons(primitive)?,
-                _ => continue,
+        let shapes = if let Some(known) = self.geometries.get(&std::ptr::from_ref(geometry)) {
+            let bytes = |shape: &Shape<'_>| size_of_val(&shape.positions[..]) + size_of_val(&shape.uvs[..]);
+            if let Err(spent) = self.budget.take(0, known.iter().map(bytes).sum()) {
+                return wrong(geometry, spent.to_string());
+            }
+            known.clone()
+        } else {
+            let shapes: Rc<[Shape<'a>]> = self.shapes(geometry)?.into();
+            self.geometries.insert(geometry, shapes.clone());
+            shapes
+        };
+        let mirrored = world_from_geometry.matrix3.determinant() < 0.0;
+        for shape in &*shapes {
+            let place = |position: &[f32; 3]| {
+                let point = DVec3::from_array(position.map(f64::from));
+                world_from_geometry.transform_point3(point).as_vec3().to_array()
             };
-            let material = primitive.attribute("material").and_then(|symbol| materials.get(symbol)).cloned();
-            let mut part = Part {
+            let triangles =
+                shape.triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+            parts.push(Part {
                 name: geometry.attribute("id").unwrap_or_default().into(),
                 aliases: geometry.attribute("name").map(str::to_owned).into_iter().collect(),
-                material,
-                ..Part::default()
-            };
-            self.triangulate(primitive, &polygons, world_from_geometry, &mut part)?;
-            copied += size_of_val(&part.positions[..]) + size_of_val(&part.uvs[..]);
-            parts.push(part);
-        }
-        if !self.taken.insert(std::ptr::from_ref(geometry))
-            && let Err(spent) = self.budget.take(0, copied)
-        {
-            return wrong(geometry, spent.to_string());
+                positions: shape.positions.iter().map(place).collect(),
+                uvs: shape.uvs.clone(),
+                triangles: triangles.collect(),
+                material: shape.symbol.and_then(|symbol| materials.get(symbol)).cloned(),
+            });
         }
         Ok(())
     }
-
-    fn inputs(&self, primitive: &'a Element) -> Outcome<(Input<'a>, Option<Input<'a>>, usize)> {
-        let (mut vertex, mut texture, mut stride) = (None, None, 0);
-        for input in primitive.elements_named("input") {
-            let offset = offset(input)?;
-            stride = stride.max(offset + 1);
-            let source = self.referenced(input, "source")?;
-            match input.attribute("semantic") {
-                Some("VERTEX") => {
-                    // Its source is <vertices>, which names that of the positions, and of others in step.
-                    for inner in source.elements_named("input") {
-                        let values = || values(self.referenced(inner, "source")?);
-                        match inner.attribute("semantic") {
-                            Some("POSITION") => vertex = Some(Input { offset, values: values()? }),
-                            Some("TEXCOORD") => texture = Some(Input { offset, values: values()? }),
-                            _ => {}
-                        }
-                    }
-                }
-                Some("TEXCOORD") if texture.is_none() => {
-                    texture = Some(Input { offset, values: values(source)? });
-                }
-                _ => {}
-            }
-        }
-        match vertex {
-            Some(vertex) => Ok((vertex, texture, stride)),
-            None => wrong(primitive, format!("<{}> has no positions", primitive.name)),
-        }
-    }
-
-    /// Cuts polygons into fans of triangles, each corner a vertex of its own.
-    fn triangulate(
-        &self,
-        primitive: &'a Element,
-        polygons: &[Vec<usize>],
-        world_from_geometry: DAffine3,
-        part: &mut Part,
-    ) -> Outcome<()> {
-        let (vertex, texture, stride) = self.inputs(primitive)?;
-        let mirrored = world_from_geometry.matrix3.determinant() < 0.0;
-        for polygon in polygons {
-            let first = part.positions.len() as u32;
-            for corner in polygon.chunks_exact(stride) {
-                let position: [f32; 3] = vertex.values.get(corner[vertex.offset])?;
-                let point = DVec3::from_array(position.map(f64::from));
-                part.positions.push(world_from_geometry.transform_point3(point).as_vec3().to_array());
-                if let Some(texture) = &texture {
-                    part.uvs.push(texture.values.get(corner[texture.offset])?);
-                }
-            }
-            let corners = part.positions.len() as u32 - first;
-            part.triangles.extend((2..corners).map(|i| {
-                if mirrored { [first, first + i, first + i - 1] } else { [first, first + i - 1, first + i] }
-            }));
-        }
-        Ok(())
-    }
-}
-
-/// The colour of an element's text; opaque if it does not say.
-fn rgba(element: &Element) -> Outcome<[f32; 4]> {
-    match list::<f32>(element)?[..] {
-        [r, g, b, ref rest @ ..] if [r, g, b].iter().chain(rest).all(|value| value.is_finite()) => {
-            Ok([r, g, b, rest.first().copied().unwrap_or(1.0)])
-        }
-        _ => wrong(element, "a colour needs three finite numbers"),
-    }
-}
-
-/// The number in an element's `<float>`, if there is one.
-fn float(element: &Element) -> Outcome<Option<f32>> {
-    let Some(float) = element.child("float") else { return Ok(None) };
-    match list::<f32>(float)?[..] {
-        [value] if value.is_finite() => Ok(Some(value)),
-        _ => wrong(float, format!("<{}> needs one finite number", element.name)),
-    }
-}
-
-/// How much of a surface is to be seen. Exporters disagree on what `<transparency>` alone means, so it counts only beside
-/// a `<transparent>` that says how it is meant, as in Gazebo; with a picture there, the picture's alpha cuts out.
-fn opacity(shading: &Element) -> Outcome<(Option<f32>, TextureAlpha)> {
-    let transparent = shading.child("transparent");
-    let Some((transparent, mode)) = transparent.and_then(|it| Some((it, it.attribute("opaque")?))) else {
-        return Ok((None, TextureAlpha::Ignored));
-    };
-    if transparent.child("texture").is_some() {
-        return Ok((None, TextureAlpha::CutOut { least: 0.5 }));
-    }
-    let share = shading.child("transparency").map(float).transpose()?.flatten().unwrap_or(1.0);
-    let [r, g, b, a] = transparent.child("color").map(rgba).transpose()?.unwrap_or([1.0; 4]);
-    let luminance = 0.212_671 * r + 0.715_160 * g + 0.072_169 * b;
-    let alpha = match mode {
-        "A_ONE" => a * share,
-        "A_ZERO" => 1.0 - a * share,
-        "RGB_ONE" => luminance * share,
-        "RGB_ZERO" => 1.0 - luminance * share,
-        _ => {
-            return wrong(
-                transparent,
-                format!("opaque='{mode}' is none of A_ONE, A_ZERO, RGB_ONE, RGB_ZERO"),
-            );
-        }
-    };
-    Ok((Some(alpha), TextureAlpha::Ignored))
 }

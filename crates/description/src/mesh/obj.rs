@@ -1,48 +1,259 @@
-//! Wavefront OBJ and its `.mtl`, made ready for the crate `mesh-loader`: that passes over indented lines, refuses the mesh
-//! for a bad number in a material, and looks for pictures beside the `.mtl` alone.
+//! Wavefront OBJ: polygons with their groups, objects and materials.
 
-use super::find_texture;
-use std::io;
+mod material;
+
+use super::faces::Cutter;
+use super::part::{Part, Unreadable, text};
+use crate::diagnostics::{Diagnostics, Source};
+use crate::model::Material;
+use crate::suggestion::did_you_mean_or;
+use glam::{DVec3, Vec3};
+use std::borrow::Cow;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// Reads a file that an OBJ is made of.
-pub(super) fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let bytes = std::fs::read(path)?;
-    let is_material = path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("mtl"));
-    if is_material {
-        let folder = path.parent().unwrap_or(Path::new(""));
-        return Ok(material_lines(&String::from_utf8_lossy(&bytes), folder).into_bytes());
+/// What a group is called that has no name.
+const DEFAULT: &str = "default";
+
+/// Reads a file: a part for each run of faces of one group, object and material.
+pub(super) fn parse(
+    bytes: &[u8],
+    path: &Path,
+    diagnostics: &mut Diagnostics,
+) -> Result<Vec<Part>, Unreadable> {
+    let text = text(bytes);
+    let mut reader = Reader::new(path, diagnostics);
+    for (line, statement) in statements(&text) {
+        reader.line = line;
+        reader.statement(&statement).map_err(|what| Unreadable::at(line, what))?;
     }
-    Ok(bytes.split_inclusive(|byte| *byte == b'\n').flat_map(<[u8]>::trim_ascii_start).copied().collect())
+    Ok(reader.parts)
 }
 
-/// What of a `.mtl` is drawn, a line each.
-fn material_lines(text: &str, folder: &Path) -> String {
-    let mut lines = String::with_capacity(text.len());
-    for line in text.lines() {
-        let line = line.trim();
-        let (keyword, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
-        let rest = rest.trim();
-        let are_numbers = || {
-            let mut words = rest.split_whitespace();
-            !rest.is_empty() && words.all(|word| word.parse::<f32>().is_ok_and(f32::is_finite))
-        };
-        match keyword {
-            "map_Kd" => {
-                let found = find_texture(rest, folder);
-                // Options stand before the name.
-                let found = found.or_else(|| find_texture(rest.rsplit(char::is_whitespace).next()?, folder));
-                let found = found.and_then(|path| std::path::absolute(path).ok());
-                if let Some(path) = found {
-                    lines.extend(["map_Kd ", &path.to_string_lossy(), "\n"]);
-                }
-            }
-            "newmtl" => lines.extend(["newmtl ", rest, "\n"]),
-            "Kd" | "Ke" | "Ks" | "Ns" | "d" | "Tr" if are_numbers() => {
-                lines.extend([keyword, " ", rest, "\n"]);
-            }
-            _ => {}
+/// Splits a file into statements, each with the number of its first line: a line that ends with `\` goes on in the next.
+fn statements(text: &str) -> impl Iterator<Item = (u32, Cow<'_, str>)> {
+    let mut lines = (1..).zip(text.lines());
+    std::iter::from_fn(move || {
+        let (number, line) = lines.next()?;
+        let mut statement = Cow::Borrowed(line.trim());
+        while let Some(begin) = statement.strip_suffix('\\') {
+            let next = lines.next().map_or("", |(_, line)| line.trim());
+            statement = Cow::Owned(format!("{begin} {next}"));
+        }
+        Some((number, statement))
+    })
+}
+
+struct Reader<'a> {
+    path: &'a Path,
+    diagnostics: &'a mut Diagnostics,
+    line: u32,
+    positions: Vec<[f32; 3]>,
+    uvs: Vec<[f32; 2]>,
+    object: String,
+    group: String,
+    material: String,
+    /// What the materials of the libraries look like, as far as these say.
+    materials: HashMap<String, Option<Material>>,
+    /// Whether a library is missing, which was a warning.
+    lacks_library: bool,
+    /// What a warning was given for.
+    warned: HashSet<String>,
+    parts: Vec<Part>,
+    /// Vertices of the last part by their position and, plus 1, texture coordinates.
+    vertices: HashMap<(u32, u32), u32>,
+    /// Whether faces go on in the last part.
+    is_open: bool,
+    cutter: Cutter,
+    face: Vec<(u32, u32)>,
+    corners: Vec<DVec3>,
+}
+
+impl<'a> Reader<'a> {
+    fn new(path: &'a Path, diagnostics: &'a mut Diagnostics) -> Self {
+        Self {
+            path,
+            diagnostics,
+            line: 0,
+            positions: Vec::new(),
+            uvs: Vec::new(),
+            object: String::new(),
+            group: String::new(),
+            material: String::new(),
+            materials: HashMap::new(),
+            lacks_library: false,
+            warned: HashSet::new(),
+            parts: Vec::new(),
+            vertices: HashMap::new(),
+            is_open: false,
+            cutter: Cutter::default(),
+            face: Vec::new(),
+            corners: Vec::new(),
         }
     }
-    lines
+
+    /// Reads a statement.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    fn statement(&mut self, statement: &str) -> Result<(), String> {
+        let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
+        let rest = rest.trim();
+        match keyword {
+            "v" => self.vertex(rest)?,
+            "vt" => {
+                let ([u, v, _], _) = numbers(rest, 1)?;
+                self.uvs.push([u, v]);
+            }
+            "f" | "fo" => self.face(rest)?,
+            "g" => {
+                rest.clone_into(&mut self.group);
+                self.is_open = false;
+            }
+            "o" => {
+                rest.clone_into(&mut self.object);
+                self.group.clear();
+                self.is_open = false;
+            }
+            "usemtl" if rest != self.material => {
+                rest.clone_into(&mut self.material);
+                self.is_open = false;
+            }
+            "mtllib" => self.library(rest),
+            "surf" => self.warn("surf", "free-form surfaces are left out", "export polygons"),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    /// Warns of the statement that is being read, once for each `key`.
+    fn warn(&mut self, key: &str, what: &str, remedy: impl Into<String>) {
+        if self.warned.insert(key.to_owned()) {
+            self.diagnostics.warning(&Source::new(self.path, self.line), what, remedy);
+        }
+    }
+
+    fn vertex(&mut self, rest: &str) -> Result<(), String> {
+        let (mut point, more) = numbers(rest, 3)?;
+        match more.len() {
+            // A weight.
+            1 if more[0] != 0.0 => point = (Vec3::from(point) / more[0]).to_array(),
+            1 => return Err("the weight of the vertex is 0".into()),
+            _ => {}
+        }
+        self.positions.push(point);
+        Ok(())
+    }
+
+    fn face(&mut self, rest: &str) -> Result<(), String> {
+        self.face.clear();
+        self.corners.clear();
+        for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
+            let mut indices = word.split('/');
+            let vertex = index(indices.next().unwrap_or_default(), self.positions.len(), "vertex")?;
+            let uv = match indices.next().unwrap_or_default() {
+                "" => 0,
+                uv => index(uv, self.uvs.len(), "texture coordinate")? + 1,
+            };
+            self.face.push((vertex, uv));
+            self.corners.push(Vec3::from(self.positions[vertex as usize]).as_dvec3());
+        }
+        if !self.is_open {
+            self.open();
+        }
+        let Some(part) = self.parts.last_mut() else { return Ok(()) };
+        for triangle in self.cutter.cut(&self.corners, &[]) {
+            let triangle = triangle.map(|corner| {
+                let (vertex, uv) = self.face[corner as usize];
+                *self.vertices.entry((vertex, uv)).or_insert_with(|| {
+                    // Where a part has texture coordinates at all, each vertex has.
+                    if uv != 0 {
+                        part.uvs.resize(part.positions.len(), [0.0; 2]);
+                        part.uvs.push(self.uvs[uv as usize - 1]);
+                    }
+                    part.positions.push(self.positions[vertex as usize]);
+                    part.positions.len() as u32 - 1
+                })
+            });
+            part.triangles.push(triangle);
+        }
+        if !part.uvs.is_empty() {
+            part.uvs.resize(part.positions.len(), [0.0; 2]);
+        }
+        Ok(())
+    }
+
+    /// Begins a part.
+    fn open(&mut self) {
+        self.is_open = true;
+        self.vertices.clear();
+        let mut names = [&self.group, &self.object].into_iter().filter(|name| !name.is_empty()).cloned();
+        let name = names.next().unwrap_or_else(|| DEFAULT.to_owned());
+        let aliases = names.collect();
+        let material = self.materials.get(&self.material).cloned();
+        if material.is_none() && !self.material.is_empty() && !self.lacks_library {
+            let known = self.materials.keys().map(String::as_str);
+            let remedy = did_you_mean_or(&self.material, known, "Name its library in mtllib");
+            let what = format!("the material '{}' is not defined: its faces have no colour", self.material);
+            self.warn(&format!("usemtl {}", self.material), &what, remedy);
+        }
+        self.parts.push(Part { name, aliases, material: material.flatten(), ..Part::default() });
+    }
+
+    /// Reads libraries of materials. `names` is one name with spaces, if there is such a file, else a list of names.
+    fn library(&mut self, names: &str) {
+        let folder = self.path.parent().unwrap_or(Path::new(""));
+        let whole = folder.join(names.replace('\\', "/"));
+        let files = if whole.is_file() {
+            vec![whole]
+        } else {
+            names.split_whitespace().map(|name| folder.join(name.replace('\\', "/"))).collect()
+        };
+        for file in files {
+            self.diagnostics.opened(&file);
+            match std::fs::read(&file) {
+                // The first of a name holds.
+                Ok(bytes) => {
+                    for (name, look) in material::parse(&text(&bytes), file.parent().unwrap_or(folder)) {
+                        self.materials.entry(name).or_insert_with(|| look.material());
+                    }
+                }
+                Err(error) => {
+                    self.lacks_library = true;
+                    let what = format!(
+                        "the materials in {} cannot be read: {error}: faces have no colour",
+                        file.display()
+                    );
+                    self.warn(names, &what, "put the file beside the mesh, or take mtllib out");
+                }
+            }
+        }
+    }
+}
+
+/// Reads three numbers, of which the first `required` must be there and the others default to 0, and all that follow.
+fn numbers(rest: &str, required: usize) -> Result<([f32; 3], Vec<f32>), String> {
+    let (mut three, mut more, mut count) = ([0.0; 3], Vec::new(), 0);
+    for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
+        let number = word.parse().map_err(|_| format!("'{word}' is not a number"))?;
+        match three.get_mut(count) {
+            Some(place) => *place = number,
+            None => more.push(number),
+        }
+        count += 1;
+    }
+    if count < required {
+        return Err(format!("there are {count} numbers of {required}"));
+    }
+    Ok((three, more))
+}
+
+/// Returns the place in a list that an index of a face stands for: it counts from 1, or back from the end.
+fn index(word: &str, length: usize, what: &str) -> Result<u32, String> {
+    let index: i64 = word.parse().map_err(|_| format!("'{word}' is not the number of a {what}"))?;
+    let place = if index < 0 { index + length as i64 } else { index - 1 };
+    match usize::try_from(place) {
+        Ok(place) if place < length && index != 0 => Ok(place as u32),
+        _ => Err(format!("the face names {what} {index}, of {length}")),
+    }
 }

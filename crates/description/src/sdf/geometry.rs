@@ -183,7 +183,10 @@ impl Loader<'_> {
                 self.missing(
                     &element.source,
                     format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is not read"),
-                    format!("download it and name the file ({what}s: {MESH_FORMATS})"),
+                    match what {
+                        "mesh" => format!("download it and name the file ({what}s: {MESH_FORMATS})"),
+                        _ => "download it and name the file".to_owned(),
+                    },
                 );
                 None
             }

@@ -2,7 +2,7 @@
 
 use super::resources::Resolved;
 use super::{Loader, Scope, resources};
-use crate::gazebo_materials::gazebo_material;
+use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::model::Material;
 use crate::ogre_material::{self, OgreMaterial};
 use crate::suggestion::did_you_mean_or;
@@ -14,6 +14,9 @@ use std::sync::Arc;
 
 /// Picture formats that are decoded.
 const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "tga", "bmp", "dds"];
+
+/// What the names of Gazebo's own materials begin with.
+const GAZEBO: &str = "Gazebo/";
 
 /// What the alpha of an albedo map means to gz-sim.
 const PBR_ALPHA: TextureAlpha = TextureAlpha::CutOut { least: 0.5 };
@@ -170,6 +173,15 @@ impl Loader<'_> {
         }
         if let Some(material) = gazebo_material(&name) {
             return Some(material);
+        }
+        if name.starts_with(GAZEBO) {
+            // As for the links of a URDF: Gazebo's own names only say a colour, without which a world can run.
+            let names: Vec<String> = gazebo_material_names().collect();
+            let known = names.iter().map(String::as_str).chain(materials.iter().map(|it| it.name.as_str()));
+            let what = format!("Gazebo has no material '{name}': the shape keeps its own look");
+            let remedy = did_you_mean_or(&name, known, "Name one as Gazebo/Red, or write <diffuse>");
+            self.diagnostics.warning(&script.source, what, remedy);
+            return None;
         }
         let known = materials.iter().map(|material| material.name.as_str());
         let remedy = did_you_mean_or(&name, known, "Name the folder of its .material file in <uri>");

@@ -3,6 +3,7 @@
 use super::{Outcome, wrong};
 use crate::xml::Element;
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use std::ops::Range;
 use std::str::FromStr;
 
 /// A corner with more indices than this is a mistake.
@@ -50,51 +51,123 @@ pub(super) fn values(source: &Element) -> Outcome<Values<'_>> {
     Ok(Values { first: number("offset", 0)?, stride, count, element: source, numbers })
 }
 
-/// The indices of a primitive, a list for each polygon.
-pub(super) fn polygons(primitive: &Element) -> Outcome<Vec<Vec<usize>>> {
-    let mut stride = 1;
+/// The polygons of a primitive, by the indices of their corners.
+#[derive(Default)]
+pub(super) struct Polygons {
+    /// Indices of a corner, one of them for each input.
+    pub(super) stride: usize,
+    pub(super) indices: Vec<usize>,
+    pub(super) outlines: Vec<Polygon>,
+}
+
+/// A polygon among the [`Polygons`].
+pub(super) struct Polygon {
+    /// Its corners, with those of its holes behind those of its outline.
+    pub(super) corners: Range<usize>,
+    /// The first corner of each hole, counted from that of the outline.
+    pub(super) holes: Vec<u32>,
+}
+
+impl Polygons {
+    fn push(&mut self, corners: Range<usize>) {
+        self.outlines.push(Polygon { corners, holes: Vec::new() });
+    }
+
+    /// Adds a triangle of corners that are there.
+    fn triangle(&mut self, corners: [usize; 3]) {
+        let first = self.corners();
+        for corner in corners {
+            self.indices.extend_from_within(corner * self.stride..(corner + 1) * self.stride);
+        }
+        self.push(first..first + 3);
+    }
+
+    fn corners(&self) -> usize {
+        self.indices.len() / self.stride
+    }
+
+    /// Adds the corners of an element's text.
+    fn append(&mut self, element: &Element) -> Outcome<Range<usize>> {
+        let (first, begin) = (self.corners(), self.indices.len());
+        append(element, &mut self.indices)?;
+        let count = self.indices.len() - begin;
+        if !count.is_multiple_of(self.stride) {
+            return wrong(element, format!("{count} indices are no multiple of {}", self.stride));
+        }
+        Ok(first..self.corners())
+    }
+}
+
+/// Reads the polygons of a primitive.
+pub(super) fn polygons(primitive: &Element) -> Outcome<Polygons> {
+    let mut found = Polygons { stride: 1, ..Polygons::default() };
     for input in primitive.elements_named("input") {
-        stride = stride.max(offset(input)? + 1);
+        found.stride = found.stride.max(offset(input)? + 1);
     }
-    let corner = |list: &[usize], at: usize| list[at * stride..(at + 1) * stride].to_vec();
-    let mut polygons = Vec::new();
     let sizes = primitive.child("vcount").map(list::<usize>).transpose()?;
-    for element in primitive.elements_named("p") {
-        let indices = list::<usize>(element)?;
-        if indices.len() % stride != 0 {
-            return wrong(element, format!("{} indices are no multiple of {stride}", indices.len()));
-        }
-        let corners = indices.len() / stride;
-        match primitive.name.as_str() {
-            "polygons" => polygons.push(indices),
-            "trifans" => {
-                polygons.extend(
-                    (2..corners).map(|i| {
-                        [corner(&indices, 0), corner(&indices, i - 1), corner(&indices, i)].concat()
-                    }),
-                );
+    for element in primitive.elements() {
+        match (primitive.name.as_str(), element.name.as_str()) {
+            ("polygons", "ph") => with_holes(element, &mut found)?,
+            (_, "p") => {
+                let corners = found.append(element)?;
+                cut_up(primitive, element, corners, sizes.as_deref(), &mut found)?;
             }
-            // Every second triangle of a strip runs the other way round.
-            "tristrips" => polygons.extend((2..corners).map(|i| {
-                let (a, b) = if i % 2 == 0 { (i - 2, i - 1) } else { (i - 1, i - 2) };
-                [corner(&indices, a), corner(&indices, b), corner(&indices, i)].concat()
-            })),
-            "polylist" => {
-                let mut rest = &indices[..];
-                for size in sizes.iter().flatten() {
-                    let Some((polygon, after)) =
-                        size.checked_mul(stride).and_then(|length| rest.split_at_checked(length))
-                    else {
-                        return wrong(element, "<vcount> asks for more corners than <p> has");
-                    };
-                    polygons.push(polygon.to_vec());
-                    rest = after;
-                }
-            }
-            _ => polygons.extend(indices.chunks_exact(3 * stride).map(<[usize]>::to_vec)),
+            _ => {}
         }
     }
-    Ok(polygons)
+    Ok(found)
+}
+
+/// Makes polygons of the corners of a `<p>`.
+fn cut_up(
+    primitive: &Element,
+    p: &Element,
+    corners: Range<usize>,
+    sizes: Option<&[usize]>,
+    found: &mut Polygons,
+) -> Outcome<()> {
+    let (first, end) = (corners.start, corners.end);
+    match primitive.name.as_str() {
+        "polygons" => found.push(corners),
+        "trifans" => (first + 2..end).for_each(|i| found.triangle([first, i - 1, i])),
+        // Every second triangle of a strip runs the other way round.
+        "tristrips" => (first + 2..end).for_each(|i| {
+            let (a, b) = if (i - first) % 2 == 0 { (i - 2, i - 1) } else { (i - 1, i - 2) };
+            found.triangle([a, b, i]);
+        }),
+        "polylist" => {
+            let mut next = first;
+            for size in sizes.unwrap_or_default() {
+                if *size > end - next {
+                    return wrong(p, "<vcount> asks for more corners than <p> has");
+                }
+                found.push(next..next + size);
+                next += size;
+            }
+        }
+        _ => (first..end).step_by(3).filter(|i| i + 3 <= end).for_each(|i| found.push(i..i + 3)),
+    }
+    Ok(())
+}
+
+/// Reads a `<ph>`: a polygon with holes.
+fn with_holes(element: &Element, found: &mut Polygons) -> Outcome<()> {
+    let Some(outline) = element.child("p") else { return wrong(element, "<ph> has no <p>") };
+    let mut corners = found.append(outline)?;
+    let mut holes = Vec::new();
+    for hole in element.elements_named("h") {
+        let start = (corners.end - corners.start) as u32;
+        let hole = found.append(hole)?;
+        // What has fewer corners encloses nothing.
+        if hole.len() >= 3 {
+            holes.push(start);
+            corners.end = hole.end;
+        } else {
+            found.indices.truncate(corners.end * found.stride);
+        }
+    }
+    found.outlines.push(Polygon { corners, holes });
+    Ok(())
 }
 
 /// The place of an `<input>` among the indices of a corner.
@@ -153,14 +226,20 @@ pub(super) fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
     Ok(Some(transform))
 }
 
-/// The numbers of an element's text.
+/// Returns the numbers of an element's text.
 pub(super) fn list<T: FromStr>(element: &Element) -> Outcome<Vec<T>> {
-    element
-        .text()
-        .split_whitespace()
-        .map(|word| match word.parse() {
-            Ok(value) => Ok(value),
-            Err(_) => wrong(element, format!("'{word}' in <{}> is not a number", element.name)),
-        })
-        .collect()
+    let mut numbers = Vec::new();
+    append(element, &mut numbers)?;
+    Ok(numbers)
+}
+
+/// Appends the numbers of an element's text.
+fn append<T: FromStr>(element: &Element, numbers: &mut Vec<T>) -> Outcome<()> {
+    for word in element.text().split_whitespace() {
+        match word.parse() {
+            Ok(value) => numbers.push(value),
+            Err(_) => return wrong(element, format!("'{word}' in <{}> is not a number", element.name)),
+        }
+    }
+    Ok(())
 }

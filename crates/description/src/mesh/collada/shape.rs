@@ -1,0 +1,103 @@
+//! Geometries of a Collada file: the triangles of each primitive in the geometry's own axes.
+
+use super::numbers::{Values, offset, polygons, values};
+use super::{Document, Outcome, wrong};
+use crate::xml::Element;
+use glam::DVec3;
+use std::rc::Rc;
+
+/// An `<input>` of a primitive.
+struct Input<'a> {
+    offset: usize,
+    values: Rc<Values<'a>>,
+}
+
+/// The triangles of a primitive in the axes of its geometry.
+#[derive(Default)]
+pub(super) struct Shape<'a> {
+    /// What an instance binds its material to.
+    pub(super) symbol: Option<&'a str>,
+    pub(super) positions: Vec<[f32; 3]>,
+    pub(super) uvs: Vec<[f32; 2]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+}
+
+impl<'a> Document<'a> {
+    /// Reads a geometry: its triangles in its own axes, those of each primitive for themselves.
+    pub(super) fn shapes(&mut self, geometry: &'a Element) -> Outcome<Vec<Shape<'a>>> {
+        let mut shapes = Vec::new();
+        for primitive in geometry.child("mesh").iter().flat_map(|mesh| mesh.elements()) {
+            if matches!(
+                primitive.name.as_str(),
+                "triangles" | "polylist" | "polygons" | "trifans" | "tristrips"
+            ) {
+                shapes.push(self.triangulate(primitive)?);
+            }
+        }
+        Ok(shapes)
+    }
+
+    /// Returns the numbers of a source, which are read once.
+    fn values(&mut self, source: &'a Element) -> Outcome<Rc<Values<'a>>> {
+        if let Some(known) = self.values.get(&std::ptr::from_ref(source)) {
+            return Ok(known.clone());
+        }
+        let values = Rc::new(values(source)?);
+        self.values.insert(source, values.clone());
+        Ok(values)
+    }
+
+    fn inputs(&mut self, primitive: &'a Element) -> Outcome<(Input<'a>, Option<Input<'a>>)> {
+        let (mut vertex, mut texture) = (None, None);
+        for input in primitive.elements_named("input") {
+            let offset = offset(input)?;
+            let source = self.referenced(input, "source")?;
+            match input.attribute("semantic") {
+                Some("VERTEX") => {
+                    // Its source is <vertices>, which names that of the positions, and of others in step.
+                    for inner in source.elements_named("input") {
+                        let semantic = inner.attribute("semantic");
+                        if !matches!(semantic, Some("POSITION" | "TEXCOORD")) {
+                            continue;
+                        }
+                        let source = self.referenced(inner, "source")?;
+                        let values = Some(Input { offset, values: self.values(source)? });
+                        if semantic == Some("POSITION") { vertex = values } else { texture = values }
+                    }
+                }
+                Some("TEXCOORD") if texture.is_none() => {
+                    texture = Some(Input { offset, values: self.values(source)? });
+                }
+                _ => {}
+            }
+        }
+        match vertex {
+            Some(vertex) => Ok((vertex, texture)),
+            None => wrong(primitive, format!("<{}> has no positions", primitive.name)),
+        }
+    }
+
+    /// Cuts the polygons of a primitive into triangles, each corner a vertex of its own.
+    fn triangulate(&mut self, primitive: &'a Element) -> Outcome<Shape<'a>> {
+        let (vertex, texture) = self.inputs(primitive)?;
+        let polygons = polygons(primitive)?;
+        let mut shape = Shape { symbol: primitive.attribute("material"), ..Shape::default() };
+        let mut corners = Vec::new();
+        for polygon in &polygons.outlines {
+            let first = shape.positions.len() as u32;
+            corners.clear();
+            let range = polygon.corners.start * polygons.stride..polygon.corners.end * polygons.stride;
+            for corner in polygons.indices[range].chunks_exact(polygons.stride) {
+                let position: [f32; 3] = vertex.values.get(corner[vertex.offset])?;
+                corners.push(DVec3::from_array(position.map(f64::from)));
+                shape.positions.push(position);
+                if let Some(texture) = &texture {
+                    shape.uvs.push(texture.values.get(corner[texture.offset])?);
+                }
+            }
+            let cut = self.cutter.cut(&corners, &polygon.holes);
+            shape.triangles.extend(cut.iter().map(|triangle| triangle.map(|corner| first + corner)));
+        }
+        Ok(shape)
+    }
+}

@@ -1,0 +1,270 @@
+//! glTF 2.0 (`.gltf` and `.glb`): the triangles of the scene, and their looks.
+//!
+//! Nodes with all their transforms, triangles, strips and fans are read, with sparse accessors and numbers of any type.
+//! Skins are in their rest pose; morph targets are not applied. Extensions that a file requires and that are not read
+//! are an error.
+//!
+//! In glTF y is up. Gazebo takes the numbers as they stand, so that a model's y becomes the link's y, and
+//! [`parse`] does so, too; [`parse_upright`] turns y to z.
+
+mod accessor;
+mod container;
+mod look;
+pub(crate) mod picture;
+mod skin;
+
+use super::part::{Part, Unreadable};
+use crate::budget::Budget;
+use crate::diagnostics::{Diagnostics, Source};
+use accessor::Accessors;
+use container::{Container, unsupported};
+use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
+use look::{numbers, surface};
+use serde_json::Value;
+use skin::{Skin, affine};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// Reads a file, with its numbers as they stand.
+pub(super) fn parse(
+    bytes: &[u8],
+    path: &Path,
+    diagnostics: &mut Diagnostics,
+) -> Result<Vec<Part>, Unreadable> {
+    read(bytes, path, DMat3::IDENTITY, diagnostics)
+}
+
+/// Reads a file, with its up, which is y, as z.
+pub(super) fn parse_upright(
+    bytes: &[u8],
+    path: &Path,
+    diagnostics: &mut Diagnostics,
+) -> Result<Vec<Part>, Unreadable> {
+    // Columns: where the file's x, y and z go.
+    read(bytes, path, DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y), diagnostics)
+}
+
+fn read(
+    bytes: &[u8],
+    path: &Path,
+    turn: DMat3,
+    diagnostics: &mut Diagnostics,
+) -> Result<Vec<Part>, Unreadable> {
+    let container = Container::open(bytes, path)?;
+    for buffer in container.json["buffers"].as_array().into_iter().flatten() {
+        if let Some(uri) = buffer["uri"].as_str().filter(|uri| !uri.contains(':')) {
+            diagnostics.opened(&container.beside(uri));
+        }
+    }
+    let mut scene = Scene {
+        container: &container,
+        accessors: Accessors::new(&container),
+        budget: Budget::default(),
+        poses: Vec::new(),
+        placed: Vec::new(),
+        parts: Vec::new(),
+        left_out: BTreeSet::new(),
+        posed: BTreeSet::new(),
+    };
+    scene.read(DAffine3::from_mat3(turn))?;
+    let whole = Source::new(path, 0);
+    for what in &scene.posed {
+        diagnostics.warning(&whole, format!("the mesh {} has {what}", path.display()), "");
+    }
+    if !scene.left_out.is_empty() {
+        let list: Vec<&str> = scene.left_out.iter().map(String::as_str).collect();
+        let what = format!("of the mesh {} are not drawn: {}", path.display(), list.join(", "));
+        diagnostics.note(&whole, what, "");
+    }
+    Ok(scene.parts)
+}
+
+struct Scene<'a> {
+    container: &'a Container<'a>,
+    accessors: Accessors<'a>,
+    budget: Budget,
+    /// Where each node is, as far as the scene has it.
+    poses: Vec<DAffine3>,
+    /// Nodes that have a mesh, in order, with their name, or that of the nearest node above that has one.
+    placed: Vec<(&'a Value, &'a str, DAffine3)>,
+    parts: Vec<Part>,
+    /// What is not drawn.
+    left_out: BTreeSet<String>,
+    /// What could move, and does not.
+    posed: BTreeSet<&'static str>,
+}
+
+impl<'a> Scene<'a> {
+    fn read(&mut self, scene_from_root: DAffine3) -> Result<(), String> {
+        let json = &self.container.json;
+        let nodes = json["nodes"].as_array().map_or(0, Vec::len);
+        self.poses = vec![scene_from_root; nodes];
+        let scene = if json["scene"].is_null() {
+            &json["scenes"][0]
+        } else {
+            self.container.entry("scenes", &json["scene"])?
+        };
+        if scene.is_null() {
+            // Without a scene, the nodes that are below no other.
+            let lists = json["nodes"].as_array().into_iter().flatten();
+            let below: BTreeSet<u64> = lists
+                .filter_map(|node| node["children"].as_array())
+                .flatten()
+                .filter_map(Value::as_u64)
+                .collect();
+            for root in (0..nodes as u64).filter(|root| !below.contains(root)) {
+                self.node(&root.into(), scene_from_root, "")?;
+            }
+        } else {
+            for root in scene["nodes"].as_array().into_iter().flatten() {
+                self.node(root, scene_from_root, "")?;
+            }
+        }
+        // A skin needs to know where all nodes are.
+        for (node, name, scene_from_node) in std::mem::take(&mut self.placed) {
+            self.mesh(node, name, scene_from_node)?;
+        }
+        Ok(())
+    }
+
+    fn node(&mut self, index: &Value, scene_from_parent: DAffine3, above: &'a str) -> Result<(), String> {
+        let spent = self.budget.take(1, 0).and_then(|()| self.budget.enter(1));
+        spent.map_err(|spent| spent.to_string())?;
+        let node = self.container.entry("nodes", index)?;
+        let scene_from_node = scene_from_parent * transform(node);
+        if !scene_from_node.is_finite() {
+            return Err(format!("the transform of node {index} is not finite"));
+        }
+        let at = index.as_u64().unwrap_or_default() as usize;
+        self.poses[at] = scene_from_node;
+        let name = node["name"].as_str().unwrap_or(above);
+        if !node["mesh"].is_null() {
+            self.placed.push((node, name, scene_from_node));
+        }
+        for child in node["children"].as_array().into_iter().flatten() {
+            self.node(child, scene_from_node, name)?;
+        }
+        self.budget.leave(1);
+        Ok(())
+    }
+
+    fn mesh(&mut self, node: &'a Value, name: &str, scene_from_node: DAffine3) -> Result<(), String> {
+        let mesh = self.container.entry("meshes", &node["mesh"])?;
+        let skin = match &node["skin"] {
+            Value::Null => None,
+            index => {
+                self.posed.insert("a skin, which stays in its rest pose");
+                Some(Skin::read(self.container, &self.accessors, index, &self.poses)?)
+            }
+        };
+        let title = mesh["name"].as_str().unwrap_or_default();
+        for primitive in mesh["primitives"].as_array().into_iter().flatten() {
+            let part = self.primitive(primitive, skin.as_ref(), scene_from_node);
+            let Some(mut part) = part.map_err(|what| format!("mesh '{title}': {what}"))? else { continue };
+            if name.is_empty() { title } else { name }.clone_into(&mut part.name);
+            part.aliases.push(title.to_owned());
+            let bytes = size_of_val(&part.positions[..]) + size_of_val(&part.triangles[..]);
+            self.budget.take(0, bytes).map_err(|spent| spent.to_string())?;
+            self.parts.push(part);
+        }
+        Ok(())
+    }
+
+    /// Reads a primitive; none if it has no triangles.
+    fn primitive(
+        &mut self,
+        primitive: &Value,
+        skin: Option<&Skin>,
+        scene_from_node: DAffine3,
+    ) -> Result<Option<Part>, String> {
+        let mode = primitive["mode"].as_u64().unwrap_or(TRIANGLES);
+        if !(TRIANGLES..=FAN).contains(&mode) {
+            self.left_out.insert("points and lines".into());
+            return Ok(None);
+        }
+        let attributes = &primitive["attributes"];
+        if attributes["POSITION"].is_null() {
+            return Err("a primitive has no POSITION".into());
+        }
+        let draco = "KHR_draco_mesh_compression";
+        let position = self.container.entry("accessors", &attributes["POSITION"])?;
+        if !primitive["extensions"][draco].is_null() && position["bufferView"].is_null() {
+            return Err(unsupported(draco));
+        }
+        if !primitive["targets"].is_null() {
+            self.posed.insert("morph targets, which are not applied");
+        }
+        if !attributes["COLOR_0"].is_null() {
+            self.left_out.insert("colours of vertices".into());
+        }
+        let points: Vec<[f64; 3]> = self.accessors.read(&attributes["POSITION"])?;
+        let positions = match skin {
+            None => points.iter().map(|point| scene_from_node.transform_point3((*point).into())).collect(),
+            Some(skin) => self.posed(skin, attributes, &points)?,
+        };
+        let surface = surface(self.container, &primitive["material"], &mut self.left_out)?;
+        let uvs: Vec<[f64; 2]> = match &attributes[format!("TEXCOORD_{}", surface.uv_set)] {
+            Value::Null => Vec::new(),
+            accessor => self.accessors.read(accessor)?,
+        };
+        let indices: Vec<u32> = match &primitive["indices"] {
+            Value::Null => (0..points.len() as u32).collect(),
+            accessor => self.accessors.read(accessor)?.iter().map(|[index]| *index as u32).collect(),
+        };
+        let mirrored = skin.is_none() && scene_from_node.matrix3.determinant() < 0.0;
+        let triangles =
+            triangles(mode, &indices).map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+        Ok(Some(Part {
+            triangles: triangles.collect(),
+            positions: positions.iter().map(|point: &DVec3| point.as_vec3().to_array()).collect(),
+            uvs: uvs.iter().map(|uv| surface.uv(*uv)).collect(),
+            material: surface.material,
+            ..Part::default()
+        }))
+    }
+
+    /// Returns where a skin has its vertices.
+    fn posed(&self, skin: &Skin, attributes: &Value, points: &[[f64; 3]]) -> Result<Vec<DVec3>, String> {
+        let joints: Vec<[f64; 4]> = self.accessors.read(&attributes["JOINTS_0"])?;
+        let weights: Vec<[f64; 4]> = self.accessors.read(&attributes["WEIGHTS_0"])?;
+        if joints.len() != points.len() || weights.len() != points.len() {
+            return Err("its vertices, joints and weights differ in number".into());
+        }
+        let bound = points.iter().zip(joints.into_iter().zip(weights));
+        bound.map(|(point, (joints, weights))| skin.place((*point).into(), joints, weights)).collect()
+    }
+}
+
+/// The `mode` of triangles, and the last of those that are read; between them are strips.
+const TRIANGLES: u64 = 4;
+const STRIP: u64 = 5;
+const FAN: u64 = 6;
+
+/// Returns the triangles that indices stand for.
+fn triangles(mode: u64, indices: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + '_> {
+    match mode {
+        // Every second triangle of a strip runs the other way round.
+        STRIP => Box::new(indices.windows(3).enumerate().map(|(at, corners)| {
+            let [a, b, c] = [corners[0], corners[1], corners[2]];
+            if at % 2 == 0 { [a, b, c] } else { [b, a, c] }
+        })),
+        FAN => {
+            Box::new(indices.iter().skip(1).zip(indices.iter().skip(2)).map(|(b, c)| [indices[0], *b, *c]))
+        }
+        _ => Box::new(indices.as_chunks::<3>().0.iter().copied()),
+    }
+}
+
+/// Returns the transform of a node relative to its parent.
+fn transform(node: &Value) -> DAffine3 {
+    if !node["matrix"].is_null() {
+        return affine(&numbers(&node["matrix"], DMat4::IDENTITY.to_cols_array()));
+    }
+    let rotation = DQuat::from_array(numbers(&node["rotation"], [0.0, 0.0, 0.0, 1.0]));
+    let rotation = if rotation.length_squared() > 0.0 { rotation.normalize() } else { DQuat::IDENTITY };
+    DAffine3::from_scale_rotation_translation(
+        numbers(&node["scale"], [1.0; 3]).into(),
+        rotation,
+        numbers(&node["translation"], [0.0; 3]).into(),
+    )
+}

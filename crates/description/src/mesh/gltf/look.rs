@@ -1,0 +1,161 @@
+//! Materials of a glTF: base colour, transparency, emission and normals.
+
+use super::container::{Container, unsupported};
+use super::picture;
+use crate::mesh::look::Look;
+use crate::model::Material;
+use belvedere_sensors::scene::TextureAlpha;
+use glam::{DVec2, dvec2};
+use serde_json::Value;
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// The look of a primitive, and how its texture lies on it.
+#[derive(Default)]
+pub(super) struct Surface {
+    pub(super) material: Option<Material>,
+    /// Which set of texture coordinates counts.
+    pub(super) uv_set: u64,
+    offset: DVec2,
+    /// Where an axis of the texture coordinates goes; none if they stay as they are.
+    axes: Option<[DVec2; 2]>,
+}
+
+impl Surface {
+    /// Returns texture coordinates of the mesh, v up, for those of the file, v down.
+    pub(super) fn uv(&self, [u, v]: [f64; 2]) -> [f32; 2] {
+        let uv = match self.axes {
+            Some([right, down]) => right * u + down * v + self.offset,
+            None => dvec2(u, v),
+        };
+        [uv.x as f32, (1.0 - uv.y) as f32]
+    }
+}
+
+/// Reads a material. What is not drawn of it goes into `left_out`.
+///
+/// # Errors
+/// A message about what is wrong with it.
+pub(super) fn surface(
+    container: &Container<'_>,
+    index: &Value,
+    left_out: &mut BTreeSet<String>,
+) -> Result<Surface, String> {
+    if index.is_null() {
+        return Ok(Surface::default());
+    }
+    let material = container.entry("materials", index)?;
+    let metal = &material["pbrMetallicRoughness"];
+    let gloss = &material["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+    let (factor, texture) = if metal.is_null() && !gloss.is_null() {
+        (&gloss["diffuseFactor"], &gloss["diffuseTexture"])
+    } else {
+        (&metal["baseColorFactor"], &metal["baseColorTexture"])
+    };
+    let [red, green, blue, alpha] = numbers(factor, [1.0; 4]);
+    let diffuse = [red, green, blue].map(displayed);
+    let mut emissive = numbers(&material["emissiveFactor"], [0.0; 3]).map(displayed);
+    let maps = [
+        (&material["emissiveTexture"], "emissive maps"),
+        (&material["occlusionTexture"], "occlusion maps"),
+        (&metal["metallicRoughnessTexture"], "maps of metal and roughness"),
+    ];
+    left_out.extend(maps.iter().filter(|(map, _)| !map.is_null()).map(|(_, what)| (*what).to_owned()));
+    // The factor is multiplied by the map. Without the map it would light all of the surface.
+    if !material["emissiveTexture"].is_null() {
+        emissive = [0.0; 3];
+    }
+    if material["doubleSided"] == true {
+        left_out.insert("the insides of double-sided surfaces".into());
+    }
+    let (alpha, texture_alpha) = match material["alphaMode"].as_str() {
+        Some("MASK") => {
+            let least = material["alphaCutoff"].as_f64().unwrap_or(0.5) as f32;
+            (1.0, TextureAlpha::CutOut { least: least.clamp(0.0, 1.0) })
+        }
+        Some("BLEND") => (alpha as f32, TextureAlpha::Blended),
+        _ => (1.0, TextureAlpha::Ignored),
+    };
+    let look = Look {
+        diffuse: Some(diffuse),
+        emissive: Some(emissive),
+        alpha: Some(alpha),
+        texture_alpha,
+        texture: image(container, texture, left_out)?,
+        ..Look::default()
+    };
+    let mut surface = Surface { material: look.material(), ..Surface::default() };
+    place(texture, &mut surface);
+    let normals = &material["normalTexture"];
+    if !normals.is_null() {
+        // A surface has one set of texture coordinates.
+        let same = |name: &str| normals[name] == texture[name];
+        if texture.is_null() {
+            place(normals, &mut surface);
+        }
+        if texture.is_null() || same("texCoord") && same("extensions") {
+            let map =
+                image(container, normals, left_out)?.filter(|map| picture::is_embedded(map) || map.is_file());
+            if let Some(material) = &mut surface.material {
+                material.normal_map = map;
+            }
+        } else {
+            left_out.insert("maps of normals that lie otherwise than their textures".into());
+        }
+    }
+    Ok(surface)
+}
+
+/// Reads how a texture lies on a surface: which coordinates count, and `KHR_texture_transform`.
+fn place(texture: &Value, surface: &mut Surface) {
+    let transform = &texture["extensions"]["KHR_texture_transform"];
+    surface.uv_set = transform["texCoord"].as_u64().or(texture["texCoord"].as_u64()).unwrap_or(0);
+    if transform.is_null() {
+        return;
+    }
+    let [x, y] = numbers(&transform["scale"], [1.0; 2]);
+    let angle = transform["rotation"].as_f64().unwrap_or(0.0);
+    // libm, not the platform's functions: the same bits on every machine.
+    let (sin, cos) = libm::sincos(angle);
+    surface.offset = DVec2::from(numbers(&transform["offset"], [0.0; 2]));
+    // Counter-clockwise as pictures are looked at, where v is down.
+    surface.axes = Some([dvec2(cos, -sin) * x, dvec2(sin, cos) * y]);
+}
+
+/// Returns the picture of a texture: a file beside the glTF, or a picture inside it.
+fn image(
+    container: &Container<'_>,
+    texture: &Value,
+    left_out: &mut BTreeSet<String>,
+) -> Result<Option<PathBuf>, String> {
+    if texture.is_null() {
+        return Ok(None);
+    }
+    let texture = container.entry("textures", &texture["index"])?;
+    let Some(index) = texture["source"].as_u64() else {
+        let extension = texture["extensions"].as_object().and_then(|extensions| extensions.keys().next());
+        left_out
+            .insert(extension.map_or_else(|| "a texture without picture".into(), |name| unsupported(name)));
+        return Ok(None);
+    };
+    let image = container.entry("images", &index.into())?;
+    Ok(Some(match image["uri"].as_str() {
+        Some(uri) if uri.starts_with("http://") || uri.starts_with("https://") => uri.into(),
+        Some(uri) if !uri.starts_with("data:") => container.beside(uri),
+        _ => picture::name(container.path, index),
+    }))
+}
+
+/// Returns the numbers of a list, or `otherwise` if it does not have as many.
+pub(super) fn numbers<const N: usize>(value: &Value, otherwise: [f64; N]) -> [f64; N] {
+    let list = value.as_array().filter(|list| list.len() == N);
+    list.map_or(otherwise, |list| std::array::from_fn(|at| list[at].as_f64().unwrap_or(otherwise[at])))
+}
+
+/// Converts an amount of light, in which glTF counts, to a share of a colour as it is displayed.
+fn displayed(light: f64) -> f32 {
+    let light = light.clamp(0.0, 1.0);
+    let share =
+        if light <= 0.003_130_8 { light * 12.92 } else { 1.055 * libm::pow(light, 1.0 / 2.4) - 0.055 };
+    share as f32
+}

@@ -1,0 +1,59 @@
+//! Skins of a glTF in their rest pose: each vertex moves with its joints.
+
+use super::accessor::Accessors;
+use super::container::Container;
+use glam::{DAffine3, DMat4, DVec3};
+use serde_json::Value;
+
+/// Where the joints of a skin take its vertices.
+pub(super) struct Skin {
+    scene_from_bound: Vec<DAffine3>,
+}
+
+impl Skin {
+    /// Reads a skin. `scene_from_node` has where each node is.
+    ///
+    /// # Errors
+    /// A message about what is wrong with the skin.
+    pub(super) fn read(
+        container: &Container<'_>,
+        accessors: &Accessors<'_>,
+        index: &Value,
+        scene_from_node: &[DAffine3],
+    ) -> Result<Self, String> {
+        let skin = container.entry("skins", index)?;
+        let joints = skin["joints"].as_array().map_or(&[][..], Vec::as_slice);
+        let bound: Vec<[f64; 16]> = match &skin["inverseBindMatrices"] {
+            Value::Null => Vec::new(),
+            matrices => accessors.read(matrices)?,
+        };
+        let joint = |(at, joint): (usize, &Value)| {
+            let node = joint.as_u64().and_then(|node| scene_from_node.get(usize::try_from(node).ok()?));
+            let node = node.ok_or_else(|| format!("joint {joint} is not a node"))?;
+            let joint_from_bound = bound.get(at).map_or(DAffine3::IDENTITY, affine);
+            Ok(*node * joint_from_bound)
+        };
+        Ok(Self { scene_from_bound: joints.iter().enumerate().map(joint).collect::<Result<_, String>>()? })
+    }
+
+    /// Returns where a vertex is by its joints and their weights.
+    ///
+    /// # Errors
+    /// The vertex names a joint that the skin does not have.
+    pub(super) fn place(&self, point: DVec3, joints: [f64; 4], weights: [f64; 4]) -> Result<DVec3, String> {
+        let total: f64 = weights.iter().sum();
+        let mut placed = DVec3::ZERO;
+        for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
+            let scene_from_bound = self.scene_from_bound.get(joint as usize);
+            let scene_from_bound = scene_from_bound
+                .ok_or_else(|| format!("a vertex names joint {joint}, which the skin does not have"))?;
+            placed += scene_from_bound.transform_point3(point) * (weight / total);
+        }
+        Ok(placed)
+    }
+}
+
+/// Converts a matrix of a file, which has it column by column.
+pub(super) fn affine(columns: &[f64; 16]) -> DAffine3 {
+    DAffine3::from_mat4(DMat4::from_cols_array(columns))
+}

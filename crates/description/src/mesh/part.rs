@@ -1,0 +1,119 @@
+//! Triangles of one material as a file gives them, and the checks that make a mesh of them.
+
+use crate::diagnostics::{Diagnostics, Source};
+use crate::model::{Material, Mesh};
+use glam::{DVec3, Vec3};
+use std::borrow::Cow;
+use std::path::Path;
+
+/// Triangles of one material as a file gives them.
+#[derive(Debug, Default)]
+pub(super) struct Part {
+    /// Name in the file, for errors.
+    pub(super) name: String,
+    /// What else the file calls it.
+    pub(super) aliases: Vec<String>,
+    pub(super) positions: Vec<[f32; 3]>,
+    /// As many as positions, or none.
+    pub(super) uvs: Vec<[f32; 2]>,
+    pub(super) triangles: Vec<[u32; 3]>,
+    pub(super) material: Option<Material>,
+}
+
+/// Why a mesh's file cannot be read.
+pub(super) struct Unreadable {
+    /// The line that is wrong, if the file has lines.
+    pub(super) line: Option<u32>,
+    pub(super) what: String,
+}
+
+impl Unreadable {
+    /// Makes a fault of a line.
+    pub(super) fn at(line: u32, what: impl Into<String>) -> Self {
+        Self { line: Some(line), what: what.into() }
+    }
+}
+
+impl From<String> for Unreadable {
+    fn from(what: String) -> Self {
+        Self { line: None, what }
+    }
+}
+
+impl From<&str> for Unreadable {
+    fn from(what: &str) -> Self {
+        what.to_owned().into()
+    }
+}
+
+/// Decodes a file as text. Names in an unknown encoding are kept as far as possible, and exporters on Windows may write
+/// UTF-16.
+pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
+    let wide = |read: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| read([pair[0], pair[1]])).collect();
+        Cow::Owned(String::from_utf16_lossy(&units))
+    };
+    match bytes {
+        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
+        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
+        _ => String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)),
+    }
+}
+
+/// Appends triangles. Texture coordinates are filled up with zeros where only one side has them.
+pub(super) fn append(mesh: &mut Mesh, more: &Mesh) {
+    let first = mesh.positions.len() as u32;
+    if !more.uvs.is_empty() || !mesh.uvs.is_empty() {
+        mesh.uvs.resize(mesh.positions.len(), [0.0; 2]);
+        mesh.uvs.extend(&more.uvs);
+        mesh.uvs.resize(mesh.positions.len() + more.positions.len(), [0.0; 2]);
+    }
+    mesh.positions.extend(&more.positions);
+    mesh.triangles.extend(more.triangles.iter().map(|triangle| triangle.map(|index| index + first)));
+}
+
+/// Checks every number, applies the scale, and leaves out triangles without area.
+pub(super) fn finish(
+    part: Part,
+    path: &Path,
+    scale: DVec3,
+    source: &Source,
+    diagnostics: &mut Diagnostics,
+) -> Option<Mesh> {
+    let Part { name, mut positions, mut uvs, mut triangles, material, .. } = part;
+    let mut fail = |what: String| {
+        let name = if name.is_empty() { String::new() } else { format!(" of '{name}'") };
+        diagnostics.error(source, format!("the mesh {}: {what}{name}", path.display()), "export it again");
+        None
+    };
+    for (index, position) in positions.iter_mut().enumerate() {
+        *position = (Vec3::from(*position).as_dvec3() * scale).as_vec3().to_array();
+        if !position.iter().all(|value| value.is_finite()) {
+            return fail(format!("vertex {index} is not finite"));
+        }
+    }
+    if uvs.iter().flatten().any(|value| !value.is_finite()) {
+        return fail("a texture coordinate is not finite".into());
+    }
+    if uvs.len() != positions.len() {
+        uvs.clear();
+    }
+    if let Some((index, _)) = triangles
+        .iter()
+        .enumerate()
+        .find(|(_, triangle)| triangle.iter().any(|vertex| *vertex as usize >= positions.len()))
+    {
+        return fail(format!("triangle {index} names a vertex that is not there"));
+    }
+    triangles.retain(|triangle| {
+        let [a, b, c] = triangle.map(|vertex| Vec3::from(positions[vertex as usize]).as_dvec3());
+        (b - a).cross(c - a) != DVec3::ZERO
+    });
+    // A mirror turns the outside in.
+    if scale.x * scale.y * scale.z < 0.0 {
+        for triangle in &mut triangles {
+            triangle.swap(1, 2);
+        }
+    }
+    Some(Mesh { path: path.to_path_buf(), positions, uvs, triangles, material })
+}

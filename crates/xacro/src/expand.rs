@@ -2,18 +2,21 @@
 
 mod call;
 mod include;
+mod lookup;
 mod property;
 mod substitute;
+mod wildcards;
 
 use super::fault::Fault;
+use super::limits::Work;
 use super::macros::Macro;
-use super::names::{TOP_LEVEL, is_own};
+use super::names::{FOREIGN, TOP_LEVEL, is_own};
 use super::scope::Scope;
 use super::value::Value;
 use crate::budget::Budget;
 use crate::diagnostics::{Diagnostics, Problem, Source};
 use crate::package::{Found, PackagePath};
-use crate::suggestion::did_you_mean;
+use crate::suggestion::{did_you_mean, did_you_mean_or};
 use crate::xml::{Element, Node, Weight};
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -53,6 +56,7 @@ pub fn expand_root(
         arguments: arguments.iter().cloned().collect(),
         scopes: vec![Scope::default()],
         budget: Budget::default(),
+        work: Rc::default(),
         calls: Vec::new(),
         files: vec![path.to_path_buf()],
         parsed: HashMap::new(),
@@ -71,6 +75,7 @@ pub(super) struct Expander<'a> {
     /// The file's scope first, then one for each macro call that is being expanded.
     pub(super) scopes: Vec<Scope>,
     pub(super) budget: Budget,
+    pub(super) work: Rc<Work>,
     /// Macros that are being expanded: name and place of the call.
     calls: Vec<(String, Source)>,
     /// Files that are being expanded, each included by the one before.
@@ -131,7 +136,9 @@ impl Expander<'_> {
     ) -> Result<(), Problem> {
         for node in nodes {
             match node {
-                Node::Text(text) if !text.contains('$') => {
+                Node::Text(text) | Node::Cdata(text)
+                    if !text.contains('$') || matches!(node, Node::Cdata(_)) =>
+                {
                     let spent = self.budget.take(0, text.len());
                     spent.map_err(|spent| self.problem(spent.into(), source))?;
                     output.children.push(node.clone());
@@ -140,6 +147,7 @@ impl Expander<'_> {
                     let text = self.string(text, source).map_err(|fault| self.problem(fault, source))?;
                     output.children.push(Node::Text(text));
                 }
+                Node::Cdata(_) => {}
                 Node::Element(element) => self.element(element, at_top, output)?,
             }
         }
@@ -161,6 +169,9 @@ impl Expander<'_> {
             Role::Directive(directive) => self.directive(directive, element, at_top, output),
             Role::Call(definition, home) => self.call(element, &definition, home, at_top, output),
             Role::Plain => {
+                if at_top {
+                    self.check_top(element);
+                }
                 let plain = self.plain(element)?;
                 output.children.push(Node::Element(plain));
                 Ok(())
@@ -204,15 +215,36 @@ impl Expander<'_> {
                 return Ok(Role::Directive(directive));
             }
         }
-        if (prefixed.is_some() || !is_own(name, at_top))
-            && let Some((definition, home)) = self.find_macro(name)
-        {
-            return Ok(Role::Call(definition, home));
+        let found = if prefixed.is_some() || !is_own(name, at_top) { self.find_macro(name) } else { None };
+        match found {
+            Some((definition, home)) if prefixed.is_some() || self.is_call(element, &definition, at_top) => {
+                Ok(Role::Call(definition, home))
+            }
+            None if prefixed.is_some() => Err(self.unknown_macro(name)),
+            _ => Ok(Role::Plain),
         }
-        if prefixed.is_some() || (at_top && self.strict && !TOP_LEVEL.contains(&name)) {
-            return Err(self.unknown_macro(name));
+    }
+
+    /// Returns whether an element that has no prefix but a macro's name is a call of it. One at the top, where robots
+    /// have few elements of their own, is one even if parameters are missing, unless it stands in the macro itself.
+    fn is_call(&self, element: &Element, definition: &Macro, at_top: bool) -> bool {
+        let is_inside = self.calls.iter().any(|(name, _)| *name == definition.name);
+        self.fits(element, definition) || (at_top && !is_inside)
+    }
+
+    /// Warns of an element at the top of a file that is neither an element of URDF nor a macro. It is passed on, as by
+    /// xacro, because other programs have elements of their own there.
+    fn check_top(&mut self, element: &Element) {
+        let name = element.name.as_str();
+        if !self.strict || TOP_LEVEL.contains(&name) || FOREIGN.contains(&name) || name.contains(':') {
+            return;
         }
-        Ok(Role::Plain)
+        let known: BTreeSet<&str> =
+            self.scopes.iter().flat_map(|scope| scope.macros.keys()).map(String::as_str).collect();
+        let otherwise = "Write <xacro:… before the name of a macro";
+        let remedy = did_you_mean_or(name, known, otherwise);
+        let what = format!("<{name}> is neither an element of URDF nor a macro; it is passed on as it is");
+        self.diagnostics.warning(&element.source, what, remedy);
     }
 
     fn directive(

@@ -141,19 +141,16 @@ impl Evaluator<'_> {
     fn map(&mut self, parts: &[(Option<Expression>, Expression)]) -> Result<Value, Fault> {
         let mut entries = Entries::default();
         for (name, value) in parts {
-            match name {
-                Some(name) => {
-                    let (name, value) = self.both(name, value)?;
-                    entries.insert(key(&name)?, name, value);
-                }
-                None => {
-                    let Value::Map(more) = self.value(value)? else {
-                        return Err(Fault::new("'**' needs a dictionary", "write it before one"));
-                    };
-                    for (name, value) in more.entries.borrow().iter() {
-                        entries.insert(key(name)?, name.clone(), value.clone());
-                    }
-                }
+            if let Some(name) = name {
+                let (name, value) = self.both(name, value)?;
+                entries.insert(key(&name)?, name, value);
+                continue;
+            }
+            let Value::Map(more) = self.value(value)? else {
+                return Err(Fault::new("'**' needs a dictionary", "write it before one"));
+            };
+            for (name, value) in more.entries.borrow().iter() {
+                entries.insert(key(name)?, name.clone(), value.clone());
             }
         }
         checked(Value::map(entries), self.work)

@@ -180,10 +180,14 @@ impl Expression {
             }
             Self::Compare(first, others) => {
                 visit(first);
-                others.iter().for_each(|(_, other)| visit(other));
+                for (_, other) in others {
+                    visit(other);
+                }
             }
             Self::Ternary { condition, yes, no } => {
-                [condition, yes, no].into_iter().for_each(|part| visit(part))
+                for part in [condition, yes, no] {
+                    visit(part);
+                }
             }
             Self::Slice(object, bounds) => {
                 visit(object);

@@ -211,7 +211,7 @@ fn no_method(object: &Value, name: &str) -> Fault {
 
 /// Returns the fault of a function that has no value for its arguments.
 pub(crate) fn misuse(name: &str, arguments: &[Value]) -> Fault {
-    let given: Vec<_> = arguments.iter().map(|argument| argument.shown()).collect();
+    let given: Vec<_> = arguments.iter().map(Value::shown).collect();
     Fault::new(
         format!("{name}({}) has no value", given.join(", ")),
         "check the number and the kind of the arguments",

@@ -1,4 +1,4 @@
-//! YAML files as values, for `xacro.load_yaml`: YAML 1.1 as PyYAML's `SafeLoader` reads it, and xacro's units.
+//! YAML files as values, for `xacro.load_yaml`: YAML 1.1 as the `SafeLoader` of `PyYAML` reads it, and xacro's units.
 
 mod scalars;
 
@@ -89,7 +89,7 @@ fn document(text: &str) -> Result<Value, Fault> {
                 let Some(ended) = open.pop() else { continue };
                 let anchor = ended.anchor;
                 let value = if ended.is_mapping {
-                    mapping(ended).map_err(at_line)?
+                    mapping(&ended).map_err(at_line)?
                 } else {
                     Value::list(ended.values)
                 };
@@ -125,7 +125,7 @@ fn unknown_tag(tag: &Tag) -> Fault {
 }
 
 /// Makes a dictionary of keys and values in turn. `<<` takes in other mappings, before the keys that stand here.
-fn mapping(open: Open) -> Result<Value, Fault> {
+fn mapping(open: &Open) -> Result<Value, Fault> {
     let mut entries = Entries::default();
     let pairs = || open.values.chunks_exact(2).enumerate();
     let is_merge = |at: usize| open.merges.contains(&(2 * at));

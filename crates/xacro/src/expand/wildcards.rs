@@ -18,12 +18,16 @@ pub(super) fn matching(pattern: &Path) -> Result<Vec<PathBuf>, Fault> {
         let name = match component {
             Component::Normal(name) => name.to_string_lossy().into_owned(),
             other => {
-                found.iter_mut().for_each(|path| path.push(other));
+                for path in &mut found {
+                    path.push(other);
+                }
                 continue;
             }
         };
         if !is_pattern(&name) {
-            found.iter_mut().for_each(|path| path.push(&name));
+            for path in &mut found {
+                path.push(&name);
+            }
             continue;
         }
         let pattern: Vec<char> = name.chars().collect();

@@ -218,7 +218,7 @@ fn floats(operator: Arithmetic, a: f64, b: f64) -> Result<Option<Value>, Fault> 
         Arithmetic::FloorDivide => floor_division(a, b).0,
         Arithmetic::Remainder => floor_division(a, b).1,
         Arithmetic::Power => {
-            let power = libm::pow(a, b);
+            let power = exact::power(a, b).unwrap_or_else(|| libm::pow(a, b));
             if power.is_nan() && !a.is_nan() && !b.is_nan() {
                 let what = format!("{} ** {} is not a real number", Value::Float(a), Value::Float(b));
                 return Err(Fault::new(what, "correct the base"));

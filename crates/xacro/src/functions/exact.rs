@@ -40,6 +40,32 @@ pub(super) fn quotient(a: &BigInt, b: &BigInt) -> Result<f64, Fault> {
     Ok(if a.is_negative() == b.is_negative() { value } else { -value })
 }
 
+/// Returns a power with a small integer as its exponent, rounded once: `10 ** -5` is 1e-05, which libm's `pow` misses by
+/// the last bit. None if the exponent is another one, or the result is no normal number.
+pub(super) fn power(base: f64, exponent: f64) -> Option<f64> {
+    if exponent.fract() != 0.0 || exponent.abs() > 64.0 || !base.is_normal() {
+        return None;
+    }
+    let (fraction, binary) = libm::frexp(base);
+    // The mantissa as an integer of 53 bits.
+    let mantissa = BigInt::from((fraction * 9_007_199_254_740_992.0) as i64);
+    let count = exponent.abs() as u32;
+    let shift = (i64::from(binary) - 53) * i64::from(count);
+    if shift.abs() > 5000 {
+        return None;
+    }
+    let (mut above, mut below) = (mantissa.pow(count), BigInt::one());
+    if shift >= 0 {
+        above <<= shift.unsigned_abs();
+    } else {
+        below <<= shift.unsigned_abs();
+    }
+    if exponent < 0.0 {
+        std::mem::swap(&mut above, &mut below);
+    }
+    quotient(&above, &below).ok()
+}
+
 /// Returns the sum of floats, rounded once, as `math.fsum` does: partial sums that do not overlap are kept.
 pub(super) fn float_sum(values: impl Iterator<Item = f64>) -> f64 {
     let mut partials: Vec<f64> = Vec::new();

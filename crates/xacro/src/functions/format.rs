@@ -88,7 +88,8 @@ impl Spec {
             Some('x') => (16, "0x"),
             Some('X') => (16, "0X"),
             Some('c') => {
-                let character = int.to_u32().and_then(char::from_u32).filter(|_| self.sign.is_none());
+                let is_bare = self.sign.is_none() && !self.is_alternate && self.grouping.is_none();
+                let character = int.to_u32().and_then(char::from_u32).filter(|_| is_bare);
                 let text = character.ok_or_else(|| refuse(value, self))?.to_string();
                 return Ok(self.padded("", "", &text, '>'));
             }
@@ -115,7 +116,7 @@ impl Spec {
                 Some('g' | 'G' | 'n') => general(magnitude, precision, self.is_alternate),
                 None => match self.precision {
                     None => float_text(magnitude),
-                    Some(precision) => general_with_point(magnitude, precision),
+                    Some(precision) => general_with_point(magnitude, precision, self.is_alternate),
                 },
                 Some(_) => return Err(refuse(value, self)),
             }
@@ -229,23 +230,19 @@ fn general(value: f64, precision: usize, is_alternate: bool) -> String {
 }
 
 /// As `general`, with at least one digit behind the point, and the exponent from one digit earlier.
-fn general_with_point(value: f64, precision: usize) -> String {
+fn general_with_point(value: f64, precision: usize, is_alternate: bool) -> String {
     let precision = precision.max(1);
-    let (_, exponent) = parts(value, precision - 1);
+    let (mantissa, exponent) = parts(value, precision - 1);
     if exponent >= -4 && i64::from(exponent) < precision as i64 - 1 {
-        let text = general(value, precision, false);
+        let text = general(value, precision, is_alternate);
         return if text.contains('.') { text } else { text + ".0" };
     }
-    if exponent >= -4 && i64::from(exponent) == precision as i64 - 1 {
-        let (mantissa, exponent) = parts(value, precision - 1);
-        let mantissa = if mantissa.contains('.') {
-            mantissa.trim_end_matches('0').trim_end_matches('.').to_owned()
-        } else {
-            mantissa
-        };
-        return mantissa + &exponent_text(exponent);
-    }
-    general(value, precision, false)
+    let mantissa = match (is_alternate, mantissa.contains('.')) {
+        (true, true) | (false, false) => mantissa,
+        (true, false) => mantissa + ".",
+        (false, true) => mantissa.trim_end_matches('0').trim_end_matches('.').to_owned(),
+    };
+    mantissa + &exponent_text(exponent)
 }
 
 /// Returns the integer that a number is cut to.

@@ -41,7 +41,7 @@ pub(super) fn items_until_fault(value: &Value, work: &Work) -> Result<(Vec<Value
                 "write sorted(…) around it, or use a list",
             ));
         }
-        Value::Text(text) => text.chars().map(|c| Value::text(c)).collect(),
+        Value::Text(text) => text.chars().map(Value::text).collect(),
         Value::Range(range) => {
             let count = range.len().to_usize().unwrap_or(usize::MAX);
             sized(count.saturating_mul(size_of::<Value>()))?;

@@ -72,7 +72,7 @@ pub(super) fn call(name: &str, arguments: &Arguments, work: &Work) -> Result<Opt
         return Ok(None);
     }
     match name {
-        "isclose" => return Ok(is_close(arguments)?),
+        "isclose" => return is_close(arguments),
         "prod" => return product(arguments, work),
         _ => {}
     }
@@ -224,7 +224,7 @@ fn of_integers(name: &str, arguments: &[Value], work: &Work) -> Option<Result<Va
         ("gcd", ints) => Ok(ints.iter().fold(BigInt::zero(), |a, b| exact::gcd(&a, b))),
         ("lcm", ints) => ints.iter().try_fold(BigInt::one(), |a, b| exact::lcm(&a, b)),
         _ if is_negative => return None,
-        ("factorial", [n]) | ("perm", [n]) => exact::falling_product(n, n.to_u64()?, work),
+        ("factorial" | "perm", [n]) => exact::falling_product(n, n.to_u64()?, work),
         ("isqrt", [n]) => Ok(exact::square_root(n)?),
         ("comb", [n, k]) => exact::choose(n, k, work),
         ("perm", [n, k]) if k > n => Ok(BigInt::zero()),

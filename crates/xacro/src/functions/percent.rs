@@ -184,9 +184,9 @@ fn conversion(template: &str, kind: char, value: &Value, spec: Spec) -> Result<S
         },
         'd' | 'i' | 'u' => {
             let int = truncated(value).ok_or_else(wrong)?;
-            integer(&int, value, Spec { kind: Some('d'), is_alternate: false, ..spec })
+            integer(&int, value, &Spec { kind: Some('d'), is_alternate: false, ..spec })
         }
-        'x' | 'X' | 'o' => integer(&value.integer().ok_or_else(wrong)?, value, spec),
+        'x' | 'X' | 'o' => integer(&value.integer().ok_or_else(wrong)?, value, &spec),
         'e' | 'E' | 'f' | 'F' | 'g' | 'G' => spec.float(
             value
                 .number()
@@ -199,7 +199,7 @@ fn conversion(template: &str, kind: char, value: &Value, spec: Spec) -> Result<S
 }
 
 /// A precision is the least number of digits.
-fn integer(int: &BigInt, value: &Value, spec: Spec) -> Result<String, Fault> {
+fn integer(int: &BigInt, value: &Value, spec: &Spec) -> Result<String, Fault> {
     let Some(precision) = spec.precision else { return spec.integer(int, value) };
     let bare = Spec { kind: spec.kind, ..Spec::default() };
     let digits = bare.integer(&int.abs(), value)?;

@@ -23,8 +23,8 @@ pub(crate) fn parse_int(text: &str, radix: u32) -> Option<BigInt> {
     };
     let lower = digits.to_ascii_lowercase();
     let prefixes = [("0x", 16), ("0o", 8), ("0b", 2)];
-    let prefixed = prefixes.into_iter().filter(|(_, base)| radix == 0 || radix == *base);
-    let found = prefixed.filter_map(|(prefix, base)| Some((lower.strip_prefix(prefix)?, base))).next();
+    let mut prefixed = prefixes.into_iter().filter(|(_, base)| radix == 0 || radix == *base);
+    let found = prefixed.find_map(|(prefix, base)| Some((lower.strip_prefix(prefix)?, base)));
     let (digits, base) = match found {
         Some((digits, base)) => (digits.strip_prefix('_').unwrap_or(digits), base),
         // A leading zero without a letter is a mistake where prefixes are read, except in zero itself.

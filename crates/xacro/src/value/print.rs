@@ -152,14 +152,35 @@ pub(crate) fn float_text(value: f64) -> String {
         };
     }
     // Rust and Python both print the shortest digits; only the layout differs.
-    let scientific = format!("{value:e}");
+    let mut scientific = format!("{value:e}");
+    // Half-way between two shortest texts Python takes the even one, as rounding to that many digits does.
+    let places = scientific.find('e').unwrap_or(0).saturating_sub(if value < 0.0 { 3 } else { 2 });
+    let rounded = format!("{value:.places$e}");
+    if rounded.parse() == Ok(value) {
+        scientific = rounded;
+    }
     let (digits, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
     if value != 0.0 && !(-4..16).contains(&exponent) {
         let sign = if exponent < 0 { '-' } else { '+' };
         return format!("{digits}e{sign}{:02}", exponent.unsigned_abs());
     }
-    format!("{value:?}")
+    plain(digits, exponent)
+}
+
+/// Writes digits such as `-1.25` times a power of ten without an exponent, with a point.
+fn plain(digits: &str, exponent: i32) -> String {
+    let (sign, digits) = match digits.strip_prefix('-') {
+        Some(digits) => ("-", digits),
+        None => ("", digits),
+    };
+    let digits = digits.replace('.', "");
+    let Ok(exponent) = usize::try_from(exponent) else {
+        return format!("{sign}0.{}{digits}", "0".repeat(exponent.unsigned_abs() as usize - 1));
+    };
+    let whole: String = digits.chars().chain(std::iter::repeat('0')).take(exponent + 1).collect();
+    let rest = digits.get(exponent + 1..).filter(|rest| !rest.is_empty()).unwrap_or("0");
+    format!("{sign}{whole}.{rest}")
 }
 
 #[cfg(test)]
@@ -179,6 +200,10 @@ mod tests {
             (-0.0, "-0.0"),
             (f64::INFINITY, "inf"),
             (123_456_789.125, "123456789.125"),
+            (-1_999_999_999_987_654.25, "-1999999999987654.2"),
+            (0.001_25, "0.00125"),
+            (100.0, "100.0"),
+            (0.0, "0.0"),
         ] {
             assert_eq!(Value::Float(value).to_string(), text);
         }

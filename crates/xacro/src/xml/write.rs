@@ -49,7 +49,7 @@ fn element(
             Node::Element(child) => element(f, child, depth + 1, &BTreeSet::new())?,
             Node::Text(text) | Node::Cdata(text) if text.trim().is_empty() => {}
             Node::Text(text) | Node::Cdata(text) => {
-                writeln!(f, "{}", Escaped { text: text.trim(), in_attribute: false })?
+                writeln!(f, "{}", Escaped { text: text.trim(), in_attribute: false })?;
             }
         }
     }

@@ -1,4 +1,4 @@
-//! Words of YAML 1.1: what is a number, a boolean or nothing by the patterns that PyYAML resolves.
+//! Words of YAML 1.1: what is a number, a boolean or nothing by the patterns that `PyYAML` resolves.
 
 use crate::fault::Fault;
 use crate::value::{Value, parse_int};

@@ -181,10 +181,15 @@ impl Evaluator<'_> {
     /// Evaluates a name, or a chain of names, whose first one is a variable or a property, or a namespace of properties.
     fn defined(&mut self, expression: &Expression) -> Result<Option<Value>, Fault> {
         match expression {
-            Expression::Name(name) => match self.locals.as_ref().and_then(|locals| locals.get(name)) {
-                Some(value) => Ok(Some(value)),
-                None => self.names.get(name),
-            },
+            Expression::Name(name) => {
+                if let Some(value) = self.locals.as_ref().and_then(|locals| locals.get(name)) {
+                    return Ok(Some(value));
+                }
+                let value = self.names.get(name)?;
+                // A text is copied.
+                self.work.take(value.as_ref().and_then(Value::as_text).map_or(0, str::len) / 64)?;
+                Ok(value)
+            }
             Expression::Attribute(object, name) => {
                 if object.dotted_name().is_none() {
                     return Ok(None);

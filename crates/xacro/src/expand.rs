@@ -4,20 +4,21 @@ mod call;
 mod include;
 mod lookup;
 mod property;
+mod role;
 mod substitute;
 mod wildcards;
 
 use super::fault::Fault;
 use super::limits::Work;
 use super::macros::Macro;
-use super::names::{FOREIGN, TOP_LEVEL, is_own};
 use super::scope::Scope;
 use super::value::Value;
 use crate::budget::Budget;
 use crate::diagnostics::{Diagnostics, Problem, Source};
 use crate::package::{Found, PackagePath};
-use crate::suggestion::{did_you_mean, did_you_mean_or};
+use crate::suggestion::did_you_mean;
 use crate::xml::{Element, Node, Weight};
+use role::Role;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -93,27 +94,6 @@ struct Output {
     attributes: Vec<(String, String)>,
     children: Vec<Node>,
 }
-
-/// What an element is to xacro.
-enum Role {
-    Directive(&'static str),
-    Call(Rc<Macro>, Option<Rc<Scope>>),
-    Plain,
-}
-
-/// The directives, and which attribute tells those without prefix from other elements of that name.
-const DIRECTIVES: [(&str, Option<&str>); 10] = [
-    ("arg", Some("default")),
-    ("attribute", None),
-    ("call", None),
-    ("element", None),
-    ("if", Some("value")),
-    ("include", Some("filename")),
-    ("insert_block", Some("name")),
-    ("macro", Some("name")),
-    ("property", Some("name")),
-    ("unless", Some("value")),
-];
 
 impl Expander<'_> {
     fn root(&mut self, root: Element) -> Result<Element, Problem> {
@@ -204,47 +184,6 @@ impl Expander<'_> {
                 value.map(|value| (name.clone(), value)).map_err(|fault| self.problem(fault, &element.source))
             })
             .collect()
-    }
-
-    fn role(&self, element: &Element, at_top: bool) -> Result<Role, Fault> {
-        let prefixed = element.name.strip_prefix("xacro:");
-        let name = prefixed.unwrap_or(&element.name);
-        for (directive, mark) in DIRECTIVES {
-            let meant = prefixed.is_some() || mark.is_some_and(|mark| element.attribute(mark).is_some());
-            if name == directive && meant {
-                return Ok(Role::Directive(directive));
-            }
-        }
-        let found = if prefixed.is_some() || !is_own(name, at_top) { self.find_macro(name) } else { None };
-        match found {
-            Some((definition, home)) if prefixed.is_some() || self.is_call(element, &definition, at_top) => {
-                Ok(Role::Call(definition, home))
-            }
-            None if prefixed.is_some() => Err(self.unknown_macro(name)),
-            _ => Ok(Role::Plain),
-        }
-    }
-
-    /// Returns whether an element that has no prefix but a macro's name is a call of it. One at the top, where robots
-    /// have few elements of their own, is one even if parameters are missing, unless it stands in the macro itself.
-    fn is_call(&self, element: &Element, definition: &Macro, at_top: bool) -> bool {
-        let is_inside = self.calls.iter().any(|(name, _)| *name == definition.name);
-        self.fits(element, definition) || (at_top && !is_inside)
-    }
-
-    /// Warns of an element at the top of a file that is neither an element of URDF nor a macro. It is passed on, as by
-    /// xacro, because other programs have elements of their own there.
-    fn check_top(&mut self, element: &Element) {
-        let name = element.name.as_str();
-        if !self.strict || TOP_LEVEL.contains(&name) || FOREIGN.contains(&name) || name.contains(':') {
-            return;
-        }
-        let known: BTreeSet<&str> =
-            self.scopes.iter().flat_map(|scope| scope.macros.keys()).map(String::as_str).collect();
-        let otherwise = "Write <xacro:… before the name of a macro";
-        let remedy = did_you_mean_or(name, known, otherwise);
-        let what = format!("<{name}> is neither an element of URDF nor a macro; it is passed on as it is");
-        self.diagnostics.warning(&element.source, what, remedy);
     }
 
     fn directive(

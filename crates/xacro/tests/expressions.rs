@@ -30,7 +30,7 @@ fn each_expression_has_the_value_that_xacro_gives() {
             |text: &str| escapes.iter().fold(text.to_owned(), |text, (c, name)| text.replace(*c, name));
         match expanded(&format!("${{{expression}}}")) {
             Ok(value) if escaped(&value) != expected => {
-                wrong.push(format!("{expression}: {value}, not {expected}"))
+                wrong.push(format!("{expression}: {value}, not {expected}"));
             }
             Err(problem) if expected != "!" => wrong.push(format!("{expression}: {problem}, not {expected}")),
             _ => {}

@@ -12,7 +12,7 @@ fn expand_files(files: &[(&str, &str)]) -> (Result<String, String>, Vec<String>)
     for (name, content) in files {
         let path = folder.path().join(name);
         fs::create_dir_all(path.parent().unwrap()).unwrap();
-        let content = if name.ends_with(".yaml") {
+        let content = if *name == "c.yaml" {
             (*content).to_owned()
         } else {
             format!("<robot xmlns:xacro='http://www.ros.org/wiki/xacro'>{content}</robot>")

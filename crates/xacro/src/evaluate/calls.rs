@@ -27,7 +27,10 @@ impl Evaluator<'_> {
             Expression::Attribute(object, name) if object.dotted_name().is_some() => {
                 // A method is called on the object itself, without a copy.
                 let object = self.defined(object)?;
-                object.map(|object| self.attribute(&object, name)).transpose()?.or(self.defined(function)?)
+                match object {
+                    Some(object) => Some(self.attribute(&object, name)?),
+                    None => self.defined(function)?,
+                }
             }
             Expression::Name(_) => self.defined(function)?,
             other => Some(self.value(other)?),

@@ -32,26 +32,6 @@ impl Expander<'_> {
         None
     }
 
-    /// Returns whether an element without the prefix `xacro:` can be a call of a macro: it gives what the macro needs
-    /// and no more. What only has the macro's name, as `<sonar>` in a macro `sonar`, is an element of the robot.
-    pub(super) fn fits(&self, element: &Element, definition: &Macro) -> bool {
-        let is_conditional = |child: &Element| matches!(child.name.as_str(), "xacro:if" | "xacro:unless");
-        let is_given = |parameter: &Parameter| match parameter {
-            Parameter::Value { name, forward, default } => {
-                *forward || default.is_some() || element.attribute(name).is_some()
-            }
-            Parameter::Block(_) => true,
-        };
-        let blocks =
-            definition.parameters.iter().filter(|parameter| matches!(parameter, Parameter::Block(_))).count();
-        let is_being_expanded = self.calls.iter().any(|(name, _)| *name == definition.name);
-        element.attributes.iter().all(|(name, _)| definition.takes(name))
-            && definition.parameters.iter().all(is_given)
-            && (element.elements().count() == blocks || element.elements().any(is_conditional))
-            && element.text().is_empty()
-            && !(is_being_expanded && element.attributes.is_empty())
-    }
-
     pub(super) fn unknown_macro(&self, name: &str) -> Fault {
         let known: BTreeSet<&str> =
             self.scopes.iter().flat_map(|scope| scope.macros.keys()).map(String::as_str).collect();

@@ -209,6 +209,11 @@ fn no_method(object: &Value, name: &str) -> Fault {
     Fault::new(format!("{} has no method '{name}'", object.kind()), remedy)
 }
 
+/// Returns whether Python takes a character for white space.
+fn is_space(c: char) -> bool {
+    c.is_whitespace() || ('\u{1c}'..='\u{1f}').contains(&c)
+}
+
 /// Returns the fault of a function that has no value for its arguments.
 pub(crate) fn misuse(name: &str, arguments: &[Value]) -> Fault {
     let given: Vec<_> = arguments.iter().map(Value::shown).collect();

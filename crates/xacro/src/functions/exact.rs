@@ -43,7 +43,7 @@ pub(super) fn quotient(a: &BigInt, b: &BigInt) -> Result<f64, Fault> {
 /// Returns a power with a small integer as its exponent, rounded once: `10 ** -5` is 1e-05, which libm's `pow` misses by
 /// the last bit. None if the exponent is another one, or the result is no normal number.
 pub(super) fn power(base: f64, exponent: f64) -> Option<f64> {
-    if exponent.fract() != 0.0 || exponent.abs() > 64.0 || !base.is_normal() {
+    if exponent.fract() != 0.0 || exponent.abs() > 300.0 || !base.is_normal() {
         return None;
     }
     let (fraction, binary) = libm::frexp(base);
@@ -51,7 +51,7 @@ pub(super) fn power(base: f64, exponent: f64) -> Option<f64> {
     let mantissa = BigInt::from((fraction * 9_007_199_254_740_992.0) as i64);
     let count = exponent.abs() as u32;
     let shift = (i64::from(binary) - 53) * i64::from(count);
-    if shift.abs() > 5000 {
+    if shift.abs() > 40_000 {
         return None;
     }
     let (mut above, mut below) = (mantissa.pow(count), BigInt::one());

@@ -115,6 +115,7 @@ impl Spec {
                 Some('e' | 'E') => exponential(magnitude, precision, self.is_alternate),
                 Some('g' | 'G' | 'n') => general(magnitude, precision, self.is_alternate),
                 None => match self.precision {
+                    None if self.is_alternate => with_point(&float_text(magnitude)),
                     None => float_text(magnitude),
                     Some(precision) => general_with_point(magnitude, precision, self.is_alternate),
                 },
@@ -243,6 +244,14 @@ fn general_with_point(value: f64, precision: usize, is_alternate: bool) -> Strin
         (false, true) => mantissa.trim_end_matches('0').trim_end_matches('.').to_owned(),
     };
     mantissa + &exponent_text(exponent)
+}
+
+/// Puts a point behind the digits before an exponent, if there is none.
+fn with_point(text: &str) -> String {
+    match text.split_once('e') {
+        Some((digits, exponent)) if !digits.contains('.') => format!("{digits}.e{exponent}"),
+        _ => text.to_owned(),
+    }
 }
 
 /// Returns the integer that a number is cut to.

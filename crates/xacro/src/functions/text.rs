@@ -1,7 +1,7 @@
 //! Methods of texts that make another text or a list.
 
 use super::items::{checked, items};
-use super::{Arguments, misuse, template, text_search};
+use super::{Arguments, is_space, misuse, template, text_search};
 use crate::fault::Fault;
 use crate::limits::{Work, sized};
 use crate::value::Value;
@@ -50,11 +50,6 @@ pub(super) const NAMES: [&str; 42] = [
     "zfill",
     "casefold",
 ];
-
-/// Returns whether Python takes a character for white space.
-pub(super) fn is_space(c: char) -> bool {
-    c.is_whitespace() || ('\u{1c}'..='\u{1f}').contains(&c)
-}
 
 pub(super) fn method(
     text: &str,

@@ -1,7 +1,6 @@
 //! Methods of texts that look for something: parts, places, kinds of characters.
 
-use super::misuse;
-use super::text::is_space;
+use super::{is_space, misuse};
 use crate::fault::Fault;
 use crate::value::Value;
 

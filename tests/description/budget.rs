@@ -73,7 +73,9 @@ fn xacro_doublings() {
         &format!("<xacro:property name='a0' value='word'/>{text}<gazebo x='${{a35}}'/>"),
         "grows beyond 4000000 bytes",
     );
-    for expression in ["['word', 'word'] * 99999999", "','.join(range(99999)).replace(',', 'word' * 99)"] {
+    for expression in
+        ["['word', 'word'] * 99999999", "','.join(map(str, range(99999))).replace(',', 'word' * 99)"]
+    {
         assert_refused(&format!("<gazebo x=\"${{{expression}}}\"/>"), "grows beyond");
     }
     let calls: Vec<String> = (0..30)

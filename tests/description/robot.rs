@@ -336,7 +336,12 @@ fn each_fault_is_one_error_with_its_place_and_a_remedy() {
     for (find, replace, line, words) in [
         ("", "", 0, &[][..]),
         ("</gazebo>\n</robot>", "</robot>", 11, &["XML"]),
-        ("<link name=\"base_link\"/>", "<link name=\"base_link\"/><kobuky/>", 2, &["unknown macro 'kobuky'"]),
+        (
+            "<link name=\"base_link\"/>",
+            "<link name=\"base_link\"/><xacro:kobuky/>",
+            2,
+            &["unknown macro 'kobuky'"],
+        ),
         ("<far>10</far>", "<far>${farr}</far>", 8, &["farr"]),
         ("name=\"base_link\"/>", "name=\"base_link\"/><link name=\"lost\"/>", 2, &["lost", "base_link"]),
         ("<parent link=\"base_link\"/>", "<parent link=\"bass_link\"/>", 4, &["bass_link", "base_link"]),

@@ -2,12 +2,15 @@
 
 mod call;
 mod include;
+mod lookup;
 mod property;
+mod role;
 mod substitute;
+mod wildcards;
 
 use super::fault::Fault;
+use super::limits::Work;
 use super::macros::Macro;
-use super::names::{TOP_LEVEL, is_own};
 use super::scope::Scope;
 use super::value::Value;
 use crate::budget::Budget;
@@ -15,6 +18,7 @@ use crate::diagnostics::{Diagnostics, Problem, Source};
 use crate::package::{Found, PackagePath};
 use crate::suggestion::did_you_mean;
 use crate::xml::{Element, Node, Weight};
+use role::Role;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -53,6 +57,7 @@ pub fn expand_root(
         arguments: arguments.iter().cloned().collect(),
         scopes: vec![Scope::default()],
         budget: Budget::default(),
+        work: Rc::default(),
         calls: Vec::new(),
         files: vec![path.to_path_buf()],
         parsed: HashMap::new(),
@@ -71,6 +76,7 @@ pub(super) struct Expander<'a> {
     /// The file's scope first, then one for each macro call that is being expanded.
     pub(super) scopes: Vec<Scope>,
     pub(super) budget: Budget,
+    pub(super) work: Rc<Work>,
     /// Macros that are being expanded: name and place of the call.
     calls: Vec<(String, Source)>,
     /// Files that are being expanded, each included by the one before.
@@ -88,27 +94,6 @@ struct Output {
     attributes: Vec<(String, String)>,
     children: Vec<Node>,
 }
-
-/// What an element is to xacro.
-enum Role {
-    Directive(&'static str),
-    Call(Rc<Macro>, Option<Rc<Scope>>),
-    Plain,
-}
-
-/// The directives, and which attribute tells those without prefix from other elements of that name.
-const DIRECTIVES: [(&str, Option<&str>); 10] = [
-    ("arg", Some("default")),
-    ("attribute", None),
-    ("call", None),
-    ("element", None),
-    ("if", Some("value")),
-    ("include", Some("filename")),
-    ("insert_block", Some("name")),
-    ("macro", Some("name")),
-    ("property", Some("name")),
-    ("unless", Some("value")),
-];
 
 impl Expander<'_> {
     fn root(&mut self, root: Element) -> Result<Element, Problem> {
@@ -131,7 +116,9 @@ impl Expander<'_> {
     ) -> Result<(), Problem> {
         for node in nodes {
             match node {
-                Node::Text(text) if !text.contains('$') => {
+                Node::Text(text) | Node::Cdata(text)
+                    if !text.contains('$') || matches!(node, Node::Cdata(_)) =>
+                {
                     let spent = self.budget.take(0, text.len());
                     spent.map_err(|spent| self.problem(spent.into(), source))?;
                     output.children.push(node.clone());
@@ -140,6 +127,7 @@ impl Expander<'_> {
                     let text = self.string(text, source).map_err(|fault| self.problem(fault, source))?;
                     output.children.push(Node::Text(text));
                 }
+                Node::Cdata(_) => {}
                 Node::Element(element) => self.element(element, at_top, output)?,
             }
         }
@@ -161,6 +149,9 @@ impl Expander<'_> {
             Role::Directive(directive) => self.directive(directive, element, at_top, output),
             Role::Call(definition, home) => self.call(element, &definition, home, at_top, output),
             Role::Plain => {
+                if at_top {
+                    self.check_top(element);
+                }
                 let plain = self.plain(element)?;
                 output.children.push(Node::Element(plain));
                 Ok(())
@@ -193,26 +184,6 @@ impl Expander<'_> {
                 value.map(|value| (name.clone(), value)).map_err(|fault| self.problem(fault, &element.source))
             })
             .collect()
-    }
-
-    fn role(&self, element: &Element, at_top: bool) -> Result<Role, Fault> {
-        let prefixed = element.name.strip_prefix("xacro:");
-        let name = prefixed.unwrap_or(&element.name);
-        for (directive, mark) in DIRECTIVES {
-            let meant = prefixed.is_some() || mark.is_some_and(|mark| element.attribute(mark).is_some());
-            if name == directive && meant {
-                return Ok(Role::Directive(directive));
-            }
-        }
-        if (prefixed.is_some() || !is_own(name, at_top))
-            && let Some((definition, home)) = self.find_macro(name)
-        {
-            return Ok(Role::Call(definition, home));
-        }
-        if prefixed.is_some() || (at_top && self.strict && !TOP_LEVEL.contains(&name)) {
-            return Err(self.unknown_macro(name));
-        }
-        Ok(Role::Plain)
     }
 
     fn directive(

@@ -7,8 +7,9 @@
 //! conditional expressions, `in` and `%`; urdf-rs calls ROS's xacro as a program; and ROS's xacro is written in Python and
 //! forgets the lines as well.
 //!
-//! An element without the prefix `xacro:` is a macro call if such a macro exists and the name is not an element of URDF or
-//! SDF: a macro `camera` does not capture the `<camera>` inside a `<sensor>`.
+//! An element without the prefix `xacro:` is a macro call if such a macro exists, the element gives what the macro needs and
+//! no more, and the name is not one of the frequent elements of URDF and SDF: a macro `sonar` does not capture the
+//! `<sonar>` inside a `<sensor>`.
 //!
 //! | module | contents |
 //! |---|---|

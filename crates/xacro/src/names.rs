@@ -18,6 +18,19 @@ pub(super) const TOP_LEVEL: [&str; 14] = [
     "virtual_joint",
 ];
 
+/// What other programs read inside `<robot>`.
+pub(super) const FOREIGN: [&str; 9] = [
+    "capabilities",
+    "compiler",
+    "loop_joint",
+    "mujoco",
+    "passive_joint",
+    "pybullet",
+    "self_collision_checking",
+    "sphere_approximation",
+    "end_effector",
+];
+
 /// Names below the top that a macro without the prefix `xacro:` does not capture.
 const NESTED: [&str; 53] = [
     "actuator",

@@ -54,13 +54,20 @@ pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Fault> {
     Ok(pieces)
 }
 
-/// Where the bracket closes that opens at byte 1. Brackets nest; those inside quotes do not count.
+/// Where the bracket closes that opens at byte 1. Brackets nest; those inside quotes do not count, nor does a quote behind
+/// a backslash inside quotes.
 fn end_of(text: &str, open: char) -> Option<usize> {
     let close = if open == '{' { '}' } else { ')' };
     let mut depth = 0_usize;
     let mut quote = None;
+    let mut is_escaped = false;
     for (at, c) in text.char_indices().skip(1) {
+        if is_escaped {
+            is_escaped = false;
+            continue;
+        }
         match quote {
+            Some(_) if c == '\\' => is_escaped = true,
             Some(q) if c == q => quote = None,
             None if open == '{' && (c == '\'' || c == '"') => quote = Some(c),
             None if c == open => depth += 1,

@@ -1,43 +1,167 @@
-//! Values of expressions, with Python's rules for truth, equality and printing.
+//! Values of expressions: what they are, and Python's rules for truth and literals.
 
-use std::fmt;
+mod compare;
+mod containers;
+mod numbers;
+mod print;
+
+pub(super) use compare::same;
+pub(super) use containers::{Entries, Key, List, Map, Tuple};
+pub(super) use numbers::{float_of, int_text, integer_of, parse_float, parse_int};
+pub(super) use print::{float_text, is_type};
+
+use super::fault::Fault;
+use num_bigint::BigInt;
+use num_traits::{ToPrimitive, Zero};
+use std::any::Any;
+use std::cell::RefCell;
+use std::collections::VecDeque;
+use std::rc::Rc;
 
 /// What an expression, a property or a macro parameter holds.
-#[derive(Debug, Clone, PartialEq)]
+///
+/// Lists and dictionaries are shared, as in Python: what a method changes is seen by every property that holds the list.
+#[derive(Debug, Clone)]
 pub(super) enum Value {
     None,
     Bool(bool),
-    Int(i64),
+    Int(BigInt),
     Float(f64),
     Text(String),
-    /// Lists and tuples alike.
-    List(Vec<Value>),
-    /// A dictionary in the order of its file, its keys unlike one another.
-    Map(Vec<(Value, Value)>),
+    List(Rc<List>),
+    Tuple(Rc<Tuple>),
+    Map(Rc<Map>),
+    Set(Rc<RefCell<Entries>>),
+    Range(Rc<Range>),
+    /// What `keys()`, `values()` and `items()` of a dictionary give.
+    View(View, Rc<Map>),
+    Iterator(Rc<Stream>),
+    Function(Function),
+}
+
+/// The numbers of a `range(…)`.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) struct Range {
+    pub(super) start: BigInt,
+    pub(super) end: BigInt,
+    pub(super) step: BigInt,
+}
+
+/// A view of a dictionary.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum View {
+    Keys,
+    Values,
+    Items,
+}
+
+/// An iterator, which gives its items once. The items are computed when the iterator is made; the fault of the first
+/// that has no value is reported when that item is asked for.
+#[derive(Debug)]
+pub(super) struct Stream {
+    /// The name of its Python type, as `map` or `generator`.
+    pub(super) kind: &'static str,
+    pub(super) items: RefCell<VecDeque<Value>>,
+    pub(super) fault: Option<Fault>,
+}
+
+/// Something that can be called.
+#[derive(Debug, Clone)]
+pub(super) enum Function {
+    /// A function of Python, by its short name.
+    Builtin(&'static str),
+    /// A method and its object.
+    Method(Box<Value>, String),
+    /// A lambda, whose content the evaluator knows.
+    Lambda(Rc<dyn Any>),
+}
+
+/// The depth of nested lists at which a value is refused, so that no walk through it exhausts the stack.
+const MAX_DEPTH: usize = 100;
+/// The size in bytes at which [`Value::size`] stops counting.
+const COUNTED: usize = 16 << 20;
+
+impl Range {
+    /// Returns the number of items.
+    pub(super) fn len(&self) -> BigInt {
+        let one = BigInt::from(1);
+        let (low, high, step) = if self.step > BigInt::zero() {
+            (&self.start, &self.end, self.step.clone())
+        } else {
+            (&self.end, &self.start, -&self.step)
+        };
+        if low < high { (high - low - &one) / step + one } else { BigInt::zero() }
+    }
+
+    /// Returns the item at a place that is known to be inside.
+    pub(super) fn at(&self, place: &BigInt) -> BigInt {
+        &self.start + place * &self.step
+    }
 }
 
 impl Value {
+    /// Makes a text.
+    pub(super) fn text(text: impl Into<String>) -> Self {
+        Self::Text(text.into())
+    }
+
+    /// Makes an integer.
+    pub(super) fn int(value: impl Into<BigInt>) -> Self {
+        Self::Int(value.into())
+    }
+
+    /// Makes a new list.
+    pub(super) fn list(items: Vec<Self>) -> Self {
+        Self::List(Rc::new(List::new(items, false)))
+    }
+
+    /// Makes a tuple.
+    pub(super) fn tuple(items: Vec<Self>) -> Self {
+        Self::Tuple(Rc::new(Tuple { items }))
+    }
+
+    /// Makes a dictionary.
+    pub(super) fn map(entries: Entries) -> Self {
+        Self::Map(Rc::new(Map::new(entries, false)))
+    }
+
+    /// Makes an iterator over items, with the fault that comes behind them.
+    pub(super) fn iterator(kind: &'static str, items: Vec<Self>, fault: Option<Fault>) -> Self {
+        Self::Iterator(Rc::new(Stream { kind, items: RefCell::new(items.into()), fault }))
+    }
+
+    /// Returns the same list or dictionary as xacro hands out parts of YAML files: a copy whose keys can be written behind
+    /// a dot.
+    pub(super) fn dotted(self) -> Self {
+        match self {
+            Self::List(list) => Self::List(Rc::new(List::new(list.items.borrow().clone(), true))),
+            Self::Map(map) => Self::Map(Rc::new(Map::new(map.entries.borrow().clone(), true))),
+            other => other,
+        }
+    }
+
     /// Reads a property's text as xacro does: a number if it is one, `true` and `false`, a text in single
     /// quotes without them, else the text itself. Underscores never belong to a number.
     pub(super) fn literal(text: &str) -> Self {
         if text.len() >= 2 && text.starts_with('\'') && text.ends_with('\'') {
-            return Self::Text(text[1..text.len() - 1].to_owned());
+            return Self::text(&text[1..text.len() - 1]);
         }
-        let trimmed = text.trim();
-        if let Ok(int) = trimmed.parse() {
-            return Self::Int(int);
-        }
-        if let Ok(float) = trimmed.parse() {
-            return Self::Float(float);
+        if !text.contains('_') {
+            if let Some(int) = parse_int(text, 10) {
+                return Self::Int(int);
+            }
+            if let Some(float) = parse_float(text) {
+                return Self::Float(float);
+            }
         }
         match text {
             "true" | "True" => Self::Bool(true),
             "false" | "False" => Self::Bool(false),
-            _ => Self::Text(text.to_owned()),
+            _ => Self::text(text),
         }
     }
 
-    /// A text result is read again as a literal; anything else has its type already.
+    /// Reads a text again as a literal; anything else has its type already.
     pub(super) fn into_literal(self) -> Self {
         match self {
             Self::Text(text) => Self::literal(&text),
@@ -45,65 +169,94 @@ impl Value {
         }
     }
 
-    /// Bytes, roughly.
+    /// Returns the bytes, roughly. A value that is nested too deeply is larger than any limit.
     pub(super) fn size(&self) -> usize {
-        let inside = match self {
-            Self::Text(text) => text.len(),
-            Self::List(items) => items.iter().map(Self::size).sum(),
-            Self::Map(entries) => entries.iter().map(|(key, value)| key.size() + value.size()).sum(),
-            _ => 0,
-        };
-        size_of::<Self>() + inside
+        let mut size = 0;
+        if self.measure(MAX_DEPTH, &mut size) { size } else { usize::MAX }
     }
 
-    /// Python's truth: zero and empty are false.
+    /// Adds the size, and says whether the value is neither nested too deeply nor too large.
+    fn measure(&self, depth: usize, size: &mut usize) -> bool {
+        *size += size_of::<Self>();
+        if depth == 0 || *size > COUNTED {
+            return false;
+        }
+        let below = depth - 1;
+        match self {
+            Self::Text(text) => *size += text.len(),
+            Self::Int(int) => *size += int.bits() as usize / 8,
+            Self::List(list) => {
+                return list.items.borrow().iter().all(|item| item.measure(below, size));
+            }
+            Self::Tuple(tuple) => return tuple.items.iter().all(|item| item.measure(below, size)),
+            Self::Map(map) | Self::View(_, map) => {
+                let entries = map.entries.borrow();
+                return entries
+                    .iter()
+                    .all(|(key, value)| key.measure(below, size) && value.measure(below, size));
+            }
+            Self::Set(set) => return set.borrow().iter().all(|(item, _)| item.measure(below, size)),
+            Self::Iterator(stream) => {
+                return stream.items.borrow().iter().all(|item| item.measure(below, size));
+            }
+            Self::Function(Function::Method(object, _)) => return object.measure(below, size),
+            _ => {}
+        }
+        true
+    }
+
+    /// Returns Python's truth: zero and empty are false.
     pub(super) fn truth(&self) -> bool {
         match self {
             Self::None => false,
             Self::Bool(value) => *value,
-            Self::Int(value) => *value != 0,
+            Self::Int(value) => !value.is_zero(),
             Self::Float(value) => *value != 0.0,
             Self::Text(value) => !value.is_empty(),
-            Self::List(value) => !value.is_empty(),
-            Self::Map(value) => !value.is_empty(),
+            Self::List(list) => !list.items.borrow().is_empty(),
+            Self::Tuple(tuple) => !tuple.items.is_empty(),
+            Self::Map(map) | Self::View(_, map) => map.entries.borrow().len() > 0,
+            Self::Set(set) => set.borrow().len() > 0,
+            Self::Range(range) => !range.len().is_zero(),
+            Self::Iterator(_) | Self::Function(_) => true,
         }
     }
 
-    /// The number, if it is one; a boolean counts as 0 or 1.
+    /// Returns the number, if it is one; a boolean counts as 0 or 1. An integer beyond all floats is infinite.
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Float(value) => Some(*value),
-            _ => self.integer().map(|value| value as f64),
+            _ => self.integer().map(|value| float_of(&value)),
         }
     }
 
-    /// The integer, if it is one; a boolean counts as 0 or 1.
-    pub(super) fn integer(&self) -> Option<i64> {
+    /// Returns the integer, if it is one; a boolean counts as 0 or 1.
+    pub(super) fn integer(&self) -> Option<BigInt> {
         match self {
-            Self::Int(value) => Some(*value),
+            Self::Int(value) => Some(value.clone()),
+            Self::Bool(value) => Some(BigInt::from(u8::from(*value))),
+            _ => None,
+        }
+    }
+
+    /// Returns the integer, if it is one of 64 bits.
+    pub(super) fn small_integer(&self) -> Option<i64> {
+        match self {
+            Self::Int(value) => value.to_i64(),
             Self::Bool(value) => Some(i64::from(*value)),
             _ => None,
         }
     }
 
-    /// `==`: numbers compare by value whatever their type.
-    pub(super) fn equals(&self, other: &Self) -> bool {
-        match (self, other) {
-            (Self::List(a), Self::List(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.equals(b)),
-            _ => match (self.number(), other.number()) {
-                (Some(a), Some(b)) => a == b,
-                _ => self == other,
-            },
+    /// Returns the text, if it is one.
+    pub(super) fn as_text(&self) -> Option<&str> {
+        match self {
+            Self::Text(text) => Some(text),
+            _ => None,
         }
     }
 
-    /// What a dictionary has under a key.
-    pub(super) fn entry(&self, key: &Self) -> Option<&Self> {
-        let Self::Map(entries) = self else { return None };
-        entries.iter().find(|(known, _)| known.equals(key)).map(|(_, value)| value)
-    }
-
-    /// What it is, for error messages.
+    /// Names what it is, for error messages.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::None => "nothing",
@@ -111,75 +264,34 @@ impl Value {
             Self::Int(_) | Self::Float(_) => "a number",
             Self::Text(_) => "a text",
             Self::List(_) => "a list",
+            Self::Tuple(_) => "a tuple",
             Self::Map(_) => "a dictionary",
+            Self::Set(_) => "a set",
+            Self::Range(_) => "a range",
+            Self::View(..) => "a view of a dictionary",
+            Self::Iterator(_) => "an iterator",
+            Self::Function(_) => "a function",
         }
     }
-}
 
-impl fmt::Display for Value {
-    /// As Python's `str` prints it: the shortest digits that read back as the same number.
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// Returns the name of its Python type.
+    pub(super) fn type_name(&self) -> &'static str {
         match self {
-            Self::None => f.write_str("None"),
-            Self::Bool(true) => f.write_str("True"),
-            Self::Bool(false) => f.write_str("False"),
-            Self::Int(value) => write!(f, "{value}"),
-            Self::Float(value) => f.write_str(&float_text(*value)),
-            Self::Text(value) => f.write_str(value),
-            Self::List(values) => {
-                f.write_str("[")?;
-                for (index, value) in values.iter().enumerate() {
-                    if index > 0 {
-                        f.write_str(", ")?;
-                    }
-                    inside(value, f)?;
-                }
-                f.write_str("]")
-            }
-            Self::Map(entries) => {
-                f.write_str("{")?;
-                for (index, (key, value)) in entries.iter().enumerate() {
-                    if index > 0 {
-                        f.write_str(", ")?;
-                    }
-                    inside(key, f)?;
-                    f.write_str(": ")?;
-                    inside(value, f)?;
-                }
-                f.write_str("}")
-            }
+            Self::None => "NoneType",
+            Self::Bool(_) => "bool",
+            Self::Int(_) => "int",
+            Self::Float(_) => "float",
+            Self::Text(_) => "str",
+            Self::List(_) => "list",
+            Self::Tuple(_) => "tuple",
+            Self::Map(_) => "dict",
+            Self::Set(_) => "set",
+            Self::Range(_) => "range",
+            Self::View(..) => "view",
+            Self::Iterator(stream) => stream.kind,
+            Self::Function(_) => "function",
         }
     }
-}
-
-/// A value within another: texts in quotes.
-fn inside(value: &Value, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    match value {
-        Value::Text(text) => write!(f, "'{text}'"),
-        other => write!(f, "{other}"),
-    }
-}
-
-/// A float as Python prints it: a point always, an exponent below 1e-4 and from 1e16 on.
-fn float_text(value: f64) -> String {
-    if !value.is_finite() {
-        return if value.is_nan() {
-            "nan".into()
-        } else if value > 0.0 {
-            "inf".into()
-        } else {
-            "-inf".into()
-        };
-    }
-    // Rust and Python both print the shortest digits; only the layout differs.
-    let scientific = format!("{value:e}");
-    let (digits, exponent) = scientific.split_once('e').unwrap_or((&scientific, "0"));
-    let exponent: i32 = exponent.parse().unwrap_or(0);
-    if value != 0.0 && !(-4..16).contains(&exponent) {
-        let sign = if exponent < 0 { '-' } else { '+' };
-        return format!("{digits}e{sign}{:02}", exponent.unsigned_abs());
-    }
-    format!("{value:?}")
 }
 
 #[cfg(test)]
@@ -187,32 +299,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn prints_like_python() {
-        for (value, text) in [
-            (1.0, "1.0"),
-            (0.1 + 0.2, "0.30000000000000004"),
-            (1e-4, "0.0001"),
-            (1e-5, "1e-05"),
-            (1.5e-7, "1.5e-07"),
-            (1e15, "1000000000000000.0"),
-            (1e16, "1e+16"),
-            (-0.0, "-0.0"),
-            (f64::INFINITY, "inf"),
-            (123_456_789.125, "123456789.125"),
+    fn literals_have_types() {
+        for (text, kind, printed) in [
+            ("3", "int", "3"),
+            (" 0.5 ", "float", "0.5"),
+            ("'3'", "str", "3"),
+            ("true", "bool", "True"),
+            ("1_000", "str", "1_000"),
+            ("1 2", "str", "1 2"),
+            ("-inf", "float", "-inf"),
+            ("123456789012345678901234567890", "int", "123456789012345678901234567890"),
         ] {
-            assert_eq!(Value::Float(value).to_string(), text);
+            let value = Value::literal(text);
+            assert_eq!((value.type_name(), value.to_string().as_str()), (kind, printed), "{text}");
         }
-        let list = Value::List(vec![Value::Int(1), Value::Text("a".into()), Value::Bool(true)]);
-        assert_eq!(list.to_string(), "[1, 'a', True]");
     }
 
     #[test]
-    fn literals_have_types() {
-        assert_eq!(Value::literal("3"), Value::Int(3));
-        assert_eq!(Value::literal(" 0.5 "), Value::Float(0.5));
-        assert_eq!(Value::literal("'3'"), Value::Text("3".into()));
-        assert_eq!(Value::literal("true"), Value::Bool(true));
-        assert_eq!(Value::literal("1_000"), Value::Text("1_000".into()));
-        assert_eq!(Value::literal("1 2"), Value::Text("1 2".into()));
+    fn depth_and_size_are_bounded() {
+        let mut value = Value::Int(1.into());
+        for _ in 0..90 {
+            value = Value::list(vec![value]);
+        }
+        assert!(value.size() < 1 << 20);
+        for _ in 0..100_000 {
+            value = Value::tuple(vec![Value::list(vec![value])]);
+        }
+        // Neither this nor the destructor exhausts the stack.
+        assert_eq!(value.size(), usize::MAX);
     }
 }

@@ -29,6 +29,8 @@ pub enum Node {
     Element(Element),
     /// A run of text, entities resolved.
     Text(String),
+    /// The text of a CDATA section, in which xacro expands nothing.
+    Cdata(String),
 }
 
 /// The size of a tree of elements, as it counts against a [`Budget`](crate::budget::Budget).
@@ -48,7 +50,7 @@ impl Weight {
         nodes.iter().fold(Self::default(), |sum, node| {
             let node = match node {
                 Node::Element(element) => element.weight(),
-                Node::Text(text) => Self { bytes: text.len(), ..Self::default() },
+                Node::Text(text) | Node::Cdata(text) => Self { bytes: text.len(), ..Self::default() },
             };
             Self {
                 elements: sum.elements + node.elements,
@@ -113,7 +115,7 @@ impl Element {
     pub fn elements(&self) -> impl Iterator<Item = &Element> {
         self.children.iter().filter_map(|child| match child {
             Node::Element(element) => Some(element),
-            Node::Text(_) => None,
+            Node::Text(_) | Node::Cdata(_) => None,
         })
     }
 
@@ -133,7 +135,7 @@ impl Element {
             .children
             .iter()
             .filter_map(|child| match child {
-                Node::Text(text) => Some(text.as_str()),
+                Node::Text(text) | Node::Cdata(text) => Some(text.as_str()),
                 Node::Element(_) => None,
             })
             .collect();

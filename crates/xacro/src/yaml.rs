@@ -1,25 +1,44 @@
-//! YAML files as values, for `xacro.load_yaml`.
+//! YAML files as values, for `xacro.load_yaml`: YAML 1.1 as the `SafeLoader` of `PyYAML` reads it, and xacro's units.
+
+mod scalars;
 
 use super::evaluate::{Names, evaluate};
 use super::expression::parse;
 use super::fault::Fault;
-use super::limits::sized;
-use super::value::Value;
+use super::functions::{Arguments, key};
+use super::limits::{Work, sized};
+use super::value::{Entries, Value, parse_float};
 use saphyr_parser::{Event, Parser, ScalarStyle, Tag};
+use scalars::{by_tag, plain};
 use std::collections::HashMap;
-use std::collections::hash_map::Entry;
 use std::path::Path;
 
 /// Lists and mappings within one another.
 const MAX_DEPTH: usize = 60;
 
-/// Reads a file, its first document.
+/// The tags of xacro's units, and how many meters or radians each is.
+const UNITS: [(&str, f64); 7] = [
+    ("radians", 1.0),
+    ("degrees", std::f64::consts::PI / 180.0),
+    ("meters", 1.0),
+    ("millimeters", 0.001),
+    ("foot", 0.3048),
+    ("feet", 0.3048),
+    ("inches", 0.0254),
+];
+
+/// Reads a file.
 pub(super) fn load(path: &Path) -> Result<Value, Fault> {
     let text = std::fs::read_to_string(path).map_err(|error| {
         Fault::new(format!("the YAML file {} cannot be read: {error}", path.display()), "correct its name")
     })?;
     document(&text)
+        .map(Value::dotted)
         .map_err(|fault| Fault { what: format!("the YAML file {}: {}", path.display(), fault.what), ..fault })
+}
+
+fn bad(what: impl Into<String>) -> Fault {
+    Fault::new(what, "correct it there")
 }
 
 /// A list or mapping that is not at its end.
@@ -27,119 +46,157 @@ struct Open {
     anchor: usize,
     is_mapping: bool,
     values: Vec<Value>,
+    /// Which of the values are the key `<<`.
+    merges: Vec<usize>,
 }
 
 fn document(text: &str) -> Result<Value, Fault> {
-    let bad = |what: String| Fault::new(what, "correct it there");
     let mut open: Vec<Open> = Vec::new();
     let mut anchors: HashMap<usize, Value> = HashMap::new();
     let mut size = 0;
+    let mut root = None;
     for event in Parser::new_from_str(text) {
-        let (event, _) = event.map_err(|error| bad(error.to_string()))?;
+        let (event, span) = event.map_err(|error| bad(error.to_string()))?;
+        let at_line =
+            |fault: Fault| Fault { what: format!("line {}: {}", span.start.line(), fault.what), ..fault };
+        let mut is_merge = false;
         let (value, anchor) = match event {
+            Event::DocumentStart(_) if root.is_some() => return Err(bad("it has more than one document")),
             Event::Scalar(text, style, anchor, tag) => {
-                (scalar(&text, style == ScalarStyle::Plain, tag.as_deref())?, anchor)
+                let is_plain = style == ScalarStyle::Plain;
+                is_merge = is_plain && text == "<<" && tag.is_none();
+                (scalar(&text, is_plain, tag.as_deref()).map_err(at_line)?, anchor)
             }
             Event::Alias(anchor) => {
                 let value = anchors.get(&anchor).cloned();
-                (value.ok_or_else(|| bad("an alias stands within its own anchor".into()))?, 0)
+                (value.ok_or_else(|| bad("an alias stands within its own anchor"))?, 0)
             }
-            Event::SequenceStart(anchor, _) | Event::MappingStart(anchor, _) => {
+            Event::SequenceStart(anchor, ref tag) | Event::MappingStart(anchor, ref tag) => {
                 if open.len() >= MAX_DEPTH {
                     return Err(bad(format!("it is nested more than {MAX_DEPTH} deep")));
                 }
                 let is_mapping = matches!(event, Event::MappingStart(..));
-                open.push(Open { anchor, is_mapping, values: Vec::new() });
+                let own = if is_mapping { "map" } else { "seq" };
+                if let Some(tag) =
+                    tag.as_deref().filter(|tag| !(tag.is_yaml_core_schema() && tag.suffix == own))
+                {
+                    return Err(at_line(unknown_tag(tag)));
+                }
+                open.push(Open { anchor, is_mapping, values: Vec::new(), merges: Vec::new() });
                 continue;
             }
             Event::SequenceEnd | Event::MappingEnd => {
-                let Some(Open { anchor, is_mapping, values }) = open.pop() else { continue };
-                (if is_mapping { mapping(values) } else { Value::List(values) }, anchor)
+                let Some(ended) = open.pop() else { continue };
+                let anchor = ended.anchor;
+                let value = if ended.is_mapping {
+                    mapping(&ended).map_err(at_line)?
+                } else {
+                    Value::list(ended.values)
+                };
+                (value, anchor)
             }
-            Event::DocumentEnd => break,
             _ => continue,
         };
-        size = sized(size + value.size())?;
+        size = sized(value.size().saturating_add(size))?;
         if anchor != 0 {
             anchors.insert(anchor, value.clone());
         }
         match open.last_mut() {
-            Some(parent) => parent.values.push(value),
-            None => return Ok(value),
-        }
-    }
-    Ok(Value::None)
-}
-
-/// Keys and values in turn. `<<` takes in what another mapping has.
-fn mapping(values: Vec<Value>) -> Value {
-    let mut entries: Vec<(Value, Value)> = Vec::with_capacity(values.len() / 2);
-    // Of a key that is written twice the last value counts, as for Python's reader.
-    let mut places: HashMap<String, usize> = HashMap::new();
-    let mut merged = Vec::new();
-    let mut values = values.into_iter();
-    while let (Some(key), Some(value)) = (values.next(), values.next()) {
-        match (&key, value) {
-            (Value::Text(text), Value::Map(more)) if text == "<<" => merged.extend(more),
-            (Value::Text(text), value) => match places.entry(text.clone()) {
-                Entry::Occupied(place) => entries[*place.get()].1 = value,
-                Entry::Vacant(place) => {
-                    place.insert(entries.len());
-                    entries.push((key, value));
+            Some(parent) => {
+                if is_merge && parent.is_mapping && parent.values.len().is_multiple_of(2) {
+                    parent.merges.push(parent.values.len());
                 }
-            },
-            (_, value) => entries.push((key, value)),
+                parent.values.push(value);
+            }
+            None => root = Some(value),
         }
     }
-    for (key, value) in merged {
-        if !entries.iter().any(|(known, _)| known.equals(&key)) {
-            entries.push((key, value));
-        }
-    }
-    Value::Map(entries)
+    Ok(root.unwrap_or(Value::None))
 }
 
-/// A plain word by YAML 1.1's rules, which Python's reader has; angles by their unit, in radians.
+fn unknown_tag(tag: &Tag) -> Fault {
+    let known = UNITS.map(|(unit, _)| format!("!{unit}")).join(", ");
+    let name = if tag.is_yaml_core_schema() {
+        format!("!!{}", tag.suffix)
+    } else {
+        format!("{}{}", tag.handle, tag.suffix)
+    };
+    Fault::new(format!("the tag '{name}' is not known"), format!("use one of {known}, or none"))
+}
+
+/// Makes a dictionary of keys and values in turn. `<<` takes in other mappings, before the keys that stand here.
+fn mapping(open: &Open) -> Result<Value, Fault> {
+    let mut entries = Entries::default();
+    let pairs = || open.values.chunks_exact(2).enumerate();
+    let is_merge = |at: usize| open.merges.contains(&(2 * at));
+    for (_, pair) in pairs().filter(|(at, _)| is_merge(*at)) {
+        let others = match &pair[1] {
+            Value::List(list) => list.items.borrow().clone(),
+            other => vec![other.clone()],
+        };
+        for other in others {
+            let Value::Map(map) = &other else {
+                return Err(bad("'<<' needs a mapping, or a list of mappings"));
+            };
+            for (name, value) in map.entries.borrow().iter() {
+                // What comes first holds, as YAML says.
+                let key = key(name)?;
+                if !entries.contains(&key) {
+                    entries.insert(key, name.clone(), value.clone());
+                }
+            }
+        }
+    }
+    for (_, pair) in pairs().filter(|(at, _)| !is_merge(*at)) {
+        // Of a key that is written twice the last value counts.
+        entries.insert(key(&pair[0])?, pair[0].clone(), pair[1].clone());
+    }
+    Ok(Value::map(entries))
+}
+
 fn scalar(text: &str, is_plain: bool, tag: Option<&Tag>) -> Result<Value, Fault> {
-    match tag.map(|tag| tag.suffix.as_str()) {
-        Some("radians") => return number(text).map(Value::Float),
-        Some("degrees") => return number(text).map(|degrees| Value::Float(degrees.to_radians())),
-        Some("str") => return Ok(Value::Text(text.to_owned())),
-        _ => {}
+    let Some(tag) = tag else {
+        return if is_plain { plain(text) } else { Ok(Value::text(text)) };
+    };
+    if tag.is_yaml_core_schema() {
+        return by_tag(text, &tag.suffix).unwrap_or_else(|| Err(unknown_tag(tag)));
     }
-    if !is_plain {
-        return Ok(Value::Text(text.to_owned()));
+    let unit = UNITS.iter().find(|(unit, _)| tag.handle == "!" && tag.suffix == *unit);
+    match unit {
+        Some((_, factor)) => number(text).map(|number| Value::Float(number * factor)),
+        // A `!` alone makes it a text.
+        None if tag.handle.is_empty() && tag.suffix == "!" => Ok(Value::text(text)),
+        None => Err(unknown_tag(tag)),
     }
-    Ok(match text {
-        "" | "~" | "null" | "Null" | "NULL" => Value::None,
-        "true" | "True" | "TRUE" | "yes" | "Yes" | "YES" | "on" | "On" | "ON" => Value::Bool(true),
-        "false" | "False" | "FALSE" | "no" | "No" | "NO" | "off" | "Off" | "OFF" => Value::Bool(false),
-        ".inf" | ".Inf" | "+.inf" => Value::Float(f64::INFINITY),
-        "-.inf" | "-.Inf" => Value::Float(f64::NEG_INFINITY),
-        ".nan" | ".NaN" => Value::Float(f64::NAN),
-        _ if text.starts_with(|c: char| c.is_ascii_digit() || matches!(c, '-' | '+' | '.')) => {
-            Value::literal(text)
-        }
-        _ => Value::Text(text.to_owned()),
-    })
 }
 
-/// The number that an expression gives.
+/// Returns the number that an expression gives.
 fn number(text: &str) -> Result<f64, Fault> {
-    struct Nothing;
+    struct Nothing(usize);
     impl Names for Nothing {
         fn get(&mut self, _: &str) -> Result<Option<Value>, Fault> {
             Ok(None)
         }
-        fn call(&mut self, _: &str, _: &[Value]) -> Option<Result<Value, Fault>> {
+        fn call(&mut self, _: &str, _: &Arguments) -> Option<Result<Value, Fault>> {
             None
         }
         fn undefined(&self, name: &str) -> Fault {
             Fault::new(format!("'{name}' is no number"), "write a number, or an expression of numbers")
         }
+        fn enter(&mut self, levels: usize) -> Result<(), Fault> {
+            self.0 += levels;
+            if self.0 > 500 { Err(bad("the expression is nested too deeply")) } else { Ok(()) }
+        }
+        fn leave(&mut self, levels: usize) {
+            self.0 -= levels;
+        }
     }
-    let value = evaluate(&parse(text)?, &mut Nothing)?;
-    value.number().ok_or_else(|| Nothing.undefined(text))
+    let value = evaluate(&parse(text)?, &mut Nothing(0), &Work::default())?;
+    let number = match &value {
+        Value::Text(text) => parse_float(text),
+        other => other.number(),
+    };
+    number.ok_or_else(|| Nothing(0).undefined(text))
 }
 
 #[cfg(test)]

@@ -84,7 +84,7 @@ impl Expander<'_> {
         self.nodes(&element.children, source, false, &mut blocks)?;
         let mut blocks = blocks.children.into_iter().filter_map(|node| match node {
             Node::Element(element) => Some(element),
-            Node::Text(_) => None,
+            Node::Text(_) | Node::Cdata(_) => None,
         });
         for parameter in &definition.parameters {
             match parameter {

@@ -2,8 +2,10 @@
 
 use super::super::fault::Fault;
 use super::super::scope::{Property, Scope};
+use super::wildcards::{is_pattern, matching};
 use super::{Expander, Output};
 use crate::diagnostics::{Problem, Source};
+use crate::functions::printed;
 use crate::xml::Element;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -22,30 +24,61 @@ impl Expander<'_> {
         let substituted = self
             .substitute(text, self.scopes.len() - 1, source)
             .map_err(|fault| self.problem(fault, source))?;
-        let name = substituted.value.to_string();
-        // A relative name counts from the file that it is written in.
-        let mut path = PathBuf::from(name.trim());
-        if let (true, Some(folder)) = (path.is_relative(), source.file.parent()) {
-            path = folder.join(path);
-        }
-        if !path.is_file() {
+        let name = printed(&substituted.value).map_err(|fault| self.problem(fault, source))?;
+        // As in xacro, a relative name counts from the file that is being expanded, which is not the one where the text
+        // stands if that is in a macro.
+        let path = self.beside_file(name.trim());
+        let paths = if is_pattern(name.trim()) {
+            let found = matching(&path).map_err(|fault| self.problem(fault, source))?;
+            if found.is_empty() {
+                let what = format!("no file matches '{}'", path.display());
+                self.diagnostics.warning(source, what, "correct the pattern, or leave the include out");
+            }
+            found
+        } else if path.is_file() {
+            vec![path]
+        } else {
             let optional = element.attribute("optional").is_some()
                 && self.condition(element, "optional").map_err(|fault| self.problem(fault, source))?;
             if optional {
                 return Ok(());
             }
-            let fault = match substituted.package_file {
-                Some((package, file)) => Fault::new(
-                    format!("no file '{file}' in package '{package}', searched in {}", self.folders()),
-                    "correct the name, or add the folder that has it with --package-path or ROS_PACKAGE_PATH",
-                ),
-                None => Fault::new(
-                    format!("no file '{}' to include", path.display()),
-                    "correct the name; it counts from the folder of the file that includes it",
-                ),
-            };
-            return Err(self.problem(fault, source));
+            return Err(self.problem(self.missing(&path, substituted.package_file), source));
+        };
+        let namespace = element.attribute("ns").map(|_| self.required(element, "ns")).transpose()?;
+        if namespace.is_some() {
+            self.scopes.push(Scope::default());
         }
+        for path in paths {
+            self.file(path, source, at_top, output)?;
+        }
+        if let Some(namespace) = namespace {
+            self.close_namespace(namespace);
+        }
+        Ok(())
+    }
+
+    fn missing(&self, path: &Path, package_file: Option<(String, String)>) -> Fault {
+        match package_file {
+            Some((package, file)) => Fault::new(
+                format!("no file '{file}' in package '{package}', searched in {}", self.folders()),
+                "correct the name, or add the folder that has it with --package-path or ROS_PACKAGE_PATH",
+            ),
+            None => Fault::new(
+                format!("no file '{}' to include", path.display()),
+                "correct the name; it counts from the folder of the file that is being expanded, also in a macro",
+            ),
+        }
+    }
+
+    /// Expands one file.
+    fn file(
+        &mut self,
+        path: PathBuf,
+        source: &Source,
+        at_top: bool,
+        output: &mut Output,
+    ) -> Result<(), Problem> {
         self.check_cycle(&path, source)?;
         let included = if let Some(parsed) = self.parsed.get(&path) {
             parsed.clone()
@@ -55,18 +88,10 @@ impl Expander<'_> {
             self.parsed.insert(path.clone(), parsed.clone());
             parsed
         };
-        let namespace = element.attribute("ns").map(|_| self.required(element, "ns")).transpose()?;
-        if namespace.is_some() {
-            self.scopes.push(Scope::default());
-        }
         self.files.push(path);
         let result = self.nodes(&included.children, &included.source, at_top, output);
         self.files.pop();
-        result?;
-        if let Some(namespace) = namespace {
-            self.close_namespace(namespace);
-        }
-        Ok(())
+        result
     }
 
     /// A file may be included twice, but not by itself.

@@ -1,7 +1,9 @@
 //! Definitions of properties: a value, a default, or a block of elements.
 
+use super::super::expression::is_keyword;
 use super::super::fault::Fault;
 use super::super::scope::{Block, Property};
+use super::super::value::Value;
 use super::Expander;
 use crate::xml::{Element, Weight};
 
@@ -11,10 +13,10 @@ impl Expander<'_> {
         let name = self.string(element.attribute("name").unwrap_or_default(), source)?;
         let is_identifier = name.chars().next().is_some_and(|c| c.is_alphabetic() || c == '_')
             && name.chars().all(|c| c.is_alphanumeric() || c == '_');
-        if !is_identifier || name.starts_with("__") {
+        if !is_identifier || is_keyword(&name) || name.starts_with("__") {
             return Err(Fault::new(
                 format!("a property cannot be named '{name}'"),
-                "use letters, digits and underscores, a letter first",
+                "use letters, digits and underscores, a letter first, and none of Python's keywords",
             ));
         }
         if element.attribute("remove").is_some() && self.condition(element, "remove")? {
@@ -51,11 +53,16 @@ impl Expander<'_> {
         };
         let lazy = !matches!(element.attribute("scope"), Some("global" | "parent"))
             && (element.attribute("lazy_eval").is_none() || self.condition(element, "lazy_eval")?);
-        let property = if lazy && text.contains('$') {
-            Property::Lazy { text: text.to_owned(), source: source.clone() }
-        } else {
-            Property::Known(self.value(text, source)?.into_literal())
-        };
+        // A text in single quotes loses them here, and is read once more when it is used: xacro makes a number of
+        // value="'3'", too.
+        let property =
+            match if lazy { Value::literal(text) } else { self.value(text, source)?.into_literal() } {
+                Value::Text(text) if lazy && text.contains('$') => {
+                    Property::Lazy { text, source: source.clone() }
+                }
+                Value::Text(text) if lazy => Property::Known(Value::literal(&text)),
+                value => Property::Known(value),
+            };
         self.scopes[target].properties.insert(name, property);
         Ok(())
     }

@@ -2,18 +2,12 @@
 
 use super::Expander;
 use crate::diagnostics::Source;
-use crate::evaluate::{Names, evaluate};
-use crate::expression::parse;
 use crate::fault::Fault;
+use crate::functions::printed;
 use crate::scope::Property;
-use crate::suggestion::did_you_mean_or;
 use crate::text::{Piece, pieces};
 use crate::value::Value;
-use crate::yaml;
 use std::path::Path;
-
-/// Expressions in expressions take less of the stack than elements in elements.
-const EXPRESSIONS_A_LEVEL: usize = 8;
 
 /// What `$(find package)` gives. A package path may be relative to where the program runs, while a relative name
 /// in a file counts from that file: so it is made absolute, as ROS gives it.
@@ -40,7 +34,7 @@ impl Expander<'_> {
         if !text.contains('$') {
             return Ok(text.to_owned());
         }
-        self.value(text, source).map(|value| value.to_string())
+        self.value(text, source).and_then(|value| printed(&value))
     }
 
     fn value_in(&mut self, text: &str, scope: usize, source: &Source) -> Result<Value, Fault> {
@@ -74,17 +68,11 @@ impl Expander<'_> {
             values.push(match piece {
                 Piece::Text(text) => Value::Text((*text).to_owned()),
                 Piece::Expression(inside) => {
-                    let inside = self.value_in(inside, scope, source)?.to_string();
-                    let expression = parse(&inside)?;
-                    let levels = expression.levels() / EXPRESSIONS_A_LEVEL;
-                    self.budget.enter(levels)?;
-                    let value =
-                        evaluate(&expression, &mut Properties { expander: self, scope, text: &inside });
-                    self.budget.leave(levels);
-                    value?
+                    let inside = printed(&self.value_in(inside, scope, source)?)?;
+                    self.evaluated(&inside, scope, source)?
                 }
                 Piece::Extension(inside) => {
-                    let inside = self.value_in(inside, scope, source)?.to_string();
+                    let inside = printed(&self.value_in(inside, scope, source)?)?;
                     if let Some(package) = inside.strip_prefix("find ") {
                         found = Some((values.len(), package.trim().to_owned()));
                     }
@@ -108,7 +96,8 @@ impl Expander<'_> {
         let value = if values.len() == 1 {
             values.swap_remove(0)
         } else {
-            Value::Text(values.iter().map(ToString::to_string).collect())
+            let texts: Result<String, Fault> = values.iter().map(printed).collect();
+            Value::Text(texts?)
         };
         Ok(Substituted { value, package_file })
     }
@@ -127,9 +116,12 @@ impl Expander<'_> {
                 Value::Text(std::env::var(name).unwrap_or(default))
             }
             ("eval", Some(_)) => {
-                let expression = parse(rest)?;
+                if rest.contains("__") {
+                    let what = format!("'$({inside})' contains two underscores one behind the other");
+                    return Err(Fault::new(what, "name the argument otherwise"));
+                }
                 // roslaunch turns the result into text; so does xacro.
-                Value::Text(evaluate(&expression, &mut Arguments { expander: self })?.to_string())
+                Value::Text(printed(&self.evaluated_arguments(rest)?)?)
             }
             ("dirname", None) => {
                 let folder = source.file.parent().unwrap_or(&source.file);
@@ -140,6 +132,12 @@ impl Expander<'_> {
                     .map_err(|error| Fault::new(format!("$(cwd): {error}"), "name the folder itself"))?;
                 Value::Text(folder.to_string_lossy().into_owned())
             }
+            ("anon", Some(_)) => {
+                return Err(Fault::new(
+                    format!("'$({inside})' would be another name in each run, and xacro has no $(anon …)"),
+                    "write a name of your own",
+                ));
+            }
             _ => {
                 return Err(Fault::new(
                     format!("'$({inside})' is not understood"),
@@ -149,7 +147,7 @@ impl Expander<'_> {
         })
     }
 
-    fn argument(&self, name: &str) -> Result<Value, Fault> {
+    pub(super) fn argument(&self, name: &str) -> Result<Value, Fault> {
         self.arguments.get(name).map(|value| Value::Text(value.clone())).ok_or_else(|| {
             Fault::new(
                 format!("undefined argument '{name}'"),
@@ -225,80 +223,11 @@ impl Expander<'_> {
     }
 }
 
-fn environment(name: &str) -> Result<String, Fault> {
+pub(super) fn environment(name: &str) -> Result<String, Fault> {
     std::env::var(name).map_err(|_| {
         Fault::new(
             format!("environment variable '{name}' is not set"),
             format!("set it, or write $(optenv {name} default)"),
         )
     })
-}
-
-/// The names in `${…}`: properties.
-struct Properties<'a, 'b> {
-    expander: &'a mut Expander<'b>,
-    scope: usize,
-    text: &'a str,
-}
-
-impl Names for Properties<'_, '_> {
-    fn get(&mut self, name: &str) -> Result<Option<Value>, Fault> {
-        self.expander.property(name, self.scope)
-    }
-
-    fn call(&mut self, function: &str, arguments: &[Value]) -> Option<Result<Value, Fault>> {
-        match (function, arguments) {
-            ("xacro.arg", [Value::Text(name)]) => Some(self.expander.argument(name)),
-            ("xacro.load_yaml" | "load_yaml", [Value::Text(file)]) => {
-                // A relative name counts from the file that is being expanded.
-                let folder = self.expander.files.last().and_then(|file| file.parent());
-                let path = folder.unwrap_or(Path::new("")).join(file.trim());
-                self.expander.diagnostics.opened(&path);
-                Some(yaml::load(&path))
-            }
-            _ => None,
-        }
-    }
-
-    fn undefined(&self, name: &str) -> Fault {
-        let known = self.expander.scopes[..=self.scope].iter().flat_map(|scope| scope.properties.keys());
-        let mut known: Vec<_> = known.map(String::as_str).collect();
-        known.sort_unstable();
-        let define = format!("Define it with <xacro:property name=\"{name}\" value=\"…\"/>");
-        Fault::new(
-            format!("undefined property '{name}' in '${{{}}}'", self.text.trim()),
-            did_you_mean_or(name, known, &define),
-        )
-    }
-}
-
-/// The names in `$(eval …)`: arguments.
-struct Arguments<'a, 'b> {
-    expander: &'a mut Expander<'b>,
-}
-
-impl Names for Arguments<'_, '_> {
-    fn get(&mut self, name: &str) -> Result<Option<Value>, Fault> {
-        Ok(self.expander.arguments.get(name).map(|value| Value::literal(value)))
-    }
-
-    fn call(&mut self, function: &str, arguments: &[Value]) -> Option<Result<Value, Fault>> {
-        match (function, arguments) {
-            ("arg", [Value::Text(name)]) => Some(self.expander.argument(name).map(Value::into_literal)),
-            ("find", [Value::Text(package)]) => Some(self.expander.package_folder(package).map(Value::Text)),
-            ("env", [Value::Text(name)]) => Some(environment(name).map(Value::Text)),
-            ("optenv", [Value::Text(name), default @ ..]) => {
-                let default = default.first().map_or_else(String::new, ToString::to_string);
-                Some(Ok(Value::Text(std::env::var(name).unwrap_or(default))))
-            }
-            _ => None,
-        }
-    }
-
-    fn undefined(&self, name: &str) -> Fault {
-        Fault::new(
-            format!("undefined argument '{name}' in $(eval …)"),
-            format!("give it as {name}:=value, or add <xacro:arg name=\"{name}\" default=\"…\"/>"),
-        )
-    }
 }

@@ -2,11 +2,12 @@
 
 use super::super::fault::Fault;
 use super::super::value::Value;
+use super::literals::{number, string};
 
 /// Evaluation goes as deep as a chain of operators is long.
 const MAX_TOKENS: usize = 1000;
 
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone)]
 pub(super) enum Token {
     Literal(Value),
     Name(String),
@@ -16,7 +17,7 @@ pub(super) enum Token {
 impl Token {
     pub(super) fn describe(&self) -> String {
         match self {
-            Self::Literal(value) => format!("'{value}'"),
+            Self::Literal(value) => format!("'{}'", value.shown()),
             Self::Name(name) => format!("'{name}'"),
             Self::Symbol(symbol) => format!("'{symbol}'"),
         }
@@ -24,14 +25,19 @@ impl Token {
 }
 
 /// Longest first, so that `**` is not read as two `*`.
-const SYMBOLS: [&str; 20] = [
-    "**", "//", "==", "!=", "<=", ">=", "<", ">", "+", "-", "*", "/", "%", "(", ")", "[", "]", ",", ".", ":",
+const SYMBOLS: [&str; 30] = [
+    "**", "//", "==", "!=", "<=", ">=", "<<", ">>", ":=", "<", ">", "+", "-", "*", "/", "%", "(", ")", "[",
+    "]", "{", "}", ",", ".", ":", "&", "|", "^", "~", "=",
 ];
 
+/// The fault of an expression that cannot be parsed.
 pub(super) fn syntax(text: &str, what: &str) -> Fault {
+    let text = text.trim();
+    let shown: String = text.chars().take(100).collect();
+    let dots = if shown.len() < text.len() { "..." } else { "" };
     Fault::new(
-        format!("invalid expression '{}': {what}", text.trim()),
-        "write a Python-like expression: numbers, properties, + - * / % **, comparisons, 'a if c else b'",
+        format!("invalid expression '{shown}{dots}': {what}"),
+        "write a Python expression: numbers, properties, + - * / % **, comparisons, 'a if c else b'",
     )
 }
 
@@ -40,27 +46,26 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Fault> {
     let mut rest = text.trim_start();
     while let Some(first) = rest.chars().next() {
         let next_is_digit = rest.chars().nth(1).is_some_and(|c| c.is_ascii_digit());
-        let length = if first.is_ascii_digit() || (first == '.' && next_is_digit && !ends_operand(&tokens)) {
-            let length = number_length(rest);
-            let digits = rest[..length].replace('_', "");
-            let value = digits.parse().map(Value::Int).or_else(|_| digits.parse().map(Value::Float));
-            tokens.push(Token::Literal(
-                value.map_err(|_| syntax(text, &format!("'{}' is not a number", &rest[..length])))?,
-            ));
+        let length = if first.is_ascii_digit() || (first == '.' && next_is_digit) {
+            let (value, length) = number(rest).map_err(|what| syntax(text, &what))?;
+            tokens.push(Token::Literal(value));
+            length
+        } else if let Some(found) = string(rest) {
+            let (value, length) = found.map_err(|what| syntax(text, &what))?;
+            tokens.push(Token::Literal(Value::Text(value)));
             length
         } else if first.is_alphabetic() || first == '_' {
             let length = rest.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(rest.len());
-            tokens.push(match &rest[..length] {
+            let name = &rest[..length];
+            tokens.push(match name {
                 "True" | "true" => Token::Literal(Value::Bool(true)),
                 "False" | "false" => Token::Literal(Value::Bool(false)),
                 "None" => Token::Literal(Value::None),
-                name => Token::Name(name.to_owned()),
+                _ if name.starts_with("__") => {
+                    return Err(syntax(text, &format!("the name '{name}' begins with two underscores")));
+                }
+                _ => Token::Name(name.to_owned()),
             });
-            length
-        } else if first == '\'' || first == '"' {
-            let (value, length) =
-                quoted(rest, first).ok_or_else(|| syntax(text, "a quoted text does not end"))?;
-            tokens.push(Token::Literal(Value::Text(value)));
             length
         } else {
             let symbol = SYMBOLS.into_iter().find(|symbol| rest.starts_with(symbol));
@@ -74,50 +79,4 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, Fault> {
         rest = rest[length..].trim_start();
     }
     Ok(tokens)
-}
-
-/// Whether a dot after these tokens is an attribute's, not a number's.
-fn ends_operand(tokens: &[Token]) -> bool {
-    matches!(tokens.last(), Some(Token::Name(_) | Token::Symbol(")" | "]")))
-}
-
-fn number_length(text: &str) -> usize {
-    let bytes = text.as_bytes();
-    let digits = |mut at: usize| {
-        while bytes.get(at).is_some_and(|b| b.is_ascii_digit() || *b == b'_') {
-            at += 1;
-        }
-        at
-    };
-    let mut end = digits(0);
-    if bytes.get(end) == Some(&b'.') {
-        end = digits(end + 1);
-    }
-    if matches!(bytes.get(end), Some(b'e' | b'E')) {
-        let sign = usize::from(matches!(bytes.get(end + 1), Some(b'+' | b'-')));
-        let exponent_end = digits(end + 1 + sign);
-        if exponent_end > end + 1 + sign {
-            end = exponent_end;
-        }
-    }
-    end
-}
-
-/// The value of a quoted text at the start of `text`, and its length with the quotes.
-fn quoted(text: &str, quote: char) -> Option<(String, usize)> {
-    let mut value = String::new();
-    let mut chars = text.char_indices().skip(1);
-    while let Some((at, c)) = chars.next() {
-        match c {
-            '\\' => match chars.next()?.1 {
-                'n' => value.push('\n'),
-                't' => value.push('\t'),
-                other if other == '\\' || other == '\'' || other == '"' => value.push(other),
-                other => value.extend(['\\', other]),
-            },
-            _ if c == quote => return Some((value, at + 1)),
-            _ => value.push(c),
-        }
-    }
-    None
 }

@@ -77,7 +77,9 @@ pub(super) fn document(text: &str, file: &Arc<Path>) -> Result<Element, Problem>
                 None
             }
             Event::CData(text) => {
-                add_text(&mut open, &String::from_utf8_lossy(&text));
+                if let Some(parent) = open.last_mut() {
+                    parent.children.push(Node::Cdata(String::from_utf8_lossy(&text).into_owned()));
+                }
                 None
             }
             Event::Eof => break,

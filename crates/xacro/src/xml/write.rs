@@ -47,8 +47,10 @@ fn element(
     for child in &written.children {
         match child {
             Node::Element(child) => element(f, child, depth + 1, &BTreeSet::new())?,
-            Node::Text(text) if text.trim().is_empty() => {}
-            Node::Text(text) => writeln!(f, "{}", Escaped { text: text.trim(), in_attribute: false })?,
+            Node::Text(text) | Node::Cdata(text) if text.trim().is_empty() => {}
+            Node::Text(text) | Node::Cdata(text) => {
+                writeln!(f, "{}", Escaped { text: text.trim(), in_attribute: false })?;
+            }
         }
     }
     writeln!(f, "{:indent$}</{}>", "", written.name)

@@ -34,6 +34,7 @@ pub enum RigError {
 
 impl RigError {
     /// Whether shared memory has no room for a stream.
+    #[cfg(feature = "server")]
     pub(crate) fn lacks_memory(&self) -> bool {
         matches!(self, Self::Bridge(BridgeError::SharedMemoryTooSmall { .. }))
     }

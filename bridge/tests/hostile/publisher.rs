@@ -37,7 +37,9 @@ impl Hostile {
             .service_builder(&name)
             .publish_subscribe::<[u8]>()
             .user_header::<FrameHeader>()
-            .subscriber_max_buffer_size(16)
+            // A blocked publisher and a consumer that polls every 100 ms pass one buffer on per round: 16 frames at a
+            // time took minutes.
+            .subscriber_max_buffer_size(256)
             .history_size(0)
             .enable_safe_overflow(overflow)
             .create()

@@ -90,7 +90,7 @@ impl SimulationBuilder {
             let (robot, problem) = robot.unzip();
             notes.extend(problem.flatten().filter(|problem| problem.severity >= Severity::Warning));
             let mut named = model.clone();
-            named.name_sensor_topics(&world.name);
+            notes.extend(named.name_sensor_topics(&world.name));
             let entity = Entity {
                 name: model.name.clone(),
                 namespace: String::new(),

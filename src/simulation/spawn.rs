@@ -62,7 +62,7 @@ impl Simulation {
         let namespace = namespace(&given).map_err(SimulationError::Refused)?;
         let start = world_from_model * model.world_from_model;
         let mut model = Model { name: name.clone(), ..model.clone() };
-        model.name_sensor_topics(&self.world.name);
+        let mut topic_notes = model.name_sensor_topics(&self.world.name);
         let is_robot = is_robot.unwrap_or_else(|| has_base(&model) || !model.plugins.is_empty());
         let mut placement = robot::placement(&model, start);
         if !is_robot {
@@ -85,6 +85,7 @@ impl Simulation {
             return Err(problem.into());
         }
         let mut notes = self.physics.take_notes();
+        notes.append(&mut topic_notes);
         let robot = is_robot.then(|| {
             let (robot, problem) = Robot::new(&model, &namespace, index, &mut self.physics);
             notes.extend(problem.filter(|problem| problem.severity < Severity::Error));

@@ -480,21 +480,25 @@ fn poses_are_relative_to_frames_and_joints_of_nested_models() {
 
 #[test]
 fn sensors_without_a_topic_publish_under_gz_sims_names() {
-    let sensor = |kind: &str, inside: &str| format!("<sensor name='s' type='{kind}'>{inside}</sensor>");
-    let lidar = sensor("gpu_lidar", "<lidar><range><min>0.1</min><max>9</max></range></lidar>");
+    let sensor = |name: &str, kind: &str, inside: &str| {
+        format!("<sensor name='{name}' type='{kind}'>{inside}</sensor>")
+    };
+    let range = "<lidar><range><min>0.1</min><max>9</max></range></lidar>";
     let world = good(
         "1.9",
         &format!(
-            "<model name='m m'><static>1</static><link name='l'>{lidar}{}{}</link><model name='inner'><link name='k'>{}{}\
+            "<model name='m m'><static>1</static><link name='l'>{}{}{}{}</link><model name='inner'><link name='k'>{}{}\
              </link></model></model>",
-            sensor("camera", "<camera/>"),
-            sensor("rgbd_camera", "<camera/>"),
-            sensor("imu", ""),
-            sensor("air_pressure", "<topic>p</topic>"),
+            sensor("s", "gpu_lidar", range),
+            sensor("é/..", "camera", "<camera/>"),
+            sensor("d", "rgbd_camera", "<camera/>"),
+            sensor("s", "imu", ""),
+            sensor("s", "imu", ""),
+            sensor("s", "air_pressure", "<topic>p</topic>"),
         ),
     );
     let mut model = world.models[0].clone();
-    model.name_sensor_topics(&world.name);
+    let problems = model.name_sensor_topics("");
     let topics = model.sensors.iter().map(|sensor| match &sensor.kind {
         SensorKind::Ray(lidar) => lidar.plugin.as_ref().unwrap().topic.clone(),
         SensorKind::Camera(camera) => camera.plugin.as_ref().unwrap().camera_info_topic.clone(),
@@ -503,16 +507,20 @@ fn sensors_without_a_topic_publish_under_gz_sims_names() {
         SensorKind::AirPressure(barometer) => barometer.plugin.as_ref().unwrap().topic.clone(),
         _ => panic!("{sensor:?}"),
     });
+    // A world without a name, and names with what no topic can hold: every topic can be used, and none is there twice.
     assert_eq!(
         topics.collect::<Vec<_>>(),
         [
-            "/world/w/model/m_m/link/l/sensor/s/scan",
-            "/world/w/model/m_m/link/l/sensor/s/camera_info",
-            "/world/w/model/m_m/link/l/sensor/s/depth_image",
-            "/world/w/model/m_m/model/inner/link/k/sensor/s/imu",
+            "/world/_/model/m_m/link/l/sensor/s/scan",
+            "/world/_/model/m_m/link/l/sensor/____/camera_info",
+            "/world/_/model/m_m/link/l/sensor/d/depth_image",
+            "/world/_/model/m_m/link/l/sensor/s/2/imu",
+            "/world/_/model/m_m/model/inner/link/k/sensor/s/imu",
             "/p",
         ]
     );
+    let [problem] = &problems[..] else { panic!("{problems:?}") };
+    assert!(problem.to_string().contains("warning: sensor 's' has the name of another one"), "{problem}");
 }
 
 #[test]

@@ -29,7 +29,7 @@ pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
 pub use shape::{Collision, Fiducial, Geometry, HeightMap, Heights, Material, Mesh, Optics, Visual};
 pub use trajectory::{Leg, Trajectory, Waypoint};
 
-use super::diagnostics::Source;
+use super::diagnostics::{Problem, Source};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
@@ -134,10 +134,10 @@ impl Model {
 
     /// Names the topics of sensors for which the file names none, as gz-sim does:
     /// `/world/WORLD/model/NAME/link/LINK/sensor/SENSOR/scan`. A simulation calls it when the model comes into a world.
-    pub fn name_sensor_topics(&mut self, world: &str) {
-        for sensor in &mut self.sensors {
-            super::sensor::gz::name_topics(sensor, world, &self.name, &self.links[sensor.link].name);
-        }
+    /// Returns a warning for each sensor that has the name of another one.
+    pub fn name_sensor_topics(&mut self, world: &str) -> Vec<Problem> {
+        let link_name = |link: LinkIndex| self.links[link].name.as_str();
+        super::sensor::gz::name_topics(&mut self.sensors, link_name, &self.name, world)
     }
 
     /// What drives it, if anything does.

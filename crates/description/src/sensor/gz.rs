@@ -1,10 +1,11 @@
 //! Sensors without a plugin that is simulated: they publish as gz-sim's do, under the names that its bridge to ROS sees.
 
-use super::KINDS;
 use super::plugin::{absolute, is_ours, plain_name};
-use super::{Sensor, SensorKind};
+use super::{KINDS, LinkIndex, Sensor, SensorKind};
+use crate::diagnostics::{Problem, Severity};
 use crate::values::child_text;
 use crate::xml::Element;
+use std::collections::HashMap;
 
 /// Begins the topics of sensors without a `<topic>` until it is known in which world and model they are. No topic of a file
 /// can hold it.
@@ -41,25 +42,57 @@ pub(super) fn frame_name(sensor: &Element) -> String {
     names.into_iter().find_map(|name| child_text(sensor, name)).unwrap_or_default()
 }
 
-/// Names the topics of a sensor without a `<topic>` as gz-sim does: `/world/W/model/M/link/L/sensor/S/…`. `link` is the
-/// name of its link, `inner::link` for one of a nested model.
-pub(crate) fn name_topics(sensor: &mut Sensor, world: &str, model: &str, link: &str) {
-    let (inner, link) = link.rsplit_once("::").unwrap_or(("", link));
-    let models = std::iter::once(model).chain(inner.split("::")).filter(|name| !name.is_empty());
-    let models = models.collect::<Vec<_>>().join("/model/");
-    // What cannot be in a topic of ROS becomes an underscore.
-    let scope: String =
-        format!("/world/{world}/model/{models}/link/{link}/sensor/{}", sensor.name)
-            .chars()
-            .map(|character| {
-                if character.is_ascii_alphanumeric() || "_/-.~".contains(character) { character } else { '_' }
-            })
-            .collect();
-    for topic in topics(&mut sensor.kind) {
-        if let Some(end) = topic.strip_prefix(SCOPE) {
-            *topic = format!("{scope}{end}");
+/// Names the topics of sensors without a `<topic>` as gz-sim does: `/world/W/model/M/link/L/sensor/S/…`, where a nested
+/// model `M::N` is `M/model/N`. Two sensors of one name get different topics, and the second a warning.
+pub(crate) fn name_topics<'l>(
+    sensors: &mut [Sensor],
+    link_name: impl Fn(LinkIndex) -> &'l str,
+    model: &str,
+    world: &str,
+) -> Vec<Problem> {
+    let (mut taken, mut problems) = (HashMap::new(), Vec::new());
+    for sensor in sensors {
+        if !topics(&mut sensor.kind).iter().any(|topic| topic.starts_with(SCOPE)) {
+            continue;
+        }
+        let link = link_name(sensor.link);
+        let (inner, link) = link.rsplit_once("::").unwrap_or(("", link));
+        let models = std::iter::once(model).chain(inner.split("::").filter(|name| !name.is_empty()));
+        let models = models.map(part).collect::<Vec<_>>().join("/model/");
+        let mut scope = format!(
+            "/world/{}/model/{models}/link/{}/sensor/{}",
+            part(world),
+            part(link),
+            part(&sensor.name)
+        );
+        let count = taken.entry(scope.clone()).or_insert(0_u32);
+        *count += 1;
+        if *count > 1 {
+            scope = format!("{scope}/{count}");
+            problems.push(Problem {
+                severity: Severity::Warning,
+                source: sensor.source.clone(),
+                what: format!(
+                    "sensor '{}' has the name of another one: its topics begin with {scope}",
+                    sensor.name
+                ),
+                remedy: "give each sensor of a link its own name, or a <topic>".into(),
+            });
+        }
+        for topic in topics(&mut sensor.kind) {
+            if let Some(end) = topic.strip_prefix(SCOPE) {
+                *topic = format!("{scope}{end}");
+            }
         }
     }
+    problems
+}
+
+/// A name as part of a topic: whatever a topic cannot hold becomes an underscore.
+fn part(name: &str) -> String {
+    let part: String =
+        name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect();
+    if part.is_empty() { "_".into() } else { part }
 }
 
 /// Returns the topics of whatever publishes a sensor.

@@ -22,6 +22,7 @@ pub(super) fn lidar(own: &str) -> Lidar {
 /// Bytes a second that `encode` makes, which tells how many it has made, in GB/s and as a multiple of those that FNV-1a
 /// hashes. That is a multiplication and an exclusive or a byte, one after the other: four cycles, 1 GB/s at 4 GHz. Of rounds
 /// that take both in turns, in processor time of the thread, the best: other threads of the same core only slow it down.
+#[cfg(not(debug_assertions))]
 pub(super) fn pace(mut encode: impl FnMut() -> usize) -> [f64; 2] {
     let bytes = vec![7_u8; BYTES];
     let mut best = [0.0_f64; 2];

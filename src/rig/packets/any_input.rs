@@ -1,8 +1,8 @@
-//! Tests: packets of values that nobody chose, each place beside its definition, and how fast they are made.
+//! Tests: packets of values that nobody chose, each place beside its definition, and how fast they are made
+//! (in a release build).
 
 use super::{Column, Packets, Protocol};
-use crate::rig::pace::{lidar, pace};
-use std::hint::black_box;
+use crate::rig::pace::lidar;
 
 const VELODYNE: [(&str, usize, usize); 6] = [
     ("vlp16", 16, 1),
@@ -187,10 +187,13 @@ fn crc_64_xz(bytes: &[u8]) -> u64 {
     !bytes.iter().fold(u64::MAX, |sum, byte| (0..8).fold(sum ^ u64::from(*byte), |sum, _| bit(sum)))
 }
 
-/// A gigabyte a second at 4 GHz, on one core, in a release build, which `BELVEDERE_FULL=1 .ci/run` tests. The dev profile
-/// hardly optimises this crate: there a tenth of that is asked for.
+/// A gigabyte a second at 4 GHz, on one core. It is compiled in release builds alone, which `BELVEDERE_FULL=1 .ci/run`
+/// tests: the dev profile hardly optimises this crate, so that a speed says nothing there.
+#[cfg(not(debug_assertions))]
 #[test]
 fn packets_are_encoded_at_a_byte_in_four_cycles() {
+    use crate::rig::pace::pace;
+    use std::hint::black_box;
     let velodynes =
         VELODYNE.map(|(preset, lasers, returns)| (preset, velodyne(preset, returns), lasers, returns));
     let ousters = OUSTER.map(|(profile, returns)| (profile, ouster(profile), 128, returns));
@@ -207,7 +210,6 @@ fn packets_are_encoded_at_a_byte_in_four_cycles() {
             })
         });
         println!("{name} {returns}: {gigabytes_s:.2} GB/s, {ratio:.2} times FNV-1a");
-        let least = if cfg!(debug_assertions) { 0.1 } else { 1.0 };
-        assert!(ratio > least, "{name} {returns}: {gigabytes_s:.2} GB/s, {ratio:.2} times FNV-1a");
+        assert!(ratio > 1.0, "{name} {returns}: {gigabytes_s:.2} GB/s, {ratio:.2} times FNV-1a");
     }
 }

@@ -96,3 +96,24 @@ fn every_page_is_in_the_book() {
         .collect();
     assert_eq!(listed, there);
 }
+
+/// The pages list every robot and world that comes with the program, and the gallery shows each.
+#[test]
+fn every_shipped_robot_and_world_is_shown() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let gallery = fs::read_to_string(root.join("docs/gallery.md")).unwrap();
+    for (folder, ending, page) in [
+        ("models/turtlebot_description/robots", ".urdf.xacro", "docs/robots.md"),
+        ("models/worlds", ".world", "docs/worlds.md"),
+    ] {
+        let page_text = fs::read_to_string(root.join(page)).unwrap();
+        let files = fs::read_dir(root.join(folder)).unwrap().map(|file| file.unwrap().file_name());
+        let files: Vec<String> = files.map(|file| file.into_string().unwrap()).collect();
+        let names: Vec<&str> = files.iter().filter_map(|file| file.strip_suffix(ending)).collect();
+        assert!(!names.is_empty());
+        for name in names {
+            assert!(page_text.contains(&format!("| `{name}`")), "{page} has no row for {name}");
+            assert!(gallery.contains(&format!("gallery/{name}.jpg")), "docs/gallery.md does not show {name}");
+        }
+    }
+}

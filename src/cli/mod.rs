@@ -16,6 +16,7 @@ pub mod list;
 mod live_lines;
 pub mod log;
 pub mod message;
+pub mod names;
 mod pacer;
 pub mod place;
 pub mod record;
@@ -84,6 +85,10 @@ enum Command {
     Info(info::InfoArgs),
     Check(check::CheckArgs),
     Urdf(urdf::UrdfArgs),
+    /// Print the names of the robots that `--robot` finds, one per line.
+    Robots(names::NamesArgs),
+    /// Print the names of the worlds that `--world` finds, one per line.
+    Worlds(names::NamesArgs),
     Control(control::ControlArgs),
     Dataset(dataset::DatasetArgs),
     /// Print a script that completes this command in a shell.
@@ -111,6 +116,8 @@ fn command_names() -> impl Iterator<Item = &'static str> {
         "info",
         "check",
         "urdf",
+        "robots",
+        "worlds",
         "control",
         "dataset",
         "completions",
@@ -154,6 +161,8 @@ fn run_command() -> ExitCode {
         Some(Command::Info(args)) => info::run(args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Urdf(args)) => urdf::run(args),
+        Some(Command::Robots(args)) => names::robots(args),
+        Some(Command::Worlds(args)) => names::worlds(args),
         Some(Command::Control(args)) => control::run(args),
         Some(Command::Dataset(args)) => dataset::run(args),
         Some(Command::Completions { shell }) => {

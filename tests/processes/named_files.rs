@@ -78,3 +78,30 @@ fn a_command_that_was_left_out_says_so() {
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(said.contains("built without 'link'; build it with --features link"), "{said}");
 }
+
+/// Every name that is listed can be checked, and a package of one's own adds to the list.
+#[test]
+fn names_of_robots_and_worlds_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let package = folder.path().join("turtlebot_description");
+    std::fs::create_dir_all(package.join("robots")).unwrap();
+    std::fs::write(package.join("package.xml"), "<package><name>turtlebot_description</name></package>")
+        .unwrap();
+    std::fs::write(package.join("robots/mine.urdf.xacro"), "<robot name='mine'><link name='l'/></robot>")
+        .unwrap();
+    let path = folder.path().to_str().unwrap();
+    let lines = |arguments: &[&str]| -> Vec<String> {
+        let said = String::from_utf8(output(arguments).stdout).unwrap();
+        said.lines().map(str::to_owned).collect()
+    };
+    let robots = lines(&["robots", "--package-path", path]);
+    assert!(robots.iter().any(|name| name == "mine"), "{robots:?}");
+    assert!(robots.iter().any(|name| name == "kobuki_hexagons_vlp16_d435"), "{robots:?}");
+    assert!(lines(&["robots"]).iter().all(|name| name != "mine"));
+    let worlds = lines(&["worlds"]);
+    assert_eq!(worlds, ["corridor", "empty", "playground", "tag_ceiling"]);
+    for world in &worlds {
+        let told = output(&["check", world]).stdout;
+        assert!(String::from_utf8(told).unwrap().contains(&format!("{world}.world")), "{world}");
+    }
+}

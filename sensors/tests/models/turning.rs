@@ -213,7 +213,7 @@ fn what_cannot_be_is_refused() {
     };
     let short = slices(4, 356, |_| moment);
     let said = refused(Shutter::Slices(&short), false);
-    assert_eq!(said, "slice 89 of the shutter must exist: no slice has the last lines");
+    assert_eq!(said, "slice 89 of the shutter must exist: no slice contains the last lines");
     let beyond = slices(4, 364, |_| moment);
     let said = refused(Shutter::Slices(&beyond), false);
     assert_eq!(said, "slice 90 of the shutter must have one line at least, and none beyond the frame's");
@@ -222,7 +222,7 @@ fn what_cannot_be_is_refused() {
     assert_eq!(said, "slice 1 of the shutter must begin no later than where the lines before it end");
     let whole = slices(4, 360, |_| moment);
     let said = refused(Shutter::Slices(&whole), true);
-    assert!(said.starts_with("flow is not worked out for a lidar whose columns"), "{said}");
+    assert!(said.starts_with("flow is not computed for a lidar whose columns"), "{said}");
     let said = refused(Shutter::Slices(&[]), false);
-    assert_eq!(said, "slice 0 of the shutter must exist: no slice has the last lines");
+    assert_eq!(said, "slice 0 of the shutter must exist: no slice contains the last lines");
 }

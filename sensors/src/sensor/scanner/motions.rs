@@ -25,7 +25,7 @@ impl<'a> Motions<'a> {
         match *shutter {
             Shutter::Global(moment) => check_moment(scene, &moment).map(|()| Self::Still(moment)),
             Shutter::Slices(_) => Err(SenseError::Shutter {
-                rule: "be one moment or keyframes: this sensor's rays have times of their own",
+                rule: "be one moment or keyframes: this sensor's rays have individual times",
             }),
             Shutter::Moving(keyframes) => {
                 check_keyframes(scene, keyframes, frame_time_s)?;

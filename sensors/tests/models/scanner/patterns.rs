@@ -310,7 +310,7 @@ fn what_cannot_be_is_refused() {
     let mut flow = [[0.0; 2]];
     let flow = Echoes::new().truth(Truth::new().flow(&mut flow));
     let flow = take(&scanner, &builder, &Capture::new(0, at), Execution::default(), flow);
-    assert!(flow.unwrap_err().to_string().starts_with("flow is not worked out where each ray"));
+    assert!(flow.unwrap_err().to_string().starts_with("flow is not computed for sensors whose rays"));
     // A lidar's beams have no times.
     let lidar = Lidar::new(LidarConfig::new(Beams::ONE)).unwrap();
     let (keyframes, mut ranges) = (keys(&[0.0, 1.0]), [0.0]);
@@ -319,6 +319,6 @@ fn what_cannot_be_is_refused() {
     let said = lidar.sense_in(&mut memory, &scene, &capture, Scan::new().ranges(&mut ranges)).unwrap_err();
     assert_eq!(
         said.to_string(),
-        "the shutter must be one moment or slices: this sensor's rays have no times"
+        "the shutter must be one moment or slices: this sensor's rays have no individual times"
     );
 }

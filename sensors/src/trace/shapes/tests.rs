@@ -26,7 +26,7 @@ fn first(shape: Shape, origin: [f64; 3], direction: [f64; 3], both: bool) -> f64
 }
 
 #[test]
-fn down_the_axis() {
+fn rays_along_the_axis() {
     // All of them reach up to z = 1, or are flat.
     for shape in SHAPES {
         let flat = matches!(shape, Shape::Rectangle { .. } | Shape::Plane);
@@ -42,7 +42,7 @@ fn down_the_axis() {
 }
 
 #[test]
-fn away_from_it() {
+fn rays_that_point_away_miss() {
     for shape in SHAPES {
         for direction in [[0.0, 0.0, 1.0], [0.1, -0.2, 3.0], [1e-300, 0.0, 1.0]] {
             assert_eq!(first(shape, [0.0, 0.0, 5.0], direction, true), f64::INFINITY, "{shape:?}");
@@ -58,7 +58,7 @@ fn away_from_it() {
 }
 
 #[test]
-fn from_the_surface_itself() {
+fn rays_from_the_surface() {
     // From the top, looking down: t = 0, from outside.
     for shape in SHAPES {
         let flat = matches!(shape, Shape::Rectangle { .. } | Shape::Plane);
@@ -102,7 +102,7 @@ fn inverse_from_outside(shape: Shape, origin: [f64; 3], direction: [f64; 3], bot
 }
 
 #[test]
-fn from_outside_it_is_the_same() {
+fn kernels_for_outside_origins_give_the_same() {
     let mut next = random_numbers();
     for shape in SHAPES {
         let (mut hits, mut misses, mut without) = (0, 0, 0);

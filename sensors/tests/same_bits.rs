@@ -240,7 +240,7 @@ fn gloss_and_glass(mut builder: SceneBuilder) -> SceneBuilder {
 }
 
 #[test]
-fn every_level_gives_the_same_bytes() {
+fn every_level() {
     let expected = sense_all(Execution { level: Level::baseline(), ..Execution::default() });
     for (name, level) in levels() {
         let Some(level) = level else {
@@ -255,7 +255,7 @@ fn every_level_gives_the_same_bytes() {
 
 #[cfg(feature = "rayon")]
 #[test]
-fn any_number_of_threads_gives_the_same_bytes() {
+fn any_number_of_threads() {
     let expected = sense_all(Execution::default());
     for threads in [1, 2, 5] {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -273,7 +273,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 }
 
 #[test]
-fn every_machine_gives_the_same_bytes() {
+fn every_machine() {
     let expected: [(&str, u64); 22] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
@@ -307,7 +307,7 @@ fn every_machine_gives_the_same_bytes() {
 }
 
 #[test]
-fn every_run_gives_the_same_bytes() {
+fn every_run() {
     let pose = Pose::IDENTITY;
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);

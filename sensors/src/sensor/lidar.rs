@@ -258,7 +258,7 @@ struct LidarBeams<'a> {
     lidar: &'a Lidar,
     capture: &'a Capture<'a>,
     sight: Sight,
-    /// Whether the lines are whole ones, so that ranges are measured here. In parts of lines they stay true.
+    /// Whether the lines are complete, so that ranges get their noise here. Ranges of parts of lines remain exact.
     is_whole: bool,
 }
 

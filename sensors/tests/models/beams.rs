@@ -357,7 +357,7 @@ fn range_noise_depends_on_the_returned_power() {
 
 /// Hahner et al. 2021, equations 8 to 13, as sums of small steps.
 #[test]
-fn fog_attenuates_surfaces_and_has_returns_of_its_own() {
+fn fog_attenuates_surfaces_and_scatters_light_back() {
     let alpha = 0.06_f64;
     let fog = Weather { visibility_m: 20_f64.ln() / alpha, ..Weather::CLEAR };
     assert!((fog.visibility_m - 49.93).abs() < 0.005 && (fog.extinction_per_m() - alpha).abs() < 1e-12);

@@ -74,7 +74,7 @@ impl Reader {
                         return Err("its faces have no vertex_indices".into());
                     };
                     match corner_uvs.map(|place| &row[place]) {
-                        Some(uvs) => self.face_of_its_own(corners, uvs, &shared).map_err(wrong)?,
+                        Some(uvs) => self.separate_face(corners, uvs, &shared).map_err(wrong)?,
                         None => self.face(corners).map_err(wrong)?,
                     }
                 }
@@ -107,7 +107,7 @@ impl Reader {
     }
 
     /// Divides a face whose corners have their own texture coordinates.
-    fn face_of_its_own(&mut self, corners: &[f64], uvs: &[f64], shared: &[[f32; 3]]) -> Result<(), String> {
+    fn separate_face(&mut self, corners: &[f64], uvs: &[f64], shared: &[[f32; 3]]) -> Result<(), String> {
         let (indices, points) = points(corners, shared)?;
         let first = self.part.positions.len() as u32;
         self.part.positions.extend(indices.iter().map(|index| shared[*index as usize]));

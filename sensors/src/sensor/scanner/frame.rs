@@ -319,7 +319,7 @@ impl<'a> ScannerFrame<'a> {
         }
     }
 
-    /// Adds the echoes of surfaces that one firing hits by way of mirrors and panes.
+    /// Adds the echoes of surfaces that one firing hits through panes and in mirrors.
     fn listen_beyond(
         &self,
         resolver: &mut Resolver<'_>,

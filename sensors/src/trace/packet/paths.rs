@@ -1,4 +1,4 @@
-//! The paths of rays through panes and by way of mirrors, and the hits at their ends.
+//! The paths of rays that panes transmit and mirrors reflect, and the hits at their ends.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
@@ -24,7 +24,7 @@ pub(crate) struct Path {
     pub(in crate::trace) light: f64,
 }
 
-/// A surface that is seen by way of others and scatters light back.
+/// A surface that scatters light back and is seen through panes or in mirrors.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Behind {

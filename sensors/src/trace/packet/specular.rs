@@ -192,7 +192,7 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
     }
 }
 
-/// What the rays of a block of a grid see by way of mirrors and panes.
+/// The surfaces that the rays of a block of a grid see through panes and in mirrors.
 pub(crate) struct Seen {
     /// The rays that hit a mirror or a pane, as one bit each; the other lanes are undefined.
     pub(crate) lanes: u16,

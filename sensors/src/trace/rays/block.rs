@@ -117,7 +117,7 @@ fn sheared<S: Simd>([x, y, z]: [f32x16<S>; 3], shear: [f32; 3]) -> [f32x16<S>; 3
     [x - z * shear[0], y - z * shear[1], z]
 }
 
-/// Offers each triangle of the mask as the nearest hit, at its exact distance.
+/// Updates the nearest hit with each triangle of the mask, at its exact distance.
 #[inline(always)]
 pub(super) fn offer(block: &TriangleBlock, index: u32, mut mask: u32, ray: &Ray, nearest: &mut Nearest) {
     while mask != 0 {

@@ -1,11 +1,11 @@
-//! Files and things of ours, given by their paths and names.
+//! Files and built-in models, given by path or name.
 
 use crate::live::{Simulator, belvedere, follow, output, own_domain};
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt as _;
 
 #[test]
-fn a_path_that_is_mistyped_is_no_name_of_a_robot() {
+fn a_mistyped_path_is_not_taken_for_the_name_of_a_robot() {
     let folder = tempfile::tempdir().unwrap();
     for arguments in [
         &["run", "--robot", "my_robot.urdf.xacro"][..],
@@ -23,7 +23,7 @@ fn a_path_that_is_mistyped_is_no_name_of_a_robot() {
 }
 
 #[test]
-fn a_file_may_be_called_anything() {
+fn files_may_have_any_name() {
     let folder = tempfile::tempdir().unwrap();
     let name = OsStr::from_bytes(b"r\xE9sum\xE9.urdf");
     let robot = output(&["urdf", "kobuki_nostack_rplidar"]).stdout;
@@ -43,7 +43,7 @@ fn a_file_may_be_called_anything() {
 }
 
 #[test]
-fn a_world_can_be_run_without_a_robot_beside_its_own() {
+fn a_world_can_be_run_without_an_added_robot() {
     let simulator = Simulator::start(&["--robot", "none", "--world", "playground"]);
     let _clock = follow(simulator.domain(), "test", &["clock"]);
     let listed = output(&["list", "--domain", simulator.domain()]);
@@ -56,7 +56,7 @@ fn a_world_can_be_run_without_a_robot_beside_its_own() {
 }
 
 #[test]
-fn files_of_packets_are_not_replaced_unasked() {
+fn packet_files_are_not_overwritten_without_force() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.pcap");
     std::fs::write(&file, "mine").unwrap();
@@ -72,7 +72,7 @@ fn files_of_packets_are_not_replaced_unasked() {
 
 #[cfg(not(feature = "link"))]
 #[test]
-fn a_command_that_was_left_out_says_so() {
+fn a_command_that_is_not_built_in_is_named() {
     let refused = output(&["link", "send"]);
     let said = String::from_utf8(refused.stderr).unwrap();
     assert_eq!(refused.status.code(), Some(2), "{said}");

@@ -1,9 +1,9 @@
-//! What a published crate holds.
+//! The content of published crates.
 
 use std::process::Command;
 
 #[test]
-fn the_package_of_the_sensors_holds_all_that_it_names() {
+fn the_package_of_the_sensors_contains_all_files_that_it_names() {
     let listed = Command::new(env!("CARGO"))
         .args(["package", "--package", "belvedere-sensors", "--list", "--allow-dirty", "--offline"])
         .current_dir(env!("CARGO_MANIFEST_DIR"))
@@ -15,7 +15,7 @@ fn the_package_of_the_sensors_holds_all_that_it_names() {
     for needed in ["Cargo.toml", "README.md", "LICENSE-MIT", "LICENSE-APACHE", "src/lib.rs"] {
         assert!(files.contains(&needed), "{needed} is not in the package: {files:?}");
     }
-    // What is left out is not named by what is in: each path of a file that a source includes lies in the package.
+    // Packaged files must not name excluded ones: each file that a source includes is in the package.
     for source in
         files.iter().filter(|file| std::path::Path::new(file).extension().is_some_and(|end| end == "rs"))
     {

@@ -139,7 +139,7 @@ fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills()
     make(&plan, &several, &["--workers", "3", "--shard", "1/2"]);
     assert!(!several.join("manifest.json").exists());
     let said = make(&plan, &several, &["--workers", "3"]);
-    assert!(said.contains("7 of which were there"), "{said}");
+    assert!(said.contains("7 of which existed already"), "{said}");
     assert!(files(&several) == expected, "other bytes by other workers");
 
     // Killed again and again, a little later each time, until one run comes to its end.

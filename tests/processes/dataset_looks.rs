@@ -206,7 +206,7 @@ fn a_half_made_folder_is_refused_when_anything_in_the_world_was_changed() {
     fs::create_dir(&moved).unwrap();
     studio(&moved);
     let said = make(&plan(&moved, PLAN), &out, &[]);
-    assert!(said.contains("1 of which were there"), "{said}");
+    assert!(said.contains("1 of which existed already"), "{said}");
 }
 
 #[test]

@@ -52,7 +52,7 @@ fn a_world_can_be_run_without_a_robot_beside_its_own() {
     let beside =
         output(&["run", "--domain", &own_domain(), "--robot", "none", "--robot", "kobuki_nostack_camera"]);
     let said = String::from_utf8(beside.stderr).unwrap();
-    assert!(said.contains("--robot none stands beside other robots"), "{said}");
+    assert!(said.contains("--robot none is combined with other robots"), "{said}");
 }
 
 #[test]

@@ -265,7 +265,7 @@ fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
         (&["replay", &none, "--domain", &domain], "No such file"),
         (
             &["replay", &empty, "--domain", &domain],
-            "it is no MCAP file; a file of `belvedere record` is wanted",
+            "it is no MCAP file; choose a file written by `belvedere record` or `run --record`",
         ),
         (&["replay", &foreign, "--domain", &domain], "it has no frames of Belvedere"),
         (&["info", &empty], "it is no MCAP file"),

@@ -130,7 +130,7 @@ fn what_a_page_may_not_do_is_refused_in_words() {
     let mut page = server.page();
     for (message, reason) in [
         (json!({ "op": "control", "operation": "spawn" }), "may not"),
-        (json!({ "op": "drive", "topic": "scan" }), "no robot takes velocities on /scan"),
+        (json!({ "op": "drive", "topic": "scan" }), "no robot accepts velocities on /scan"),
         (json!({ "op": "next", "topic": "" }), "topic"),
         (json!({ "op": "dance" }), "dance"),
         (json!([]), "not understood"),

@@ -104,7 +104,7 @@ fn a_recording_is_seen_as_it_was_at_any_time_of_it() {
     for (wrong, words) in [
         (json!({ "op": "rate", "rate": 0.0 }), "a rate is from"),
         (json!({ "op": "rate", "rate": -1.0 }), "a rate is from"),
-        (json!({ "op": "seek", "position": 1e300 }), "no place of a recording"),
+        (json!({ "op": "seek", "position": 1e300 }), "not a position in a recording"),
     ] {
         page.say(&wrong);
         let said = page.told("status");

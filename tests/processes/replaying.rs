@@ -265,10 +265,10 @@ fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
         (&["replay", &none, "--domain", &domain], "No such file"),
         (
             &["replay", &empty, "--domain", &domain],
-            "it is no MCAP file; choose a file written by `belvedere record` or `run --record`",
+            "it is not an MCAP file; choose a file written by `belvedere record` or `run --record`",
         ),
         (&["replay", &foreign, "--domain", &domain], "it has no frames of Belvedere"),
-        (&["info", &empty], "it is no MCAP file"),
+        (&["info", &empty], "it is not an MCAP file"),
         (&["record", "-o", &none, "--domain", &domain], "nothing is published"),
         (&["record", "/scam", "-o", &none, "--domain", taken.domain()], "no topic /scam"),
         (&["record", "-o", &there, "--domain", taken.domain()], "replace it with --force"),

@@ -102,8 +102,8 @@ fn a_recording_is_seen_as_it_was_at_any_time_of_it() {
     timeline(&mut page, |told| told["position"].as_f64().unwrap() < 3.0 && told["paused"] == false);
 
     for (wrong, words) in [
-        (json!({ "op": "rate", "rate": 0.0 }), "a rate is from"),
-        (json!({ "op": "rate", "rate": -1.0 }), "a rate is from"),
+        (json!({ "op": "rate", "rate": 0.0 }), "a rate must be from"),
+        (json!({ "op": "rate", "rate": -1.0 }), "a rate must be from"),
         (json!({ "op": "seek", "position": 1e300 }), "not a position in a recording"),
     ] {
         page.say(&wrong);
@@ -123,7 +123,7 @@ fn what_cannot_be_shown_is_said_in_a_sentence() {
     let empty = folder.path().join("empty.mcap");
     std::fs::write(&empty, "").unwrap();
     for (file, words) in
-        [(&file, "it is no MCAP file"), (&missing, "No such file"), (&empty, "it ends in the middle")]
+        [(&file, "it is not an MCAP file"), (&missing, "No such file"), (&empty, "it ends in the middle")]
     {
         let ended = belvedere().arg("view").arg(file).arg("--no-browser").output().unwrap();
         let said = String::from_utf8_lossy(&ended.stderr).into_owned();

@@ -75,30 +75,30 @@ mod tests {
         let stream = |kind, topic| RosStream::new(kind, topic, None).unwrap();
         let one = [stream(Kind::Image, "left"), stream(Kind::Image, "right"), stream(Kind::Odometry, "odom")];
         let mut advertiser = Advertiser::new("foxglove.sdk.v1.1");
-        let told = advertiser.advertise((10..).zip(&one));
-        let numbers = |told: &Value| -> Vec<u64> {
-            told["channels"].as_array().unwrap().iter().map(|c| c["schemaId"].as_u64().unwrap()).collect()
+        let message = advertiser.advertise((10..).zip(&one));
+        let numbers = |message: &Value| -> Vec<u64> {
+            message["channels"].as_array().unwrap().iter().map(|c| c["schemaId"].as_u64().unwrap()).collect()
         };
-        assert_eq!(numbers(&told), [1, 1, 2]);
-        let schemas = told["schemas"].as_array().unwrap();
+        assert_eq!(numbers(&message), [1, 1, 2]);
+        let schemas = message["schemas"].as_array().unwrap();
         assert_eq!(schemas.len(), 2);
         assert_eq!((&schemas[1]["id"], &schemas[1]["name"]), (&json!(2), &json!("nav_msgs/Odometry")));
         assert!(schemas[1]["data"].as_str().unwrap().contains("child_frame_id"));
-        assert!(told["channels"][0].get("schema").is_none());
+        assert!(message["channels"][0].get("schema").is_none());
 
         // Schemas that the client already has are only referred to.
         let other = [stream(Kind::Odometry, "b/odom"), stream(Kind::LaserScan, "scan")];
-        let told = advertiser.advertise((20..).zip(&other));
-        assert_eq!((numbers(&told), told["schemas"].as_array().unwrap().len()), (vec![2, 3], 1));
-        let told = advertiser.advertise((30..).zip(&one));
-        assert_eq!((numbers(&told), told.get("schemas")), (vec![1, 1, 2], None));
+        let message = advertiser.advertise((20..).zip(&other));
+        assert_eq!((numbers(&message), message["schemas"].as_array().unwrap().len()), (vec![2, 3], 1));
+        let message = advertiser.advertise((30..).zip(&one));
+        assert_eq!((numbers(&message), message.get("schemas")), (vec![1, 1, 2], None));
     }
 
     #[test]
     fn in_older_protocols_each_channel_contains_its_schema() {
         let odometry = RosStream::new(Kind::Odometry, "odom", None).unwrap();
-        let told = Advertiser::new("foxglove.sdk.v1").advertise([(1, &odometry)].into_iter());
-        assert_eq!(told["channels"][0]["schemaName"], "nav_msgs/Odometry");
-        assert!(told.get("schemas").is_none() && told["channels"][0].get("schemaId").is_none());
+        let message = Advertiser::new("foxglove.sdk.v1").advertise([(1, &odometry)].into_iter());
+        assert_eq!(message["channels"][0]["schemaName"], "nav_msgs/Odometry");
+        assert!(message.get("schemas").is_none() && message["channels"][0].get("schemaId").is_none());
     }
 }

@@ -64,8 +64,8 @@ impl Commander {
                     Ok(()) => (true, String::new()),
                     Err(reason) => (false, reason),
                 };
-                let told = json!({ "op": "result", "id": order.id, "operation": order.operation, "done": done, "reason": reason });
-                if answer.send(told).is_err() {
+                let result = json!({ "op": "result", "id": order.id, "operation": order.operation, "done": done, "reason": reason });
+                if answer.send(result).is_err() {
                     break;
                 }
             }

@@ -108,8 +108,8 @@ mod tests {
         parameters.set("/a".into(), Some(json!(1)));
         parameters.set("/b".into(), Some(json!(2)));
         let (a, b) = (json!({ "name": "/a", "value": 1 }), json!({ "name": "/b", "value": 2 }));
-        let told = parameters.changes(&mut one);
-        assert!(told.len() == 1 && told[0] == a, "{told:?}");
+        let changes = parameters.changes(&mut one);
+        assert!(changes.len() == 1 && changes[0] == a, "{changes:?}");
         assert_eq!(parameters.changes(&mut all)[..2], [a.clone(), b]);
         assert_eq!(parameters.changes(&mut nothing), [] as [Value; 0]);
         assert_eq!(parameters.values(&["/a".into()]), [a]);

@@ -343,7 +343,11 @@ fn mistakes_are_named_with_their_line() {
             "plan.toml:8: error: no sensor sends /camera/rgb/image_row; did you mean '/camera/rgb/image_raw'?",
         ),
         (r#""class""#, r#""klass""#, "plan.toml:8: error: no sensor sends /camera/rgb/image_raw/truth/klass"),
-        ("camera/depth/image_raw", "odom", "plan.toml:14: error: /odom is not an image, depth image, scan or cloud"),
+        (
+            "camera/depth/image_raw",
+            "odom",
+            "plan.toml:14: error: /odom is not an image, depth image, scan or cloud",
+        ),
         (
             r#""flow_back""#,
             r#""flow_forward""#,

@@ -188,7 +188,10 @@ fn a_half_made_folder_is_refused_when_anything_in_the_world_was_changed() {
         fs::write(&file, bytes).unwrap();
         let error = refused(&path, &out, &[]);
         assert!(error.contains("holds shards of another plan"), "{error}");
-        assert!(error.contains(&format!("these files have changed: {name}; choose another folder")), "{error}");
+        assert!(
+            error.contains(&format!("these files have changed: {name}; choose another folder")),
+            "{error}"
+        );
         assert!(!out.join("manifest.json").exists(), "nothing is made");
         fs::write(&file, before).unwrap();
     };
@@ -225,7 +228,11 @@ fn ranges_that_are_none_are_named_with_their_line() {
             "intensity = [-0.5,",
             "plan.toml:21: error: intensity = [-0.5, 2.0] is not a range",
         ),
-        ("intensity = [0.5,", "intensity = [nan,", "plan.toml:21: error: intensity = [NaN, 2.0] is not a range"),
+        (
+            "intensity = [0.5,",
+            "intensity = [nan,",
+            "plan.toml:21: error: intensity = [NaN, 2.0] is not a range",
+        ),
         (
             "ambient = [0.5, 1.5]",
             "ambient = [0.5, inf]",

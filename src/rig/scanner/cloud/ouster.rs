@@ -15,7 +15,7 @@ const TILE: usize = 8;
 
 pub(super) struct OusterCloud {
     head: OusterHead,
-    /// Number of columns by which each row is shifted to the right.
+    /// How far each row is shifted to the right.
     shifts: Vec<usize>,
 }
 

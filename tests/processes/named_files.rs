@@ -65,7 +65,7 @@ fn files_of_packets_are_not_replaced_unasked() {
         let refused = output(&["run", "--domain", &own_domain(), option, &target]);
         let said = String::from_utf8(refused.stderr).unwrap();
         assert_eq!(refused.status.code(), Some(1), "{said}");
-        assert!(said.contains("run.pcap: it is there; ") && said.contains("--force"), "{said}");
+        assert!(said.contains("run.pcap: the file exists; ") && said.contains("--force"), "{said}");
         assert_eq!(std::fs::read(&file).unwrap(), b"mine");
     }
 }

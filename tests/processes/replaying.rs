@@ -295,7 +295,7 @@ fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
         let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(
             refused.status.code() == Some(1)
-                && errors.contains("it lasts 0.490 s only, and was to be played from 1000.000 s"),
+                && errors.contains("it lasts only 0.490 s, and was to be played from 1000.000 s"),
             "{errors}"
         );
     }

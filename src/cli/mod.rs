@@ -44,22 +44,22 @@ use rustix::process::Resource;
 use std::io::Write as _;
 use std::process::ExitCode;
 
-/// A robot sensor simulator: cameras, depth cameras and lidars on the CPU, exact and repeatable, handed to other
-/// processes without a copy.
+/// A robot sensor simulator: cameras, depth cameras and lidars on the CPU, exact and repeatable, shared with other
+/// processes without copying.
 ///
-/// Without a subcommand it runs: the TurtleBot with its ceiling camera drives a loop in a room whose ceiling is
-/// covered with tags, and publishes all its streams until Ctrl-C. Look at them from a second terminal with `list`,
-/// `hz`, `echo` and `snapshot`.
+/// Without a subcommand it starts the simulator: the TurtleBot with its ceiling camera drives a loop in a room whose
+/// ceiling is covered with tags, and publishes all its streams until Ctrl-C. Inspect them from a second terminal with
+/// `list`, `hz`, `echo` and `snapshot`.
 #[derive(Debug, Parser)]
 #[command(name = "belvedere", version, args_conflicts_with_subcommands = true)]
 #[command(after_help = "Environment:
   TURTLEBOT_BASE, TURTLEBOT_STACKS, TURTLEBOT_3D_SENSOR   choose the robot BASE_STACKS_3D_SENSOR
   TURTLEBOT_GAZEBO_WORLD_FILE                             chooses the world
-  ROS_PACKAGE_PATH                                        where packages are looked for, after --package-path
+  ROS_PACKAGE_PATH                                        searched for packages after --package-path
   BELVEDERE_DOMAIN                                        the domain, if --domain is not given
-  BELVEDERE_MODELS                                        our own models, if not the installed ones
-  RAYON_NUM_THREADS                                       threads of the sensors
-  RUST_LOG                                                what is logged, for example belvedere=debug")]
+  BELVEDERE_MODELS                                        folder of belvedere's own models, instead of the installed one
+  RAYON_NUM_THREADS                                       number of threads that render
+  RUST_LOG                                                log filter, for example belvedere=debug")]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -67,7 +67,7 @@ struct Cli {
     run: run::RunArgs,
 }
 
-/// Bytes of stack that commands have, as the usual limit is (`ulimit -s`).
+/// Stack size of a command, in bytes: the usual limit (`ulimit -s`).
 const STACK: u64 = 8 << 20;
 
 #[derive(Debug, Subcommand)]
@@ -100,7 +100,7 @@ enum Command {
     },
 }
 
-/// What the commands are called.
+/// Names of all commands.
 fn command_names() -> impl Iterator<Item = &'static str> {
     [
         "run",
@@ -125,10 +125,11 @@ fn command_names() -> impl Iterator<Item = &'static str> {
     .into_iter()
 }
 
-/// Runs the command line of this process and gives its exit code: 0, 1 when something went wrong, 2 when the
-/// arguments are wrong.
+/// Runs the command line of this process and returns its exit code: 0, 1 if something went wrong, 2 if the arguments
+/// are invalid.
 pub fn main() -> ExitCode {
-    // In a thread only if need be: signals wake this one from its sleep.
+    // A thread is used only if the main thread's stack is too small, because signals interrupt only the main thread's
+    // sleep.
     if rustix::process::getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= STACK) {
         return run_command();
     }
@@ -142,9 +143,9 @@ pub fn main() -> ExitCode {
 fn run_command() -> ExitCode {
     let cli = Cli::parse();
     log::start();
-    // Eight robots have more streams than the usual limit has files for.
+    // Eight robots have more streams than the default limit of open files allows.
     if let Err(error) = belvedere_bridge::open_files::raise_limit() {
-        tracing::debug!(%error, "the limit of open files stays as it is");
+        tracing::debug!(%error, "the limit of open files could not be raised");
     }
     let done = match &cli.command {
         None => run::run(&cli.run),
@@ -174,14 +175,14 @@ fn run_command() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
         Err(error) => {
-            // Where nobody reads it, the exit code says it alone.
+            // If standard error is closed, the exit code alone reports the failure.
             let _ = writeln!(std::io::stderr(), "{}", failure(&error));
             ExitCode::FAILURE
         }
     }
 }
 
-/// Problems of a file already say `file:line: error:`; the rest gets an `error:` in front.
+/// Formats an error. Problems in a file already begin with `file:line: error:`; all others get the prefix `error:`.
 fn failure(error: &CliError) -> String {
     match error {
         CliError::Description(_) | CliError::Dataset(DatasetError::Description(_)) => error.to_string(),

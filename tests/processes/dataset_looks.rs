@@ -187,7 +187,10 @@ fn a_partial_folder_is_refused_if_any_input_has_changed() {
         fs::write(&file, bytes).unwrap();
         let error = refused(&path, &out, &[]);
         assert!(error.contains("holds shards of another plan"), "{error}");
-        assert!(error.contains(&format!("not as before: {name}; choose another folder")), "{error}");
+        assert!(
+            error.contains(&format!("these files have changed: {name}; choose another folder")),
+            "{error}"
+        );
         assert!(!out.join("manifest.json").exists(), "nothing is made");
         fs::write(&file, before).unwrap();
     };
@@ -205,7 +208,7 @@ fn a_partial_folder_is_refused_if_any_input_has_changed() {
     fs::create_dir(&moved).unwrap();
     studio(&moved);
     let said = make(&plan(&moved, PLAN), &out, &[]);
-    assert!(said.contains("1 of which were there"), "{said}");
+    assert!(said.contains("1 of which existed already"), "{said}");
 }
 
 #[test]
@@ -217,20 +220,24 @@ fn invalid_ranges_are_named_with_their_line() {
         (
             "intensity = [0.5, 2.0]",
             "intensity = [2.0, 0.5]",
-            "plan.toml:21: error: intensity = [2.0, 0.5] is no range; write two numbers from 0 to 1000, the lower first",
+            "plan.toml:21: error: intensity = [2.0, 0.5] is not a range; write two numbers from 0 to 1000, the lower first",
         ),
         (
             "intensity = [0.5,",
             "intensity = [-0.5,",
-            "plan.toml:21: error: intensity = [-0.5, 2.0] is no range",
+            "plan.toml:21: error: intensity = [-0.5, 2.0] is not a range",
         ),
-        ("intensity = [0.5,", "intensity = [nan,", "plan.toml:21: error: intensity = [NaN, 2.0] is no range"),
+        (
+            "intensity = [0.5,",
+            "intensity = [nan,",
+            "plan.toml:21: error: intensity = [NaN, 2.0] is not a range",
+        ),
         (
             "ambient = [0.5, 1.5]",
             "ambient = [0.5, inf]",
-            "plan.toml:17: error: ambient = [0.5, inf] is no range",
+            "plan.toml:17: error: ambient = [0.5, inf] is not a range",
         ),
-        ("[0, 50]", "[0, 500]", "plan.toml:23: error: tilt_deg = [0.0, 500.0] is no range"),
+        ("[0, 50]", "[0, 500]", "plan.toml:23: error: tilt_deg = [0.0, 500.0] is not a range"),
         (r#"["sun"]"#, r#"["son"]"#, "plan.toml:20: error: no world has a light 'son'; did you mean 'sun'?"),
         (
             r#"["block"]"#,

@@ -52,7 +52,7 @@ fn a_world_can_be_run_without_an_added_robot() {
     let beside =
         output(&["run", "--domain", &own_domain(), "--robot", "none", "--robot", "kobuki_nostack_camera"]);
     let said = String::from_utf8(beside.stderr).unwrap();
-    assert!(said.contains("--robot none stands beside other robots"), "{said}");
+    assert!(said.contains("--robot none is combined with other robots"), "{said}");
 }
 
 #[test]
@@ -65,7 +65,7 @@ fn packet_files_are_not_overwritten_without_force() {
         let refused = output(&["run", "--domain", &own_domain(), option, &target]);
         let said = String::from_utf8(refused.stderr).unwrap();
         assert_eq!(refused.status.code(), Some(1), "{said}");
-        assert!(said.contains("run.pcap: it is there; ") && said.contains("--force"), "{said}");
+        assert!(said.contains("run.pcap: the file exists; ") && said.contains("--force"), "{said}");
         assert_eq!(std::fs::read(&file).unwrap(), b"mine");
     }
 }

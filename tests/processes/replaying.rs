@@ -265,10 +265,10 @@ fn errors_of_recording_and_replay_are_one_sentence() {
         (&["replay", &none, "--domain", &domain], "No such file"),
         (
             &["replay", &empty, "--domain", &domain],
-            "it is no MCAP file; a file of `belvedere record` is wanted",
+            "it is not an MCAP file; choose a file written by `belvedere record` or `run --record`",
         ),
         (&["replay", &foreign, "--domain", &domain], "it has no frames of Belvedere"),
-        (&["info", &empty], "it is no MCAP file"),
+        (&["info", &empty], "it is not an MCAP file"),
         (&["record", "-o", &none, "--domain", &domain], "nothing is published"),
         (&["record", "/scam", "-o", &none, "--domain", taken.domain()], "no topic /scam"),
         (&["record", "-o", &there, "--domain", taken.domain()], "replace it with --force"),
@@ -295,7 +295,7 @@ fn errors_of_recording_and_replay_are_one_sentence() {
         let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(
             refused.status.code() == Some(1)
-                && errors.contains("it lasts 0.490 s only, and was to be played from 1000.000 s"),
+                && errors.contains("it lasts only 0.490 s, and was to be played from 1000.000 s"),
             "{errors}"
         );
     }

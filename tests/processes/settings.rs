@@ -198,11 +198,11 @@ fn invalid_settings_are_refused_with_a_reason_and_change_nothing() {
         (
             "lazer",
             "update_rate=5",
-            "there is no sensor 'lazer', and none sends such a topic; did you mean 'laser'? there are: ",
+            "there is no sensor 'lazer', and no sensor with such a topic; did you mean 'laser'? there are: ",
         ),
         ("scan", "exposure=2", "this sensor has no exposure; it has update_rate (0.01 to 1000)"),
         ("scan", "update_rate=8 noise_stddev=7", "noise_stddev is '7'; it must be a number from 0 to 6"),
-        ("image_raw", "gain=2", "gain is no setting; "),
+        ("image_raw", "gain=2", "gain is not a setting; "),
         ("image_raw", "exposure=1e9", "exposure is '1e9'; it must be a number from 0.01 to 100"),
         ("image_raw", "", "no setting is given; write NAME=VALUE, as "),
     ] {

@@ -129,7 +129,7 @@ fn robots_that_cannot_run_together_are_refused() {
     let pose = said(&[[ROBOT, "anna", "0;0"]], &[]);
     assert!(pose.contains("X,Y,YAW"), "{pose}");
     let bad = said(&[[ROBOT, "anna", "0,0"], [ROBOT, "2nd", "1,1"]], &[]);
-    assert!(bad.contains("'2nd' is no namespace in ROS"), "{bad}");
+    assert!(bad.contains("'2nd' is not a ROS namespace"), "{bad}");
     let many = said(&[[ROBOT, "anna", "0,0"]], &["--name", "bert"]);
     assert!(many.contains("2 --name for 1 robot"), "{many}");
 }

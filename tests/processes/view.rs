@@ -130,7 +130,7 @@ fn forbidden_requests_of_a_page_are_refused_with_a_reason() {
     let mut page = server.page();
     for (message, reason) in [
         (json!({ "op": "control", "operation": "spawn" }), "may not"),
-        (json!({ "op": "drive", "topic": "scan" }), "no robot takes velocities on /scan"),
+        (json!({ "op": "drive", "topic": "scan" }), "no robot accepts velocities on /scan"),
         (json!({ "op": "next", "topic": "" }), "topic"),
         (json!({ "op": "dance" }), "dance"),
         (json!([]), "not understood"),

@@ -213,7 +213,7 @@ fn the_browser_is_not_given_the_token_among_its_arguments() {
     let elsewhere = format!("Location: /?token={}\r\n", server.token);
     assert!(first.starts_with("HTTP/1.1 303 ") && first.contains(&elsewhere), "{first}");
     let second = server.get(target);
-    assert!(second.starts_with("HTTP/1.1 403 ") && second.contains("one time"), "{second}");
+    assert!(second.starts_with("HTTP/1.1 403 ") && second.contains("only once"), "{second}");
 }
 
 #[test]

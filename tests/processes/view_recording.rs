@@ -102,9 +102,9 @@ fn any_time_of_a_recording_can_be_shown() {
     timeline(&mut page, |state| state["position"].as_f64().unwrap() < 3.0 && state["paused"] == false);
 
     for (wrong, words) in [
-        (json!({ "op": "rate", "rate": 0.0 }), "a rate is from"),
-        (json!({ "op": "rate", "rate": -1.0 }), "a rate is from"),
-        (json!({ "op": "seek", "position": 1e300 }), "no place of a recording"),
+        (json!({ "op": "rate", "rate": 0.0 }), "a rate must be from"),
+        (json!({ "op": "rate", "rate": -1.0 }), "a rate must be from"),
+        (json!({ "op": "seek", "position": 1e300 }), "not a position in a recording"),
     ] {
         page.say(&wrong);
         let said = page.next_json("status");
@@ -123,7 +123,7 @@ fn errors_of_recordings_are_one_sentence() {
     let empty = folder.path().join("empty.mcap");
     std::fs::write(&empty, "").unwrap();
     for (file, words) in
-        [(&file, "it is no MCAP file"), (&missing, "No such file"), (&empty, "it ends in the middle")]
+        [(&file, "it is not an MCAP file"), (&missing, "No such file"), (&empty, "it ends in the middle")]
     {
         let ended = belvedere().arg("view").arg(file).arg("--no-browser").output().unwrap();
         let said = String::from_utf8_lossy(&ended.stderr).into_owned();

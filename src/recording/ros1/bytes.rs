@@ -24,13 +24,6 @@ impl Bytes<'_> {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// Numbers of a field whose count its type tells.
-    pub(super) fn f64s(&mut self, values: &[f64]) {
-        for value in values {
-            self.0.extend_from_slice(&value.to_le_bytes());
-        }
-    }
-
     /// A field of any number of elements: their number.
     pub(super) fn count(&mut self, count: usize) {
         self.u32(count as u32);

@@ -194,7 +194,9 @@ impl Describe for CameraInfo {
             fields.put("binning_x", 0_u32);
             fields.put("binning_y", 0_u32);
             fields.part("roi", "sensor_msgs/RegionOfInterest", &mut |fields| {
-                ["x_offset", "y_offset", "height", "width"].iter().for_each(|name| fields.put(name, 0_u32));
+                for name in ["x_offset", "y_offset", "height", "width"] {
+                    fields.put(name, 0_u32);
+                }
                 fields.put("do_rectify", false);
             });
         }

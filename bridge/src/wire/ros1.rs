@@ -71,7 +71,9 @@ impl Bytes<'_> {
 
     fn sequence<T: Copy, const N: usize>(&mut self, values: &[T], bytes: impl Fn(T) -> [u8; N]) {
         self.count(values.len());
-        values.iter().for_each(|&value| self.push(bytes(value)));
+        for &value in values {
+            self.push(bytes(value));
+        }
     }
 
     fn text(&mut self, text: &str) {
@@ -126,7 +128,9 @@ impl Fields for Bytes<'_> {
             Value::Pixels(values) => self.sequence(values.as_flattened(), f64::to_le_bytes),
             Value::Texts(texts) => {
                 self.count(texts.len());
-                texts.iter().for_each(|text| self.text(text));
+                for text in texts {
+                    self.text(text);
+                }
             }
         }
     }
@@ -253,7 +257,7 @@ mod tests {
         });
         let constants = constants.into_iter().map(|line| line.replace(" =", "=").replace("= ", "="));
         let text = constants.chain(fields).collect::<Vec<_>>().join("\n");
-        Md5::digest(text).iter().map(|byte| format!("{byte:02x}")).collect()
+        Md5::digest(text).iter().fold(String::new(), |sum, byte| format!("{sum}{byte:02x}"))
     }
 
     #[test]

@@ -123,3 +123,47 @@ pub unsafe extern "C" fn bv_ros1_close(message: *mut Ros1Message) {
     // SAFETY: this function's contract.
     unsafe { close(message) };
 }
+
+#[cfg(test)]
+mod tests {
+    use std::ffi::CStr;
+
+    use belvedere_bridge::{Encoding, payload::FluidPressure};
+
+    use super::*;
+
+    #[test]
+    fn a_frame_becomes_a_message() {
+        let pressure = FluidPressure { fluid_pressure: 101_325.0, variance: 4.0 };
+        let payload = bytemuck::bytes_of(&pressure);
+        let mut header = FrameHeader::new(Kind::FluidPressure, Encoding::Struct);
+        header.payload_len = header.set_packed(1, 1) as u64;
+        let (mut message, mut bytes, mut len) = (ptr::null_mut(), ptr::null(), 0);
+        // SAFETY: the conversion is used between its opening and its closing; texts are NUL-terminated; pointers lead to
+        // local variables, which are as long as is said.
+        unsafe {
+            let mut open = |kind: u16| bv_ros1_open(kind, c"pressure".as_ptr(), &raw mut message);
+            assert_eq!(open(Kind::Image.to_wire()), Status::Nothing);
+            assert_eq!(open(999), Status::Nothing);
+            assert_eq!(open(Kind::FluidPressure.to_wire()), Status::Ok);
+            assert_eq!(CStr::from_ptr(bv_ros1_name(message)), c"sensor_msgs/FluidPressure");
+            assert_eq!(CStr::from_ptr(bv_ros1_md5(message)), c"804dc5cea1c5306d6a2eb80b9833befe");
+            let definition = CStr::from_ptr(bv_ros1_definition(message)).to_str().unwrap();
+            assert!(definition.starts_with("Header header\nfloat64 fluid_pressure\n"), "{definition}");
+
+            let mut write = |header: *const FrameHeader, payload: &[u8]| {
+                let (start, length) = (payload.as_ptr(), payload.len());
+                bv_ros1_write(message, header, start, length, &raw mut bytes, &raw mut len)
+            };
+            assert_eq!(write(&raw const header, payload), Status::Ok);
+            assert_eq!(write(&raw const header, &payload[..15]), Status::BadFrame);
+            assert_eq!(write(ptr::null(), payload), Status::InvalidArgument);
+            let other = FrameHeader { kind: Kind::MotorPower.to_wire(), ..header };
+            assert_eq!(write(&raw const other, payload), Status::InvalidArgument);
+            assert_eq!(write(&raw const header, payload), Status::Ok);
+            // Header: sequence number, stamp, an empty name.
+            assert_eq!(&slice::from_raw_parts(bytes, len)[16..], payload);
+            bv_ros1_close(message);
+        }
+    }
+}

@@ -45,6 +45,9 @@ impl Ros1Message {
     /// Appends a frame's message to `out`. `None` if the message cannot hold the frame; then `out` holds a part of it.
     #[must_use]
     pub fn write(&self, frame: &FrameView<'_>, out: &mut Vec<u8>) -> Option<()> {
+        if !self.layout.kinds.contains(&frame.header().kind) {
+            return None;
+        }
         let mut bytes = Bytes { ros: self.ros.name, header: frame.header(), out, is_complete: true };
         frame.describe(&mut bytes)?;
         bytes.is_complete.then_some(())
@@ -331,5 +334,16 @@ mod tests {
         assert_eq!(write(&header, "pressure").unwrap().len(), 4 + 8 + 4 + 16);
         header.stamp_ns += 1;
         assert_eq!(write(&header, "pressure"), None);
+    }
+
+    #[test]
+    fn a_frame_of_another_kind_has_no_message() {
+        let mut header = FrameHeader::new(Kind::MotorPower, Encoding::Struct);
+        header.payload_len = header.set_packed(1, 1) as u64;
+        let frame = FrameView::new(&header, &[1, 0, 0, 0]).unwrap();
+        let mut out = Vec::new();
+        assert_eq!(Ros1Message::of(Kind::MotorPower, "power").unwrap().write(&frame, &mut out), Some(()));
+        assert_eq!(Ros1Message::of(Kind::Imu, "imu").unwrap().write(&frame, &mut out), None);
+        assert_eq!(out, [1]);
     }
 }

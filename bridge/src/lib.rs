@@ -74,6 +74,7 @@
 //!
 //! # Layers
 //! - Wire format: [`Text`], [`payload`], [`Kind`], [`Encoding`], [`FrameHeader`].
+//! - Payloads by name: [`Describe`], [`Fields`], [`Ros1Message`].
 //! - Names: [`Domain`]. Membership: [`Node`].
 //! - Streams: [`StreamSpec`], [`StreamInfo`].
 //! - Their ends: [`Publisher`], [`LoanedFrame`], [`Subscriber`], [`Frame`], [`FrameView`].
@@ -132,6 +133,6 @@ pub use subscriber::{Frame, Subscriber};
 #[cfg(feature = "shared-memory")]
 pub use synchronizer::Synchronizer;
 pub use wire::{
-    DistortionModel, Encoding, FrameError, FrameHeader, FrameView, Intrinsics, Kind, MAX_DISTORTION,
-    Operation, ScanGeometry, Text, TextError, payload, schema,
+    Describe, DistortionModel, Encoding, Fields, FrameError, FrameHeader, FrameView, Intrinsics, Kind,
+    MAX_DISTORTION, Operation, Ros1Message, RosType, ScanGeometry, Text, TextError, Value, payload, schema,
 };

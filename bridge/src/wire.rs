@@ -1,17 +1,21 @@
 //! The wire format: headers, payloads, and the numbers of kinds and encodings.
 
 mod error;
+mod fields;
 mod header;
 mod kind;
 mod layout;
 pub mod payload;
+mod ros1;
 pub mod schema;
 mod text;
 mod view;
 
 pub use error::FrameError;
+pub use fields::{Describe, Fields, RosType, Value};
 pub use header::{FrameHeader, Intrinsics, ScanGeometry};
 pub use kind::{DistortionModel, Encoding, Kind, MAX_DISTORTION, Operation};
+pub use ros1::Ros1Message;
 pub use text::{Text, TextError};
 pub use view::FrameView;
 

@@ -1,19 +1,15 @@
 //! Converts a frame to a tree of values with the names that ROS uses, which is printed as YAML or JSON.
 
-mod parts;
-mod robot;
-mod sensors;
-mod simulation;
+mod elements;
+mod entries;
 mod tree;
-mod truth;
 
-pub(super) use simulation::sensor_settings;
 pub use tree::Tree;
 
-use Tree::{List, Map, Whole};
-use belvedere_bridge::payload::{Clock, Message, MotorPower, ResetOdometry, Vector3, VelocityCommand};
-use belvedere_bridge::{FrameHeader, FrameView, Kind};
-use parts::{Entries, seconds, text, xyz};
+use Tree::{Map, Text, Whole};
+use belvedere_bridge::payload::SensorSettings;
+use belvedere_bridge::{Describe as _, FrameHeader, FrameView, Kind};
+use entries::{Entries, seconds};
 
 /// Converts a frame to a tree, with arrays shortened to `limit` elements.
 #[must_use]
@@ -21,73 +17,43 @@ pub fn decode(frame: &FrameView<'_>, limit: usize) -> Tree {
     let header = frame.header();
     let head = ("header", header_tree(header));
     let entries = match header.kind() {
-        Some(Kind::Image | Kind::DepthImage) => sensors::image(frame, limit),
-        Some(Kind::LaserScan) => sensors::scan(frame, limit),
-        Some(Kind::PointCloud) => sensors::cloud(frame, limit),
-        Some(Kind::CameraInfo) => one(frame, sensors::camera_info),
-        Some(Kind::Odometry) => one(frame, robot::odometry),
-        Some(Kind::Transforms | Kind::StaticTransforms) => each(frame, "transforms", limit, robot::transform),
-        Some(Kind::JointStates) => robot::joints(frame),
-        Some(Kind::Clock) => one(frame, |clock: &Clock| vec![("clock", seconds(clock.now_ns))]),
-        Some(Kind::VelocityCommand) => one(frame, |command: &VelocityCommand| {
-            vec![("linear", xyz(command.linear)), ("angular", xyz(command.angular))]
-        }),
-        Some(Kind::Imu) => one(frame, sensors::imu),
-        Some(Kind::NavSatFix) => one(frame, sensors::nav_sat_fix),
-        Some(Kind::MagneticField) => one(frame, sensors::magnetic_field),
-        Some(Kind::FluidPressure) => one(frame, sensors::fluid_pressure),
-        Some(Kind::Altimeter) => one(frame, sensors::altimeter),
-        Some(Kind::Vector3) => one(frame, |vector: &Vector3| vec![("vector", xyz(vector.vector))]),
-        Some(Kind::RobotEvent) => one(frame, robot::event),
-        Some(Kind::CoreSensors) => one(frame, robot::core_sensors),
-        Some(Kind::ResetOdometry) => one(frame, |_: &ResetOdometry| Vec::new()),
-        Some(Kind::MotorPower) => one(frame, |power: &MotorPower| vec![("state", Whole(power.state.into()))]),
-        Some(Kind::SimulationCommand) => one(frame, simulation::command),
-        Some(Kind::SimulationResult) => one(frame, simulation::result),
-        Some(Kind::ModelStates) => each(frame, "states", limit, simulation::model_state),
-        Some(Kind::Range) => one(frame, sensors::range),
-        Some(Kind::SensorSettings) => each(frame, "sensors", limit, simulation::sensor_settings),
-        Some(Kind::BoundingBoxes) => each(frame, "boxes", limit, truth::bounding_box),
-        Some(Kind::TagDetections) => each(frame, "tags", limit, truth::tag_detection),
-        None => None,
+        Some(Kind::Image | Kind::DepthImage) => elements::image(frame, limit),
+        Some(Kind::LaserScan) => elements::scan(frame, limit),
+        Some(Kind::PointCloud) => elements::cloud(frame, limit),
+        _ => {
+            let mut entries = Entries::new(limit);
+            frame.describe(&mut entries).map(|()| entries.all)
+        }
     };
     let entries = entries.unwrap_or_else(|| unknown(frame, limit));
     Map(std::iter::once(head).chain(entries).collect())
+}
+
+/// The settings of one sensor.
+pub(super) fn sensor_settings(sensor: &SensorSettings) -> Tree {
+    let mut entries = Entries::new(usize::MAX);
+    sensor.describe(&mut entries);
+    Map(entries.all)
 }
 
 fn header_tree(header: &FrameHeader) -> Tree {
     Map(vec![
         ("seq", Whole(header.seq)),
         ("stamp", seconds(header.stamp_ns)),
-        ("frame_id", text(header.frame_id.as_str())),
+        ("frame_id", Text(header.frame_id.as_str().to_owned())),
     ])
 }
 
 /// Shows a frame of a kind that this version does not know, or one whose payload does not match its kind.
-fn unknown(frame: &FrameView<'_>, limit: usize) -> Entries {
+fn unknown(frame: &FrameView<'_>, limit: usize) -> Vec<(&'static str, Tree)> {
     let header = frame.header();
     vec![
         ("kind", Whole(header.kind.into())),
         ("encoding", Whole(header.encoding.into())),
         ("height", Whole(header.height.into())),
         ("width", Whole(header.width.into())),
-        ("data", sensors::bytes(frame, limit)),
+        ("data", elements::bytes(frame, limit)),
     ]
-}
-
-fn one<T: Message>(frame: &FrameView<'_>, show: impl Fn(&T) -> Entries) -> Option<Entries> {
-    frame.message().ok().map(|message| show(&message))
-}
-
-fn each<T: Message>(
-    frame: &FrameView<'_>,
-    name: &'static str,
-    limit: usize,
-    show: impl Fn(&T) -> Tree,
-) -> Option<Entries> {
-    let structs = frame.structs().ok()?;
-    let more = structs.len().saturating_sub(limit);
-    Some(vec![(name, List(structs.take(limit).map(|message| show(&message)).collect(), more))])
 }
 
 #[cfg(test)]

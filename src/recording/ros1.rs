@@ -4,7 +4,7 @@ mod bytes;
 mod encode;
 mod types;
 
-use belvedere_bridge::{FrameHeader, FrameView, Kind};
+use belvedere_bridge::{FrameHeader, FrameView, Kind, Ros1Message};
 use bytes::Bytes;
 pub use types::MessageType;
 
@@ -15,54 +15,39 @@ pub struct RosStream {
     /// stream's namespace.
     pub topic: String,
     /// The type of its messages.
-    pub message_type: &'static MessageType,
-    encode: encode::Encode,
+    pub message_type: MessageType,
+    encode: Encode,
+}
+
+/// How a message is written.
+#[derive(Debug, Clone, Copy)]
+enum Encode {
+    Elements(encode::Encode),
+    Struct(Ros1Message),
 }
 
 impl RosStream {
     /// Returns the ROS topic for a stream of this kind and topic (without a leading slash), or `None` if ROS has no
     /// message for it.
     pub fn new(kind: Kind, topic: &str, layers: Option<u32>) -> Option<Self> {
-        let last = topic.rsplit('/').next().unwrap_or(topic);
-        let (message_type, encode): (&'static MessageType, encode::Encode) = match kind {
-            Kind::Image | Kind::DepthImage => (&types::IMAGE, encode::image),
-            Kind::CameraInfo => (&types::CAMERA_INFO, encode::camera_info),
-            Kind::LaserScan if layers.unwrap_or(1) > 1 => (&types::POINT_CLOUD, encode::scan_cloud),
-            Kind::LaserScan => (&types::LASER_SCAN, encode::laser_scan),
-            Kind::PointCloud => (&types::POINT_CLOUD, encode::point_cloud),
-            Kind::Odometry => (&types::ODOMETRY, encode::odometry),
-            Kind::Transforms | Kind::StaticTransforms => (&types::TRANSFORMS, encode::transforms),
-            Kind::JointStates => (&types::JOINT_STATE, encode::joint_states),
-            Kind::Clock => (&types::CLOCK, encode::clock),
-            Kind::VelocityCommand => (&types::TWIST, encode::velocity_command),
-            Kind::Imu => (&types::IMU, encode::imu),
-            Kind::RobotEvent => match last {
-                "bumper" => (&types::BUMPER, encode::bumper),
-                "cliff" => (&types::CLIFF, encode::cliff),
-                "wheel_drop" => (&types::WHEEL_DROP, encode::wheel_drop),
-                _ => return None,
-            },
-            Kind::ModelStates => match last {
-                "model_states" => (&types::MODEL_STATES, encode::model_states),
-                "link_states" => (&types::LINK_STATES, encode::model_states),
-                _ => return None,
-            },
-            Kind::CoreSensors => (&types::CORE_SENSORS, encode::core_sensors),
-            Kind::ResetOdometry => (&types::EMPTY, encode::empty),
-            Kind::MotorPower => (&types::MOTOR_POWER, encode::motor_power),
-            Kind::Range => (&types::RANGE, encode::range),
-            Kind::NavSatFix => (&types::NAV_SAT_FIX, encode::nav_sat_fix),
-            Kind::MagneticField => (&types::MAGNETIC_FIELD, encode::magnetic_field),
-            Kind::FluidPressure => (&types::FLUID_PRESSURE, encode::fluid_pressure),
-            Kind::Altimeter => (&types::POINT_STAMPED, encode::height),
-            Kind::Vector3 => (&types::VECTOR3_STAMPED, encode::vector),
-            _ => return None,
+        let elements: Option<(MessageType, encode::Encode)> = match kind {
+            Kind::Image | Kind::DepthImage => Some((types::IMAGE, encode::image)),
+            Kind::LaserScan if layers.unwrap_or(1) > 1 => Some((types::POINT_CLOUD, encode::scan_cloud)),
+            Kind::LaserScan => Some((types::LASER_SCAN, encode::laser_scan)),
+            Kind::PointCloud => Some((types::POINT_CLOUD, encode::point_cloud)),
+            _ => None,
+        };
+        let (message_type, encode) = if let Some((message_type, encode)) = elements {
+            (message_type, Encode::Elements(encode))
+        } else {
+            let message = Ros1Message::of(kind, topic)?;
+            (message.into(), Encode::Struct(message))
         };
         let topic = match kind {
             Kind::Transforms => "/tf".to_owned(),
             Kind::StaticTransforms => "/tf_static".to_owned(),
             Kind::Clock => "/clock".to_owned(),
-            Kind::ModelStates => format!("/gazebo/{last}"),
+            Kind::ModelStates => format!("/gazebo/{}", topic.rsplit('/').next().unwrap_or(topic)),
             _ => format!("/{topic}"),
         };
         Some(Self { topic, message_type, encode })
@@ -72,7 +57,10 @@ impl RosStream {
     /// message contains all of it unchanged. Returns `None` if the message cannot represent the frame.
     pub fn write(&self, frame: &FrameView<'_>, out: &mut Vec<u8>) -> Option<Payload> {
         out.clear();
-        (self.encode)(frame, &mut Bytes(out))
+        match self.encode {
+            Encode::Elements(encode) => encode(frame, &mut Bytes(out)),
+            Encode::Struct(message) => message.write(frame, out).map(|()| Payload::Elsewhere),
+        }
     }
 }
 
@@ -86,8 +74,8 @@ pub enum Payload {
 }
 
 /// Returns the type of the message that [`write_frame`] writes.
-pub fn frame_type() -> &'static MessageType {
-    &types::FRAME
+pub fn frame_type() -> MessageType {
+    types::FRAME
 }
 
 /// Writes a complete frame to `out`, replacing its contents, without the payload if the previous message contains it.

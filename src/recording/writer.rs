@@ -221,7 +221,7 @@ fn open_channels<W: Write>(
     file: &mut mcap::Writer<NoSeek<W>>,
     stream: &Stream,
 ) -> Result<(Option<u16>, u16), RecordingError> {
-    let mut open = |topic: &str, message_type: &MessageType, latching: bool| {
+    let mut open = |topic: &str, message_type: MessageType, latching: bool| {
         let schema = file.add_schema(message_type.name, "ros1msg", message_type.definition().as_bytes())?;
         let metadata = BTreeMap::from([
             ("callerid".to_owned(), "/belvedere".to_owned()),

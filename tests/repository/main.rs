@@ -7,3 +7,4 @@ mod benchmark_verdict;
 mod docs;
 mod layers;
 mod package;
+mod page_layout;

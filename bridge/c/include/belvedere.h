@@ -708,6 +708,63 @@ typedef struct bv_tag_detection {
     double orientation[4];
 } bv_tag_detection;
 
+// Applies X to every struct and its size in bytes.
+#define BV_STRUCTS(X) \
+    X(bv_frame_header, 384) \
+    X(bv_intrinsics, 208) \
+    X(bv_scan_geometry, 208) \
+    X(bv_camera_info, 400) \
+    X(bv_odometry, 744) \
+    X(bv_transform, 184) \
+    X(bv_joint_state, 88) \
+    X(bv_clock, 8) \
+    X(bv_velocity_command, 48) \
+    X(bv_imu, 296) \
+    X(bv_robot_event, 16) \
+    X(bv_core_sensors, 20) \
+    X(bv_reset_odometry, 8) \
+    X(bv_motor_power, 4) \
+    X(bv_simulation_command, 320) \
+    X(bv_simulation_result, 512) \
+    X(bv_model_state, 232) \
+    X(bv_nav_sat_fix, 120) \
+    X(bv_magnetic_field, 96) \
+    X(bv_fluid_pressure, 16) \
+    X(bv_altimeter, 32) \
+    X(bv_vector3, 24) \
+    X(bv_range, 20) \
+    X(bv_setting, 24) \
+    X(bv_sensor_settings, 1696) \
+    X(bv_bounding_box, 112) \
+    X(bv_tag_detection, 168)
+
+// Applies X to every struct that streams carry, and the kind of these streams.
+#define BV_PAYLOADS(X) \
+    X(bv_camera_info, BV_KIND_CAMERA_INFO) \
+    X(bv_odometry, BV_KIND_ODOMETRY) \
+    X(bv_transform, BV_KIND_TRANSFORMS) \
+    X(bv_transform, BV_KIND_STATIC_TRANSFORMS) \
+    X(bv_joint_state, BV_KIND_JOINT_STATES) \
+    X(bv_clock, BV_KIND_CLOCK) \
+    X(bv_velocity_command, BV_KIND_VELOCITY_COMMAND) \
+    X(bv_imu, BV_KIND_IMU) \
+    X(bv_robot_event, BV_KIND_ROBOT_EVENT) \
+    X(bv_core_sensors, BV_KIND_CORE_SENSORS) \
+    X(bv_reset_odometry, BV_KIND_RESET_ODOMETRY) \
+    X(bv_motor_power, BV_KIND_MOTOR_POWER) \
+    X(bv_simulation_command, BV_KIND_SIMULATION_COMMAND) \
+    X(bv_simulation_result, BV_KIND_SIMULATION_RESULT) \
+    X(bv_model_state, BV_KIND_MODEL_STATES) \
+    X(bv_nav_sat_fix, BV_KIND_NAV_SAT_FIX) \
+    X(bv_magnetic_field, BV_KIND_MAGNETIC_FIELD) \
+    X(bv_fluid_pressure, BV_KIND_FLUID_PRESSURE) \
+    X(bv_altimeter, BV_KIND_ALTIMETER) \
+    X(bv_vector3, BV_KIND_VECTOR3) \
+    X(bv_range, BV_KIND_RANGE) \
+    X(bv_sensor_settings, BV_KIND_SENSOR_SETTINGS) \
+    X(bv_bounding_box, BV_KIND_BOUNDING_BOXES) \
+    X(bv_tag_detection, BV_KIND_TAG_DETECTIONS)
+
 // The largest number of streams of a set.
 #define BV_SYNCHRONIZER_MAX 8
 
@@ -764,6 +821,9 @@ typedef struct bv_frame bv_frame;
 
 // Membership of a domain.
 typedef struct bv_node bv_node;
+
+// The conversion of a stream's frames to messages of ROS 1.
+typedef struct bv_ros1_message bv_ros1_message;
 
 // The reading end of a stream. It may exist before its publisher and after it.
 typedef struct bv_subscriber bv_subscriber;
@@ -1021,6 +1081,39 @@ uint64_t bv_control_answered_ns(const struct bv_control *control);
 // Closes the control; NULL is ignored.
 // Requires: `control` came from bv_control_open and is not used afterwards.
 void bv_control_close(struct bv_control *control);
+
+// Opens the conversion of a stream of structs. A kind may have several types of ROS, which the last word of its topic
+// distinguishes. Returns BV_STATUS_NOTHING if ROS has no type for the stream, and for images, scans and clouds.
+// Requires: `topic` is NUL-terminated; `out` can be written.
+bv_status bv_ros1_open(uint16_t kind,
+                       const char *topic,
+                       struct bv_ros1_message **out);
+
+// Returns the type of the messages, such as "sensor_msgs/Imu".
+// Requires: `message` is open, or NULL, for which NULL is returned.
+const char *bv_ros1_name(const struct bv_ros1_message *message);
+
+// Returns the MD5 sum of the type, as text.
+// Requires: `message` is open, or NULL, for which NULL is returned.
+const char *bv_ros1_md5(const struct bv_ros1_message *message);
+
+// Returns the definition of the type, followed by those of its parts.
+// Requires: `message` is open, or NULL, for which NULL is returned.
+const char *bv_ros1_definition(const struct bv_ros1_message *message);
+
+// Converts a frame: `bytes` is its serialized message of `len` bytes, valid until the next call with this conversion.
+// Returns BV_STATUS_BAD_FRAME for an invalid header, BV_STATUS_INVALID_ARGUMENT if the message cannot hold the frame.
+// Requires: `message` is open; `header` points to a header, `payload` to `payload_len` bytes; `bytes` and `len` can be written.
+bv_status bv_ros1_write(struct bv_ros1_message *message,
+                        const struct bv_frame_header *header,
+                        const uint8_t *payload,
+                        size_t payload_len,
+                        const uint8_t **bytes,
+                        size_t *len);
+
+// Closes the conversion; NULL is ignored.
+// Requires: `message` came from bv_ros1_open and is not used afterwards.
+void bv_ros1_close(struct bv_ros1_message *message);
 
 #ifdef __cplusplus
 }  // extern "C"

@@ -12,6 +12,7 @@ mod command;
 mod control;
 mod frame;
 mod node;
+mod ros1;
 #[cfg(test)]
 mod round_trip;
 mod status;

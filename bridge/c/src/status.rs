@@ -6,7 +6,7 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
 };
 
-use belvedere_bridge::Error;
+use belvedere_bridge::{Error, FrameError};
 
 /// The result of a call. Negative values are errors, which bv_last_error() describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -81,6 +81,10 @@ impl From<Error> for Failure {
 impl Failure {
     pub(crate) fn invalid_argument(text: String) -> Self {
         Self(Status::InvalidArgument, text)
+    }
+
+    pub(crate) fn bad_frame(error: &FrameError) -> Self {
+        Self(Status::BadFrame, error.to_string())
     }
 }
 

@@ -76,7 +76,8 @@ fn interface(header: &str) -> Vec<String> {
     let declarations = declarations(header);
     let mut program = format!("{header}\n#include <stdio.h>\n\nint main(void) {{\n");
     for line in header.lines() {
-        if let Some((name, _)) = line.strip_prefix("#define BV_").and_then(|rest| rest.split_once(' ')) {
+        let constant = line.strip_prefix("#define BV_").and_then(|rest| rest.split_once(' '));
+        if let Some((name, _)) = constant.filter(|(name, _)| !name.contains('(')) {
             let _ = writeln!(program, "printf(\"BV_{name} = %lld\\n\", (long long)BV_{name});");
         }
     }
@@ -115,6 +116,7 @@ fn interface(header: &str) -> Vec<String> {
 fn declarations(header: &str) -> Vec<String> {
     let start = header.find("#ifndef BELVEDERE_H").unwrap();
     let code = header[start..]
+        .replace("\\\n", "")
         .lines()
         .map(|line| line.split("//").next().unwrap_or(line).trim())
         .filter(|line| !line.starts_with('#') && *line != "extern \"C\" {" && *line != "}")

@@ -10,6 +10,7 @@
 
 #include "bell.hpp"
 #include "convert/header.hpp"
+#include "convert/struct_message.hpp"
 
 namespace belvedere_ros {
 
@@ -48,6 +49,26 @@ public:
 
 private:
     Convert<Message> convert_;
+    ros::Publisher publisher_;
+};
+
+/// A topic of structs, whose type and messages come from the library.
+class StructOutput : public Output {
+public:
+    StructOutput(ros::NodeHandle nh, const std::string& topic, std::uint32_t queue, const std::shared_ptr<Bell>& bell, StructMessage convert)
+        : convert_(std::move(convert)) {
+        const auto changed = [bell](const ros::SingleSubscriberPublisher&) { bell->ring(); };
+        ros::AdvertiseOptions options(topic, queue, convert_.md5(), convert_.name(), convert_.definition(), changed, changed);
+        options.has_header = convert_.has_header();
+        publisher_ = nh.advertise(options);
+    }
+
+    std::string topic() const override { return publisher_.getTopic(); }
+    std::uint32_t subscribers() const override { return publisher_.getNumSubscribers(); }
+    void publish(belvedere::Frame frame) override { publisher_.publish(convert_(Sample(frame))); }
+
+private:
+    StructMessage convert_;
     ros::Publisher publisher_;
 };
 

@@ -7,19 +7,11 @@
 
 #include "convert/adjusted_scan.hpp"
 #include "convert/camera_info.hpp"
-#include "convert/clock.hpp"
-#include "convert/core_sensors.hpp"
 #include "convert/image.hpp"
-#include "convert/imu.hpp"
-#include "convert/instruments.hpp"
-#include "convert/joint_states.hpp"
 #include "convert/laser_scan.hpp"
-#include "convert/model_states.hpp"
-#include "convert/odometry.hpp"
 #include "convert/point_cloud.hpp"
-#include "convert/range.hpp"
-#include "convert/robot_event.hpp"
 #include "convert/scan_cloud.hpp"
+#include "convert/struct_message.hpp"
 #include "convert/transforms.hpp"
 
 namespace belvedere_ros {
@@ -55,6 +47,9 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         using Message = typename decltype(convert(std::declval<const Sample&>()))::element_type;
         return std::make_unique<TopicOutput<Message>>(nh_, name, queue, latch, bell, convert);
     };
+    const auto serve_struct = [&](const std::string& name) -> std::unique_ptr<Output> {
+        return std::make_unique<StructOutput>(nh_, name, kSmall, bell, StructMessage(stream.kind, topic));
+    };
     switch (stream.kind) {
         case BV_KIND_IMAGE:
         case BV_KIND_DEPTH_IMAGE: return std::make_unique<ImageOutput>(nh_, topic, kLarge, bell, to_image);
@@ -64,25 +59,7 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
             if (stream.layers > 1) return serve(adjusted(to_scan_cloud, scan), topic, kLarge);
             return serve(adjusted(to_laser_scan, scan), topic, kSmall);
         }
-        case BV_KIND_RANGE: return serve(to_range, topic, kSmall);
-        case BV_KIND_NAV_SAT_FIX: return serve(to_nav_sat_fix, topic, kSmall);
-        case BV_KIND_MAGNETIC_FIELD: return serve(to_magnetic_field, topic, kSmall);
-        case BV_KIND_FLUID_PRESSURE: return serve(to_fluid_pressure, topic, kSmall);
-        case BV_KIND_ALTIMETER: return serve(to_height, topic, kSmall);
-        case BV_KIND_VECTOR3: return serve(to_vector, topic, kSmall);
         case BV_KIND_POINT_CLOUD: return serve(to_point_cloud, topic, kLarge);
-        case BV_KIND_ODOMETRY: return serve(to_odometry, topic, kSmall);
-        case BV_KIND_IMU: return serve(to_imu, topic, kSmall);
-        case BV_KIND_JOINT_STATES: return serve(to_joint_states, topic, kSmall);
-        case BV_KIND_CORE_SENSORS: return serve(to_core_sensors, topic, kSmall);
-        // The simulator has one kind for three ROS types: the stream's name distinguishes them.
-        case BV_KIND_ROBOT_EVENT: {
-            const std::string event = topic.substr(topic.rfind('/') + 1);
-            if (event == "bumper") return serve(to_bumper_event, topic, kSmall);
-            if (event == "cliff") return serve(to_cliff_event, topic, kSmall);
-            if (event == "wheel_drop") return serve(to_wheel_drop_event, topic, kSmall);
-            throw Unrepresentable("ROS has a type for events of bumper, cliff and wheel_drop, and it is named otherwise");
-        }
         case BV_KIND_TRANSFORMS: {
             if (parameters_.transforms == Parameters::Transforms::none) return nullptr;
             const bool all = parameters_.transforms == Parameters::Transforms::all;
@@ -96,14 +73,9 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         }
         case BV_KIND_CLOCK:
             if (!parameters_.publish_clock) return nullptr;
-            return serve(to_clock, "/clock", kSmall);
-        case BV_KIND_MODEL_STATES: {
-            // Names as in Gazebo. While paused they are repeated for new subscribers.
-            const std::string name = topic.substr(topic.rfind('/') + 1), there = parameters_.gazebo_namespace + '/' + name;
-            if (name == "model_states") return serve(to_model_states, there, kSmall);
-            if (name == "link_states") return serve(to_link_states, there, kSmall);
-            throw Unrepresentable("whose states they are is not known here");
-        }
+            return serve_struct("/clock");
+        // Named as in Gazebo. While paused they are repeated for new subscribers.
+        case BV_KIND_MODEL_STATES: return serve_struct(parameters_.gazebo_namespace + '/' + topic.substr(topic.rfind('/') + 1));
         // Not published: Gazebo's services replace them.
         case BV_KIND_SIMULATION_COMMAND:
         case BV_KIND_SIMULATION_RESULT:
@@ -112,7 +84,7 @@ std::unique_ptr<Output> Topics::output(const bv_stream_info& stream, const std::
         case BV_KIND_TAG_DETECTIONS:
         // Served by dynamic_reconfigure: see settings.hpp.
         case BV_KIND_SENSOR_SETTINGS: return nullptr;
-        default: throw Unrepresentable("its kind, " + std::to_string(stream.kind) + ", is not known here");
+        default: return serve_struct(topic);
     }
 }
 

@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 #include <std_msgs/Header.h>
 
+#include <boost/make_shared.hpp>
+
 #include <cstring>
+#include <string>
 #include <vector>
 
-#include "../src/sample.hpp"
+#include "../src/convert/struct_message.hpp"
 
 namespace belvedere_ros {
 
@@ -45,6 +48,21 @@ struct Known {
         return {header, {bytes.data(), bytes.size()}};
     }
 };
+
+/// Returns what a subscriber of the topic gets of a frame.
+template <class Message>
+boost::shared_ptr<Message> received(const Sample& sample, const std::string& topic = "") {
+    const StructMessage convert(sample.header.kind, topic);
+    EXPECT_EQ(convert.name(), ros::message_traits::datatype<Message>());
+    EXPECT_EQ(convert.md5(), ros::message_traits::md5sum<Message>());
+    EXPECT_EQ(convert.has_header(), ros::message_traits::hasHeader<Message>());
+    auto serialized = convert(sample);
+    auto message = boost::make_shared<Message>();
+    ros::serialization::IStream stream(serialized->bytes.data(), static_cast<std::uint32_t>(serialized->bytes.size()));
+    ros::serialization::deserialize(stream, *message);
+    EXPECT_EQ(stream.getLength(), 0u);
+    return message;
+}
 
 inline void expect_header(const std_msgs::Header& header) {
     EXPECT_EQ(header.stamp.sec, 12u);

@@ -1,6 +1,10 @@
 // Tests of every converter with frames of known bytes, without a master or shared memory.
 
 #include <gtest/gtest.h>
+#include <nav_msgs/Odometry.h>
+#include <rosgraph_msgs/Clock.h>
+#include <sensor_msgs/Imu.h>
+#include <sensor_msgs/JointState.h>
 
 #include <algorithm>
 #include <cstring>
@@ -9,12 +13,8 @@
 #include <vector>
 
 #include "../src/convert/camera_info.hpp"
-#include "../src/convert/clock.hpp"
 #include "../src/convert/image.hpp"
-#include "../src/convert/imu.hpp"
-#include "../src/convert/joint_states.hpp"
 #include "../src/convert/laser_scan.hpp"
-#include "../src/convert/odometry.hpp"
 #include "../src/convert/point_cloud.hpp"
 #include "../src/convert/transforms.hpp"
 #include "known.hpp"
@@ -253,7 +253,7 @@ TEST(Odometry, HasPoseVelocityAndCovariances) {
     for (int i = 0; i < 4; ++i) from.orientation[i] = 10 + i;
     for (int i = 0; i < 36; ++i) from.pose_covariance[i] = 100 + i, from.twist_covariance[i] = 200 + i;
     auto known = Known::structs<bv_odometry>(BV_KIND_ODOMETRY, {from});
-    const auto odometry = to_odometry(known.sample());
+    const auto odometry = received<nav_msgs::Odometry>(known.sample());
     expect_header(odometry->header);
     EXPECT_EQ(odometry->child_frame_id, "base_footprint");
     EXPECT_EQ(odometry->pose.pose.position.z, 3);
@@ -275,7 +275,7 @@ TEST(Imu, HasTheMeasurement) {
         from.linear_acceleration_covariance[i] = 40 + i;
     }
     auto known = Known::structs<bv_imu>(BV_KIND_IMU, {from});
-    const auto imu = to_imu(known.sample());
+    const auto imu = received<sensor_msgs::Imu>(known.sample());
     expect_header(imu->header);
     EXPECT_EQ(imu->orientation.x, 1);
     EXPECT_EQ(imu->orientation.w, 4);
@@ -292,7 +292,7 @@ TEST(JointStates, AreInOrder) {
     left.position = 1, left.velocity = 2, left.effort = 3;
     std::strcpy(right.name, "wheel_right_joint");
     auto known = Known::structs<bv_joint_state>(BV_KIND_JOINT_STATES, {left, right});
-    const auto joints = to_joint_states(known.sample());
+    const auto joints = received<sensor_msgs::JointState>(known.sample());
     EXPECT_EQ(joints->name, (std::vector<std::string>{"wheel_left_joint", "wheel_right_joint"}));
     EXPECT_EQ(joints->position, (std::vector<double>{1, 0}));
     EXPECT_EQ(joints->velocity, (std::vector<double>{2, 0}));
@@ -322,7 +322,7 @@ TEST(Transforms, CanBeRestrictedToOneParent) {
 
 TEST(Clock, HasSimulatedTime) {
     auto known = Known::structs<bv_clock>(BV_KIND_CLOCK, {{3'010'000'000}});
-    EXPECT_EQ(to_clock(known.sample())->clock, ros::Time(3, 10'000'000));
+    EXPECT_EQ(received<rosgraph_msgs::Clock>(known.sample())->clock, ros::Time(3, 10'000'000));
 }
 
 }  // namespace

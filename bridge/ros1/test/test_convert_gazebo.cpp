@@ -1,13 +1,14 @@
 // Tests of states of models and links with known bytes, of relative states, and of names in commands.
 
 #include <gtest/gtest.h>
+#include <gazebo_msgs/LinkStates.h>
+#include <gazebo_msgs/ModelStates.h>
 
 #include <cmath>
 #include <cstring>
 #include <string>
 #include <vector>
 
-#include "../src/convert/model_states.hpp"
 #include "../src/gazebo/simulator.hpp"
 #include "../src/gazebo/states.hpp"
 #include "known.hpp"
@@ -30,7 +31,7 @@ bv_model_state state(const char* name, double x, double y, double yaw, double fo
 
 TEST(ModelStates, HaveTheStatesOfTheFrame) {
     auto known = Known::structs<bv_model_state>(BV_KIND_MODEL_STATES, {state("room", 0, 0, 0), state("robot", 1, 2, M_PI / 2, 0.5, 0.25)});
-    const auto models = to_model_states(known.sample());
+    const auto models = received<gazebo_msgs::ModelStates>(known.sample(), "gazebo/model_states");
     EXPECT_EQ(models->name, (std::vector<std::string>{"room", "robot"}));
     ASSERT_EQ(models->pose.size(), 2u);
     EXPECT_EQ(models->pose[1].position.y, 2);
@@ -39,14 +40,14 @@ TEST(ModelStates, HaveTheStatesOfTheFrame) {
     ASSERT_EQ(models->twist.size(), 2u);
     EXPECT_DOUBLE_EQ(models->twist[1].linear.y, 0.5);
     EXPECT_EQ(models->twist[1].angular.z, 0.25);
-    const auto links = to_link_states(known.sample());
+    const auto links = received<gazebo_msgs::LinkStates>(known.sample(), "gazebo/link_states");
     EXPECT_EQ(links->name, models->name);
     EXPECT_EQ(links->twist, models->twist);
 
     auto nobody = Known::structs<bv_model_state>(BV_KIND_MODEL_STATES, {});
-    EXPECT_TRUE(to_model_states(nobody.sample())->name.empty());
+    EXPECT_TRUE(received<gazebo_msgs::ModelStates>(nobody.sample(), "gazebo/model_states")->name.empty());
     known.bytes.resize(known.bytes.size() - 1);
-    EXPECT_THROW(to_model_states(known.sample()), Unrepresentable);
+    EXPECT_THROW(received<gazebo_msgs::ModelStates>(known.sample(), "gazebo/model_states"), Unrepresentable);
 }
 
 TEST(States, AreFoundByModelAndLink) {

@@ -1,8 +1,12 @@
 // Tests of satellite receivers, magnetometers, barometers and altimeters.
 
 #include <gtest/gtest.h>
+#include <geometry_msgs/PointStamped.h>
+#include <geometry_msgs/Vector3Stamped.h>
+#include <sensor_msgs/FluidPressure.h>
+#include <sensor_msgs/MagneticField.h>
+#include <sensor_msgs/NavSatFix.h>
 
-#include "../src/convert/instruments.hpp"
 #include "known.hpp"
 
 namespace belvedere_ros {
@@ -14,7 +18,7 @@ TEST(NavSatFix, IsAFixByGps) {
     from.longitude = 8.9;
     from.altitude = 120.5;
     auto exact = Known::structs<bv_nav_sat_fix>(BV_KIND_NAV_SAT_FIX, {from});
-    const auto fix = to_nav_sat_fix(exact.sample());
+    const auto fix = received<sensor_msgs::NavSatFix>(exact.sample());
     expect_header(fix->header);
     EXPECT_EQ(fix->status.status, sensor_msgs::NavSatStatus::STATUS_FIX);
     EXPECT_EQ(fix->status.service, sensor_msgs::NavSatStatus::SERVICE_GPS);
@@ -25,7 +29,7 @@ TEST(NavSatFix, IsAFixByGps) {
     from.position_covariance[0] = 4;
     from.position_covariance[8] = 9;
     auto noisy = Known::structs<bv_nav_sat_fix>(BV_KIND_NAV_SAT_FIX, {from});
-    const auto with_noise = to_nav_sat_fix(noisy.sample());
+    const auto with_noise = received<sensor_msgs::NavSatFix>(noisy.sample());
     EXPECT_EQ(with_noise->position_covariance_type, sensor_msgs::NavSatFix::COVARIANCE_TYPE_DIAGONAL_KNOWN);
     EXPECT_EQ(with_noise->position_covariance[0], 4);
     EXPECT_EQ(with_noise->position_covariance[8], 9);
@@ -33,7 +37,7 @@ TEST(NavSatFix, IsAFixByGps) {
 
 TEST(MagneticField, IsInTeslas) {
     auto known = Known::structs<bv_magnetic_field>(BV_KIND_MAGNETIC_FIELD, {{{1e-6, 2e-6, -4e-5}, {1e-14}}});
-    const auto field = to_magnetic_field(known.sample());
+    const auto field = received<sensor_msgs::MagneticField>(known.sample());
     expect_header(field->header);
     EXPECT_EQ(field->magnetic_field.x, 1e-6);
     EXPECT_EQ(field->magnetic_field.z, -4e-5);
@@ -42,7 +46,7 @@ TEST(MagneticField, IsInTeslas) {
 
 TEST(FluidPressure, IsInPascals) {
     auto known = Known::structs<bv_fluid_pressure>(BV_KIND_FLUID_PRESSURE, {{101325.5, 4}});
-    const auto pressure = to_fluid_pressure(known.sample());
+    const auto pressure = received<sensor_msgs::FluidPressure>(known.sample());
     expect_header(pressure->header);
     EXPECT_EQ(pressure->fluid_pressure, 101325.5);
     EXPECT_EQ(pressure->variance, 4);
@@ -50,7 +54,7 @@ TEST(FluidPressure, IsInPascals) {
 
 TEST(Altimeter, IsAPoint) {
     auto known = Known::structs<bv_altimeter>(BV_KIND_ALTIMETER, {{2.5, 0.1, 30, 0.01}});
-    const auto height = to_height(known.sample());
+    const auto height = received<geometry_msgs::PointStamped>(known.sample());
     expect_header(height->header);
     EXPECT_EQ(height->point.x, 0);
     EXPECT_EQ(height->point.z, 2.5);
@@ -58,7 +62,7 @@ TEST(Altimeter, IsAPoint) {
 
 TEST(Vector3, IsStamped) {
     auto known = Known::structs<bv_vector3>(BV_KIND_VECTOR3, {{{1, 2, 3}}});
-    const auto vector = to_vector(known.sample());
+    const auto vector = received<geometry_msgs::Vector3Stamped>(known.sample());
     expect_header(vector->header);
     EXPECT_EQ(vector->vector.y, 2);
     EXPECT_EQ(vector->vector.z, 3);

@@ -31,8 +31,6 @@
 #include <string>
 
 #include "../src/convert/command.hpp"
-#include "../src/convert/core_sensors.hpp"
-#include "../src/convert/robot_event.hpp"
 #include "known.hpp"
 
 namespace belvedere_ros {
@@ -83,10 +81,10 @@ TEST(RobotEvent, HasItsPlaceAndState) {
     const std::uint8_t cliffs[] = {CliffEvent::LEFT, CliffEvent::CENTER, CliffEvent::RIGHT};
     for (std::uint32_t index = 0; index < 3; ++index) {
         for (std::uint32_t state : {0u, 1u}) {
-            const auto bumper = to_bumper_event(event(0, index, state).sample());
+            const auto bumper = received<kobuki_msgs::BumperEvent>(event(0, index, state).sample(), "bumper");
             EXPECT_EQ(bumper->bumper, bumpers[index]);
             EXPECT_EQ(bumper->state, state == 1 ? BumperEvent::PRESSED : BumperEvent::RELEASED);
-            const auto cliff = to_cliff_event(event(1, index, state, 3021).sample());
+            const auto cliff = received<kobuki_msgs::CliffEvent>(event(1, index, state, 3021).sample(), "cliff");
             EXPECT_EQ(cliff->sensor, cliffs[index]);
             EXPECT_EQ(cliff->state, state == 1 ? CliffEvent::CLIFF : CliffEvent::FLOOR);
             EXPECT_EQ(cliff->bottom, 3021);
@@ -96,22 +94,22 @@ TEST(RobotEvent, HasItsPlaceAndState) {
 
 TEST(RobotEvent, TheRightWheelIsNumberOne) {
     using kobuki_msgs::WheelDropEvent;
-    EXPECT_EQ(to_wheel_drop_event(event(2, 0, 1).sample())->wheel, WheelDropEvent::LEFT);
-    const auto right = to_wheel_drop_event(event(2, 2, 1).sample());
+    EXPECT_EQ(received<kobuki_msgs::WheelDropEvent>(event(2, 0, 1).sample(), "wheel_drop")->wheel, WheelDropEvent::LEFT);
+    const auto right = received<kobuki_msgs::WheelDropEvent>(event(2, 2, 1).sample(), "wheel_drop");
     EXPECT_EQ(right->wheel, WheelDropEvent::RIGHT);
     EXPECT_EQ(right->wheel, 1);
     EXPECT_EQ(right->state, WheelDropEvent::DROPPED);
-    EXPECT_EQ(to_wheel_drop_event(event(2, 2, 0).sample())->state, WheelDropEvent::RAISED);
-    EXPECT_THROW(to_wheel_drop_event(event(2, 1, 1).sample()), Unrepresentable);  // there is no centre wheel
+    EXPECT_EQ(received<kobuki_msgs::WheelDropEvent>(event(2, 2, 0).sample(), "wheel_drop")->state, WheelDropEvent::RAISED);
+    EXPECT_THROW(received<kobuki_msgs::WheelDropEvent>(event(2, 1, 1).sample(), "wheel_drop"), Unrepresentable);  // there is no centre wheel
 }
 
 TEST(RobotEvent, RefusesUnrepresentableFrames) {
-    EXPECT_THROW(to_bumper_event(event(1, 0, 1).sample()), Unrepresentable);
-    EXPECT_THROW(to_cliff_event(event(0, 0, 1).sample()), Unrepresentable);
-    EXPECT_THROW(to_bumper_event(event(0, 3, 1).sample()), Unrepresentable);
-    EXPECT_THROW(to_bumper_event(event(0, 0xffffffff, 1).sample()), Unrepresentable);
-    EXPECT_THROW(to_bumper_event(event(0, 0, 2).sample()), Unrepresentable);
-    EXPECT_THROW(to_bumper_event(Known::structs<bv_motor_power>(BV_KIND_ROBOT_EVENT, {{0}}).sample()), Unrepresentable);
+    EXPECT_THROW(received<kobuki_msgs::BumperEvent>(event(1, 0, 1).sample(), "bumper"), Unrepresentable);
+    EXPECT_THROW(received<kobuki_msgs::CliffEvent>(event(0, 0, 1).sample(), "cliff"), Unrepresentable);
+    EXPECT_THROW(received<kobuki_msgs::BumperEvent>(event(0, 3, 1).sample(), "bumper"), Unrepresentable);
+    EXPECT_THROW(received<kobuki_msgs::BumperEvent>(event(0, 0xffffffff, 1).sample(), "bumper"), Unrepresentable);
+    EXPECT_THROW(received<kobuki_msgs::BumperEvent>(event(0, 0, 2).sample(), "bumper"), Unrepresentable);
+    EXPECT_THROW(received<kobuki_msgs::BumperEvent>(Known::structs<bv_motor_power>(BV_KIND_ROBOT_EVENT, {{0}}).sample(), "bumper"), Unrepresentable);
 }
 
 TEST(CoreSensors, HasEveryField) {
@@ -129,7 +127,7 @@ TEST(CoreSensors, HasEveryField) {
     from.battery = 165;
     for (std::uint16_t i = 0; i < 3; ++i) from.bottom[i] = static_cast<std::uint16_t>(3000 + i);
     auto known = Known::structs<bv_core_sensors>(BV_KIND_CORE_SENSORS, {from});
-    const auto state = to_core_sensors(known.sample());
+    const auto state = received<kobuki_msgs::SensorState>(known.sample());
     expect_header(state->header);
     EXPECT_EQ(state->time_stamp, 65'000);
     EXPECT_EQ(state->bumper, 4);
@@ -145,7 +143,8 @@ TEST(CoreSensors, HasEveryField) {
     EXPECT_EQ(state->bottom, (std::vector<std::uint16_t>{3000, 3001, 3002}));
     EXPECT_EQ(state->current, (std::vector<std::uint8_t>{0, 0}));
     EXPECT_EQ(state->analog_input, (std::vector<std::uint16_t>{0, 0, 0, 0}));
-    EXPECT_THROW(to_core_sensors(event(0, 0, 0).sample()), Unrepresentable);
+    auto too_small = Known::structs<bv_robot_event>(BV_KIND_CORE_SENSORS, {{0, 0, 0, 0}});
+    EXPECT_THROW(received<kobuki_msgs::SensorState>(too_small.sample()), Unrepresentable);
 }
 
 TEST(Commands, AreConverted) {

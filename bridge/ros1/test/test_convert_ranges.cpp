@@ -1,6 +1,7 @@
 // Tests of rangefinders, lidars with several layers, and scans adjusted by their parameters.
 
 #include <gtest/gtest.h>
+#include <sensor_msgs/Range.h>
 
 #include <array>
 #include <cmath>
@@ -11,7 +12,6 @@
 
 #include "../src/convert/adjusted_scan.hpp"
 #include "../src/convert/laser_scan.hpp"
-#include "../src/convert/range.hpp"
 #include "../src/convert/scan_cloud.hpp"
 #include "known.hpp"
 
@@ -22,7 +22,7 @@ constexpr float kInf = std::numeric_limits<float>::infinity();
 
 TEST(Range, HasItsConeLimitsAndRange) {
     auto known = Known::structs<bv_range>(BV_KIND_RANGE, {{1, 0.2f, 0.02f, 4.0f, 1.5f}});
-    const auto range = to_range(known.sample());
+    const auto range = received<sensor_msgs::Range>(known.sample());
     expect_header(range->header);
     EXPECT_EQ(range->radiation_type, sensor_msgs::Range::INFRARED);
     EXPECT_FLOAT_EQ(range->field_of_view, 0.2f);
@@ -30,8 +30,8 @@ TEST(Range, HasItsConeLimitsAndRange) {
     EXPECT_FLOAT_EQ(range->max_range, 4.0f);
     EXPECT_FLOAT_EQ(range->range, 1.5f);
     auto sound = Known::structs<bv_range>(BV_KIND_RANGE, {{0, 0.2f, 0.02f, 4.0f, -kInf}});
-    EXPECT_EQ(to_range(sound.sample())->radiation_type, sensor_msgs::Range::ULTRASOUND);
-    EXPECT_EQ(to_range(sound.sample())->range, -kInf);
+    EXPECT_EQ(received<sensor_msgs::Range>(sound.sample())->radiation_type, sensor_msgs::Range::ULTRASOUND);
+    EXPECT_EQ(received<sensor_msgs::Range>(sound.sample())->range, -kInf);
 }
 
 /// Returns a scan of this many rays and layers, 0.5 rad and 0.25 rad apart from −0.5 on.

@@ -1,6 +1,8 @@
 //! The wire format as data. Each struct and each list of numbers is defined once, and the bindings are generated from
 //! it.
 
+use super::fields::{DescribeRows, RosType};
+
 /// A struct of the wire format.
 #[derive(Clone, Copy, Debug)]
 pub struct Struct {
@@ -14,6 +16,10 @@ pub struct Struct {
     pub kinds: &'static [u16],
     /// Its fields in the order of their offsets.
     pub fields: &'static [Field],
+    /// The types of ROS 1 that streams of it are published as.
+    pub ros: &'static [RosType],
+    /// The description of a payload of it; none for a part of another struct.
+    pub(super) describe: Option<DescribeRows>,
 }
 
 /// A field of a [`Struct`].
@@ -61,7 +67,12 @@ pub struct Value {
 
 /// Defines structs with their sizes and the offsets of their fields, which are checked at compile time. Implements
 /// [`Message`](crate::payload::Message) for those that streams carry, and describes all of them as data in `STRUCTS`.
+/// Those that streams carry also implement [`Describe`](super::fields::Describe).
 macro_rules! wire_structs {
+    (@ros $name:ident) => { &[] };
+    (@ros $name:ident $($kind:path),+) => { <$name as $crate::wire::fields::Describe>::ROS };
+    (@describe $name:ident) => { None };
+    (@describe $name:ident $($kind:path),+) => { Some($crate::wire::fields::describe_rows::<$name>) };
     ($(
         $(#[doc = $doc:literal])*
         $(with #[$attribute:meta])*
@@ -103,6 +114,8 @@ macro_rules! wire_structs {
                         shape: &[$($($length),+)?],
                     },
                 )+],
+                ros: wire_structs!(@ros $name $($($kind),+)?),
+                describe: wire_structs!(@describe $name $($($kind),+)?),
             },
         )+];
     };

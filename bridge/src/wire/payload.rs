@@ -2,28 +2,38 @@
 //! units and radians; orientations are quaternions x y z w. Values are in the coordinate frame of the header's
 //! `frame_id`, at the time of its `stamp_ns`.
 
+mod base;
 mod control;
 mod instruments;
 mod range;
 mod settings;
 mod truth;
 
-pub use control::{ModelState, SimulationCommand, SimulationResult};
-pub use instruments::{Altimeter, FluidPressure, MagneticField, NavSatFix, Vector3};
-pub use range::Range;
-pub use settings::{SensorSettings, Setting};
-pub use truth::{BoundingBox, TagDetection};
+pub use base::*;
+pub use control::*;
+pub use instruments::*;
+pub use range::*;
+pub use settings::*;
+pub use truth::*;
 
 use bytemuck::Pod;
 
 use super::{
     Kind, MAX_DISTORTION, Text,
+    fields::{Describe, Fields, RosType, Value},
     layout::{Struct, wire_structs},
 };
 
 /// Every payload struct as data, by file.
-pub(super) const ALL: &[&[Struct]] =
-    &[STRUCTS, control::STRUCTS, instruments::STRUCTS, range::STRUCTS, settings::STRUCTS, truth::STRUCTS];
+pub(super) const ALL: &[&[Struct]] = &[
+    STRUCTS,
+    base::STRUCTS,
+    control::STRUCTS,
+    instruments::STRUCTS,
+    range::STRUCTS,
+    settings::STRUCTS,
+    truth::STRUCTS,
+];
 
 /// A payload struct of the wire format.
 pub trait Message: Pod {
@@ -32,19 +42,17 @@ pub trait Message: Pod {
 }
 
 impl Kind {
-    /// Returns the size in bytes of the struct that this kind carries, alone or in an array; `None` for images, scans
-    /// and clouds.
-    #[must_use]
-    pub const fn struct_size(self) -> Option<usize> {
+    /// Returns the struct that this kind carries, as data; `None` for images, scans and clouds.
+    pub(super) const fn layout(self) -> Option<&'static Struct> {
         let mut file = 0;
         while file < ALL.len() {
             let mut at = 0;
             while at < ALL[file].len() {
-                let Struct { kinds, size, .. } = ALL[file][at];
+                let layout = &ALL[file][at];
                 let mut kind = 0;
-                while kind < kinds.len() {
-                    if kinds[kind] == self as u16 {
-                        return Some(size);
+                while kind < layout.kinds.len() {
+                    if layout.kinds[kind] == self as u16 {
+                        return Some(layout);
                     }
                     kind += 1;
                 }
@@ -53,6 +61,16 @@ impl Kind {
             file += 1;
         }
         None
+    }
+
+    /// Returns the size in bytes of the struct that this kind carries, alone or in an array; `None` for images, scans
+    /// and clouds.
+    #[must_use]
+    pub const fn struct_size(self) -> Option<usize> {
+        match self.layout() {
+            Some(layout) => Some(layout.size),
+            None => None,
+        }
     }
 }
 
@@ -156,77 +174,140 @@ wire_structs! {
         /// Covariance of the linear acceleration along x, y, z.
         pub linear_acceleration_covariance: [f64; 9] = 224 as [3, 3],
     }
+}
 
-    /// A change of state of a base's bumper, cliff sensor or wheel (`kobuki_msgs/BumperEvent`, `CliffEvent`,
-    /// `WheelDropEvent`).
-    with #[derive(PartialEq, Eq)]
-    pub struct RobotEvent, 16 bytes, of [Kind::RobotEvent] {
-        /// [`RobotEvent::BUMPER`], [`RobotEvent::CLIFF`] or [`RobotEvent::WHEEL_DROP`].
-        pub source: u32 = 0,
-        /// [`RobotEvent::LEFT`], [`RobotEvent::CENTRE`] or [`RobotEvent::RIGHT`]. (`kobuki_msgs` numbers the right wheel 1.)
-        pub index: u32 = 4,
-        /// The new state: 0 released, floor, raised; 1 pressed, cliff, dropped.
-        pub state: u32 = 8,
-        /// The reading of a cliff sensor, as in [`CoreSensors::bottom`]; 0 for other sources.
-        pub value: u32 = 12,
-    }
+impl Describe for CameraInfo {
+    const ROS: &'static [RosType] =
+        &[RosType::new("sensor_msgs/CameraInfo", "c9a58c1b0b154e0e6da7578cb991d214")];
 
-    /// The state of a base's own sensors, 50 times a second (`kobuki_msgs/SensorState`). In the bits of bumper and
-    /// cliff, 1 is right, 2 is centre, 4 is left; in those of the wheels, 1 is right, 2 is left.
-    with #[derive(PartialEq, Eq)]
-    pub struct CoreSensors, 20 bytes, of [Kind::CoreSensors] {
-        /// Time in milliseconds; wraps around.
-        pub time_stamp: u16 = 0,
-        /// Bits of the pressed bumpers.
-        pub bumper: u8 = 2,
-        /// Bits of the dropped wheels.
-        pub wheel_drop: u8 = 3,
-        /// Bits of the cliff sensors that see no floor.
-        pub cliff: u8 = 4,
-        /// Bits of the pressed buttons: 1, 2, 4.
-        pub buttons: u8 = 5,
-        /// Ticks of the left wheel; wraps around.
-        pub left_encoder: u16 = 6,
-        /// Ticks of the right wheel; wraps around.
-        pub right_encoder: u16 = 8,
-        /// Duty cycle of the left motor; always 0, since it is not simulated.
-        pub left_pwm: i8 = 10,
-        /// Duty cycle of the right motor; always 0, since it is not simulated.
-        pub right_pwm: i8 = 11,
-        /// State of charge control: 0 discharging, 2 charged, 6 charging; plus 16 if an adapter is connected.
-        pub charger: u8 = 12,
-        /// Battery voltage in tenths of a volt.
-        pub battery: u8 = 13,
-        /// Readings of the cliff sensors' 12-bit converters: right, centre, left; smaller is farther.
-        pub bottom: [u16; 3] = 14,
-    }
-
-    /// A command to restart odometry at zero from the current pose.
-    with #[derive(Default, PartialEq, Eq)]
-    pub struct ResetOdometry, 8 bytes, of [Kind::ResetOdometry] {
-        /// Reserved; 0.
-        pub reserved: u64 = 0,
-    }
-
-    /// A command to enable or disable the motors (`kobuki_msgs/MotorPower`).
-    with #[derive(Default, PartialEq, Eq)]
-    pub struct MotorPower, 4 bytes, of [Kind::MotorPower] {
-        /// 0 off, else on.
-        pub state: u32 = 0,
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.header(None);
+        fields.put("height", self.height);
+        fields.put("width", self.width);
+        fields.put("distortion_model", self.distortion_model.as_str());
+        fields.put("D", &self.d[..(self.d_len as usize).min(self.d.len())]);
+        fields.put("K", &self.k);
+        fields.put("R", &self.r);
+        fields.put("P", &self.p);
+        if fields.ros().is_some() {
+            // The whole image, not binned.
+            fields.put("binning_x", 0_u32);
+            fields.put("binning_y", 0_u32);
+            fields.part("roi", "sensor_msgs/RegionOfInterest", &mut |fields| {
+                for name in ["x_offset", "y_offset", "height", "width"] {
+                    fields.put(name, 0_u32);
+                }
+                fields.put("do_rectify", false);
+            });
+        }
+        Some(())
     }
 }
 
-impl RobotEvent {
-    /// Source: a bumper.
-    pub const BUMPER: u32 = 0;
-    /// Source: a cliff sensor.
-    pub const CLIFF: u32 = 1;
-    /// Source: a wheel.
-    pub const WHEEL_DROP: u32 = 2;
-    /// Index: on the left.
-    pub const LEFT: u32 = 0;
-    /// Index: in front.
-    pub const CENTRE: u32 = 1;
-    /// Index: on the right.
-    pub const RIGHT: u32 = 2;
+impl Describe for Odometry {
+    const ROS: &'static [RosType] = &[RosType::new("nav_msgs/Odometry", "cd5e73d190d741a2f92e81eda573aca7")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.header(None);
+        fields.value("child_frame_id", Value::Frame(self.child_frame_id.as_str()));
+        fields.part("pose", "geometry_msgs/PoseWithCovariance", &mut |fields| {
+            fields.pose("pose", self.position, self.orientation);
+            fields.put("covariance", &self.pose_covariance);
+        });
+        fields.part("twist", "geometry_msgs/TwistWithCovariance", &mut |fields| {
+            fields.twist("twist", self.linear, self.angular);
+            fields.put("covariance", &self.twist_covariance);
+        });
+        Some(())
+    }
+}
+
+impl Describe for Transform {
+    const ROS: &'static [RosType] = &[RosType::new("tf2_msgs/TFMessage", "94810edda583a504dfda3829e70d7eec")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.header(Some(self.parent.as_str()));
+        fields.value("child_frame_id", Value::Frame(self.child.as_str()));
+        fields.part("transform", "geometry_msgs/Transform", &mut |fields| {
+            fields.vector("translation", self.translation);
+            fields.quaternion("rotation", self.rotation);
+        });
+        Some(())
+    }
+
+    fn describe_all(messages: &[Self], fields: &mut dyn Fields) -> Option<()> {
+        each("transforms", "geometry_msgs/TransformStamped", messages, fields)
+    }
+}
+
+impl Describe for JointState {
+    const ROS: &'static [RosType] =
+        &[RosType::new("sensor_msgs/JointState", "3066dcd76a6cfaef579bd0f34173e9fd")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        Self::describe_all(&[*self], fields)
+    }
+
+    fn describe_all(messages: &[Self], fields: &mut dyn Fields) -> Option<()> {
+        let column = |of: fn(&Self) -> f64| messages.iter().map(of).collect::<Vec<_>>();
+        let names: Vec<&str> = messages.iter().map(|joint| joint.name.as_str()).collect();
+        fields.header(None);
+        fields.put("name", &names[..]);
+        fields.put("position", &column(|joint| joint.position)[..]);
+        fields.put("velocity", &column(|joint| joint.velocity)[..]);
+        fields.put("effort", &column(|joint| joint.effort)[..]);
+        Some(())
+    }
+}
+
+impl Describe for Clock {
+    const ROS: &'static [RosType] =
+        &[RosType::new("rosgraph_msgs/Clock", "a9c97c1d230cfc112e270351a944ee47")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.value("clock", Value::Time(self.now_ns));
+        Some(())
+    }
+}
+
+impl Describe for VelocityCommand {
+    const ROS: &'static [RosType] =
+        &[RosType::new("geometry_msgs/Twist", "9f195f881246fdfa2798d1d3eebca84a")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.vector("linear", self.linear);
+        fields.vector("angular", self.angular);
+        Some(())
+    }
+}
+
+impl Describe for Imu {
+    const ROS: &'static [RosType] = &[RosType::new("sensor_msgs/Imu", "6a62c6daae103f4ff57a132d6f95cec2")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.header(None);
+        fields.quaternion("orientation", self.orientation);
+        fields.put("orientation_covariance", &self.orientation_covariance);
+        fields.vector("angular_velocity", self.angular_velocity);
+        fields.put("angular_velocity_covariance", &self.angular_velocity_covariance);
+        fields.vector("linear_acceleration", self.linear_acceleration);
+        fields.put("linear_acceleration_covariance", &self.linear_acceleration_covariance);
+        Some(())
+    }
+}
+
+/// Describes an array of structs, a message of the type `of` each.
+fn each<T: Describe>(
+    name: &'static str,
+    of: &'static str,
+    messages: &[T],
+    fields: &mut dyn Fields,
+) -> Option<()> {
+    let mut holds = Some(());
+    fields.list(name, of, messages.len(), &mut |index, fields| {
+        if messages[index].describe(fields).is_none() {
+            holds = None;
+        }
+    });
+    holds
 }

@@ -2,7 +2,7 @@
 
 use bytemuck::Pod;
 
-use super::{Encoding, FrameError, FrameHeader, Kind, payload::Message};
+use super::{Encoding, FrameError, FrameHeader, Kind, fields::Fields, payload::Message};
 
 /// A checked header and its payload, for access to rows and structs in place.
 #[derive(Clone, Copy, Debug)]
@@ -71,6 +71,18 @@ impl<'a> FrameView<'a> {
     /// The errors of [`structs`](Self::structs), and [`FrameError::WrongKind`] if there is none.
     pub fn message<T: Message>(&self) -> Result<T, FrameError> {
         self.structs()?.next().ok_or(self.wrong_kind())
+    }
+
+    /// Passes the values of a frame of [`Encoding::Struct`] to `fields`.
+    ///
+    /// `None` if the frame is of another encoding or of an unknown kind, lacks the struct of its kind, or if the type
+    /// of ROS that `fields` writes cannot hold it.
+    pub fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        if self.header.encoding() != Some(Encoding::Struct) {
+            return None;
+        }
+        let describe = self.header.kind()?.layout()?.describe?;
+        describe(&mut self.rows(), fields)
     }
 
     fn wrong_kind(&self) -> FrameError {

@@ -24,13 +24,6 @@ impl Bytes<'_> {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// Writes the numbers of an array of fixed length.
-    pub(super) fn f64s(&mut self, values: &[f64]) {
-        for value in values {
-            self.0.extend_from_slice(&value.to_le_bytes());
-        }
-    }
-
     /// Writes the number of elements of an array of variable length.
     pub(super) fn count(&mut self, count: usize) {
         self.u32(count as u32);

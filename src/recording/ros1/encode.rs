@@ -1,11 +1,7 @@
-//! Converts frames to ROS messages as the ROS node does, with one function per type of message.
+//! Converts images, scans and clouds to ROS messages as the ROS node does, with one function per type of message.
 
 use super::Payload;
 use super::bytes::Bytes;
-use belvedere_bridge::payload::{
-    Altimeter, CameraInfo, Clock, CoreSensors, FluidPressure, Imu, JointState, MagneticField, ModelState,
-    MotorPower, NavSatFix, Odometry, Range, RobotEvent, Transform, Vector3, VelocityCommand,
-};
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
 
 /// Writes a frame's message. Returns `None` if the message cannot represent the frame.
@@ -18,18 +14,10 @@ const UINT32: u8 = 6;
 const FLOAT32: u8 = 7;
 const FLOAT64: u8 = 8;
 
-/// Numbers of motors and analogue inputs of a Kobuki, which are not simulated.
-const MOTORS: usize = 2;
-const ANALOG_INPUTS: usize = 4;
-
 fn header(header: &FrameHeader, out: &mut Bytes<'_>) {
-    stamped(header, header.frame_id.as_str(), out);
-}
-
-fn stamped(header: &FrameHeader, frame_id: &str, out: &mut Bytes<'_>) {
     out.u32(header.seq as u32);
     out.time(header.stamp_ns);
-    out.text(frame_id);
+    out.text(header.frame_id.as_str());
 }
 
 /// Returns name and size of a pixel.
@@ -89,24 +77,6 @@ pub(super) fn image(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payloa
     out.u8(0);
     out.u32(head.width * size);
     Some(rows(frame, out))
-}
-
-pub(super) fn camera_info(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let info: CameraInfo = frame.message().ok()?;
-    header(frame.header(), out);
-    out.u32(info.height);
-    out.u32(info.width);
-    out.text(info.distortion_model.as_str());
-    let parameters = &info.d[..(info.d_len as usize).min(info.d.len())];
-    out.count(parameters.len());
-    out.f64s(parameters);
-    out.f64s(&info.k);
-    out.f64s(&info.r);
-    out.f64s(&info.p);
-    // Default binning, and no region of interest.
-    (0..6).for_each(|_| out.u32(0));
-    out.u8(0);
-    Some(Payload::Elsewhere)
 }
 
 pub(super) fn laser_scan(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
@@ -231,215 +201,4 @@ pub(super) fn point_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<
     let payload = rows(frame, out);
     out.u8(is_dense.into());
     Some(payload)
-}
-
-pub(super) fn odometry(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let odometry: Odometry = frame.message().ok()?;
-    header(frame.header(), out);
-    out.text(odometry.child_frame_id.as_str());
-    out.f64s(&odometry.position);
-    out.f64s(&odometry.orientation);
-    out.f64s(&odometry.pose_covariance);
-    out.f64s(&odometry.linear);
-    out.f64s(&odometry.angular);
-    out.f64s(&odometry.twist_covariance);
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn transforms(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let transforms = frame.structs::<Transform>().ok()?;
-    out.count(transforms.len());
-    for transform in transforms {
-        stamped(frame.header(), transform.parent.as_str(), out);
-        out.text(transform.child.as_str());
-        out.f64s(&transform.translation);
-        out.f64s(&transform.rotation);
-    }
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn joint_states(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let joints: Vec<JointState> = frame.structs().ok()?.collect();
-    header(frame.header(), out);
-    out.count(joints.len());
-    for joint in &joints {
-        out.text(joint.name.as_str());
-    }
-    for number in [
-        |joint: &JointState| joint.position,
-        |joint: &JointState| joint.velocity,
-        |joint: &JointState| joint.effort,
-    ] {
-        out.count(joints.len());
-        for joint in &joints {
-            out.f64s(&[number(joint)]);
-        }
-    }
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn clock(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    out.time(frame.message::<Clock>().ok()?.now_ns);
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn velocity_command(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let command: VelocityCommand = frame.message().ok()?;
-    out.f64s(&command.linear);
-    out.f64s(&command.angular);
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn imu(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let imu: Imu = frame.message().ok()?;
-    header(frame.header(), out);
-    out.f64s(&imu.orientation);
-    out.f64s(&imu.orientation_covariance);
-    out.f64s(&imu.angular_velocity);
-    out.f64s(&imu.angular_velocity_covariance);
-    out.f64s(&imu.linear_acceleration);
-    out.f64s(&imu.linear_acceleration_covariance);
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn range(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let range: Range = frame.message().ok()?;
-    header(frame.header(), out);
-    out.u8(u8::from(range.radiation_type != Range::ULTRASOUND));
-    out.f32(range.field_of_view);
-    out.f32(range.min_range);
-    out.f32(range.max_range);
-    out.f32(range.range);
-    Some(Payload::Elsewhere)
-}
-
-/// Writes a fix without the velocity, for which the message has no field.
-pub(super) fn nav_sat_fix(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    /// `SERVICE_GPS`.
-    const GPS: u16 = 1;
-    let fix: NavSatFix = frame.message().ok()?;
-    header(frame.header(), out);
-    // `STATUS_FIX`.
-    out.u8(0);
-    out.u16(GPS);
-    out.f64s(&[fix.latitude, fix.longitude, fix.altitude]);
-    out.f64s(&fix.position_covariance);
-    // The covariance is known along the diagonal, unless all of it is 0.
-    let is_known = fix.position_covariance.iter().any(|part| *part != 0.0);
-    out.u8(if is_known { 2 } else { 0 });
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn magnetic_field(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let field: MagneticField = frame.message().ok()?;
-    header(frame.header(), out);
-    out.f64s(&field.magnetic_field);
-    out.f64s(&field.covariance);
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn fluid_pressure(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let pressure: FluidPressure = frame.message().ok()?;
-    header(frame.header(), out);
-    out.f64s(&[pressure.fluid_pressure, pressure.variance]);
-    Some(Payload::Elsewhere)
-}
-
-/// Writes an altimeter's height as a point above the origin of its frame.
-pub(super) fn height(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let altimeter: Altimeter = frame.message().ok()?;
-    header(frame.header(), out);
-    out.f64s(&[0.0, 0.0, altimeter.vertical_position]);
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn vector(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let vector: Vector3 = frame.message().ok()?;
-    header(frame.header(), out);
-    out.f64s(&vector.vector);
-    Some(Payload::Elsewhere)
-}
-
-/// Writes states of models or links: the two types differ only in their names.
-pub(super) fn model_states(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let states: Vec<ModelState> = frame.structs().ok()?.collect();
-    out.count(states.len());
-    for state in &states {
-        out.text(state.name.as_str());
-    }
-    out.count(states.len());
-    for state in &states {
-        out.f64s(&state.position);
-        out.f64s(&state.orientation);
-    }
-    out.count(states.len());
-    for state in &states {
-        out.f64s(&state.linear);
-        out.f64s(&state.angular);
-    }
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn core_sensors(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let state: CoreSensors = frame.message().ok()?;
-    header(frame.header(), out);
-    out.u16(state.time_stamp);
-    out.u8(state.bumper);
-    out.u8(state.wheel_drop);
-    out.u8(state.cliff);
-    out.u16(state.left_encoder);
-    out.u16(state.right_encoder);
-    out.u8(state.left_pwm.cast_unsigned());
-    out.u8(state.right_pwm.cast_unsigned());
-    out.u8(state.buttons);
-    out.u8(state.charger);
-    out.u8(state.battery);
-    out.count(state.bottom.len());
-    state.bottom.iter().for_each(|&reading| out.u16(reading));
-    out.bytes(&[0; MOTORS]);
-    out.u8(0);
-    out.u16(0);
-    out.count(ANALOG_INPUTS);
-    (0..ANALOG_INPUTS).for_each(|_| out.u16(0));
-    Some(Payload::Elsewhere)
-}
-
-/// Reads an event of one source. `places` are the numbers of left, centre and right in its message, or −1 if the
-/// message has none.
-fn event(frame: &FrameView<'_>, source: u32, places: [i8; 3]) -> Option<(u8, RobotEvent)> {
-    let event: RobotEvent = frame.message().ok()?;
-    let place = u8::try_from(*places.get(event.index as usize)?).ok()?;
-    (event.source == source && event.state <= 1).then_some((place, event))
-}
-
-pub(super) fn bumper(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let (place, event) = event(frame, RobotEvent::BUMPER, [0, 1, 2])?;
-    out.u8(place);
-    out.u8(event.state as u8);
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn cliff(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let (place, event) = event(frame, RobotEvent::CLIFF, [0, 1, 2])?;
-    out.u8(place);
-    out.u8(event.state as u8);
-    out.u16(event.value as u16);
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn wheel_drop(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    let (place, event) = event(frame, RobotEvent::WHEEL_DROP, [0, -1, 1])?;
-    out.u8(place);
-    out.u8(event.state as u8);
-    Some(Payload::Elsewhere)
-}
-
-#[allow(clippy::unnecessary_wraps, reason = "one of many of this type")]
-pub(super) fn empty(_: &FrameView<'_>, _: &mut Bytes<'_>) -> Option<Payload> {
-    Some(Payload::Elsewhere)
-}
-
-pub(super) fn motor_power(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
-    out.u8(frame.message::<MotorPower>().ok()?.state as u8);
-    Some(Payload::Elsewhere)
 }

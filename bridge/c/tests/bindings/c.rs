@@ -53,6 +53,16 @@ pub(crate) fn layout() -> String {
     for layout in headers.iter().chain(&payloads) {
         text += &structure(layout);
     }
+    text += &list("every struct and its size in bytes", "STRUCTS(X)", schema::structs(), |layout| {
+        vec![layout.size.to_string()]
+    });
+    let of_streams = payloads.iter().copied().filter(|layout| !layout.kinds.is_empty());
+    text += &list(
+        "every struct that streams carry, and the kind of these streams",
+        "PAYLOADS(X)",
+        of_streams,
+        |layout| layout.kinds.iter().map(|&kind| constant("bv_kind", kind_name(kind))).collect(),
+    );
     text.trim_end().to_owned()
 }
 
@@ -83,7 +93,7 @@ fn enumeration(numbers: &schema::Enum) -> String {
         "enum {name}\n#if defined(__cplusplus) || __STDC_VERSION__ >= 202311L\n  : uint16_t\n#endif\n {{"
     );
     for value in numbers.values {
-        let constant = format!("{name}_{}", snake(value.name)).to_uppercase();
+        let constant = constant(&name, value.name);
         let _ = writeln!(text, "{}    {constant} = {},", comment("    ", value.doc), value.number);
     }
     let _ = writeln!(
@@ -113,4 +123,29 @@ fn structure(layout: &schema::Struct) -> String {
     }
     let _ = writeln!(text, "}} {name};");
     text
+}
+
+fn constant(enumeration: &str, value: &str) -> String {
+    format!("{enumeration}_{}", snake(value)).to_uppercase()
+}
+
+fn kind_name(number: u16) -> &'static str {
+    let kinds = schema::ENUMS.iter().find(|numbers| numbers.name == "Kind").unwrap();
+    kinds.values.iter().find(|kind| kind.number == number).unwrap().name
+}
+
+/// Generates a macro that applies another one to all structs, with each of their `values`.
+fn list<'a>(
+    what: &str,
+    name: &str,
+    structs: impl Iterator<Item = &'a schema::Struct>,
+    values: impl Fn(&schema::Struct) -> Vec<String>,
+) -> String {
+    let mut text = format!("\n// Applies X to {what}.\n#define BV_{name}");
+    for layout in structs {
+        for value in values(layout) {
+            let _ = write!(text, " \\\n    X({}, {value})", c_type(layout.name));
+        }
+    }
+    text + "\n"
 }

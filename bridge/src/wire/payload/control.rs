@@ -2,11 +2,20 @@
 
 use bytemuck::Zeroable as _;
 
-use super::Message;
+use super::{Message, each};
 use crate::{
     session,
-    wire::{Kind, Operation, Text, layout::wire_structs},
+    wire::{
+        Kind, Operation, Text,
+        fields::{Describe, Fields, RosType, Value},
+        layout::wire_structs,
+    },
 };
+
+/// The two types differ only in their names.
+const STATES_MD5: &str = "48c080191eb15c41858319b4d8a609c2";
+const MODEL_STATES: &str = include_str!("../../../ros1/gazebo_msgs/msg/ModelStates.msg");
+const LINK_STATES: &str = include_str!("../../../ros1/gazebo_msgs/msg/LinkStates.msg");
 
 wire_structs! {
     /// A command to a simulator. A text of `text_len` bytes follows it in the payload.
@@ -79,5 +88,68 @@ impl SimulationCommand {
             orientation: [0.0, 0.0, 0.0, 1.0],
             ..Self::zeroed()
         }
+    }
+}
+
+impl Describe for SimulationCommand {
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.put("id", self.id);
+        describe_operation(self.operation, fields);
+        fields.put("steps", self.steps);
+        fields.put("name", self.name.as_str());
+        fields.put("reference_frame", self.reference.as_str());
+        fields.pose("pose", self.position, self.orientation);
+        fields.twist("twist", self.linear, self.angular);
+        fields.put("text_len", self.text_len);
+        Some(())
+    }
+}
+
+impl Describe for SimulationResult {
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.put("id", self.id);
+        describe_operation(self.operation, fields);
+        fields.put("done", self.done == 1);
+        fields.put("reason", self.reason.as_str());
+        fields.value("time", Value::Time(self.time_ns));
+        Some(())
+    }
+}
+
+fn describe_operation(number: u16, fields: &mut dyn Fields) {
+    match Operation::from_wire(number) {
+        Some(operation) => fields.put("operation", operation.as_str()),
+        None => fields.put("operation", number),
+    }
+}
+
+impl Describe for ModelState {
+    const ROS: &'static [RosType] = &[
+        RosType::in_file("gazebo_msgs/ModelStates", STATES_MD5, MODEL_STATES).of_topic("model_states"),
+        RosType::in_file("gazebo_msgs/LinkStates", STATES_MD5, LINK_STATES).of_topic("link_states"),
+    ];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.put("name", self.name.as_str());
+        fields.pose("pose", self.position, self.orientation);
+        fields.twist("twist", self.linear, self.angular);
+        Some(())
+    }
+
+    fn describe_all(messages: &[Self], fields: &mut dyn Fields) -> Option<()> {
+        if fields.ros().is_none() {
+            return each("states", "belvedere/ModelState", messages, fields);
+        }
+        let names: Vec<&str> = messages.iter().map(|state| state.name.as_str()).collect();
+        fields.put("name", &names[..]);
+        fields.list("pose", "geometry_msgs/Pose", messages.len(), &mut |index, fields| {
+            fields.point("position", messages[index].position);
+            fields.quaternion("orientation", messages[index].orientation);
+        });
+        fields.list("twist", "geometry_msgs/Twist", messages.len(), &mut |index, fields| {
+            fields.vector("linear", messages[index].linear);
+            fields.vector("angular", messages[index].angular);
+        });
+        Some(())
     }
 }

@@ -1,7 +1,11 @@
 //! The measurement of a rangefinder.
 
 use super::Message;
-use crate::wire::{Kind, layout::wire_structs};
+use crate::wire::{
+    Kind,
+    fields::{Describe, Fields, RosType, Value},
+    layout::wire_structs,
+};
 
 wire_structs! {
     /// A distance to the nearest surface within the field of view, as in `sensor_msgs/Range`.
@@ -26,4 +30,25 @@ impl Range {
     pub const ULTRASOUND: u32 = 0;
     /// Radiation: infrared light.
     pub const INFRARED: u32 = 1;
+}
+
+impl Describe for Range {
+    const ROS: &'static [RosType] = &[RosType::new("sensor_msgs/Range", "c005c34273dc426c67a020a87bc24148")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.constant("uint8", "ULTRASOUND", 0);
+        fields.constant("uint8", "INFRARED", 1);
+        fields.header(None);
+        let radiation = match self.radiation_type {
+            Self::ULTRASOUND => Value::Word(0, "ultrasound"),
+            Self::INFRARED => Value::Word(1, "infrared"),
+            _ => Value::Word(1, "unknown"),
+        };
+        fields.value("radiation_type", radiation);
+        fields.put("field_of_view", self.field_of_view);
+        fields.put("min_range", self.min_range);
+        fields.put("max_range", self.max_range);
+        fields.put("range", self.range);
+        Some(())
+    }
 }

@@ -1,7 +1,11 @@
 //! The settings of sensors that can be changed while the simulation runs.
 
-use super::Message;
-use crate::wire::{Kind, Text, layout::wire_structs};
+use super::{Message, each};
+use crate::wire::{
+    Kind, Text,
+    fields::{Describe, Fields},
+    layout::wire_structs,
+};
 
 wire_structs! {
     /// The value and limits of a setting; all three are NaN if the sensor does not have the setting.
@@ -54,5 +58,28 @@ impl SensorSettings {
     /// Returns the topics that the sensor publishes.
     pub fn topics(&self) -> impl Iterator<Item = &str> {
         self.topics.iter().map(Text::as_str).filter(|topic| !topic.is_empty())
+    }
+}
+
+impl Describe for SensorSettings {
+    /// Settings that the sensor does not have are left out.
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        let topics: Vec<&str> = self.topics().collect();
+        fields.put("name", self.name.as_str());
+        fields.put("topics", &topics[..]);
+        for (name, Setting { value, min, max }) in self.by_name() {
+            if !value.is_nan() {
+                fields.part(name, "belvedere/Setting", &mut |fields| {
+                    fields.put("value", value);
+                    fields.put("min", min);
+                    fields.put("max", max);
+                });
+            }
+        }
+        Some(())
+    }
+
+    fn describe_all(messages: &[Self], fields: &mut dyn Fields) -> Option<()> {
+        each("sensors", "belvedere/SensorSettings", messages, fields)
     }
 }

@@ -1,7 +1,11 @@
 //! Ground truth about the objects in an image.
 
-use super::Message;
-use crate::wire::{Kind, Text, layout::wire_structs};
+use super::{Message, each};
+use crate::wire::{
+    Kind, Text,
+    fields::{Describe, Fields},
+    layout::wire_structs,
+};
 
 wire_structs! {
     /// The visible and the complete extent of an object. The pose is in the optical frame of the sensor (x right, y
@@ -49,5 +53,38 @@ wire_structs! {
         pub position: [f64; 3] = 112,
         /// Orientation of the tag, x y z w.
         pub orientation: [f64; 4] = 136,
+    }
+}
+
+impl Describe for BoundingBox {
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.put("instance", self.instance);
+        fields.put("label", self.label);
+        fields.put("pixels", self.pixels);
+        fields.put("min", &self.min[..]);
+        fields.put("max", &self.max[..]);
+        fields.pose("pose", self.position, self.orientation);
+        fields.vector("size", self.size);
+        Some(())
+    }
+
+    fn describe_all(messages: &[Self], fields: &mut dyn Fields) -> Option<()> {
+        each("boxes", "belvedere/BoundingBox", messages, fields)
+    }
+}
+
+impl Describe for TagDetection {
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.put("family", self.family.as_str());
+        fields.put("id", self.id);
+        fields.put("size", self.size);
+        fields.put("corners", &self.corners[..]);
+        fields.put("visible", &self.visible[..]);
+        fields.pose("pose", self.position, self.orientation);
+        Some(())
+    }
+
+    fn describe_all(messages: &[Self], fields: &mut dyn Fields) -> Option<()> {
+        each("tags", "belvedere/TagDetection", messages, fields)
     }
 }

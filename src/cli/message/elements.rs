@@ -1,9 +1,9 @@
-//! Messages of sensors: images, scans, clouds, inertial and other measurements.
+//! Images, scans and clouds: what is printed of payloads that are not structs.
 
-use super::parts::{Entries, array, text, xyz, xyzw};
 use super::tree::Tree::{self, Flag, List, Map, Number, Text, Whole};
-use belvedere_bridge::payload::{Altimeter, CameraInfo, FluidPressure, Imu, MagneticField, NavSatFix, Range};
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
+
+type Entries = Vec<(&'static str, Tree)>;
 
 pub(super) fn image(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
     let header = frame.header();
@@ -134,74 +134,6 @@ fn livox(point: [u8; 26]) -> Tree {
         ("line", Whole(point[17].into())),
         ("timestamp", Number(at::<f64>(&point, 18))),
     ])
-}
-
-pub(super) fn camera_info(info: &CameraInfo) -> Entries {
-    vec![
-        ("height", Whole(info.height.into())),
-        ("width", Whole(info.width.into())),
-        ("distortion_model", text(info.distortion_model.as_str())),
-        ("D", array(&info.d[..(info.d_len as usize).min(info.d.len())])),
-        ("K", array(&info.k)),
-        ("R", array(&info.r)),
-        ("P", array(&info.p)),
-    ]
-}
-
-pub(super) fn imu(imu: &Imu) -> Entries {
-    vec![
-        ("orientation", xyzw(imu.orientation)),
-        ("orientation_covariance", array(&imu.orientation_covariance)),
-        ("angular_velocity", xyz(imu.angular_velocity)),
-        ("angular_velocity_covariance", array(&imu.angular_velocity_covariance)),
-        ("linear_acceleration", xyz(imu.linear_acceleration)),
-        ("linear_acceleration_covariance", array(&imu.linear_acceleration_covariance)),
-    ]
-}
-
-pub(super) fn nav_sat_fix(fix: &NavSatFix) -> Entries {
-    vec![
-        ("latitude", Number(fix.latitude)),
-        ("longitude", Number(fix.longitude)),
-        ("altitude", Number(fix.altitude)),
-        ("position_covariance", array(&fix.position_covariance)),
-        ("velocity", xyz(fix.velocity)),
-    ]
-}
-
-pub(super) fn magnetic_field(field: &MagneticField) -> Entries {
-    vec![
-        ("magnetic_field", xyz(field.magnetic_field)),
-        ("magnetic_field_covariance", array(&field.covariance)),
-    ]
-}
-
-pub(super) fn fluid_pressure(pressure: &FluidPressure) -> Entries {
-    vec![("fluid_pressure", Number(pressure.fluid_pressure)), ("variance", Number(pressure.variance))]
-}
-
-pub(super) fn altimeter(altimeter: &Altimeter) -> Entries {
-    vec![
-        ("vertical_position", Number(altimeter.vertical_position)),
-        ("vertical_velocity", Number(altimeter.vertical_velocity)),
-        ("vertical_reference", Number(altimeter.vertical_reference)),
-        ("variance", Number(altimeter.variance)),
-    ]
-}
-
-pub(super) fn range(range: &Range) -> Entries {
-    let radiation = match range.radiation_type {
-        Range::ULTRASOUND => "ultrasound",
-        Range::INFRARED => "infrared",
-        _ => "unknown",
-    };
-    vec![
-        ("radiation_type", text(radiation)),
-        ("field_of_view", Number(range.field_of_view.into())),
-        ("min_range", Number(range.min_range.into())),
-        ("max_range", Number(range.max_range.into())),
-        ("range", Number(range.range.into())),
-    ]
 }
 
 fn pixels(header: &FrameHeader) -> usize {

@@ -30,8 +30,6 @@ mod on_demand;
 mod ouster;
 mod outlet;
 mod owner;
-#[cfg(test)]
-mod pace;
 pub mod packets;
 pub mod pictures;
 mod range;
@@ -47,7 +45,6 @@ mod state;
 mod true_pose;
 mod truth;
 mod tuning;
-mod whole;
 
 pub use error::RigError;
 pub use outlet::{Outlet, Tally};

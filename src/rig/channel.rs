@@ -10,7 +10,7 @@ use super::rate::Rate;
 use super::settings::Settings;
 use super::sink::Sink;
 use crate::description::model::{Earth, Sensor as DescribedSensor};
-use crate::description::optical::OpticalFrame;
+use crate::description::sensor_frames::SensorFrame;
 use crate::entities::{Entities, Entity, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -43,8 +43,8 @@ pub(super) struct Opening<'a> {
     pub(super) owner: Owner,
     /// Topics of streams that are open.
     pub(super) names: &'a Names,
-    /// Optical frames of the model's cameras; none where Gazebo's habits are asked for.
-    pub(super) optical: &'a [OpticalFrame],
+    /// The frames of the model's sensors that are no links of it; none where Gazebo's habits are asked for.
+    pub(super) frames: &'a [SensorFrame],
 }
 
 impl Opening<'_> {
@@ -87,12 +87,12 @@ impl Opening<'_> {
         self.open(&StreamSpec { history: 0, ..spec })
     }
 
-    /// The frame that a sensor's messages name: the plugin's, or its link; for pictures an optical one beside it, unless
-    /// Gazebo's habits are asked for.
+    /// The frame that a sensor's messages name: the plugin's, or its link; unless Gazebo's habits are asked for, an optical one
+    /// beside it for pictures, and the sensor's own if it has a pose in its link.
     pub(super) fn frame_id(&self, sensor: &DescribedSensor, frame_name: &str) -> String {
         let is_of_it =
-            |frame: &&OpticalFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
-        if let Some(frame) = self.optical.iter().find(is_of_it) {
+            |frame: &&SensorFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
+        if let Some(frame) = self.frames.iter().find(is_of_it) {
             return frame.name.clone();
         }
         let link = &self.entity.model.links[sensor.link].name;

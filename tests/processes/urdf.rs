@@ -45,7 +45,7 @@ fn content(robot: &Model) -> String {
 }
 
 /// The robot of a printed text, which stands in a folder where nothing else is. Without the frames that pictures are in,
-/// which are `optical_frames.rs`'s.
+/// which are `sensor_frames.rs`'s.
 fn read_again(printed: &str) -> Model {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("printed.urdf");

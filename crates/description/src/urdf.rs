@@ -23,7 +23,7 @@ mod plain;
 mod tests;
 mod tree;
 
-pub(super) use plain::{add_optical_frames, make_plain};
+pub(super) use plain::{add_sensor_frames, make_plain};
 
 use super::diagnostics::{Diagnostics, Source};
 use super::elements;

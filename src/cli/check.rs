@@ -1,6 +1,7 @@
 //! `belvedere check`: what a robot or world file is understood to be, and everything that is wrong with it.
 
 mod counted;
+mod folder;
 mod robot;
 mod streams;
 mod world;
@@ -32,12 +33,18 @@ use streams::Streams;
   belvedere check my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
   belvedere check my.world
   belvedere check my.world --robot none            (a world that has its own robot)
-  belvedere check my_robot.urdf.xacro --world my.world")]
+  belvedere check my_robot.urdf.xacro --world my.world
+  belvedere check --all ~/catkin_ws/src                (a line for each robot, model and world)")]
 pub struct CheckArgs {
     /// A .urdf, .xacro, .world or .sdf file, or the name of a robot or world of ours: a world is taken as by --world, a
     /// robot as by --robot
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<PathBuf>,
+    /// Check every robot, model and world in this folder and those below it: a line for each .urdf, .xacro, .sdf and
+    /// .world file, and their counts. Each is checked alone, robots in an empty world and worlds without a robot, unless
+    /// --world or --robot are given. The folder is among those with packages. The exit code is 1 if a file has errors
+    #[arg(long, value_name = "FOLDER")]
+    pub all: Option<PathBuf>,
     #[command(flatten)]
     simulated: SimulatedArgs,
 }
@@ -47,14 +54,13 @@ pub struct CheckArgs {
 /// # Errors
 /// [`CliError::Description`] with every error in the files; failures of standard output.
 pub fn run(args: &CheckArgs) -> Result<(), CliError> {
+    if let Some(folder) = &args.all {
+        return folder::check_all(folder, args);
+    }
     let mut diagnostics = Diagnostics::default();
-    let packages = args.simulated.packages();
-    let simulated = args.simulated(&packages, &mut diagnostics);
-    let report = simulated.map(|simulated| report(&simulated, &packages, &mut diagnostics));
-    for line in report.into_iter().flatten() {
+    for line in diagnose(args, &args.simulated.packages(), &mut diagnostics) {
         print_line(&line)?;
     }
-    args.simulated.judge(&mut diagnostics);
     // Errors are printed by main(), as the command fails with them.
     for problem in diagnostics.problems().iter().filter(|problem| problem.severity != Severity::Error) {
         print_line(&problem.to_string())?;
@@ -63,6 +69,14 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
         return Err(CliError::Description(diagnostics.errors().cloned().collect()));
     }
     print_line(&counts(&diagnostics))
+}
+
+/// Returns the report, and adds every problem to `diagnostics`.
+fn diagnose(args: &CheckArgs, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Vec<String> {
+    let simulated = args.simulated(packages, diagnostics);
+    let report = simulated.map(|simulated| report(&simulated, packages, diagnostics));
+    args.simulated.judge(diagnostics);
+    report.unwrap_or_default()
 }
 
 /// How many warnings and notes there are, in words.

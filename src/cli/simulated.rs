@@ -64,6 +64,20 @@ impl SimulatedArgs {
         Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis, sensor_models }
     }
 
+    /// Adds a folder of packages after those that are given.
+    pub(super) fn add_package_folder(&mut self, folder: PathBuf) {
+        self.package_path.push(folder);
+    }
+
+    /// Leaves out what is not asked for: our own world, or the robot that would be added to a world.
+    pub(super) fn be_alone(&mut self, is_world: bool) {
+        if is_world && self.robots.are_ours() {
+            self.robots.be_none();
+        } else if !is_world {
+            self.world.get_or_insert_with(|| "empty".into());
+        }
+    }
+
     /// Returns where packages are looked for.
     pub(super) fn packages(&self) -> PackagePath {
         let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");

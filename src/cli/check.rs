@@ -111,6 +111,14 @@ impl CheckArgs {
         } else {
             ("--robot", !simulated.robots.are_ours())
         };
+        if is_given && option == "--robot" && simulated.robots.is_none() {
+            diagnostics.error(
+                &Source::new("the command line", 0),
+                format!("'{}' is a robot, and --robot none asks for none", file.display()),
+                "leave --robot none out: it is for worlds that have their own robot",
+            );
+            return None;
+        }
         if is_given {
             diagnostics.error(
                 &Source::new("the command line", 0),
@@ -137,6 +145,8 @@ fn is_unknown_name(file_or_name: &Path, packages: &PackagePath) -> bool {
 fn report(args: &SimulatedArgs, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Vec<String> {
     let (world, robots) = args.load(packages, diagnostics);
     let (streams, numbers) = rehearse(args, world.as_ref(), &robots, diagnostics);
+    // Who asks for a robot alone does not want to read about our world.
+    let world = world.filter(|_| args.world.is_some() || args.robots.are_ours());
     let mut lines =
         world.map(|world| world::report(&world, &streams, args.gazebo_compat)).unwrap_or_default();
     for (index, (model, options)) in robots.iter().enumerate() {

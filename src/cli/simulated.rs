@@ -33,10 +33,11 @@ pub(super) struct SimulatedArgs {
     /// range, ranges that begin at the minimum, sensors on missing links left out
     #[arg(long)]
     pub(super) gazebo_compat: bool,
-    /// Leave out models, meshes and textures that the world names and nobody has, with a warning for each, as Gazebo does
+    /// Leave out models and meshes that the world names and nobody has, with a warning for each, as Gazebo does
     #[arg(long)]
     skip_missing: bool,
-    /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
+    /// Turn meshes so that z is up: Collada as its <up_axis> says, glTF from its y. Gazebo and rviz take the numbers as they
+    /// stand, and so does belvedere without this
     #[arg(long)]
     apply_up_axis: bool,
     /// What sensors are whose files ask for no preset: as their elements say, or the devices that they stand for, with

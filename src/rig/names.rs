@@ -41,8 +41,9 @@ impl Names {
     /// Gives a stream its topic: the one that it asks for, unless another stream has that.
     ///
     /// Gazebo publishes both then, which one stream of shared memory cannot. So the second `CameraInfo` of a topic goes
-    /// beside its picture, with a warning: gz-sim derives one topic for all cameras of a folder. Any other second stream is
-    /// an error, and with `gazebo_compat` is published under a numbered topic, with a warning.
+    /// beside its picture, with a warning: gz-sim derives one topic for all cameras of a folder. Two names of models that differ
+    /// only in what a topic cannot hold, such as `a b` and `a:b`, make one topic for a sensor without a `<topic>`: the second
+    /// is numbered, with a warning. Any other second stream is an error, and with `gazebo_compat` is numbered as well.
     pub(super) fn settle(
         &self,
         spec: StreamSpec,
@@ -58,6 +59,8 @@ impl Names {
         };
         let is_info = kind == Kind::CameraInfo && spec.kind == Kind::CameraInfo;
         let beside = picture.filter(|_| is_info).map(|picture| format!("{picture}/camera_info"));
+        // As `name_sensor_topics` makes them.
+        let is_made = topic.contains("/world/") && topic.contains("/sensor/");
         let mut next = self.next.borrow_mut();
         let next = next.entry(topic.clone()).or_insert(2);
         let numbered = std::iter::from_fn(|| {
@@ -65,7 +68,7 @@ impl Names {
             *next += 1;
             Some(format!("{topic}_{number}"))
         });
-        for free in beside.into_iter().chain(numbered.take_while(|_| gazebo_compat)) {
+        for free in beside.into_iter().chain(numbered.take_while(|_| gazebo_compat || is_made)) {
             let spec = StreamSpec { topic: free, ..spec.clone() };
             let free = with_slash(&spec)?;
             if taken.contains_key(&free) {
@@ -96,6 +99,20 @@ fn with_slash(spec: &StreamSpec) -> Result<String, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn topics_that_names_make_are_numbered() {
+        let names = Names::of([]);
+        let settle = |topic: &str| {
+            let asked = StreamSpec::structs(topic, Kind::Clock, 1);
+            names.settle(asked, None, &Owner::simulation(), false).map(|spec| spec.topic)
+        };
+        let made = "/world/w/model/a_b/link/l/sensor/s/imu";
+        assert_eq!([settle(made), settle(made)].map(Result::unwrap), [made.to_owned(), format!("{made}_2")]);
+        assert_eq!(settle("/imu").unwrap(), "/imu");
+        assert!(settle("/imu").is_err());
+        assert_eq!(names.into_notes().len(), 1);
+    }
 
     /// The topics of so many streams that ask for the same one, and how many numbers were tried for them.
     fn settled(count: usize) -> (Vec<String>, u32) {

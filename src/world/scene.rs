@@ -106,6 +106,11 @@ impl WorldScene {
         added
     }
 
+    /// Returns what could not be drawn as the files say since the last call.
+    pub fn take_notes(&mut self) -> Vec<Problem> {
+        std::mem::take(&mut self.assembly.notes)
+    }
+
     /// Lets rays pass through shapes of a model, or no more.
     pub fn hide(&mut self, model: ModelIndex, shapes: &[ShapeIndex], hidden: bool) {
         for (link, part) in shapes {

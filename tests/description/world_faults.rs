@@ -233,7 +233,7 @@ fn bad_materials_and_textures() {
     };
     let problems = load("<script><uri>model://t/scripts</uri><name>A</name></script>");
     let text = problems[0].to_string();
-    assert!(text.contains("a.material:2: error: there is no texture 'gone.png': looked for"), "{text}");
+    assert!(text.contains("a.material:2: warning: there is no texture 'gone.png': looked for"), "{text}");
     let problems = load("<script><uri>model://t/scripts</uri><name>AA</name></script>");
     assert!(problems[0].to_string().contains("did you mean 'A'?"), "{problems:#?}");
     // As in a URDF, a name of Gazebo's own that is not known costs the colour only.
@@ -244,8 +244,19 @@ fn bad_materials_and_textures() {
     assert!(text.contains("did you mean 'Gazebo/Gr"), "{text}");
     assert_one_error(&load("<script><name>Gray5</name></script>"), 4, &["no material 'Gray5'"]);
     let albedo = |file: &str| load(&format!("<pbr><metal><albedo_map>{file}</albedo_map></metal></pbr>"));
-    assert_one_error(&albedo("nowhere.png"), 4, &["no texture 'nowhere.png': looked for"]);
-    assert_one_error(&albedo("t/b.gif"), 4, &["b.gif", "convert it"]);
+    // Gazebo goes on without a picture; the surface is still where it is.
+    for (file, words) in [
+        ("nowhere.png", "no texture 'nowhere.png': looked for"),
+        ("t/b.gif", "b.gif is of a kind that is not read"),
+        ("t", "the texture 't' is a folder"),
+        ("https://example.org/a.png", "cannot be fetched"),
+    ] {
+        let problems = albedo(file);
+        let [problem] = &problems[..] else { panic!("{problems:#?}") };
+        let text = problem.to_string();
+        assert!(text.contains(":4: warning: ") && text.contains(words), "{text}");
+        assert!(text.contains("; the surface is drawn in its colour alone"), "{text}");
+    }
     folder.write("t/scripts/a.material", "material A {\n technique {");
     let text = load("<script><uri>model://t/scripts</uri><name>A</name></script>")[0].to_string();
     assert!(text.contains("a.material:2"), "{text}");

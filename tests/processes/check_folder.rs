@@ -129,3 +129,59 @@ fn a_folder_without_anything_to_check_is_an_error() {
         assert!(warned.contains(words), "{arguments:?}: {warned}");
     }
 }
+
+#[test]
+fn a_robot_is_told_of_without_our_own_world_and_not_beside_no_robot() {
+    let (said, _, code) = checked(&["kobuki_nostack_camera"]);
+    assert_eq!(code, Some(0));
+    assert!(said.starts_with("robot "), "{said}");
+    let (said, _, _) = checked(&["kobuki_nostack_camera", "--world", "empty"]);
+    assert!(said.starts_with("world "), "{said}");
+    let (_, warned, code) = checked(&["kobuki_nostack_camera", "--robot", "none"]);
+    assert_eq!(code, Some(1));
+    let words = "'kobuki_nostack_camera' is a robot, and --robot none asks for none; leave --robot none out";
+    assert!(warned.contains(words), "{warned}");
+}
+
+#[test]
+fn a_picture_that_cannot_be_decoded_is_a_warning() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "a.png", "no picture");
+    let visual = "<visual><geometry><box size='1 1 1'/></geometry><material name='m'><texture filename='NAME'/></material></visual>";
+    for (name, words) in [
+        ("a.png", "a.png cannot be used, so the surface is drawn without it"),
+        ("gone.png", "there is no texture 'gone.png': looked for "),
+    ] {
+        let text =
+            format!("<robot name='r'>\n<link name='l'>{}</link></robot>", visual.replace("NAME", name));
+        write(&folder, "r.urdf", &text);
+        let file = folder.path().join("r.urdf");
+        let file = file.to_str().unwrap();
+        let (said, warned, code) = checked(&[file]);
+        assert_eq!(code, Some(0), "{warned}");
+        let warning = said.lines().find(|line| line.contains(words)).unwrap_or_else(|| panic!("{said}"));
+        assert!(warning.starts_with(&format!("{file}:2: warning: ")), "{warning}");
+        assert!(said.ends_with("no errors, 1 warning\n"), "{said}");
+        assert_eq!(checked(&[file, "--strict"]).2, Some(1));
+    }
+}
+
+#[test]
+fn names_that_differ_in_what_no_topic_can_hold_do_not_refuse_a_world() {
+    let folder = TempDir::new().unwrap();
+    let model = |name: &str| {
+        format!(
+            "<model name='{name}'><static>1</static><link name='l'><sensor name='s' type='imu'><update_rate>5</update_rate>
+             </sensor></link></model>"
+        )
+    };
+    let (one, two) = (model("a b"), model("a:b"));
+    write(&folder, "w.world", &format!("<sdf version='1.6'><world name='w'>{one}{two}</world></sdf>"));
+    let file = folder.path().join("w.world");
+    let (said, warned, code) = checked(&[file.to_str().unwrap(), "--robot", "none"]);
+    assert_eq!(code, Some(0), "{said}\n{warned}");
+    for topic in ["/world/w/model/a_b/link/l/sensor/s/imu: ", "/world/w/model/a_b/link/l/sensor/s/imu_2: "] {
+        assert!(said.contains(topic), "{topic}\n{said}");
+    }
+    assert!(said.contains("it is published as /world/w/model/a_b/link/l/sensor/s/imu_2"), "{said}");
+}

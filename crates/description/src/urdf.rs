@@ -37,6 +37,9 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+/// What problems call the picture of a surface.
+const TEXTURE: &str = "texture";
+
 /// Meshes already read, by file and scale: wheels share theirs.
 type MeshCache = HashMap<(PathBuf, [u64; 3]), Option<Vec<Arc<Mesh>>>>;
 

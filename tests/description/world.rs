@@ -243,7 +243,7 @@ fn relative_to_from_1_7_on() {
         <link name='q'><pose relative_to='b'/></link></model>";
     let (_, problems) = Folder::new().load("1.7", circle, false);
     let [only] = &problems[..] else { panic!("{problems:#?}") };
-    assert!(only.to_string().contains(":3: error: the frame 'c' is relative to itself"), "{only}");
+    assert!(only.to_string().contains(":4: error: the frame 'c' is relative to itself"), "{only}");
 }
 
 fn visual_with_frame() -> String {

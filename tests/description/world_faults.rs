@@ -203,6 +203,19 @@ fn bad_includes() {
     );
     assert_bad("1.6", "<include/>", 1, &["no <uri>"]);
     assert_bad("1.6", "<include><uri>https://fuel.gazebosim.org/x</uri></include>", 1, &["https://"]);
+    // Models of Gazebo classic stand for their copies on Fuel, but nobody else's.
+    let fuel = |owner: &str, name: &str| {
+        let uri = format!("https://fuel.gazebosim.org/1.0/{owner}/models/{name}");
+        let include = format!("<include><uri>{uri}</uri></include>");
+        let (world, problems) = Folder::new().load("1.9", &include, false);
+        (world.map_or(0, |world| world.models.len()), problems)
+    };
+    let (models, problems) = fuel("OpenRobotics", "Ground Plane");
+    assert_eq!((models, problems.len()), (1, 0), "{problems:#?}");
+    for (owner, name) in [("Somebody", "Ground Plane"), ("OpenRobotics", "Ground Plain")] {
+        let (_, problems) = fuel(owner, name);
+        assert!(problems[0].to_string().contains("cannot be fetched"), "{problems:#?}");
+    }
     // Gazebo goes on without the model.
     let (world, problems) = Folder::new().load("1.6", "<include><uri>model://none</uri></include>", true);
     assert!(world.is_some() && problems[0].severity == Severity::Warning);

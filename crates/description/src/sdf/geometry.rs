@@ -174,7 +174,7 @@ impl Loader<'_> {
             Resolved::UnknownScheme(scheme) => (
                 format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is not read"),
                 match what {
-                    "mesh" => format!("download it and name the file ({what}s: {MESH_FORMATS})"),
+                    "mesh" => format!("download it and name the file (meshes: {MESH_FORMATS})"),
                     _ => "download it and name the file".to_owned(),
                 },
             ),

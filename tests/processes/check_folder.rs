@@ -52,17 +52,23 @@ fn repository() -> TempDir {
             "<link name='$(arg tip)'/><joint name='j' type='fixed'><parent link='base'/><child link='$(arg tip)'/></joint>",
         ),
     );
+    write(
+        &folder,
+        "arm_bringup/colours.urdf",
+        &format!("<robot {XACRO}><material name='m'><color rgba='1 0 0 1'/></material></robot>"),
+    );
     write(&folder, "arm_bringup/typo.urdf", "<robot name='r'><link name='l'><visul/></link></robot>");
     write(&folder, "arm_bringup/broken.urdf", "<robot name='r'>\n<link name='l'></robot>");
     write(&folder, "arm_bringup/.hidden/broken.urdf", "<robot>");
     let model = "<sdf version='1.6'><model name='crate'><static>1</static><link name='l'/></model></sdf>";
     write(&folder, "models/crate/model.sdf", model);
     write(&folder, "models/crate/model.config", "<model><name>crate</name><sdf>model.sdf</sdf></model>");
+    write(&folder, "models/meshes/model.config", "<model><name>meshes</name></model>");
     write(&folder, "models/lost/model.config", "<model><name>lost</name><sdf>lost.sdf</sdf></model>");
     // The world's own robot publishes what the TurtleBot would: no TurtleBot is added.
     let world = |inside: &str| format!("<sdf version='1.6'><world name='w'>{inside}</world></sdf>");
     let own = "<include><uri>model://crate</uri></include><model name='own'><static>1</static><link name='l'>
-               <sensor name='s' type='ray'><topic>/scan</topic><update_rate>5</update_rate><ray/></sensor></link></model>";
+               <sensor name='s' type='ray'><topic>/scan</topic><update_rate>5</update_rate><ray><range><min>0.1</min><max>5</max></range></ray></sensor></link></model>";
     write(&folder, "worlds/own.world", &world(own));
     write(&folder, "worlds/gone.sdf", &world("<include><uri>model://gone</uri></include>"));
     folder
@@ -79,13 +85,14 @@ fn each_file_of_a_folder_has_a_line_and_none_stops_the_others() {
         line.unwrap_or_else(|| panic!("no {file} in\n{said}"))[file.len()..].trim().to_owned()
     };
     for (file, kind, result) in [
-        ("arm_bringup/arm.urdf.xacro", "robot", "ok"),
+        ("arm_bringup/arm.urdf.xacro", "robot", "1 note"),
+        ("arm_bringup/colours.urdf", "robot", "macros only"),
         ("arm_bringup/broken.urdf", "robot", "error: arm_bringup/broken.urdf:2: error: "),
         ("arm_bringup/size.urdf.xacro", "robot", "error: arm_bringup/size.urdf.xacro:2: error: "),
-        ("arm_bringup/typo.urdf", "robot", "1 warning"),
+        ("arm_bringup/typo.urdf", "robot", "1 warning and 1 note"),
         ("arm_description/urdf/link.xacro", "robot", "macros only"),
         ("arm_description/urdf/needs.xacro", "robot", "macros only"),
-        ("models/crate/model.sdf", "model", "ok"),
+        ("models/crate/model.sdf", "model", "1 note"),
         (
             "models/lost/model.config",
             "model",
@@ -101,17 +108,20 @@ fn each_file_of_a_folder_has_a_line_and_none_stops_the_others() {
         assert!(fits, "{file}: {found}\n{said}");
     }
     let last = said.lines().last().unwrap();
-    assert_eq!(last, "10 files: 3 ok, 1 with warnings, 2 macros only, 4 failed", "{said}");
-    assert!(warned.contains("4 of 10 files cannot be run"), "{warned}");
+    assert_eq!(last, "11 files: 1 ok, 2 with notes, 1 with warnings, 3 macros only, 4 failed", "{said}");
+    assert!(warned.contains("4 of 11 files cannot be run"), "{warned}");
 
     // Arguments of xacro go to all robots, and warnings count if that is asked for.
     let (said, _, _) = checked(&["--all", at, "tip:=hand"]);
-    assert!(said.ends_with("10 files: 4 ok, 1 with warnings, 2 macros only, 3 failed\n"), "{said}");
+    assert!(
+        said.ends_with("11 files: 1 ok, 3 with notes, 1 with warnings, 3 macros only, 3 failed\n"),
+        "{said}"
+    );
     let (said, _, _) = checked(&["--all", at, "--strict"]);
-    assert!(said.ends_with("10 files: 3 ok, 2 macros only, 5 failed\n"), "{said}");
+    assert!(said.ends_with("11 files: 1 ok, 2 with notes, 3 macros only, 5 failed\n"), "{said}");
     let good = folder.path().join("models/crate");
     let (said, _, code) = checked(&["--all", good.to_str().unwrap()]);
-    assert_eq!((said.lines().last(), code), (Some("1 file: 1 ok"), Some(0)), "{said}");
+    assert_eq!((said.lines().last(), code), (Some("1 file: 1 with notes"), Some(0)), "{said}");
 }
 
 #[test]
@@ -161,7 +171,7 @@ fn a_picture_that_cannot_be_decoded_is_a_warning() {
         assert_eq!(code, Some(0), "{warned}");
         let warning = said.lines().find(|line| line.contains(words)).unwrap_or_else(|| panic!("{said}"));
         assert!(warning.starts_with(&format!("{file}:2: warning: ")), "{warning}");
-        assert!(said.ends_with("no errors, 1 warning\n"), "{said}");
+        assert!(said.ends_with("no errors, 1 warning and 1 note\n"), "{said}");
         assert_eq!(checked(&[file, "--strict"]).2, Some(1));
     }
 }

@@ -206,18 +206,12 @@ fn config_error(path: &Path) -> Option<String> {
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     let named: Vec<String> = root.elements_named("sdf").map(Element::text).collect();
-    if named.iter().any(|name| folder.join(name.trim()).is_file()) {
+    // A folder of meshes for other models names no file.
+    if named.is_empty() || named.iter().any(|name| folder.join(name.trim()).is_file()) {
         return None;
     }
-    let what = if named.is_empty() {
-        "<model> has no <sdf>".to_owned()
-    } else {
-        format!("<sdf> names {}, which is not beside it", named.join(", "))
-    };
-    let place = root.source;
-    Some(format!(
-        "{place}: error: {what}; name the file that describes the model, as in <sdf>model.sdf</sdf>"
-    ))
+    let (place, named) = (root.source, named.join(", "));
+    Some(format!("{place}: error: <sdf> names {named}, which is not beside it; correct the name of the file"))
 }
 
 /// Checks files on all cores, and hands on what became of each in their order.
@@ -331,7 +325,7 @@ fn first_line(problem: &Problem) -> String {
 fn has_only_macros(file: &Path, options: &LoadOptions) -> bool {
     let Ok(written) = Element::parse_file(file) else { return false };
     let is_xacro = file.extension().is_some_and(|extension| extension == "xacro")
-        || written.attributes.iter().any(|(name, _)| name.starts_with("xmlns:xacro"));
+        || std::fs::read_to_string(file).is_ok_and(|text| text.contains("xmlns:xacro"));
     if !is_xacro || written.name == "sdf" {
         return false;
     }

@@ -1,6 +1,7 @@
 //! `belvedere check`: how a robot or world file is interpreted, and every problem in it.
 
 mod counted;
+mod folder;
 mod robot;
 mod streams;
 mod world;
@@ -32,12 +33,18 @@ use streams::Streams;
   belvedere check my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
   belvedere check my.world
   belvedere check my.world --robot none            (a world that has its own robot)
-  belvedere check my_robot.urdf.xacro --world my.world")]
+  belvedere check my_robot.urdf.xacro --world my.world
+  belvedere check --all ~/catkin_ws/src                (a line for each robot, model and world)")]
 pub struct CheckArgs {
     /// A .urdf, .xacro, .world or .sdf file, or the name of a shipped robot or world: a world is used like --world, a
     /// robot like --robot
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<PathBuf>,
+    /// Check every robot, model and world in this folder and those below it: a line for each .urdf, .xacro, .sdf and
+    /// .world file, and their counts. Each is checked alone, robots in an empty world and worlds without a robot, unless
+    /// --world or --robot are given. The folder is among those with packages. The exit code is 1 if a file has errors
+    #[arg(long, value_name = "FOLDER")]
+    pub all: Option<PathBuf>,
     #[command(flatten)]
     simulated: SimulatedArgs,
 }
@@ -47,14 +54,13 @@ pub struct CheckArgs {
 /// # Errors
 /// [`CliError::Description`] with every error in the files; failures of standard output.
 pub fn run(args: &CheckArgs) -> Result<(), CliError> {
+    if let Some(folder) = &args.all {
+        return folder::check_all(folder, args);
+    }
     let mut diagnostics = Diagnostics::default();
-    let packages = args.simulated.packages();
-    let simulated = args.simulated(&packages, &mut diagnostics);
-    let report = simulated.map(|simulated| report(&simulated, &packages, &mut diagnostics));
-    for line in report.into_iter().flatten() {
+    for line in diagnose(args, &args.simulated.packages(), &mut diagnostics) {
         print_line(&line)?;
     }
-    args.simulated.judge(&mut diagnostics);
     // main() prints the errors that the command returns.
     for problem in diagnostics.problems().iter().filter(|problem| problem.severity != Severity::Error) {
         print_line(&problem.to_string())?;
@@ -63,6 +69,14 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
         return Err(CliError::Description(diagnostics.errors().cloned().collect()));
     }
     print_line(&counts(&diagnostics))
+}
+
+/// Returns the report, and adds every problem to `diagnostics`.
+fn diagnose(args: &CheckArgs, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Vec<String> {
+    let simulated = args.simulated(packages, diagnostics);
+    let report = simulated.map(|simulated| report(&simulated, packages, diagnostics));
+    args.simulated.judge(diagnostics);
+    report.unwrap_or_default()
 }
 
 /// Returns the number of warnings and notes in words.
@@ -97,6 +111,14 @@ impl CheckArgs {
         } else {
             ("--robot", !simulated.robots.are_ours())
         };
+        if is_given && option == "--robot" && simulated.robots.is_none() {
+            diagnostics.error(
+                &Source::new("the command line", 0),
+                format!("'{}' is a robot, and --robot none asks for none", file.display()),
+                "leave --robot none out: it is for worlds that have their own robot",
+            );
+            return None;
+        }
         if is_given {
             diagnostics.error(
                 &Source::new("the command line", 0),
@@ -123,6 +145,8 @@ fn is_unknown_name(file_or_name: &Path, packages: &PackagePath) -> bool {
 fn report(args: &SimulatedArgs, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Vec<String> {
     let (world, robots) = args.load(packages, diagnostics);
     let (streams, numbers) = rehearse(args, world.as_ref(), &robots, diagnostics);
+    // Who asks for a robot alone does not want to read about our world.
+    let world = world.filter(|_| args.world.is_some() || args.robots.are_ours());
     let mut lines =
         world.map(|world| world::report(&world, &streams, args.gazebo_compat)).unwrap_or_default();
     for (index, (model, options)) in robots.iter().enumerate() {

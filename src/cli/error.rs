@@ -84,6 +84,16 @@ pub enum CliError {
         /// Time waited.
         waited: Duration,
     },
+    /// Some of the files of a folder cannot be run.
+    #[error(
+        "{failed} of {files} files cannot be run; `belvedere check FILE` lists everything that is wrong with one"
+    )]
+    FilesFail {
+        /// How many.
+        failed: usize,
+        /// Of how many.
+        files: usize,
+    },
     /// A file that cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Input {

@@ -69,6 +69,16 @@ impl RobotArgs {
         self.robot.push(robot);
     }
 
+    /// Takes no robot, as `--robot none` does.
+    pub(super) fn be_none(&mut self) {
+        self.robot = vec![NONE.into()];
+    }
+
+    /// Returns true if no robot is to run.
+    pub(super) fn is_none(&self) -> bool {
+        self.robot.iter().any(|robot| robot == Path::new(NONE))
+    }
+
     /// Returns true if the default robot runs, because none was given.
     pub(super) fn are_ours(&self) -> bool {
         self.robot.is_empty()
@@ -88,7 +98,7 @@ impl RobotArgs {
             [robot] if *robot == Path::new(NONE) => Vec::new(),
             robots => robots.to_vec(),
         };
-        if files.iter().any(|file| *file == Path::new(NONE)) {
+        if self.is_none() && !files.is_empty() {
             diagnostics.error(
                 &Source::new("the command line", 0),
                 format!("--robot {NONE} is combined with other robots"),

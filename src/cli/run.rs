@@ -176,7 +176,10 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let files = ModelFiles { packages, rules: args.simulated.rules() };
     let options = ServerOptions { truth: args.simulated.truth, hashed: args.hash, files };
     for note in simulation.notes() {
-        tracing::info!("{note}");
+        match note.severity {
+            Severity::Note => tracing::info!("{note}"),
+            Severity::Warning | Severity::Error => tracing::warn!("{note}"),
+        }
     }
     tracing::info!("{}", headline(&simulation, args));
     let mut server = Server::attach_to(&mut simulation, sink, options)?;

@@ -33,10 +33,11 @@ pub(super) struct SimulatedArgs {
     /// of range, ranges that begin at the minimum, sensors on missing links are ignored
     #[arg(long)]
     pub(super) gazebo_compat: bool,
-    /// Skip models, meshes and textures of the world that are not found, with a warning for each, as Gazebo does
+    /// Skip models and meshes of the world that are not found, with a warning for each, as Gazebo does
     #[arg(long)]
     skip_missing: bool,
-    /// Rotate Collada meshes according to their <up_axis>. Gazebo and rviz ignore it, and so does belvedere by default
+    /// Rotate meshes so that z is up: Collada meshes according to their <up_axis>, glTF from its y. Gazebo and rviz use
+    /// the numbers of the file unchanged, and so does belvedere by default
     #[arg(long)]
     apply_up_axis: bool,
     /// How to model sensors whose files choose no preset: exactly as their elements specify, or as the devices that
@@ -62,6 +63,20 @@ impl SimulatedArgs {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
         let sensor_models = self.sensor_models.into();
         Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis, sensor_models }
+    }
+
+    /// Adds a folder of packages after those that are given.
+    pub(super) fn add_package_folder(&mut self, folder: PathBuf) {
+        self.package_path.push(folder);
+    }
+
+    /// Removes the defaults: the robot that would be added to a world, or the world that a robot would run in.
+    pub(super) fn be_alone(&mut self, is_world: bool) {
+        if is_world && self.robots.are_ours() {
+            self.robots.be_none();
+        } else if !is_world {
+            self.world.get_or_insert_with(|| "empty".into());
+        }
     }
 
     /// Returns the folders that are searched for packages.

@@ -39,6 +39,9 @@ impl<'a> Studio<'a> {
         let world_from_model = Pose::from_translation(WAITING);
         let options = SpawnOptions { world_from_model, is_robot: Some(true), ..SpawnOptions::default() };
         let robot = simulation.spawn(&plan.robot, options).map_err(refused)?;
+        for note in simulation.notes().iter().filter(|note| note.severity >= Severity::Warning) {
+            tracing::warn!("{note}");
+        }
         let names = Names::of(&mut simulation, plan);
         let wardrobe = Wardrobe::of(plan, world, &mut simulation, robot);
         let mut studio = Self { plan, world, simulation, robot, names, wardrobe, frames: Vec::new() };

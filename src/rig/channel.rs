@@ -10,7 +10,7 @@ use super::rate::Rate;
 use super::settings::Settings;
 use super::sink::Sink;
 use crate::description::model::{Earth, Sensor as DescribedSensor};
-use crate::description::optical::OpticalFrame;
+use crate::description::sensor_frames::SensorFrame;
 use crate::entities::{Entities, Entity, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
@@ -43,8 +43,8 @@ pub(super) struct Opening<'a> {
     pub(super) owner: Owner,
     /// Topics of open streams.
     pub(super) names: &'a Names,
-    /// Optical frames of the model's cameras; empty with `gazebo_compat`.
-    pub(super) optical: &'a [OpticalFrame],
+    /// Frames of the model's sensors that are not links of the model; empty with `gazebo_compat`.
+    pub(super) frames: &'a [SensorFrame],
 }
 
 impl Opening<'_> {
@@ -87,12 +87,12 @@ impl Opening<'_> {
         self.open(&StreamSpec { history: 0, ..spec })
     }
 
-    /// Returns the frame of a sensor's messages: the plugin's, or its link. For images it is an optical frame next to
-    /// that, unless `gazebo_compat` is set.
+    /// Returns the frame of a sensor's messages: the plugin's, or its link. Unless `gazebo_compat` is set, images have an
+    /// optical frame next to that, and a sensor with a pose in its link has a frame of its own.
     pub(super) fn frame_id(&self, sensor: &DescribedSensor, frame_name: &str) -> String {
         let is_of_it =
-            |frame: &&OpticalFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
-        if let Some(frame) = self.optical.iter().find(is_of_it) {
+            |frame: &&SensorFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
+        if let Some(frame) = self.frames.iter().find(is_of_it) {
             return frame.name.clone();
         }
         let link = &self.entity.model.links[sensor.link].name;

@@ -31,8 +31,6 @@ mod on_demand;
 mod ouster;
 mod outlet;
 mod owner;
-#[cfg(test)]
-mod pace;
 pub mod packets;
 pub mod pictures;
 mod range;
@@ -48,7 +46,6 @@ mod state;
 mod true_pose;
 mod truth;
 mod tuning;
-mod whole;
 
 pub use error::RigError;
 pub use outlet::{Outlet, Tally};
@@ -60,7 +57,7 @@ pub use sink::{FrameBuf, Sink};
 
 use crate::description::housing::{ShapeIndex, housings};
 use crate::description::model::{Drive, Earth, ModelPlugin, Sensor};
-use crate::description::optical::optical_frames;
+use crate::description::sensor_frames::sensor_frames;
 use crate::description::{Problem, Severity};
 use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
@@ -258,7 +255,8 @@ impl Rig {
         let options = self.options;
         let Mounting { names, numbers, census } = mounting;
         let (names, census) = (&*names, *census);
-        let optical = if options.gazebo_compat { Vec::new() } else { optical_frames(&entity.model) };
+        let frames =
+            if options.gazebo_compat { Vec::new() } else { sensor_frames(&entity.model, &entity.namespace) };
         let opening = |rate, sensor, owner| Opening {
             sink,
             physics,
@@ -274,7 +272,7 @@ impl Rig {
             hashed: options.hashed,
             owner,
             names,
-            optical: &optical,
+            frames: &frames,
         };
         let mut add = |rate, channel: Box<dyn Channel>, number, tuning, housing| {
             let schedule = Schedule::starting(rate, physics.time_ns());

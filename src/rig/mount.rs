@@ -3,7 +3,7 @@
 use super::{Opening, RigContext};
 use crate::description::diagnostics::Severity;
 use crate::description::model::{LinkIndex, Model, Sensor};
-use crate::description::optical::optical_from_sensor;
+use crate::description::sensor_frames::optical_from_sensor;
 use crate::description::text::vector;
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_bridge::FrameHeader;

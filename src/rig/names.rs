@@ -42,8 +42,9 @@ impl Names {
     ///
     /// Gazebo then publishes both, which is not possible in one stream of shared memory. So the second `CameraInfo` on
     /// a topic gets a topic next to its image, with a warning, because gz-sim derives one topic for all cameras of a
-    /// folder. Any other second stream is an error, or with `gazebo_compat` is published on a numbered topic, with a
-    /// warning.
+    /// folder. Two names of models that differ only in characters that a topic cannot have, such as `a b` and `a:b`,
+    /// give one topic for a sensor without a `<topic>`: the second is numbered, with a warning. Any other second stream
+    /// is an error, or with `gazebo_compat` is published on a numbered topic, with a warning.
     pub(super) fn settle(
         &self,
         spec: StreamSpec,
@@ -59,6 +60,8 @@ impl Names {
         };
         let is_info = kind == Kind::CameraInfo && spec.kind == Kind::CameraInfo;
         let beside = picture.filter(|_| is_info).map(|picture| format!("{picture}/camera_info"));
+        // As `name_sensor_topics` makes them.
+        let is_made = topic.contains("/world/") && topic.contains("/sensor/");
         let mut next = self.next.borrow_mut();
         let next = next.entry(topic.clone()).or_insert(2);
         let numbered = std::iter::from_fn(|| {
@@ -66,7 +69,7 @@ impl Names {
             *next += 1;
             Some(format!("{topic}_{number}"))
         });
-        for free in beside.into_iter().chain(numbered.take_while(|_| gazebo_compat)) {
+        for free in beside.into_iter().chain(numbered.take_while(|_| gazebo_compat || is_made)) {
             let spec = StreamSpec { topic: free, ..spec.clone() };
             let free = with_slash(&spec)?;
             if taken.contains_key(&free) {
@@ -97,6 +100,20 @@ fn with_slash(spec: &StreamSpec) -> Result<String, Error> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn topics_that_names_make_are_numbered() {
+        let names = Names::of([]);
+        let settle = |topic: &str| {
+            let asked = StreamSpec::structs(topic, Kind::Clock, 1);
+            names.settle(asked, None, &Owner::simulation(), false).map(|spec| spec.topic)
+        };
+        let made = "/world/w/model/a_b/link/l/sensor/s/imu";
+        assert_eq!([settle(made), settle(made)].map(Result::unwrap), [made.to_owned(), format!("{made}_2")]);
+        assert_eq!(settle("/imu").unwrap(), "/imu");
+        assert!(settle("/imu").is_err());
+        assert_eq!(names.into_notes().len(), 1);
+    }
 
     /// Returns the topics of `count` streams that ask for the same one, and the number of attempts.
     fn settled(count: usize) -> (Vec<String>, u32) {

@@ -1,31 +1,22 @@
-//! Data packets as a scanner's maker sends them, over UDP and into files: a file a maker, and a row of it below.
+//! Data packets as a lidar's maker sends them, over UDP and into files. The crate lidar-packets makes them; here are the
+//! presets that it knows, and where the packets go.
 
-#[cfg(test)]
-mod any_input;
-mod ouster;
-mod pcap;
-mod velodyne;
+mod inertial;
+mod sink;
 
 use super::Rig;
-use crate::description::model;
-use belvedere_sensors::scanner::presets::Maker;
-pub(super) use ouster::ImuPackets;
-use pcap::Pcap;
+use super::ouster::head_of;
+use crate::description::model::{self, ImuProfile, PacketProfile};
+use belvedere_sensors::scanner::Returns;
+use belvedere_sensors::scanner::presets::{Maker, Preset};
+pub(super) use inertial::ImuPackets;
+use lidar_packets::ouster::{self, Device, Identity, LidarEncoder, LidarProfile, ProductLine};
+use lidar_packets::velodyne::{self, Model, ReturnMode};
+use lidar_packets::{Column, ColumnError};
+use sink::PacketSink;
+pub use sink::PacketTarget;
 use std::io;
-use std::net::{SocketAddr, UdpSocket};
-use std::path::PathBuf;
 use std::str::FromStr;
-
-/// Where packets go.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub enum PacketTarget {
-    /// To an address.
-    Udp(SocketAddr),
-    /// Into a file as Wireshark and drivers read it.
-    Pcap(PathBuf),
-    /// Nowhere: what a decoder has to know of the device goes into this file.
-    Metadata(PathBuf),
-}
 
 /// Whose packets go where.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -51,69 +42,123 @@ impl<T: FromStr> FromStr for Feed<T> {
     }
 }
 
-/// What is fired together, in the order of the lasers.
-pub(super) struct Column<'a> {
-    /// Number of the frame, and of the column in it.
-    pub(super) frame: u64,
-    pub(super) number: usize,
-    /// Of its first firing, in ns.
-    pub(super) time_ns: u64,
-    /// Of the head then, clockwise, as a share of a turn.
-    pub(super) turned: f64,
-    /// Of each laser.
-    pub(super) returns: usize,
-    /// Metres, those of a laser one after the other; those that are not finite are no return.
-    pub(super) ranges: &'a [f32],
-    pub(super) intensities: &'a [f32],
+/// What makes the packets of a lidar.
+enum Encoder {
+    Velodyne(Box<velodyne::Encoder>),
+    Ouster { encoder: LidarEncoder, metadata: String },
 }
 
-/// How a maker packs columns.
-trait Protocol {
-    /// The port that they are sent to.
-    fn port(&self) -> u16;
+impl Encoder {
+    /// Of a lidar; none if its packets are not known.
+    fn of(lidar: &model::Lidar) -> Option<Self> {
+        let preset = lidar.preset?;
+        match preset.maker {
+            Maker::Velodyne => {
+                let mode = return_mode(lidar.physics.returns)?;
+                let model = velodyne_model(&preset)?;
+                Some(Self::Velodyne(Box::new(velodyne::Encoder::new(model, mode))))
+            }
+            Maker::Ouster => {
+                let device = Device {
+                    product_line: product_line(&preset)?,
+                    head: head_of(&preset),
+                    rate_hz: preset.rate_hz,
+                    lidar_profile: lidar_profile(lidar.profile),
+                    imu_profile: imu_profile(lidar.imu_profile),
+                    identity: Identity::default(),
+                };
+                let encoder = LidarEncoder::new(&device).ok()?;
+                Some(Self::Ouster { encoder, metadata: device.metadata() })
+            }
+            _ => None,
+        }
+    }
 
-    /// Puts a column into the packet; that, if it is full now.
-    fn push(&mut self, column: &Column<'_>) -> Option<&[u8]>;
+    /// The port that packets are sent to.
+    fn port(&self) -> u16 {
+        match self {
+            Self::Velodyne(_) => velodyne::PORT,
+            Self::Ouster { .. } => ouster::LIDAR_PORT,
+        }
+    }
 
-    /// Forgets what waits.
-    fn restart(&mut self);
-
-    /// What a decoder has to know of the device, as JSON; none if packets say it all.
-    fn metadata(&self) -> Option<String> {
-        None
+    fn push(&mut self, column: &Column<'_>) -> Result<Option<&[u8]>, ColumnError> {
+        match self {
+            Self::Velodyne(encoder) => Ok(encoder.push(column)?.map(<[u8; velodyne::PACKET_LEN]>::as_slice)),
+            Self::Ouster { encoder, .. } => encoder.push(column),
+        }
     }
 }
 
-/// Makers whose packets are known, and those of a lidar of theirs.
-type Row = (Maker, fn(&model::Lidar) -> Option<Box<dyn Protocol>>);
-const PROTOCOLS: [Row; 2] = [(Maker::Ouster, ouster::of), (Maker::Velodyne, velodyne::of)];
+fn velodyne_model(preset: &Preset) -> Option<Model> {
+    match preset.name {
+        "vlp16" => Some(Model::Vlp16),
+        "hdl32e" => Some(Model::Hdl32e),
+        "vls128" => Some(Model::Vls128),
+        _ => None,
+    }
+}
+
+fn return_mode(returns: Returns) -> Option<ReturnMode> {
+    match returns {
+        Returns::Strongest => Some(ReturnMode::Strongest),
+        Returns::Last => Some(ReturnMode::Last),
+        Returns::Dual => Some(ReturnMode::Dual),
+        _ => None,
+    }
+}
+
+fn product_line(preset: &Preset) -> Option<ProductLine> {
+    match preset.name.get(..3)? {
+        "os0" => Some(ProductLine::Os0),
+        "os1" => Some(ProductLine::Os1),
+        "os2" => Some(ProductLine::Os2),
+        _ => None,
+    }
+}
+
+fn lidar_profile(profile: PacketProfile) -> LidarProfile {
+    match profile {
+        PacketProfile::Legacy => LidarProfile::Legacy,
+        PacketProfile::Rng19Rfl8Sig16Nir16 => LidarProfile::Rng19Rfl8Sig16Nir16,
+        PacketProfile::Rng19Rfl8Sig16Nir16Dual => LidarProfile::Rng19Rfl8Sig16Nir16Dual,
+        PacketProfile::Rng15Rfl8Nir8 => LidarProfile::Rng15Rfl8Nir8,
+    }
+}
+
+fn imu_profile(profile: ImuProfile) -> ouster::ImuProfile {
+    match profile {
+        ImuProfile::Legacy => ouster::ImuProfile::Legacy,
+        ImuProfile::Accel32Gyro32Nmea => ouster::ImuProfile::Accel32Gyro32Nmea,
+    }
+}
 
 /// A scanner's packets, and everybody who gets them.
 pub(super) struct Packets {
-    protocol: Box<dyn Protocol>,
+    encoder: Encoder,
     sinks: Vec<PacketSink>,
 }
 
 impl Packets {
     /// Of a lidar; none if its packets are not known.
     pub(super) fn of(lidar: &model::Lidar) -> Option<Self> {
-        let maker = lidar.preset?.maker;
-        let (_, open) = PROTOCOLS.iter().find(|(known, _)| *known == maker)?;
-        Some(Self { protocol: open(lidar)?, sinks: Vec::new() })
+        Some(Self { encoder: Encoder::of(lidar)?, sinks: Vec::new() })
     }
 
-    /// That they are not.
+    /// The error that they are not known.
     pub(super) fn unknown() -> io::Error {
-        let makers = PROTOCOLS.map(|(maker, _)| format!("{maker:?}"));
-        io::Error::other(format!(
-            "packets are known of presets of {} alone, Velodyne's of the strongest, the last or dual returns",
-            makers.join(" and ")
-        ))
+        io::Error::other(
+            "packets are known of presets of Ouster and Velodyne alone, Velodyne's of the strongest, the last or \
+             dual returns",
+        )
     }
 
     /// Sends them to somebody more, or writes what a decoder has to know of the device.
     pub(super) fn open(&mut self, target: &PacketTarget) -> io::Result<()> {
-        let metadata = self.protocol.metadata();
+        let metadata = match &self.encoder {
+            Encoder::Velodyne(_) => None,
+            Encoder::Ouster { metadata, .. } => Some(metadata),
+        };
         match (target, metadata) {
             (PacketTarget::Metadata(path), Some(metadata)) => return std::fs::write(path, metadata),
             (PacketTarget::Metadata(_), None) => {
@@ -132,56 +177,23 @@ impl Packets {
         !self.sinks.is_empty()
     }
 
-    /// Forgets what waits.
+    /// Discards the columns that wait for their packet to be full.
     pub(super) fn restart(&mut self) {
-        self.protocol.restart();
-    }
-
-    /// Puts a column into the packet, and sends that if it is full.
-    pub(super) fn push(&mut self, column: &Column<'_>) {
-        let port = self.protocol.port();
-        if let Some(packet) = self.protocol.push(column) {
-            self.sinks.iter_mut().for_each(|sink| sink.send(packet, port, column.time_ns));
+        match &mut self.encoder {
+            Encoder::Velodyne(encoder) => encoder.restart(),
+            Encoder::Ouster { encoder, .. } => encoder.restart(),
         }
     }
-}
 
-/// Somebody who gets packets.
-struct PacketSink {
-    kind: SinkKind,
-    name: String,
-    has_failed: bool,
-}
-
-enum SinkKind {
-    Udp(UdpSocket, SocketAddr),
-    Pcap(Pcap),
-}
-
-impl PacketSink {
-    /// None if packets go nowhere.
-    fn open(target: &PacketTarget) -> io::Result<Option<Self>> {
-        let (kind, name) = match target {
-            PacketTarget::Udp(to) => {
-                let any: SocketAddr = if to.is_ipv4() { ([0; 4], 0).into() } else { ([0_u16; 8], 0).into() };
-                (SinkKind::Udp(UdpSocket::bind(any)?, *to), to.to_string())
+    /// Puts a column into the packet, and sends the packet if it is full.
+    pub(super) fn push(&mut self, column: &Column<'_>) {
+        let port = self.encoder.port();
+        match self.encoder.push(column) {
+            Ok(Some(packet)) => {
+                self.sinks.iter_mut().for_each(|sink| sink.send(packet, port, column.time_ns));
             }
-            PacketTarget::Pcap(path) => (SinkKind::Pcap(Pcap::create(path)?), path.display().to_string()),
-            PacketTarget::Metadata(_) => return Ok(None),
-        };
-        Ok(Some(Self { kind, name, has_failed: false }))
-    }
-
-    /// Whoever does not get it is told of once; the simulation goes on.
-    fn send(&mut self, packet: &[u8], port: u16, time_ns: u64) {
-        let sent = match &mut self.kind {
-            SinkKind::Udp(socket, to) => socket.send_to(packet, *to).map(|_| ()),
-            SinkKind::Pcap(pcap) => pcap.write(packet, port, time_ns),
-        };
-        if let Err(error) = sent
-            && !std::mem::replace(&mut self.has_failed, true)
-        {
-            tracing::warn!(to = self.name, %error, "packets of a lidar do not arrive");
+            Ok(None) => {}
+            Err(error) => tracing::error!(%error, "a column of a lidar is left out of its packets"),
         }
     }
 }
@@ -202,128 +214,68 @@ impl Rig {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rig::pace::lidar;
-    use std::time::Duration;
-    use velodyne::HOUR_NS;
+    use crate::description::load;
+    use crate::description::model::SensorKind;
+    use std::net::SocketAddr;
 
-    /// Bytes at the places that the manual gives.
-    #[test]
-    fn columns_become_the_packets_of_the_manual() {
-        let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
-        receiver.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-        for (preset, lasers, product) in [("vlp16", 16, 0x22), ("hdl32e", 32, 0x21)] {
-            let mut packets = Packets::of(&lidar(&format!("<preset>{preset}</preset>"))).unwrap();
-            packets.open(&PacketTarget::Udp(receiver.local_addr().unwrap())).unwrap();
-            let columns = 384 / lasers;
-            for column in 0..columns {
-                // No return, and one from farther than can be told.
-                let ranges: Vec<f32> = (0..lasers)
-                    .map(|id| match id {
-                        3 => f32::INFINITY,
-                        5 => 131.08,
-                        _ => 1.0 + 0.002 * id as f32,
-                    })
-                    .collect();
-                packets.push(&Column {
-                    frame: 1,
-                    number: column,
-                    time_ns: 2 * HOUR_NS + 1_234_567 + 55_296 * column as u64,
-                    turned: 0.999_96 + 0.0004 * column as f64,
-                    returns: 1,
-                    ranges: &ranges,
-                    intensities: &vec![[300.0, 200.0, -2.0][column % 3]; lasers],
-                });
-            }
-            let mut packet = [0; 2000];
-            assert_eq!(receiver.recv(&mut packet).unwrap(), 1206);
-            let u16_at = |at: usize| u16::from_le_bytes([packet[at], packet[at + 1]]);
-            for block in 0..12 {
-                let column = block * 32 / lasers;
-                assert_eq!(u16_at(100 * block), 0xEEFF);
-                assert_eq!(
-                    u16_at(100 * block + 2),
-                    ((35_998.56 + 14.4 * column as f64).round() as u32 % 36_000) as u16
-                );
-                for place in 0..32 {
-                    let (id, column) = (place % lasers, column + place / lasers);
-                    let at = 100 * block + 4 + 3 * place;
-                    let (distance, reflectivity) = if [3, 5].contains(&id) {
-                        (0, 0)
-                    } else {
-                        (500 + id as u16, [255, 200, 0][column % 3])
-                    };
-                    assert_eq!((u16_at(at), packet[at + 2]), (distance, reflectivity), "{block} {place}");
-                }
-            }
-            assert_eq!(u32::from_le_bytes(packet[1200..1204].try_into().unwrap()), 1235);
-            assert_eq!(packet[1204..1206], [0x37, product]);
-        }
-        assert!(Packets::of(&lidar("<preset>rplidar_a1</preset>")).is_none());
+    /// A lidar with a preset and whatever else stands beside that.
+    fn lidar(own: &str) -> model::Lidar {
+        let model = format!(
+            "<sdf version='1.6'><model name='m'><link name='l'><sensor name='s' type='ray'>
+             <plugin filename='belvedere'>{own}</plugin></sensor></link></model></sdf>"
+        );
+        let SensorKind::Ray(lidar) = load::model(&model).unwrap().sensors.remove(0).kind else { panic!() };
+        lidar
     }
 
-    /// Bytes at the places that Ouster's documents give.
+    /// The length of a lidar's packets and two bytes at the end of the first one: a Velodyne's return mode and model.
+    fn first_packet(own: &str) -> Option<(usize, [u8; 2])> {
+        let lidar = lidar(own);
+        let mut encoder = Encoder::of(&lidar)?;
+        let lasers = match lidar.preset?.pattern {
+            belvedere_sensors::scanner::Pattern::Spinning(head) => head.lasers.len(),
+            _ => return None,
+        };
+        let values = vec![1.0; lasers * lidar.physics.returns.count()];
+        let mut columns = (0..24).map(|number| Column {
+            frame: 0,
+            number,
+            time_ns: 0,
+            turned: 0.0,
+            ranges_m: &values,
+            intensities: &values,
+        });
+        columns.find_map(|column| {
+            let packet = encoder.push(&column).unwrap()?;
+            Some((packet.len(), [packet[packet.len() - 2], packet[packet.len() - 1]]))
+        })
+    }
+
     #[test]
-    fn columns_become_the_packets_of_ousters_profiles() {
-        let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
-        receiver.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
-        for (profile, length, header, column_header, channel) in [
-            ("LEGACY", 6464, 0, 16, 12),
-            ("RNG19_RFL8_SIG16_NIR16", 6400, 32, 12, 12),
-            ("RNG15_RFL8_NIR8", 2304, 32, 12, 4),
+    fn presets_have_the_packets_of_their_device() {
+        for (own, ending) in [
+            ("<preset>vlp16</preset>", [0x37, 0x22]),
+            (
+                "<preset>hdl32e</preset><beam_divergence>0.003 0.0015</beam_divergence><returns>last</returns>",
+                [0x38, 0x21],
+            ),
+            ("<preset>vls128</preset><returns>dual</returns>", [0x39, 0xA1]),
         ] {
-            let own = format!("<preset>os1_32</preset><udp_profile_lidar>{profile}</udp_profile_lidar>");
-            let mut packets = Packets::of(&lidar(&own)).unwrap();
-            packets.open(&PacketTarget::Udp(receiver.local_addr().unwrap())).unwrap();
-            let ranges: Vec<f32> =
-                (0..32).map(|id| if id == 3 { f32::INFINITY } else { 1.0 + 0.5 * id as f32 }).collect();
-            // What a reset cuts off is not sent.
-            for number in (0..5).chain(32..48) {
-                packets.push(&Column {
-                    frame: 65_536 + 7,
-                    number,
-                    time_ns: 1_000_000_007 + 97_656 * number as u64,
-                    turned: number as f64 / 1024.0,
-                    returns: 1,
-                    ranges: &ranges,
-                    intensities: &[300.0; 32],
-                });
-            }
-            let mut packet = [0; 10_000];
-            assert_eq!(receiver.recv(&mut packet).unwrap(), length);
-            let u16_at = |at: usize| u16::from_le_bytes([packet[at], packet[at + 1]]);
-            let u32_at = |at: usize| u32::from_le_bytes(packet[at..at + 4].try_into().unwrap());
-            let is_legacy = profile == "LEGACY";
-            if !is_legacy {
-                assert_eq!((u16_at(0), u16_at(2), packet[4], packet[7]), (1, 7, 1, 1));
-                assert!(packet[length - 32..length - 8].iter().all(|byte| *byte == 0));
-            }
-            let column = column_header + 32 * channel + if is_legacy { 4 } else { 0 };
-            for index in 0..16 {
-                let at = header + index * column;
-                let time = u64::from_le_bytes(packet[at..at + 8].try_into().unwrap());
-                assert_eq!(time, 1_000_000_007 + 97_656 * (32 + index as u64));
-                assert_eq!(usize::from(u16_at(at + 8)), 32 + index);
-                if is_legacy {
-                    assert_eq!((u16_at(at + 10), u32_at(at + 12)), (7, 88 * (32 + index as u32)));
-                    assert_eq!(u32_at(at + column - 4), u32::MAX);
-                } else {
-                    assert_eq!(u16_at(at + 10), 1);
-                }
-                for id in 0..32 {
-                    let at = at + column_header + id * channel;
-                    let (hit, millimetres) = (id != 3, 1015.806 + 500.0 * id as f64);
-                    if channel == 12 {
-                        let range = if hit { millimetres.round() as u32 } else { 0 };
-                        let signal = if hit { 300 } else { 0 };
-                        assert_eq!((u32_at(at), u16_at(at + 6)), (range, signal));
-                        assert_eq!(packet[at + 4], if hit { 255 } else { 0 });
-                    } else {
-                        let range = if hit { (millimetres / 8.0).round() as u16 } else { 0 };
-                        assert_eq!((u16_at(at), packet[at + 2]), (range, if hit { 255 } else { 0 }));
-                    }
-                }
-            }
+            assert_eq!(first_packet(own), Some((1206, ending)), "{own}");
         }
+        for (own, length) in [
+            ("<preset>os1_32</preset><udp_profile_lidar>LEGACY</udp_profile_lidar>", 6464),
+            ("<preset>os1_32</preset>", 6400),
+            ("<preset>os0_64</preset><udp_profile_lidar>RNG15_RFL8_NIR8</udp_profile_lidar>", 4352),
+            (
+                "<preset>os2_128</preset><udp_profile_lidar>RNG19_RFL8_SIG16_NIR16_DUAL</udp_profile_lidar>",
+                33_024,
+            ),
+        ] {
+            assert_eq!(first_packet(own).map(|(length, _)| length), Some(length), "{own}");
+        }
+        assert_eq!(first_packet("<preset>rplidar_a1</preset>"), None);
+        assert_eq!(first_packet("<preset>vlp16</preset><returns>mean</returns>"), None);
     }
 
     #[test]

@@ -8,12 +8,11 @@ use super::channel::{Channel, is_any_wanted};
 use super::motion::Motion;
 use super::mount::Mount;
 use super::outlet::Outlet;
-use super::packets::{Column, PacketTarget, Packets};
+use super::packets::{PacketTarget, Packets};
 use super::pictures::noise;
 use super::sight::sight;
 use super::sink::Frame;
 use super::truth::TruthOutlets;
-use super::whole::rounded;
 use super::{Opening, Rate, RigContext, RigError, Settings};
 use crate::description::model::{self, CloudLayout, LaserPlugin, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
@@ -21,6 +20,8 @@ use belvedere_sensors::scanner::{Echoes, Pattern, Scanner, ScannerConfig};
 use belvedere_sensors::{Capture, Pose, Shutter};
 use cloud::{CloudForm, Found, Scan};
 use head::{Head, angles, config_of};
+use lidar_packets::Column;
+use lidar_packets::whole::rounded;
 use std::f64::consts::TAU;
 use std::io;
 use std::time::Instant;
@@ -180,8 +181,7 @@ impl ScannerChannel {
                 number,
                 time_ns,
                 turned: after_ns as f64 / period_ns as f64,
-                returns,
-                ranges: &ranges[first * returns..(first + lasers) * returns],
+                ranges_m: &ranges[first * returns..(first + lasers) * returns],
                 intensities: &intensities[first * returns..(first + lasers) * returns],
             });
         }

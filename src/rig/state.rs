@@ -5,7 +5,7 @@ use super::outlet::Outlet;
 use super::owner::Owner;
 use super::{Opening, RigContext, RigError};
 use crate::description::model::{ModelPlugin, OdometryPlugin};
-use crate::description::optical::{OpticalFrame, new_frames, optical_frames};
+use crate::description::sensor_frames::{SensorFrame, new_frames, sensor_frames};
 use crate::entities::{EntityId, Origin};
 use crate::robot::odometry::Odometry as OdometryReport;
 use crate::robot::transforms::Transform as RobotTransform;
@@ -45,7 +45,7 @@ impl StateChannel {
         let rate = opening.rate.hz();
         let state = robot.state_at(opening.physics, opening.physics.time_ns());
         let fixed: Vec<RobotTransform> =
-            robot.static_transforms().iter().cloned().chain(optical_transforms(opening)).collect();
+            robot.static_transforms().iter().cloned().chain(sensor_transforms(opening)).collect();
         let array = |topic, kind, count| StreamSpec::structs(topic, kind, count).rate_hz(rate);
         let model = &opening.entity.model;
         let base = model.base().filter(|_| robot.base().is_some());
@@ -151,18 +151,18 @@ impl OdometryOutlet {
     }
 }
 
-/// Returns the transforms of cameras' optical frames that the robot's file lacks.
-fn optical_transforms(opening: &Opening<'_>) -> Vec<RobotTransform> {
+/// Returns the transforms of sensors' frames that the robot's file lacks.
+fn sensor_transforms(opening: &Opening<'_>) -> Vec<RobotTransform> {
     if opening.gazebo_compat {
         return Vec::new();
     }
     let entity = opening.entity;
-    let transform = |frame: &OpticalFrame| RobotTransform {
+    let transform = |frame: &SensorFrame| RobotTransform {
         parent: entity.frame(&entity.model.links[frame.parent].name).into(),
         child: entity.frame(&frame.name).into(),
         parent_from_child: frame.parent_from_frame,
     };
-    new_frames(&optical_frames(&entity.model)).map(transform).collect()
+    new_frames(&sensor_frames(&entity.model, &entity.namespace)).map(transform).collect()
 }
 
 fn message(transform: &RobotTransform) -> Result<Transform, RigError> {

@@ -103,7 +103,8 @@ impl SimulationBuilder {
             };
             entities.add(index, entity);
         }
-        let scene = WorldScene::new(&world, &physics)?;
+        let mut scene = WorldScene::new(&world, &physics)?;
+        notes.append(&mut scene.take_notes());
         notes.splice(..0, physics.take_notes());
         let options = RigOptions { seed, gazebo_compat, truth: false, hashed: false, execution };
         Ok(Simulation {

@@ -85,6 +85,7 @@ impl Simulation {
             return Err(problem.into());
         }
         let mut notes = self.physics.take_notes();
+        notes.append(&mut self.scene.take_notes());
         notes.append(&mut topic_notes);
         let robot = is_robot.then(|| {
             let (robot, problem) = Robot::new(&model, &namespace, index, &mut self.physics);

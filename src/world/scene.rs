@@ -106,6 +106,11 @@ impl WorldScene {
         added
     }
 
+    /// Returns the problems of drawing since the last call.
+    pub fn take_notes(&mut self) -> Vec<Problem> {
+        std::mem::take(&mut self.assembly.notes)
+    }
+
     /// Hides shapes of a model, so that rays pass through them, or shows them again.
     pub fn hide(&mut self, model: ModelIndex, shapes: &[ShapeIndex], hidden: bool) {
         for (link, part) in shapes {

@@ -203,6 +203,19 @@ fn bad_includes() {
     );
     assert_bad("1.6", "<include/>", 1, &["no <uri>"]);
     assert_bad("1.6", "<include><uri>https://fuel.gazebosim.org/x</uri></include>", 1, &["https://"]);
+    // Models of Gazebo classic stand for their copies on Fuel, but nobody else's.
+    let fuel = |owner: &str, name: &str| {
+        let uri = format!("https://fuel.gazebosim.org/1.0/{owner}/models/{name}");
+        let include = format!("<include><uri>{uri}</uri></include>");
+        let (world, problems) = Folder::new().load("1.9", &include, false);
+        (world.map_or(0, |world| world.models.len()), problems)
+    };
+    let (models, problems) = fuel("OpenRobotics", "Ground Plane");
+    assert_eq!((models, problems.len()), (1, 0), "{problems:#?}");
+    for (owner, name) in [("Somebody", "Ground Plane"), ("OpenRobotics", "Ground Plain")] {
+        let (_, problems) = fuel(owner, name);
+        assert!(problems[0].to_string().contains("cannot be fetched"), "{problems:#?}");
+    }
     // Gazebo continues without the model.
     let (world, problems) = Folder::new().load("1.6", "<include><uri>model://none</uri></include>", true);
     assert!(world.is_some() && problems[0].severity == Severity::Warning);
@@ -233,7 +246,7 @@ fn bad_materials_and_textures() {
     };
     let problems = load("<script><uri>model://t/scripts</uri><name>A</name></script>");
     let text = problems[0].to_string();
-    assert!(text.contains("a.material:2: error: there is no texture 'gone.png': looked for"), "{text}");
+    assert!(text.contains("a.material:2: warning: there is no texture 'gone.png': looked for"), "{text}");
     let problems = load("<script><uri>model://t/scripts</uri><name>AA</name></script>");
     assert!(problems[0].to_string().contains("did you mean 'A'?"), "{problems:#?}");
     // As in a URDF, an unknown name of Gazebo's own materials only costs the colour.
@@ -244,8 +257,19 @@ fn bad_materials_and_textures() {
     assert!(text.contains("did you mean 'Gazebo/Gr"), "{text}");
     assert_one_error(&load("<script><name>Gray5</name></script>"), 4, &["no material 'Gray5'"]);
     let albedo = |file: &str| load(&format!("<pbr><metal><albedo_map>{file}</albedo_map></metal></pbr>"));
-    assert_one_error(&albedo("nowhere.png"), 4, &["no texture 'nowhere.png': looked for"]);
-    assert_one_error(&albedo("t/b.gif"), 4, &["b.gif", "convert it"]);
+    // Gazebo goes on without a picture; the surface is still where it is.
+    for (file, words) in [
+        ("nowhere.png", "no texture 'nowhere.png': looked for"),
+        ("t/b.gif", "b.gif is of a kind that is not read"),
+        ("t", "the texture 't' is a folder"),
+        ("https://example.org/a.png", "cannot be fetched"),
+    ] {
+        let problems = albedo(file);
+        let [problem] = &problems[..] else { panic!("{problems:#?}") };
+        let text = problem.to_string();
+        assert!(text.contains(":4: warning: ") && text.contains(words), "{text}");
+        assert!(text.contains("; the surface is drawn in its colour alone"), "{text}");
+    }
     folder.write("t/scripts/a.material", "material A {\n technique {");
     let text = load("<script><uri>model://t/scripts</uri><name>A</name></script>")[0].to_string();
     assert!(text.contains("a.material:2"), "{text}");

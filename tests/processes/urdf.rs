@@ -44,7 +44,7 @@ fn content(robot: &Model) -> String {
     text
 }
 
-/// Reads a printed text from a folder without other files. Optical frames, which are tested in `optical_frames.rs`, are
+/// Reads a printed text from a folder without other files. Frames of sensors, which are tested in `sensor_frames.rs`, are
 /// removed.
 fn read_again(printed: &str) -> Model {
     let folder = TempDir::new().unwrap();

@@ -23,7 +23,7 @@ mod plain;
 mod tests;
 mod tree;
 
-pub(super) use plain::{add_optical_frames, make_plain};
+pub(super) use plain::{add_sensor_frames, make_plain};
 
 use super::diagnostics::{Diagnostics, Source};
 use super::elements;
@@ -36,6 +36,9 @@ use super::xml::Element;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+
+/// What problems call the picture of a surface.
+const TEXTURE: &str = "texture";
 
 /// Meshes already read, by file and scale: wheels share theirs.
 type MeshCache = HashMap<(PathBuf, [u64; 3]), Option<Vec<Arc<Mesh>>>>;

@@ -47,6 +47,8 @@ pub(super) struct Assembly {
     pub(super) placed: Vec<Vec<Vec<Placed>>>,
     pub(super) fiducials: Vec<PlacedFiducial>,
     pub(super) bare: Option<MaterialId>,
+    /// Warnings about pictures that cannot be used, which nobody has taken yet.
+    pub(super) notes: Vec<Problem>,
 }
 
 impl Assembly {
@@ -240,7 +242,7 @@ impl Assembly {
             let added = self.builder.add_normal_map(picture.width(), picture.height(), texels);
             added.map_err(|error| unused(path, source, &error))
         });
-        let added = added.inspect_err(|problem| tracing::warn!("{problem}")).ok();
+        let added = added.map_err(|problem| self.notes.push(problem)).ok();
         self.normal_maps.insert(path.to_path_buf(), added);
         added
     }
@@ -257,7 +259,7 @@ impl Assembly {
             let added = added.map_err(|error| unused(path, source, &error))?;
             Ok((added, texels.iter().all(|texel| texel[3] == u8::MAX)))
         });
-        let added = added.inspect_err(|problem| tracing::warn!("{problem}")).ok();
+        let added = added.map_err(|problem| self.notes.push(problem)).ok();
         self.textures.insert(path.to_path_buf(), added);
         added
     }

@@ -103,8 +103,8 @@ fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -
 ///
 /// # Errors
 /// Whatever is wrong is added to `diagnostics`. None is returned when the file cannot be expanded; whether its content
-/// makes a robot is not looked at. The frames that pictures are in
-/// come along, as [`optical_frames`](crate::optical::optical_frames) has them.
+/// makes a robot is not looked at. The frames that the
+/// data of sensors are in come along, as [`sensor_frames`](crate::sensor_frames::sensor_frames) has them.
 pub fn expand_robot(
     file_or_name: impl AsRef<Path>,
     packages: &PackagePath,
@@ -118,7 +118,7 @@ pub fn expand_robot(
                 return None;
             }
             urdf::make_plain(&mut robot, packages, diagnostics);
-            urdf::add_optical_frames(&mut robot, packages);
+            urdf::add_sensor_frames(&mut robot, packages);
             Some(robot)
         }
         Err(problem) => {

@@ -202,11 +202,30 @@ impl Frames {
             root_from_frame = frame.pose * root_from_frame;
             (name, source) = (&frame.parent, &frame.source);
         }
+        let (name, source) = self.first_of_circle(name, source);
         diagnostics.error(
             source,
             format!("the frame '{}' is relative to itself", name.trim_start_matches(JOINT)),
             "break the circle of relative_to and attached_to",
         );
         None
+    }
+
+    /// The frame of a circle that is written first, and its place: the same wherever one enters the circle, so that the
+    /// problem is told once for all frames that depend on it.
+    fn first_of_circle<'f>(&'f self, name: &'f str, source: &'f Source) -> (&'f str, &'f Source) {
+        let mut first = (name, source);
+        let mut next = name;
+        for place in 0..=self.own.len() {
+            let Some(frame) = self.own.get(next) else { return first };
+            if place == 0 || (frame.source.line, next) < (first.1.line, first.0) {
+                first = (next, &frame.source);
+            }
+            next = &frame.parent;
+            if next == name {
+                break;
+            }
+        }
+        first
     }
 }

@@ -55,6 +55,16 @@ impl FuelUri {
         variables.chain(folders).find_map(|cache| self.below(&cache))
     }
 
+    /// The place of it among models that were made for Gazebo classic, as ours are: what Fuel calls `OpenRobotics/models/Ground
+    /// Plane` has the folder `ground_plane` there. None if it is somebody else's.
+    pub(super) fn classic_place(&self) -> Option<String> {
+        if !self.owner.eq_ignore_ascii_case("openrobotics") {
+            return None;
+        }
+        let name = self.name.to_lowercase().replace(' ', "_");
+        Some(if self.file.is_empty() { name } else { format!("{name}/{}", self.file) })
+    }
+
     /// The same in one folder of downloads.
     fn below(&self, cache: &Path) -> Option<PathBuf> {
         let server = named(cache, &self.host)?;

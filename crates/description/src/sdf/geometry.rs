@@ -1,7 +1,7 @@
 //! `<geometry>`.
 
 use super::resources::Resolved;
-use super::{Loader, Scope, resources};
+use super::{Loader, Scope, TEXTURE, resources};
 use crate::mesh::{MESH_FORMATS, Submesh, load_mesh_parts, merge_parts};
 use crate::model::{Geometry, Material, Mesh};
 use crate::values::{child_bool, child_text, numbers};
@@ -153,7 +153,7 @@ impl Loader<'_> {
         parts
     }
 
-    /// The existing file that a URI means; `what` names it in errors.
+    /// The existing file that a URI means; `what` names it in the problem.
     pub(super) fn existing_file(
         &mut self,
         element: &Element,
@@ -161,36 +161,30 @@ impl Loader<'_> {
         folder: &Path,
         what: &str,
     ) -> Option<std::path::PathBuf> {
-        match self.resources.resolve(uri, folder) {
-            Resolved::Found(path) if path.is_file() => Some(path),
+        let (problem, remedy) = match self.resources.resolve(uri, folder) {
+            Resolved::Found(path) if path.is_file() => return Some(path),
             Resolved::Found(path) => {
-                self.missing(
-                    &element.source,
-                    format!("the {what} '{uri}' is a folder: {}", path.display()),
-                    "name a file in it",
-                );
-                None
+                (format!("the {what} '{uri}' is a folder: {}", path.display()), "name a file in it".to_owned())
             }
-            Resolved::NotFound(places) => {
-                self.missing(
-                    &element.source,
-                    format!("there is no {what} '{uri}': looked for {}", resources::list(&places)),
-                    "correct the path, or add the folder that holds the model to GAZEBO_MODEL_PATH or --package-path",
-                );
-                None
-            }
-            Resolved::UnknownScheme(scheme) => {
-                self.missing(
-                    &element.source,
-                    format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is not read"),
-                    match what {
-                        "mesh" => format!("download it and name the file ({what}s: {MESH_FORMATS})"),
-                        _ => "download it and name the file".to_owned(),
-                    },
-                );
-                None
-            }
+            Resolved::NotFound(places) => (
+                format!("there is no {what} '{uri}': looked for {}", resources::list(&places)),
+                "correct the path, or add the folder that holds the model to GAZEBO_MODEL_PATH or --package-path"
+                    .to_owned(),
+            ),
+            Resolved::UnknownScheme(scheme) => (
+                format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is not read"),
+                match what {
+                    "mesh" => format!("download it and name the file (meshes: {MESH_FORMATS})"),
+                    _ => "download it and name the file".to_owned(),
+                },
+            ),
+        };
+        if what == TEXTURE {
+            self.missing_picture(&element.source, &problem, remedy);
+        } else {
+            self.missing(&element.source, problem, remedy);
         }
+        None
     }
 
     fn length(&mut self, shape: &Element, name: &str) -> Option<f64> {

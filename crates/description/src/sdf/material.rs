@@ -1,7 +1,7 @@
 //! `<material>`: an Ogre script by name, colours, gloss, normals, and the albedo map of `<pbr>`.
 
 use super::resources::Resolved;
-use super::{Loader, Scope, resources};
+use super::{Loader, Scope, TEXTURE, resources};
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::model::Material;
 use crate::ogre_material::{self, OgreMaterial};
@@ -131,7 +131,7 @@ impl Loader<'_> {
                 folder = found;
             }
         }
-        let path = self.existing_file(map, &uri, &folder, "texture")?;
+        let path = self.existing_file(map, &uri, &folder, TEXTURE)?;
         self.picture(map, path)
     }
 
@@ -141,9 +141,9 @@ impl Loader<'_> {
         if PICTURES.contains(&extension.to_ascii_lowercase().as_str()) {
             return Some(path);
         }
-        self.missing(
+        self.missing_picture(
             &element.source,
-            format!("the texture {} is of a kind that is not read", path.display()),
+            &format!("the texture {} is of a kind that is not read", path.display()),
             format!("convert it to one of {}", PICTURES.join(", ")),
         );
         None
@@ -223,9 +223,9 @@ impl Loader<'_> {
         let texture = ogre.texture.as_ref().and_then(|(name, source)| {
             let places: Vec<PathBuf> = folders.iter().map(|folder| folder.join(name)).collect();
             let Some(found) = places.iter().find(|place| place.is_file()) else {
-                self.missing(
+                self.missing_picture(
                     source,
-                    format!("there is no texture '{name}': looked for {}", resources::list(&places)),
+                    &format!("there is no texture '{name}': looked for {}", resources::list(&places)),
                     format!(
                         "put it there, or name its folder in a <uri> of the <script> at {}",
                         script.source

@@ -49,6 +49,9 @@ use std::sync::Arc;
 /// SDF version as (major, minor): `frame` semantics came with 1.7, joint axes in the joint's frame with 1.5.
 type Version = (u32, u32);
 
+/// What problems call the picture of a surface.
+const TEXTURE: &str = "texture";
+
 /// What is taken for a file that names no version.
 const ASSUMED_VERSION: Version = (1, 6);
 
@@ -243,6 +246,11 @@ impl Loader<'_> {
         } else {
             self.diagnostics.error(source, what, remedy);
         }
+    }
+
+    /// As `missing`, but for pictures: a warning, because the surface is still where it is.
+    fn missing_picture(&mut self, source: &Source, what: &str, remedy: impl Into<String>) {
+        self.diagnostics.warning(source, format!("{what}; the surface is drawn in its colour alone"), remedy);
     }
 
     /// A warning for an element that is ignored although the user may count on it.

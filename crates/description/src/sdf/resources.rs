@@ -89,7 +89,9 @@ impl<'a> Resources<'a> {
                 } else {
                     format!("{}/{}", fuel.name, fuel.file)
                 };
-                let found = fuel.downloaded().or_else(|| self.in_models(&place).find(|place| place.exists()));
+                let among_models = |place: String| self.in_models(&place).find(|place| place.exists());
+                let found = fuel.downloaded().or_else(|| among_models(place));
+                let found = found.or_else(|| among_models(fuel.classic_place()?));
                 return match found {
                     Some(found) => Resolved::Found(std::path::absolute(&found).unwrap_or(found)),
                     None => Resolved::UnknownScheme(scheme.to_owned()),

@@ -1,7 +1,7 @@
 //! The files that a robot names.
 
-use super::Loader;
-use crate::diagnostics::Diagnostics;
+use super::{Loader, TEXTURE};
+use crate::diagnostics::{Diagnostics, Source};
 use crate::package::{Found, PackagePath};
 use crate::xml::{Element, Node};
 use percent_encoding::{AsciiSet, CONTROLS, percent_decode_str, utf8_percent_encode};
@@ -120,22 +120,30 @@ impl Loader<'_> {
                 (Some(path), shown)
             }
             Named::Elsewhere(scheme) => {
-                self.missing(
-                    &element.source,
-                    format!("the {what} '{name}' cannot be fetched: '{scheme}://' is not read"),
-                    "download it and write package://PACKAGE/FILE",
-                );
+                let problem = format!("the {what} '{name}' cannot be fetched: '{scheme}://' is not read");
+                self.lacking(&element.source, what, problem, "download it and write package://PACKAGE/FILE");
                 return None;
             }
         };
         let found = path.filter(|path| path.is_file());
         if found.is_none() {
-            self.missing(
+            self.lacking(
                 &element.source,
+                what,
                 format!("there is no {what} '{name}': looked for {looked_for}"),
                 "correct the path, or add the folder that holds the package with --package-path or ROS_PACKAGE_PATH",
             );
         }
         found
+    }
+
+    /// Says that a file is missing. A texture costs only itself: the surface is still where it is.
+    fn lacking(&mut self, source: &Source, what: &str, problem: String, remedy: &str) {
+        if what == TEXTURE {
+            let problem = format!("{problem}; the surface is drawn in its colour alone");
+            self.diagnostics.warning(source, problem, remedy);
+        } else {
+            self.missing(source, problem, remedy);
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! `<material>`: by name or in place.
 
-use super::Loader;
+use super::{Loader, TEXTURE};
 use crate::gazebo_materials::gazebo_material;
 use crate::model::Material;
 use crate::suggestion::did_you_mean_or;
@@ -53,7 +53,7 @@ impl Loader<'_> {
         // urdfdom writes an empty <texture/> beside a colour.
         let texture = element.child("texture").and_then(|texture| {
             let name = texture.attribute("filename").filter(|name| !name.is_empty())?;
-            self.file(texture, name, "texture")
+            self.file(texture, name, TEXTURE)
         });
         // A picture without a colour is shown as it is.
         let plain = if texture.is_some() { [1.0; 3] } else { Material::default().diffuse };

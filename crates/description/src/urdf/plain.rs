@@ -5,9 +5,9 @@ use super::load_urdf;
 use super::material::is_definition;
 use crate::diagnostics::Diagnostics;
 use crate::gazebo_materials::gazebo_material;
-use crate::optical::{new_frames, optical_frames};
 use crate::package::PackagePath;
 use crate::rules::Rules;
+use crate::sensor_frames::{new_frames, sensor_frames};
 use crate::xml::{Element, Node};
 use glam::{DVec3, EulerRot};
 use std::collections::HashSet;
@@ -24,13 +24,13 @@ pub(crate) fn make_plain(robot: &mut Element, packages: &PackagePath, diagnostic
     name_files_absolutely(robot, packages, diagnostics);
 }
 
-/// Adds a link and a fixed joint for each frame that pictures are in and the robot has no link for.
-pub(crate) fn add_optical_frames(robot: &mut Element, packages: &PackagePath) {
+/// Adds a link and a fixed joint for each frame that the data of sensors are in and the robot has no link for.
+pub(crate) fn add_sensor_frames(robot: &mut Element, packages: &PackagePath) {
     // What is wrong with it is not to be said here.
     let Some(model) = load_urdf(robot, packages, Rules::default(), &mut Diagnostics::default()) else {
         return;
     };
-    for frame in new_frames(&optical_frames(&model)) {
+    for frame in new_frames(&sensor_frames(&model, "")) {
         let source = &model.sensors[frame.sensor].source;
         let element = |name: &str, attributes: &[(&str, String)], children: Vec<Element>| Element {
             name: name.into(),

@@ -3,9 +3,9 @@
 use super::{CloudForm, Places, Scan};
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
-use crate::rig::whole::rounded;
 use belvedere_bridge::Encoding;
 use belvedere_sensors::scanner::Intensity;
+use lidar_packets::whole::rounded;
 
 const POINT_STEP: usize = 26;
 /// The number of a return is in bits 4 and 5 of the tag.

@@ -2,28 +2,29 @@
 //! times. Its timestamp is the beginning of the scan. Each return has a separate cloud.
 
 use super::{CloudForm, Scan};
-use crate::rig::ouster::OusterHead;
+use crate::rig::ouster::head_of;
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
-use crate::rig::whole::{nearest, nearest_below};
 use belvedere_bridge::Encoding;
 use belvedere_sensors::scanner::presets::Preset;
+use lidar_packets::ouster::Head;
+use lidar_packets::whole::{nearest, nearest_below};
 
 const POINT_STEP: usize = 48;
 /// Number of rows that are written together. The results are stored by columns, so a cache line contains several rows.
 const TILE: usize = 8;
 
 pub(super) struct OusterCloud {
-    head: OusterHead,
+    head: Head,
     /// How far each row is shifted to the right.
     shifts: Vec<usize>,
 }
 
 impl OusterCloud {
     pub(super) fn of(preset: &Preset) -> Self {
-        let head = OusterHead::of(preset);
-        let columns = head.columns as i32;
-        let shifts = head.shifts().map(|shift| shift.rem_euclid(columns) as usize).collect();
+        let head = head_of(preset);
+        let columns = head.columns_per_frame as i32;
+        let shifts = head.pixel_shifts().map(|shift| shift.rem_euclid(columns) as usize).collect();
         Self { head, shifts }
     }
 }
@@ -56,7 +57,7 @@ impl CloudForm for OusterCloud {
                     let is_point = scan.is_point(&point, intensity);
                     let point = if is_point { point } else { [f32::NAN; 3] };
                     let time_ns = nearest_below(scan.time_s(firing) * 1e9, f64::from(u32::MAX));
-                    let range = if is_point { self.head.told(found.ranges[echo], 1.0, 32) } else { 0 };
+                    let range = if is_point { self.head.steps(found.ranges[echo], 1.0, 32) } else { 0 };
                     let reflectivity = nearest(intensity, 255.0) as u16;
                     // This laser faces where the head faces `shift` columns later.
                     let at = column + shift;

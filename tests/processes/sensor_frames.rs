@@ -1,10 +1,11 @@
-//! The frames of pictures: x right, y down, z forward, whatever frame a camera's plugin names.
+//! The frames of sensors' data: images have x right, y down, z forward, whatever frame a camera's plugin names; other
+//! sensors have their own frame, also if they have a `<pose>` and no frame is named.
 
 use crate::live::{Simulator, next_frame, output};
 use belvedere::description::load::{LoadOptions, load_robot};
 use belvedere::description::model::Model;
 use belvedere::description::models::package_path;
-use belvedere::description::optical::{new_frames, optical_frames};
+use belvedere::description::sensor_frames::{SensorFrame, new_frames, sensor_frames};
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_bridge::payload::Transform;
 use glam::DVec3;
@@ -63,7 +64,7 @@ fn load(text: &str) -> Model {
 #[test]
 fn each_camera_has_an_optical_frame() {
     let model = load(&robot());
-    let frames = optical_frames(&model);
+    let frames = sensor_frames(&model, "");
     let names: Vec<(&str, &str)> =
         frames.iter().map(|frame| (model.sensors[frame.sensor].name.as_str(), frame.name.as_str())).collect();
     let expected = [
@@ -98,7 +99,7 @@ fn each_camera_has_an_optical_frame() {
     let printed = output(&["urdf", file.to_str().unwrap()]);
     let again = load(&String::from_utf8(printed.stdout).unwrap());
     assert_eq!(again.links.len(), model.links.len() + 4);
-    let known = optical_frames(&again);
+    let known = sensor_frames(&again, "");
     assert!(known.iter().all(|frame| frame.is_link), "{known:#?}");
     assert_eq!(
         known.iter().map(|frame| &frame.name).collect::<Vec<_>>(),
@@ -126,6 +127,101 @@ fn the_ceiling_camera_and_tf_use_the_optical_frame() {
             let sign = optical.rotation[3].signum();
             for (ours, theirs) in optical.rotation.iter().zip([-0.5, 0.5, -0.5, 0.5]) {
                 assert!((ours * sign - theirs).abs() < 1e-12, "{:?}", optical.rotation);
+            }
+        }
+    }
+}
+
+/// A robot with a link `base` and these sensors: type, name, pose, what else is in them.
+fn robot_with(sensors: &[(&str, &str, &str, &str)]) -> String {
+    let sensor = |(kind, name, pose, inside): &(&str, &str, &str, &str)| {
+        format!(
+            "<sensor name='{name}' type='{kind}'><pose>{pose}</pose><update_rate>10</update_rate>{inside}<ray><scan>
+             <horizontal><samples>3</samples><min_angle>-0.5</min_angle><max_angle>0.5</max_angle></horizontal></scan>
+             <range><min>0.05</min><max>50</max></range></ray></sensor>"
+        )
+    };
+    let sensors: String = sensors.iter().map(sensor).collect();
+    format!(
+        "<robot name='r'><link name='base'><inertial><mass value='1'/>
+         <inertia ixx='1' iyy='1' izz='1' ixy='0' ixz='0' iyz='0'/></inertial></link>
+         <gazebo reference='base'>{sensors}</gazebo></robot>"
+    )
+}
+
+const AHEAD: &str = "1 0 0.5 0 0 1.5707963";
+
+#[test]
+fn a_sensor_with_a_pose_and_no_named_frame_has_one_of_its_own() {
+    let long = "s".repeat(58);
+    let text = robot_with(&[
+        ("imu", "imu", "0 0 0 0 1.5707963 0", "<topic>imu</topic>"),
+        ("ray", "lid", AHEAD, "<topic>lid</topic>"),
+        ("gpu_lidar", "lid", "0 1 0 0 0 0", "<topic>lid2</topic>"),
+        ("sonar", "sonar", AHEAD, "<topic>sonar</topic>"),
+        ("ray", "ros2", AHEAD, "<plugin name='p' filename='libgazebo_ros_ray_sensor.so'/>"),
+        ("magnetometer", &long, AHEAD, "<topic>magnetic</topic>"),
+        ("ray", "straight", "0 0 0 0 0 0", "<topic>straight</topic>"),
+        ("ray", "named", AHEAD, "<topic>named</topic><gz_frame_id>base</gz_frame_id>"),
+        (
+            "ray",
+            "classic",
+            AHEAD,
+            "<plugin name='p' filename='libgazebo_ros_laser.so'><topicName>c</topicName><frameName>base</frameName></plugin>",
+        ),
+    ]);
+    let model = load(&text);
+    let names = |frames: &[SensorFrame]| frames.iter().map(|frame| frame.name.clone()).collect::<Vec<_>>();
+    let frames = sensor_frames(&model, "");
+    let without_model = format!("base/{long}");
+    assert_eq!(
+        names(&frames),
+        ["r/base/imu", "r/base/lid", "r/base/lid_2", "r/base/sonar", "r/base/ros2", without_model.as_str()]
+    );
+    for frame in &frames {
+        assert_eq!((frame.parent, frame.is_link), (0, false));
+        assert_eq!(frame.parent_from_frame, model.sensors[frame.sensor].link_from_sensor);
+    }
+    // In a namespace there is less room.
+    assert_eq!(names(&sensor_frames(&model, "team")).last(), Some(&long));
+    assert_eq!(sensor_frames(&model, "seven_eight").len(), 5);
+
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("r.urdf");
+    fs::write(&file, &text).unwrap();
+    let printed = output(&["urdf", file.to_str().unwrap()]);
+    let again = load(&String::from_utf8(printed.stdout).unwrap());
+    let known = sensor_frames(&again, "");
+    assert_eq!(names(&known), names(&frames));
+    assert!(known.iter().all(|frame| frame.is_link), "{known:#?}");
+}
+
+#[test]
+fn data_of_a_sensor_with_a_pose_are_in_a_frame_that_tf_knows() {
+    let text = robot_with(&[
+        ("imu", "imu", "0 0 0 0 1.5707963 0", "<topic>imu</topic>"),
+        ("ray", "lid", AHEAD, "<topic>lid</topic>"),
+    ]);
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("r.urdf");
+    fs::write(&file, text).unwrap();
+    let file = file.to_str().unwrap();
+    for (arguments, expected) in
+        [(&[][..], ["r/base/lid", "r/base/imu"]), (&["--gazebo-compat"], ["base", "base"])]
+    {
+        let simulator = Simulator::start(&[&["--world", "empty", "--robot", file], arguments].concat());
+        for (topic, expected) in ["/lid", "/imu"].into_iter().zip(expected) {
+            let frame = next_frame(&mut simulator.subscribe(topic));
+            assert_eq!(frame.header().frame_id.as_str(), expected, "{topic} {arguments:?}");
+        }
+        if arguments.is_empty() {
+            let fixed = next_frame(&mut simulator.subscribe("/tf_static"));
+            let fixed: Vec<Transform> = fixed.view().structs().unwrap().collect();
+            let lidar = fixed.iter().find(|transform| transform.child.as_str() == "r/base/lid").unwrap();
+            assert_eq!((lidar.parent.as_str(), lidar.translation), ("base", [1.0, 0.0, 0.5]));
+            let half = std::f64::consts::FRAC_PI_4.sin();
+            for (ours, expected) in lidar.rotation.iter().zip([0.0, 0.0, half, half]) {
+                assert!((ours - expected).abs() < 1e-7, "{:?}", lidar.rotation);
             }
         }
     }

@@ -1,29 +1,37 @@
-//! Nearest whole numbers, as packets and clouds tell values: compares and a sum, which compilers vectorize for every
-//! instruction set, as `round` and conversions that saturate are not. Of two as near it is the even one.
+//! Nearest whole numbers: the rounding of all values in packets. A program that writes the same values elsewhere, such as
+//! into point clouds, gets the same numbers from these functions.
+//!
+//! They consist of comparisons and a sum, which compilers vectorize for every instruction set; `round` and saturating
+//! conversions are not vectorized for SSE2. A value in the middle of two whole numbers becomes the even one.
 
-/// From here on f32 and f64 are whole numbers: a sum with it has the nearest one in its lower bits.
+/// From these values on, `f32` and `f64` have no fraction: a sum with one of them has the nearest whole number in its
+/// lower bits.
 const WHOLE_F32: f32 = (1_u32 << 23) as f32;
 const WHOLE_F64: f64 = (1_u64 << 52) as f64;
 
-/// The nearest from 0 to `most`, which is below 2²³; 0 of what is no number.
+/// Returns the nearest whole number from 0 to `most`, which must be below 2²³; 0 if the value is no number.
 #[inline]
-pub(super) fn nearest(value: f32, most: f32) -> u32 {
+#[must_use]
+pub fn nearest(value: f32, most: f32) -> u32 {
     let value = if value > 0.0 { value } else { 0.0 };
     let value = if value < most { value } else { most };
     (value + WHOLE_F32).to_bits() & 0x7F_FFFF
 }
 
-/// The nearest of what is less than `limit`, which is at most 2³² − 0.5; 0 of what is not, or below 0, or no number.
+/// Returns the nearest whole number of a value that is less than `limit`, which must be at most 2³² − 0.5. If the value is
+/// not less, or below 0, or no number, returns 0.
 #[inline]
-pub(super) fn nearest_below(value: f64, limit: f64) -> u32 {
+#[must_use]
+pub fn nearest_below(value: f64, limit: f64) -> u32 {
     let value = if value > 0.0 { value } else { 0.0 };
     let value = if value < limit { value } else { 0.0 };
     (value + WHOLE_F64).to_bits() as u32
 }
 
-/// The nearest, of what is from 0 to 2⁵¹.
+/// Returns the nearest whole number of a value from 0 to 2⁵¹.
 #[inline]
-pub(super) fn rounded(value: f64) -> f64 {
+#[must_use]
+pub fn rounded(value: f64) -> f64 {
     (value + WHOLE_F64) - WHOLE_F64
 }
 

@@ -1,26 +1,32 @@
-//! What a decoder has to know of a head, as the device tells it.
+//! The metadata of a device: what a decoder has to know of it besides its packets.
 
-use super::inertial::{PACKETS_IN_FRAME, SAMPLES};
-use super::{COLUMNS, IMU_PORT, INITIALIZATION, LIDAR_PORT, Ouster, SERIAL};
-use crate::description::model::ImuProfile;
+use super::device::Device;
+use super::imu::{PACKETS_IN_FRAME, SAMPLES};
+use super::lidar::COLUMNS;
+use super::profile::ImuProfile;
+use super::{IMU_PORT, LIDAR_PORT};
 
-/// Metadata in JSON.
-pub(super) fn of(device: &Ouster) -> String {
+impl Device {
+    /// Returns its metadata in the JSON that ouster-sdk reads, as the device gives them over HTTP.
+    #[must_use]
+    pub fn metadata(&self) -> String {
+        of(self)
+    }
+}
+
+fn of(device: &Device) -> String {
     let head = &device.head;
-    let (rows, columns, rate_hz) = (head.lasers.len(), head.columns, device.rate_hz);
-    let line = device.name[..3].to_uppercase().replace("OS", "OS-");
-    let profile = device.profile.name();
-    let list = |values: &mut dyn Iterator<Item = f64>| {
-        values.map(|value| format!("{value:.6}")).collect::<Vec<_>>().join(", ")
-    };
-    let altitudes = list(&mut head.lasers.iter().map(|laser| laser.elevation_rad.to_degrees()));
-    let azimuths = list(&mut head.azimuths_deg());
-    let shifts = head.shifts().map(|shift| shift.to_string()).collect::<Vec<_>>().join(", ");
-    let beam_mm = head.beam_origin_mm();
-    let up_mm = head.lasers.first().map_or(0.0, |laser| laser.origin_m[2] * 1000.0);
-    // The IMU is at the same place in all housings, but an OS2's is higher.
-    let imu_mm = if line == "OS-2" { 11.645 } else { 7.645 };
-    let last = columns - 1;
+    let (rows, columns, rate_hz) = (head.altitudes_deg.len(), head.columns_per_frame, device.rate_hz);
+    let line = device.product_line.name();
+    let profile = device.lidar_profile.name();
+    let (serial, initialization) = (device.identity.serial, device.identity.initialization);
+    let list =
+        |values: &[f64]| values.iter().map(|value| format!("{value:.6}")).collect::<Vec<_>>().join(", ");
+    let (altitudes, azimuths) = (list(&head.altitudes_deg), list(&head.azimuths_deg));
+    let shifts = head.pixel_shifts().map(|shift| shift.to_string()).collect::<Vec<_>>().join(", ");
+    let (beam_mm, up_mm) = (head.beam_origin_m * 1000.0, head.height_m * 1000.0);
+    let imu_mm = device.product_line.imu_height_mm();
+    let last = columns.saturating_sub(1);
     let imu_profile = device.imu_profile.name();
     let imu_format = match device.imu_profile {
         ImuProfile::Legacy => String::new(),
@@ -31,7 +37,7 @@ pub(super) fn of(device: &Ouster) -> String {
     format!(
         r#"{{
   "sensor_info": {{
-    "prod_line": "{line}-{rows}", "prod_pn": "", "prod_sn": "{SERIAL}", "initialization_id": {INITIALIZATION},
+    "prod_line": "{line}-{rows}", "prod_pn": "", "prod_sn": "{serial}", "initialization_id": {initialization},
     "build_date": "", "build_rev": "", "image_rev": "", "status": "RUNNING"
   }},
   "config_params": {{

@@ -1,0 +1,167 @@
+//! The frames that the data of sensors are in where no link of the model is such a frame.
+//!
+//! Pictures are in optical frames: x right, y down, z forward (REP-103). Gazebo stamps pictures with whatever the plugin
+//! names; a program that projects with them by tf is then wrong by a turn of 120° about the diagonal.
+//!
+//! Other data are in the axes of their sensor. Where the file names no frame and the sensor has a `<pose>` in its link, the
+//! link is not that frame, so the sensor gets one of its own, by the name that gz-sim has for it: `MODEL/LINK/SENSOR`.
+
+use super::model::{LinkIndex, Model, Sensor, SensorKind};
+use belvedere_sensors::Pose;
+use glam::{DMat3, DQuat, DVec3};
+
+/// How far two poses that are the same may be apart, in metres and in the quaternion's components.
+const TOLERANCE: f64 = 1e-6;
+
+/// The most bytes of a frame's name in messages.
+const LONGEST: usize = 63;
+
+/// A frame in which a sensor's data are, beside the links of the model.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SensorFrame {
+    /// Index of the sensor in [`Model::sensors`].
+    pub sensor: usize,
+    /// For a camera the name of what its plugin names, or of its link, with `_optical` behind it; for another sensor
+    /// `MODEL/LINK/SENSOR`.
+    pub name: String,
+    /// The link in which it stands still: the one that the plugin names, or the sensor's.
+    pub parent: LinkIndex,
+    /// Where it is there: at the sensor.
+    pub parent_from_frame: Pose,
+    /// Whether the model has a link of that name and place already.
+    pub is_link: bool,
+}
+
+/// Those that a model's sensors need, in their order, if their names are put into a namespace.
+///
+/// A camera needs none if its plugin names an optical frame that looks its way, or something that is no link of the model or
+/// moves against the camera. Another sensor needs none if a frame is named for its data, or if it is at its link's origin.
+pub fn sensor_frames(model: &Model, namespace: &str) -> Vec<SensorFrame> {
+    let room = LONGEST.saturating_sub(if namespace.is_empty() { 0 } else { namespace.len() + 1 });
+    let mut frames: Vec<SensorFrame> = Vec::new();
+    for (index, sensor) in model.sensors.iter().enumerate() {
+        let frame = match named_frame(&sensor.kind) {
+            Some((name, true)) => optical_frame(model, index, name, &frames),
+            Some(("", false)) => own_frame(model, index, room, &frames),
+            _ => None,
+        };
+        frames.extend(frame);
+    }
+    frames
+}
+
+/// The frame that a sensor's plugin names, empty if it names none, and whether the sensor takes pictures. None if the sensor
+/// has no plugin.
+fn named_frame(kind: &SensorKind) -> Option<(&str, bool)> {
+    let name = match kind {
+        SensorKind::Camera(camera) => return Some((&camera.plugin.as_ref()?.frame_name, true)),
+        SensorKind::Depth(depth) => return Some((&depth.plugin.as_ref()?.camera.frame_name, true)),
+        SensorKind::Ray(lidar) => &lidar.plugin.as_ref()?.frame_name,
+        SensorKind::Range(range) => &range.plugin.as_ref()?.frame_name,
+        SensorKind::Imu(imu) => &imu.plugin.as_ref()?.frame_name,
+        SensorKind::NavSat(navsat) => &navsat.plugin.as_ref()?.frame_name,
+        SensorKind::Magnetometer(magnetometer) => &magnetometer.plugin.as_ref()?.frame_name,
+        SensorKind::Altimeter(altimeter) => &altimeter.plugin.as_ref()?.frame_name,
+        SensorKind::AirPressure(barometer) => &barometer.plugin.as_ref()?.frame_name,
+    };
+    Some((name, false))
+}
+
+/// The frame of a camera's pictures.
+fn optical_frame(model: &Model, index: usize, name: &str, frames: &[SensorFrame]) -> Option<SensorFrame> {
+    let sensor = &model.sensors[index];
+    let parent = named_link(model, sensor, name)?;
+    let parent_from_frame = link_from_optical(model, parent, sensor);
+    // Where another link is that frame, the sensor is put there (`rig/mount.rs`).
+    let is_there = parent != sensor.link || parent_from_frame.translation().length() < TOLERANCE;
+    if is_there && is_near(parent_from_frame.rotation().dot(DQuat::IDENTITY).abs(), 1.0) {
+        return None;
+    }
+    let place = (parent, parent_from_frame);
+    let plain = format!("{}_optical", model.links[parent].name);
+    // Two cameras of one frame that sit or look differently have two.
+    let own = format!("{}_{}_optical", model.links[parent].name, sensor.name);
+    let name = if fits(model, frames, &plain, place) { plain } else { own };
+    Some(frame(model, index, name, place))
+}
+
+/// The frame of another sensor, whose data name none.
+fn own_frame(model: &Model, index: usize, room: usize, frames: &[SensorFrame]) -> Option<SensorFrame> {
+    let sensor = &model.sensors[index];
+    let place = (sensor.link, sensor.link_from_sensor);
+    if is_same(&sensor.link_from_sensor, &Pose::IDENTITY) {
+        return None;
+    }
+    let parts =
+        [&model.name, &model.links[sensor.link].name, &sensor.name].map(|part| part.replace("::", "/"));
+    // A message has no room for a long name: then without the model, and without the link. Two sensors of one name on a
+    // link have numbers.
+    let names = (0..3).map(|first| parts[first..].join("/"));
+    let numbered = names.flat_map(|name| {
+        std::iter::once(name.clone())
+            .chain((2..=frames.len() + 2).map(move |number| format!("{name}_{number}")))
+    });
+    let name = numbered.filter(|name| name.len() <= room).find(|name| fits(model, frames, name, place))?;
+    Some(frame(model, index, name, place))
+}
+
+fn frame(
+    model: &Model,
+    sensor: usize,
+    name: String,
+    (parent, parent_from_frame): (LinkIndex, Pose),
+) -> SensorFrame {
+    let is_link = model.link_named(&name).is_some();
+    SensorFrame { sensor, name, parent, parent_from_frame, is_link }
+}
+
+/// Whether a link of this name is at this place in another link, if there is one, and so is each frame before.
+fn fits(
+    model: &Model,
+    frames: &[SensorFrame],
+    name: &str,
+    (parent, parent_from_frame): (LinkIndex, Pose),
+) -> bool {
+    let parent_from_model = model.links[parent].model_from_link.inverse();
+    let by_link = model.link_named(name).is_none_or(|link| {
+        is_same(&(parent_from_model * model.links[link].model_from_link), &parent_from_frame)
+    });
+    let mut alike = frames.iter().filter(|frame| frame.name == name);
+    by_link
+        && alike.all(|frame| frame.parent == parent && is_same(&frame.parent_from_frame, &parent_from_frame))
+}
+
+/// Those that no link of the model and no one before stands for.
+pub fn new_frames(frames: &[SensorFrame]) -> impl Iterator<Item = &SensorFrame> {
+    let is_first = |index: usize| frames[..index].iter().all(|before| before.name != frames[index].name);
+    frames
+        .iter()
+        .enumerate()
+        .filter(move |(index, frame)| !frame.is_link && is_first(*index))
+        .map(|(_, frame)| frame)
+}
+
+/// The sensor's pose when it sits in an optical frame: forward, left and up are z, −x and −y there.
+pub fn optical_from_sensor() -> Pose {
+    Pose::new(DVec3::ZERO, DQuat::from_mat3(&DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y)))
+}
+
+/// The link that the pictures of a camera are said to be in, if it stands still against the camera.
+fn named_link(model: &Model, sensor: &Sensor, name: &str) -> Option<LinkIndex> {
+    let link = if name.is_empty() { Some(sensor.link) } else { model.link_named(name) };
+    link.filter(|link| model.rigid_root(*link) == model.rigid_root(sensor.link))
+}
+
+fn link_from_optical(model: &Model, link: LinkIndex, sensor: &Sensor) -> Pose {
+    let model_from_sensor = model.links[sensor.link].model_from_link * sensor.link_from_sensor;
+    model.links[link].model_from_link.inverse() * model_from_sensor * optical_from_sensor().inverse()
+}
+
+fn is_near(a: f64, b: f64) -> bool {
+    (a - b).abs() < TOLERANCE
+}
+
+fn is_same(one: &Pose, other: &Pose) -> bool {
+    one.translation().distance(other.translation()) < TOLERANCE
+        && is_near(one.rotation().dot(other.rotation()).abs(), 1.0)
+}

@@ -1,0 +1,182 @@
+//! Lidar packets of an Ouster, in any of their layouts.
+
+use super::checksum;
+use super::device::{Device, DeviceError, Head, Identity};
+use super::profile::{Layout, LidarProfile};
+use crate::whole::nearest;
+use crate::{Column, ColumnError};
+
+/// The columns of a packet.
+pub(super) const COLUMNS: usize = 16;
+/// The ticks of the encoder in a turn.
+const TICKS: u32 = 90_112;
+/// How many beams are converted at once: heads have 16, 32, 64 or 128.
+const LASERS: usize = 16;
+/// The type of packet in the header.
+const KIND: u16 = 1;
+
+/// Puts columns into packets.
+#[derive(Debug, Clone)]
+pub struct LidarEncoder {
+    profile: LidarProfile,
+    layout: Layout,
+    head: Head,
+    identity: Identity,
+    packet: Vec<u8>,
+    /// Frame and number of the column that continues the packet.
+    next: Option<(u64, usize)>,
+}
+
+/// Ranges in steps of a layout, and signals, of one return of each laser; 0 for no return.
+type Told = ([u32; LASERS], [u32; LASERS]);
+
+/// Puts words into the bytes of channels, little-endian.
+#[inline]
+fn put<const WORDS: usize>(place: &mut [u8], words: impl Fn(usize) -> [u32; WORDS]) {
+    for (laser, place) in place.chunks_exact_mut(4 * WORDS).enumerate() {
+        place.copy_from_slice(words(laser % LASERS).map(u32::to_le_bytes).as_flattened());
+    }
+}
+
+impl LidarEncoder {
+    /// Creates an encoder with an empty packet.
+    ///
+    /// # Errors
+    /// When the head has a number of beams or columns that no head of Ouster has.
+    pub fn new(device: &Device) -> Result<Self, DeviceError> {
+        device.check()?;
+        let (profile, layout) = (device.lidar_profile, device.lidar_profile.layout());
+        let column = layout.column(device.head.altitudes_deg.len());
+        let packet = vec![0; layout.header + COLUMNS * column + layout.footer];
+        Ok(Self { profile, layout, head: device.head.clone(), identity: device.identity, packet, next: None })
+    }
+
+    /// Puts a column into the packet, and returns the packet if it is full now.
+    ///
+    /// A packet has 16 columns in succession, the first with a number that is a multiple of 16. If the columns of a packet
+    /// are not complete, it is not sent.
+    ///
+    /// Each laser may have any number of returns, the strongest first; layouts of one return have the first of them, those
+    /// of two the first two. There is no reflectivity apart from the intensity, so the packet has that for both, and no
+    /// near infrared, which is 0.
+    ///
+    /// # Errors
+    /// When the column does not have a whole number of returns of each laser, or has a number that is none of its frame.
+    /// The packet is as before then.
+    pub fn push(&mut self, column: &Column<'_>) -> Result<Option<&[u8]>, ColumnError> {
+        let beams = self.head.altitudes_deg.len();
+        let returns = (column.ranges_m.len() / beams).max(1);
+        column.check(beams, returns)?;
+        let columns = self.head.columns_per_frame;
+        if column.number >= columns as usize {
+            return Err(ColumnError::Number { number: column.number, columns });
+        }
+        let place = column.number % COLUMNS;
+        if place > 0 && self.next != Some((column.frame, column.number)) {
+            return Ok(None);
+        }
+        self.next = Some((column.frame, column.number + 1));
+        let Layout { header, column_header, column_footer, .. } = self.layout;
+        let length = self.layout.column(beams);
+        let begin = header + place * length;
+        let bytes = &mut self.packet[begin..][..length];
+        bytes[..8].copy_from_slice(&column.time_ns.to_le_bytes());
+        bytes[8..10].copy_from_slice(&(column.number as u16).to_le_bytes());
+        if self.profile == LidarProfile::Legacy {
+            let ticks = column.number as u32 * (TICKS / columns);
+            bytes[10..12].copy_from_slice(&(column.frame as u16).to_le_bytes());
+            bytes[12..16].copy_from_slice(&ticks.to_le_bytes());
+            bytes[length - column_footer..].fill(0xFF);
+        } else {
+            // Valid.
+            bytes[10..12].copy_from_slice(&1_u16.to_le_bytes());
+        }
+        // The number of returns is known to the compiler where it is one of the usual ones.
+        match returns {
+            1 => self.write_returns(begin + column_header, column, 1),
+            2 => self.write_returns(begin + column_header, column, 2),
+            returns => self.write_returns(begin + column_header, column, returns),
+        }
+        if place + 1 < COLUMNS {
+            return Ok(None);
+        }
+        self.finish(column.frame);
+        Ok(Some(&self.packet))
+    }
+
+    /// Discards the columns that wait for their packet to be full.
+    pub fn restart(&mut self) {
+        self.next = None;
+    }
+
+    /// Puts ranges, reflectivities and signals of a column's beams into their channels.
+    #[expect(clippy::inline_always, reason = "so that the number of returns is a constant in it")]
+    #[inline(always)]
+    fn write_returns(&mut self, place: usize, column: &Column<'_>, returns: usize) {
+        let head = &self.head;
+        let length = self.layout.channel * LASERS;
+        let places = self.packet[place..].chunks_exact_mut(length).take(head.altitudes_deg.len() / LASERS);
+        let values = column.ranges_m.chunks_exact(LASERS * returns);
+        let values = values.zip(column.intensities.chunks_exact(LASERS * returns));
+        let reflectivity = |signal: u32| signal.min(255);
+        for (place, (ranges, intensities)) in places.zip(values) {
+            let told = |number: usize, step_mm: f64, bits: u32| {
+                let (mut steps, mut signals) = ([0; LASERS], [0; LASERS]);
+                let ranges = ranges.chunks_exact(returns).map(|returns| returns[number]);
+                let intensities = intensities.chunks_exact(returns).map(|returns| returns[number]);
+                let places = steps.iter_mut().zip(&mut signals);
+                for ((steps, signal), (range, intensity)) in places.zip(ranges.zip(intensities)) {
+                    *steps = head.steps(range, step_mm, bits);
+                    *signal = if range.is_finite() { nearest(intensity, f32::from(u16::MAX)) } else { 0 };
+                }
+                (steps, signals)
+            };
+            let echo = |(ranges, signals): &Told, laser: usize| (ranges[laser], signals[laser]);
+            match self.profile {
+                profile @ (LidarProfile::Legacy | LidarProfile::Rng19Rfl8Sig16Nir16) => {
+                    let only = told(0, 1.0, if profile == LidarProfile::Legacy { 20 } else { 19 });
+                    put(place, |laser| {
+                        let (range, signal) = echo(&only, laser);
+                        [range, reflectivity(signal) | signal << 16, 0]
+                    });
+                }
+                LidarProfile::Rng19Rfl8Sig16Nir16Dual => {
+                    let none = ([0; LASERS], [0; LASERS]);
+                    let echoes = [told(0, 1.0, 19), if returns > 1 { told(1, 1.0, 19) } else { none }];
+                    put(place, |laser| {
+                        let [(first, signal), (second, second_signal)] =
+                            [echo(&echoes[0], laser), echo(&echoes[1], laser)];
+                        [
+                            first | reflectivity(signal) << 24,
+                            second | reflectivity(second_signal) << 24,
+                            signal | second_signal << 16,
+                            0,
+                        ]
+                    });
+                }
+                LidarProfile::Rng15Rfl8Nir8 => {
+                    let only = told(0, 8.0, 15);
+                    put(place, |laser| {
+                        let (range, signal) = echo(&only, laser);
+                        [range | reflectivity(signal) << 16]
+                    });
+                }
+            }
+        }
+    }
+
+    /// Writes what is before the columns of a packet and after them.
+    fn finish(&mut self, frame: u64) {
+        let length = self.packet.len();
+        let (text, footer) = self.packet.split_at_mut(length - self.layout.footer);
+        if footer.is_empty() {
+            return;
+        }
+        text[..2].copy_from_slice(&KIND.to_le_bytes());
+        text[2..4].copy_from_slice(&(frame as u16).to_le_bytes());
+        text[4..12].copy_from_slice(&self.identity.bytes());
+        let checked = length - size_of::<u64>();
+        let sum = checksum(&self.packet[..checked]);
+        self.packet[checked..].copy_from_slice(&sum.to_le_bytes());
+    }
+}

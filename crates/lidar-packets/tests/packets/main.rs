@@ -1,0 +1,5 @@
+//! Packets of every layout, byte by byte.
+
+mod any_input;
+mod columns;
+mod layouts;

@@ -1,0 +1,344 @@
+//! `belvedere check --all`: a line for each robot, model and world of a folder.
+
+use super::{CheckArgs, counts, diagnose};
+use crate::cli::error::CliError;
+use crate::cli::follow::print_line;
+use crate::cli::log::status_lines;
+use crate::description::diagnostics::Source;
+use crate::description::load::{LoadOptions, is_world, xacro_argument};
+use crate::description::xacro::{self, Element};
+use crate::description::{Diagnostics, Problem};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::collections::{BTreeMap, HashSet};
+use std::io::IsTerminal as _;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+use std::time::Duration;
+
+/// How long one file may take. The limits of the readers end nearly all that would take long, and sooner.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// The stack of the thread that checks a file, as that of the command.
+const STACK: usize = 8 << 20;
+/// The column that follows the names begins here at most, however long some of them are.
+const WIDEST: usize = 80;
+
+/// What a file is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Robot,
+    Model,
+    World,
+}
+
+impl Kind {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Robot => "robot",
+            Self::Model => "model",
+            Self::World => "world",
+        }
+    }
+}
+
+/// What became of a file.
+#[derive(Debug, Clone, PartialEq, Eq)]
+enum Outcome {
+    /// It can be run; how many warnings and notes there are, in words.
+    Runs(String),
+    /// It has no links of its own: others include it.
+    MacrosOnly,
+    /// It cannot be run; the first error.
+    Fails(String),
+}
+
+/// Checks the files of a folder, and prints a line for each and their counts.
+///
+/// # Errors
+/// When there is no such folder, or nothing in it to check; when a file has errors; failures of standard output.
+pub(super) fn check_all(folder: &Path, args: &CheckArgs) -> Result<(), CliError> {
+    let job = Job::of(folder, args)?;
+    let files = files(folder).map_err(|source| CliError::Input { path: folder.to_owned(), source })?;
+    if files.is_empty() {
+        let what = "there is no .urdf, .xacro, .sdf or .world file in this folder";
+        return Err(problem(folder, what, "name the folder that has robots, models or worlds"));
+    }
+    let names: Vec<String> = files.iter().map(|file| below(folder, file)).collect();
+    let width = names.iter().map(|name| name.chars().count()).max().unwrap_or_default().min(WIDEST);
+    let bar = progress(files.len());
+    print_line(&format!("{:<width$}  KIND   RESULT", "FILE"))?;
+    let mut counted: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut failed = 0;
+    let prefix = format!("{}/", folder.display());
+    in_order(&files, &job, |index, kind, outcome| {
+        let (result, count) = match outcome {
+            Outcome::Runs(counts) if counts == "no problems" => ("ok".to_owned(), "ok"),
+            Outcome::Runs(counts) => {
+                let counts = counts.trim_start_matches("no errors, ").to_owned();
+                let has_warnings = counts.contains("warning");
+                (counts, if has_warnings { "with warnings" } else { "with notes" })
+            }
+            Outcome::MacrosOnly => ("macros only".to_owned(), "macros only"),
+            Outcome::Fails(error) => {
+                failed += 1;
+                (format!("error: {}", error.replace(&prefix, "")), "failed")
+            }
+        };
+        *counted.entry(count).or_default() += 1;
+        bar.inc(1);
+        let name = &names[index];
+        status_lines().suspend(|| print_line(&format!("{name:<width$}  {:<5}  {result}", kind.name())))
+    })?;
+    bar.finish_and_clear();
+    let counts = ["ok", "with notes", "with warnings", "macros only", "failed"]
+        .iter()
+        .filter_map(|what| Some(format!("{} {what}", counted.get(what)?)));
+    print_line("")?;
+    let plural = if files.len() == 1 { "file" } else { "files" };
+    print_line(&format!("{} {plural}: {}", files.len(), counts.collect::<Vec<_>>().join(", ")))?;
+    if failed > 0 {
+        return Err(CliError::FilesFail { failed, files: files.len() });
+    }
+    Ok(())
+}
+
+/// What each file is checked with. The packages are looked for once.
+#[derive(Clone)]
+struct Job {
+    args: CheckArgs,
+    options: LoadOptions,
+}
+
+impl Job {
+    /// Of the files of a folder, which is among those with packages.
+    fn of(folder: &Path, args: &CheckArgs) -> Result<Self, CliError> {
+        let mut args = CheckArgs { all: None, ..args.clone() };
+        // An argument of xacro that stands in the place of the file.
+        if let Some(file) = args.file.take() {
+            let argument = file.to_str().and_then(|text| xacro_argument(text).ok());
+            let Some(argument) = argument else {
+                let what = format!("'{}' stands beside --all", file.display());
+                return Err(problem(Path::new("the command line"), &what, "leave one of them out"));
+            };
+            args.simulated.robots.add_argument(argument);
+        }
+        args.simulated.add_package_folder(folder.to_owned());
+        let options = LoadOptions {
+            packages: args.simulated.packages(),
+            rules: args.simulated.rules(),
+            xacro_args: args.simulated.robots.xacro_args().to_vec(),
+        };
+        Ok(Self { args, options })
+    }
+}
+
+fn problem(place: &Path, what: &str, remedy: &str) -> CliError {
+    let mut diagnostics = Diagnostics::default();
+    diagnostics.error(&Source::new(place, 0), what, remedy);
+    CliError::Description(diagnostics.errors().cloned().collect())
+}
+
+/// How far it is, on a terminal.
+fn progress(files: usize) -> ProgressBar {
+    let bar = if std::io::stderr().is_terminal() {
+        status_lines().add(ProgressBar::new(files as u64))
+    } else {
+        ProgressBar::with_draw_target(Some(files as u64), ProgressDrawTarget::hidden())
+    };
+    let style = "{bar:30} {pos}/{len} files, {elapsed} gone, {eta} left";
+    bar.with_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()))
+}
+
+/// The name of a file in a folder.
+fn below(folder: &Path, file: &Path) -> String {
+    file.strip_prefix(folder).unwrap_or(file).display().to_string()
+}
+
+/// The files of a folder and the folders in it that are robots, models and worlds by their names, in alphabetical order.
+/// Hidden folders are passed over, and links that lead back are not followed.
+fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut found = Vec::new();
+    let mut seen = HashSet::new();
+    let mut open = vec![folder.to_path_buf()];
+    let mut is_first = true;
+    while let Some(folder) = open.pop() {
+        let entries = match std::fs::read_dir(&folder) {
+            Ok(entries) => entries,
+            Err(error) if is_first => return Err(error),
+            Err(error) => {
+                tracing::warn!(folder = %folder.display(), %error, "a folder cannot be read and is left out");
+                continue;
+            }
+        };
+        is_first = false;
+        if !folder.canonicalize().is_ok_and(|real| seen.insert(real)) {
+            continue;
+        }
+        for entry in entries.filter_map(Result::ok) {
+            let path = entry.path();
+            let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
+            if path.is_dir() {
+                open.extend((!is_hidden).then_some(path));
+            } else if is_description(&path) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn is_description(path: &Path) -> bool {
+    let is_known = path.extension().is_some_and(|extension| {
+        ["urdf", "xacro", "sdf", "world"].iter().any(|known| extension.eq_ignore_ascii_case(known))
+    });
+    // The file that a model.config names has a line of its own.
+    is_known || path.file_name().is_some_and(|name| name == "model.config") && config_error(path).is_some()
+}
+
+/// What is wrong with a model.config, apart from the files that it names.
+fn config_error(path: &Path) -> Option<String> {
+    let root = match Element::parse_file(path) {
+        Ok(root) => root,
+        Err(problem) => return Some(problem.to_string()),
+    };
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let named: Vec<String> = root.elements_named("sdf").map(Element::text).collect();
+    // A folder of meshes for other models names no file.
+    if named.is_empty() || named.iter().any(|name| folder.join(name.trim()).is_file()) {
+        return None;
+    }
+    let (place, named) = (root.source, named.join(", "));
+    Some(format!("{place}: error: <sdf> names {named}, which is not beside it; correct the name of the file"))
+}
+
+/// Checks files on all cores, and hands on what became of each in their order.
+fn in_order(
+    files: &[PathBuf],
+    job: &Job,
+    mut done: impl FnMut(usize, Kind, Outcome) -> Result<(), CliError>,
+) -> Result<(), CliError> {
+    let next = AtomicUsize::new(0);
+    let workers = thread::available_parallelism().map_or(1, usize::from).min(files.len());
+    thread::scope(|scope| {
+        let (send, receive) = mpsc::channel();
+        for _ in 0..workers {
+            let (send, next) = (send.clone(), &next);
+            scope.spawn(move || {
+                while let Some((index, file)) = Some(next.fetch_add(1, Ordering::Relaxed))
+                    .and_then(|index| Some((index, files.get(index)?)))
+                {
+                    let (kind, outcome) = check_isolated(file, job);
+                    if send.send((index, kind, outcome)).is_err() {
+                        return;
+                    }
+                }
+            });
+        }
+        drop(send);
+        let mut waiting = BTreeMap::new();
+        let mut turn = 0;
+        for (index, kind, outcome) in receive {
+            waiting.insert(index, (kind, outcome));
+            while let Some((kind, outcome)) = waiting.remove(&turn) {
+                done(turn, kind, outcome)?;
+                turn += 1;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Checks a file in a thread of its own: a panic, or a file that takes too long, costs that file alone.
+fn check_isolated(file: &Path, job: &Job) -> (Kind, Outcome) {
+    let (send, receive) = mpsc::channel();
+    let (path, job) = (file.to_owned(), job.clone());
+    let work = move || {
+        let kind = kind_of(&path, &job);
+        // Only the first of the two is looked at: the file's kind is known even if the check never ends.
+        let _ = send.send((kind, None));
+        let outcome = catch_unwind(AssertUnwindSafe(|| check_file(kind, &path, &job)));
+        let outcome = outcome.unwrap_or_else(|panic| {
+            let words = panic.downcast_ref::<String>().map(String::as_str);
+            let words = words.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no words");
+            Outcome::Fails(format!("belvedere panics ({words}); please report this file"))
+        });
+        let _ = send.send((kind, Some(outcome)));
+    };
+    let fails = |what: String| (Kind::Robot, Outcome::Fails(what));
+    if let Err(error) = thread::Builder::new().stack_size(STACK).spawn(work) {
+        return fails(format!("the system gives no thread to check it: {error}; end other programs"));
+    }
+    let mut kind = Kind::Robot;
+    loop {
+        match receive.recv_timeout(PATIENCE) {
+            Ok((known, None)) => kind = known,
+            Ok((kind, Some(outcome))) => return (kind, outcome),
+            Err(_) => {
+                let what = format!("it takes more than {} s", PATIENCE.as_secs());
+                return (kind, Outcome::Fails(what));
+            }
+        }
+    }
+}
+
+fn kind_of(file: &Path, job: &Job) -> Kind {
+    let extension = file.extension().unwrap_or_default();
+    if file.file_name().is_some_and(|name| name == "model.config") {
+        Kind::Model
+    } else if is_world(file, &job.options) {
+        Kind::World
+    } else if extension.eq_ignore_ascii_case("sdf") || extension.eq_ignore_ascii_case("world") {
+        Kind::Model
+    } else {
+        Kind::Robot
+    }
+}
+
+fn check_file(kind: Kind, file: &Path, job: &Job) -> Outcome {
+    if let Some(error) =
+        (file.extension().is_some_and(|it| it == "config")).then(|| config_error(file)).flatten()
+    {
+        return Outcome::Fails(error);
+    }
+    if kind == Kind::Robot && has_only_macros(file, &job.options) {
+        return Outcome::MacrosOnly;
+    }
+    let mut args = CheckArgs { file: Some(file.to_owned()), ..job.args.clone() };
+    args.simulated.be_alone(kind == Kind::World);
+    let mut diagnostics = Diagnostics::default();
+    diagnose(&args, &job.options.packages, &mut diagnostics);
+    match diagnostics.errors().next() {
+        Some(error) => Outcome::Fails(first_line(error)),
+        None => Outcome::Runs(counts(&diagnostics)),
+    }
+}
+
+fn first_line(problem: &Problem) -> String {
+    problem.to_string().lines().next().unwrap_or_default().to_owned()
+}
+
+/// Whether a xacro file has no links, but is for others to include. One that cannot be expanded by itself, because it needs
+/// what the others define, is such a file if there is nothing but directives of xacro in it.
+fn has_only_macros(file: &Path, options: &LoadOptions) -> bool {
+    let Ok(written) = Element::parse_file(file) else { return false };
+    let is_xacro = file.extension().is_some_and(|extension| extension == "xacro")
+        || std::fs::read_to_string(file).is_ok_and(|text| text.contains("xmlns:xacro"));
+    if !is_xacro || written.name == "sdf" {
+        return false;
+    }
+    let mut diagnostics = Diagnostics::default();
+    match xacro::expand(file, &options.packages, &options.xacro_args, &mut diagnostics) {
+        Ok(expanded) => expanded.child("link").is_none(),
+        Err(_) => {
+            let is_directive = |element: &Element| {
+                let name = element.name.strip_prefix("xacro:").unwrap_or(&element.name);
+                ["macro", "property", "arg", "include"].contains(&name)
+            };
+            let is_macro = |element: &Element| element.name.trim_start_matches("xacro:") == "macro";
+            written.elements().all(is_directive) && written.elements().any(is_macro)
+        }
+    }
+}

@@ -1,0 +1,73 @@
+//! Packets of an Ouster's inertial unit.
+
+use super::imu_profile;
+use super::sink::{PacketSink, PacketTarget};
+use crate::description::model::ImuProfile;
+use belvedere_sensors::imu::InertialReading;
+use lidar_packets::ouster::{IMU_PORT, Identity, ImuEncoder};
+use std::io;
+
+/// A unit's packets, and everybody who gets them.
+pub(in crate::rig) struct ImuPackets {
+    encoder: ImuEncoder,
+    sinks: Vec<PacketSink>,
+}
+
+impl ImuPackets {
+    pub(in crate::rig) fn new(profile: ImuProfile) -> Self {
+        let encoder = ImuEncoder::new(imu_profile(profile), Identity::default());
+        Self { encoder, sinks: Vec::new() }
+    }
+
+    /// Sends them to somebody more.
+    pub(in crate::rig) fn open(&mut self, target: &PacketTarget) -> io::Result<()> {
+        if let PacketTarget::Metadata(_) = target {
+            return Err(io::Error::other(
+                "metadata are those of its lidar, which has <udp_profile_imu>, too",
+            ));
+        }
+        self.sinks.extend(PacketSink::open(target)?);
+        Ok(())
+    }
+
+    /// Discards the samples that wait for their packet to be full.
+    pub(in crate::rig) fn restart(&mut self) {
+        self.encoder.restart();
+    }
+
+    /// Puts a sample into the packet, and sends the packet if it is full. Without receivers, samples are not counted.
+    pub(in crate::rig) fn push(&mut self, stamp_ns: u64, read: &InertialReading) {
+        if self.sinks.is_empty() {
+            return;
+        }
+        let (force, turn) = (read.specific_force.to_array(), read.angular_velocity.to_array());
+        if let Some(packet) = self.encoder.push(stamp_ns, force, turn) {
+            self.sinks.iter_mut().for_each(|sink| sink.send(packet, IMU_PORT, stamp_ns));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::net::UdpSocket;
+    use std::time::Duration;
+
+    #[test]
+    fn samples_that_nobody_gets_are_not_counted() {
+        let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
+        receiver.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
+        let reading = InertialReading {
+            angular_velocity: glam::DVec3::Z,
+            specific_force: glam::DVec3::new(0.0, 0.0, 9.806_65),
+        };
+        let mut packets = ImuPackets::new(ImuProfile::Accel32Gyro32Nmea);
+        packets.push(0, &reading);
+        assert!(packets.open(&PacketTarget::Metadata("m.json".into())).is_err());
+        packets.open(&PacketTarget::Udp(receiver.local_addr().unwrap())).unwrap();
+        (1..=8).for_each(|number| packets.push(number, &reading));
+        let mut packet = [0; 1000];
+        assert_eq!(receiver.recv(&mut packet).unwrap(), 452);
+        assert_eq!(packet[132], 1);
+    }
+}

@@ -1,0 +1,197 @@
+//! `check --all` lists what becomes of each file of a folder, and `check` alone what a user asks of one.
+
+use crate::live::output;
+use std::fs;
+use tempfile::TempDir;
+
+fn write(folder: &TempDir, name: &str, text: &str) {
+    let path = folder.path().join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, text).unwrap();
+}
+
+/// What `check` prints with these arguments, what it says on standard error, and its exit code.
+fn checked(arguments: &[&str]) -> (String, String, Option<i32>) {
+    let done = output(&[&["check"], arguments].concat());
+    let text = |bytes| String::from_utf8(bytes).unwrap();
+    (text(done.stdout), text(done.stderr), done.status.code())
+}
+
+const XACRO: &str = "xmlns:xacro='http://ros.org/wiki/xacro'";
+
+/// A folder as repositories are: packages beside each other, models, worlds.
+fn repository() -> TempDir {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "arm_description/package.xml", "<package><name>arm_description</name></package>");
+    write(
+        &folder,
+        "arm_description/urdf/link.xacro",
+        &format!(
+            "<robot {XACRO}><xacro:macro name='part' params='name'><link name='${{name}}'/></xacro:macro></robot>"
+        ),
+    );
+    // What it needs is defined by those that include it.
+    write(
+        &folder,
+        "arm_description/urdf/needs.xacro",
+        &format!(
+            "<robot {XACRO}><xacro:property name='w' value='${{2 * width}}'/><xacro:macro name='m'><a b='${{w}}'/></xacro:macro></robot>"
+        ),
+    );
+    let arm = |inside: &str| {
+        format!(
+            "<robot name='arm' {XACRO}><xacro:include filename='$(find arm_description)/urdf/link.xacro'/>
+             <xacro:part name='base'/>{inside}</robot>"
+        )
+    };
+    write(&folder, "arm_bringup/arm.urdf.xacro", &arm(""));
+    write(
+        &folder,
+        "arm_bringup/size.urdf.xacro",
+        &arm(
+            "<link name='$(arg tip)'/><joint name='j' type='fixed'><parent link='base'/><child link='$(arg tip)'/></joint>",
+        ),
+    );
+    write(
+        &folder,
+        "arm_bringup/colours.urdf",
+        &format!("<robot {XACRO}><material name='m'><color rgba='1 0 0 1'/></material></robot>"),
+    );
+    write(&folder, "arm_bringup/typo.urdf", "<robot name='r'><link name='l'><visul/></link></robot>");
+    write(&folder, "arm_bringup/broken.urdf", "<robot name='r'>\n<link name='l'></robot>");
+    write(&folder, "arm_bringup/.hidden/broken.urdf", "<robot>");
+    let model = "<sdf version='1.6'><model name='crate'><static>1</static><link name='l'/></model></sdf>";
+    write(&folder, "models/crate/model.sdf", model);
+    write(&folder, "models/crate/model.config", "<model><name>crate</name><sdf>model.sdf</sdf></model>");
+    write(&folder, "models/meshes/model.config", "<model><name>meshes</name></model>");
+    write(&folder, "models/lost/model.config", "<model><name>lost</name><sdf>lost.sdf</sdf></model>");
+    // The world's own robot publishes what the TurtleBot would: no TurtleBot is added.
+    let world = |inside: &str| format!("<sdf version='1.6'><world name='w'>{inside}</world></sdf>");
+    let own = "<include><uri>model://crate</uri></include><model name='own'><static>1</static><link name='l'>
+               <sensor name='s' type='ray'><topic>/scan</topic><update_rate>5</update_rate><ray><range><min>0.1</min><max>5</max></range></ray></sensor></link></model>";
+    write(&folder, "worlds/own.world", &world(own));
+    write(&folder, "worlds/gone.sdf", &world("<include><uri>model://gone</uri></include>"));
+    folder
+}
+
+#[test]
+fn each_file_of_a_folder_has_a_line_and_none_stops_the_others() {
+    let folder = repository();
+    let at = folder.path().to_str().unwrap();
+    let (said, warned, code) = checked(&["--all", at]);
+    assert_eq!(code, Some(1), "{said}\n{warned}");
+    let row = |file: &str| {
+        let line = said.lines().find(|line| line.starts_with(&format!("{file} ")));
+        line.unwrap_or_else(|| panic!("no {file} in\n{said}"))[file.len()..].trim().to_owned()
+    };
+    for (file, kind, result) in [
+        ("arm_bringup/arm.urdf.xacro", "robot", "1 note"),
+        ("arm_bringup/colours.urdf", "robot", "macros only"),
+        ("arm_bringup/broken.urdf", "robot", "error: arm_bringup/broken.urdf:2: error: "),
+        ("arm_bringup/size.urdf.xacro", "robot", "error: arm_bringup/size.urdf.xacro:2: error: "),
+        ("arm_bringup/typo.urdf", "robot", "1 warning and 1 note"),
+        ("arm_description/urdf/link.xacro", "robot", "macros only"),
+        ("arm_description/urdf/needs.xacro", "robot", "macros only"),
+        ("models/crate/model.sdf", "model", "1 note"),
+        (
+            "models/lost/model.config",
+            "model",
+            "error: models/lost/model.config:1: error: <sdf> names lost.sdf",
+        ),
+        ("worlds/gone.sdf", "world", "error: worlds/gone.sdf:1: error: "),
+        ("worlds/own.world", "world", "ok"),
+    ] {
+        let (found_kind, found) =
+            row(file).split_once(' ').map(|(a, b)| (a.to_owned(), b.trim().to_owned())).unwrap();
+        assert_eq!(found_kind, kind, "{said}");
+        let fits = if result.starts_with("error") { found.starts_with(result) } else { found == result };
+        assert!(fits, "{file}: {found}\n{said}");
+    }
+    let last = said.lines().last().unwrap();
+    assert_eq!(last, "11 files: 1 ok, 2 with notes, 1 with warnings, 3 macros only, 4 failed", "{said}");
+    assert!(warned.contains("4 of 11 files cannot be run"), "{warned}");
+
+    // Arguments of xacro go to all robots, and warnings count if that is asked for.
+    let (said, _, _) = checked(&["--all", at, "tip:=hand"]);
+    assert!(
+        said.ends_with("11 files: 1 ok, 3 with notes, 1 with warnings, 3 macros only, 3 failed\n"),
+        "{said}"
+    );
+    let (said, _, _) = checked(&["--all", at, "--strict"]);
+    assert!(said.ends_with("11 files: 1 ok, 2 with notes, 3 macros only, 5 failed\n"), "{said}");
+    let good = folder.path().join("models/crate");
+    let (said, _, code) = checked(&["--all", good.to_str().unwrap()]);
+    assert_eq!((said.lines().last(), code), (Some("1 file: 1 with notes"), Some(0)), "{said}");
+}
+
+#[test]
+fn a_folder_without_anything_to_check_is_an_error() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path().to_str().unwrap();
+    let nowhere = folder.path().join("nowhere");
+    for (arguments, words) in [
+        (&["--all", at][..], "there is no .urdf, .xacro, .sdf or .world file in this folder"),
+        (&["--all", nowhere.to_str().unwrap()], "cannot read"),
+        (&["playground", "--all", at], "'playground' stands beside --all"),
+    ] {
+        let (_, warned, code) = checked(arguments);
+        assert_eq!(code, Some(1), "{arguments:?}");
+        assert!(warned.contains(words), "{arguments:?}: {warned}");
+    }
+}
+
+#[test]
+fn a_robot_is_told_of_without_our_own_world_and_not_beside_no_robot() {
+    let (said, _, code) = checked(&["kobuki_nostack_camera"]);
+    assert_eq!(code, Some(0));
+    assert!(said.starts_with("robot "), "{said}");
+    let (said, _, _) = checked(&["kobuki_nostack_camera", "--world", "empty"]);
+    assert!(said.starts_with("world "), "{said}");
+    let (_, warned, code) = checked(&["kobuki_nostack_camera", "--robot", "none"]);
+    assert_eq!(code, Some(1));
+    let words = "'kobuki_nostack_camera' is a robot, and --robot none asks for none; leave --robot none out";
+    assert!(warned.contains(words), "{warned}");
+}
+
+#[test]
+fn a_picture_that_cannot_be_decoded_is_a_warning() {
+    let folder = TempDir::new().unwrap();
+    write(&folder, "a.png", "no picture");
+    let visual = "<visual><geometry><box size='1 1 1'/></geometry><material name='m'><texture filename='NAME'/></material></visual>";
+    for (name, words) in [
+        ("a.png", "a.png cannot be used, so the surface is drawn without it"),
+        ("gone.png", "there is no texture 'gone.png': looked for "),
+    ] {
+        let text =
+            format!("<robot name='r'>\n<link name='l'>{}</link></robot>", visual.replace("NAME", name));
+        write(&folder, "r.urdf", &text);
+        let file = folder.path().join("r.urdf");
+        let file = file.to_str().unwrap();
+        let (said, warned, code) = checked(&[file]);
+        assert_eq!(code, Some(0), "{warned}");
+        let warning = said.lines().find(|line| line.contains(words)).unwrap_or_else(|| panic!("{said}"));
+        assert!(warning.starts_with(&format!("{file}:2: warning: ")), "{warning}");
+        assert!(said.ends_with("no errors, 1 warning and 1 note\n"), "{said}");
+        assert_eq!(checked(&[file, "--strict"]).2, Some(1));
+    }
+}
+
+#[test]
+fn names_that_differ_in_what_no_topic_can_hold_do_not_refuse_a_world() {
+    let folder = TempDir::new().unwrap();
+    let model = |name: &str| {
+        format!(
+            "<model name='{name}'><static>1</static><link name='l'><sensor name='s' type='imu'><update_rate>5</update_rate>
+             </sensor></link></model>"
+        )
+    };
+    let (one, two) = (model("a b"), model("a:b"));
+    write(&folder, "w.world", &format!("<sdf version='1.6'><world name='w'>{one}{two}</world></sdf>"));
+    let file = folder.path().join("w.world");
+    let (said, warned, code) = checked(&[file.to_str().unwrap(), "--robot", "none"]);
+    assert_eq!(code, Some(0), "{said}\n{warned}");
+    for topic in ["/world/w/model/a_b/link/l/sensor/s/imu: ", "/world/w/model/a_b/link/l/sensor/s/imu_2: "] {
+        assert!(said.contains(topic), "{topic}\n{said}");
+    }
+    assert!(said.contains("it is published as /world/w/model/a_b/link/l/sensor/s/imu_2"), "{said}");
+}

@@ -153,7 +153,7 @@ fn three_thousand_sleeping_bodies_load_in_a_second_and_run_in_real_time() {
     let mut loaded = None;
     let load_ms = milliseconds(|| loaded = Some(simulation(load(&text))));
     let mut simulation = loaded.unwrap();
-    // rapier's bodies sleep after two seconds at rest.
+    // Bodies sleep after a second of rest.
     let settling_ms = milliseconds(|| simulation.run_for(Duration::from_secs(3)));
     let asleep_ms = milliseconds(|| simulation.run_for(Duration::from_secs(2)));
     println!(

@@ -5,6 +5,7 @@
 //!   the names of links tell, not their places in the file: its order changes no bit.
 //! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false). Where one says that it
 //!   does, those that a joint connects still do not.
+//! - Surfaces bounce with the smaller of their two coefficients, above the smaller of their two thresholds, as in ODE.
 //! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
 //! - The wheels of a base that drives are part of its body and only shown turning: see `robot::grip`.
 //! - An actor goes where its script says, as one piece: it pushes and is not pushed.
@@ -13,6 +14,7 @@
 //! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
 //!   A body 1 km from the origin thus moves in steps of 0.06 mm.
 
+mod contact;
 mod convert;
 mod history;
 mod insert;
@@ -20,7 +22,10 @@ mod joint;
 mod lump;
 mod place;
 mod query;
+mod resist;
+mod rest;
 mod shape;
+mod start;
 mod touch;
 
 pub use joint::JointState;
@@ -29,13 +34,15 @@ use crate::description::diagnostics::{Problem, Severity};
 pub use crate::description::model::JointIndex;
 use crate::description::model::{LinkIndex, Model, Trajectory, World};
 use belvedere_sensors::Pose;
+use contact::{Contacts, Owner};
 use convert::{from_rapier, to_rapier, vector};
 use glam::DVec3;
 use history::History;
 use joint::{Motion, MovingJoint};
 use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
-use rapier3d::geometry::{Collider, ColliderHandle, SolverFlags};
-use rapier3d::pipeline::{PairFilterContext, PhysicsHooks, PhysicsWorld};
+use rapier3d::geometry::ColliderHandle;
+use rapier3d::pipeline::PhysicsWorld;
+use rest::Rest;
 use std::sync::Arc;
 
 /// Index of a model: those of the world file first, in its order, then the robots.
@@ -70,9 +77,13 @@ struct Body {
     follows: Follows,
     /// Its pose in its model with every joint at zero.
     model_at_rest: Pose,
+    /// The same where every joint begins.
+    model_at_start: Pose,
     /// World poses after the last step but one, and after the last.
     previous: Pose,
     current: Pose,
+    /// Watches whether it may sleep; none for what never does.
+    rest: Option<Rest>,
 }
 
 /// What a body's pose comes from.
@@ -149,38 +160,6 @@ struct MovingLink {
     link: LinkIndex,
     body: usize,
     body_from_link: Pose,
-}
-
-/// Whose a collider is, as it carries it.
-#[derive(Debug, Clone, Copy)]
-struct Owner {
-    model: ModelIndex,
-    /// Whether its link touches others of its model.
-    self_collide: bool,
-}
-
-impl Owner {
-    fn into_data(self) -> u128 {
-        (self.model as u128) << 1 | u128::from(self.self_collide)
-    }
-
-    fn of(collider: &Collider) -> Self {
-        Self { model: (collider.user_data >> 1) as ModelIndex, self_collide: collider.user_data & 1 == 1 }
-    }
-}
-
-/// Keeps the links of one model from touching each other, unless one of them says that it does.
-struct SelfCollision;
-
-impl PhysicsHooks for SelfCollision {
-    fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
-        let owner = |collider| context.colliders.get(collider).map(Owner::of);
-        let touch = match (owner(context.collider1), owner(context.collider2)) {
-            (Some(one), Some(other)) => one.model != other.model || one.self_collide || other.self_collide,
-            _ => true,
-        };
-        touch.then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
-    }
 }
 
 impl Physics {
@@ -282,10 +261,17 @@ impl Physics {
                 self.rapier.bodies[body.handle].set_next_kinematic_position(to_rapier(&pose));
             }
         }
-        self.rapier.step_with_events(&SelfCollision, &());
+        self.lead_followers();
+        self.rapier.step_with_events(&Contacts, &());
         for body in &mut self.bodies {
             if let Follows::Dynamics = body.follows {
-                body.current = from_rapier(self.rapier.bodies[body.handle].position());
+                let rigid = &self.rapier.bodies[body.handle];
+                body.current = from_rapier(rigid.position());
+                if let Some(rest) = &mut body.rest
+                    && rest.notice(rigid, &body.current, self.time_ns)
+                {
+                    rest.tell(&mut self.rapier.bodies[body.handle]);
+                }
             }
         }
         // Said again only when more are.
@@ -324,10 +310,27 @@ impl Physics {
         }
     }
 
+    /// Drives the joints that follow others. Their leaders do not feel it.
+    fn lead_followers(&mut self) {
+        /// In so many steps what a follower is off by is made up for.
+        const STEPS: f64 = 4.0;
+        let time_s = STEPS * self.step_s();
+        for model in &self.models {
+            for joint in model.joints.iter().flatten() {
+                let Some(mimic) = &joint.dynamics.mimic else { continue };
+                let leader = model.joints[mimic.leader].as_ref().map(|leader| leader.current);
+                let leader = leader.unwrap_or_default();
+                joint.follow(&mut self.rapier.impulse_joints, mimic, leader, time_s);
+            }
+        }
+    }
+
     /// Lets a joint's motor hold a velocity in rad/s or m/s from the next step on, with at most `max_effort` in
-    /// N·m or N. Does nothing for a joint that does not move.
+    /// N·m or N. Does nothing for a joint that does not move, or follows another.
     pub fn drive_joint(&mut self, model: ModelIndex, joint: JointIndex, velocity: f64, max_effort: f64) {
-        if let Some(joint) = &self.models[model].joints[joint] {
+        if let Some(joint) = &self.models[model].joints[joint]
+            && joint.dynamics.mimic.is_none()
+        {
             joint.drive(&mut self.rapier.impulse_joints, velocity, max_effort);
         }
     }

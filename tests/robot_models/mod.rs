@@ -2,8 +2,8 @@
 
 use belvedere::description::Source;
 use belvedere::description::model::{
-    BasePlugin, Collision, Drive, Earth, Geometry, Inertial, Joint, JointKind, Link, LinkIndex, Model,
-    ModelPlugin, OdometryOrigin, OdometryPlugin, Wheels, World,
+    BasePlugin, Collision, Contact, Drive, Earth, Geometry, Inertial, Joint, JointDynamics, JointKind, Link,
+    LinkIndex, Model, ModelPlugin, OdometryOrigin, OdometryPlugin, Wheels, World,
 };
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -25,6 +25,8 @@ pub(crate) fn link(name: &str, model_from_link: Pose) -> Link {
         visuals: Vec::new(),
         collisions: Vec::new(),
         gravity: true,
+        is_kinematic: false,
+        velocity_decay: [0.0; 2],
         self_collide: false,
         is_static: false,
         source: source(),
@@ -37,6 +39,7 @@ pub(crate) fn collision(link_from_collision: Pose, geometry: Geometry) -> Collis
         link_from_collision,
         geometry,
         friction: None,
+        contact: Contact::default(),
         laser_retro: 0.0,
         optics: belvedere::description::model::Optics::default(),
         source: source(),
@@ -53,6 +56,7 @@ pub(crate) fn empty_model(name: &str) -> Model {
         name: name.into(),
         world_from_model: Pose::IDENTITY,
         is_static: false,
+        may_sleep: true,
         links: Vec::new(),
         canonical_link: 0,
         joints: Vec::new(),
@@ -83,6 +87,7 @@ pub(crate) fn hang(
         parent_from_child,
         axis: DVec3::Z,
         pivot: DVec3::ZERO,
+        dynamics: JointDynamics::default(),
         source: source(),
     });
     child

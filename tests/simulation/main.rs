@@ -7,6 +7,7 @@ mod sdf;
 
 mod bases;
 mod depth_presets;
+mod dynamics;
 mod gpu_lidar;
 mod inertial;
 mod instruments;
@@ -15,5 +16,6 @@ mod lidar_layouts;
 mod lidar_returns;
 mod optics;
 mod physics;
+mod rest;
 mod robot;
 mod streams;

@@ -202,16 +202,16 @@ mod tests {
 
     #[test]
     fn what_is_not_simulated_is_told_once_with_its_difference() {
-        let joint = |damping: &str| {
+        let link = |slip: &str| {
             format!(
-                "<joint name='j' type='revolute'>\n<axis><dynamics><damping>{damping}</damping></dynamics></axis></joint>"
+                "<link name='l'><collision name='c'><surface><friction>\n<ode><slip1>{slip}</slip1></ode></friction></surface></collision></link>"
             )
         };
-        let model = format!("<model name='m'>{}{}{}</model>", joint("0.5"), joint("0.0"), joint("2"));
+        let model = format!("<model name='m'>{}{}{}</model>", link("0.5"), link("0.0"), link("2"));
         assert_eq!(
             told(&model, "model"),
             [
-                "f:2: warning: <damping> of <dynamics> is '0.5' and is not simulated: the joint moves without damping \
+                "f:2: warning: <slip1> of <ode> is '0.5' and is not simulated: nothing slips beyond its friction \
               (2 times in this file)"
             ]
         );
@@ -222,7 +222,7 @@ mod tests {
         assert!(
             told(&surface("0.1"), "surface")[0].starts_with("f:1: note: <mu2> of <ode> is '0.1' and is not")
         );
-        assert_eq!(told("<link name='l'><kinematic>False</kinematic></link>", "link"), [""; 0]);
+        assert_eq!(told("<link name='l'><enable_wind>False</enable_wind></link>", "link"), [""; 0]);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 mod base;
 mod device;
 mod earth;
+mod joint;
 mod lens;
 mod plugin;
 mod sensor;
@@ -23,10 +24,11 @@ pub use base::{
 pub use belvedere_sensors::camera::{Mosaic, PixelFormat};
 pub use device::{AutoExposed, CameraDevice};
 pub use earth::Earth;
+pub use joint::{Joint, JointDynamics, JointKind, Mimic};
 pub use lens::{AngleFunction, AngleMap, Lens, LensIntrinsics, LensModel, LensProjection};
 pub use plugin::{CameraPlugin, CloudLayout, DepthCameraPlugin, LaserPlugin, Radiation, RangePlugin};
 pub use sensor::{CameraSensor, Noise, RaySensor, ScanAxis};
-pub use shape::{Collision, Fiducial, Geometry, HeightMap, Heights, Material, Mesh, Optics, Visual};
+pub use shape::{Collision, Contact, Fiducial, Geometry, HeightMap, Heights, Material, Mesh, Optics, Visual};
 pub use trajectory::{Leg, Trajectory, Waypoint};
 
 use super::diagnostics::{Problem, Source};
@@ -94,6 +96,8 @@ pub struct Model {
     pub world_from_model: Pose,
     /// Never moves.
     pub is_static: bool,
+    /// May sleep where it rests: false for `<allow_auto_disable>false`.
+    pub may_sleep: bool,
     /// Links in the order of the file. A parent may come after its child.
     pub links: Vec<Link>,
     /// The link to which the model frame is attached: the pose of the model follows it.
@@ -117,6 +121,7 @@ impl Model {
             name,
             world_from_model: Pose::IDENTITY,
             is_static: false,
+            may_sleep: true,
             links: Vec::new(),
             canonical_link: 0,
             joints: Vec::new(),
@@ -189,6 +194,10 @@ pub struct Link {
     pub collisions: Vec<Collision>,
     /// False for `<turnGravityOff>true`.
     pub gravity: bool,
+    /// No force moves it: it keeps the velocity that it is given, at first none (`<kinematic>`).
+    pub is_kinematic: bool,
+    /// What share of its linear and its angular velocity a link loses in each step (`<velocity_decay>`).
+    pub velocity_decay: [f64; 2],
     /// Touches other links of its model that it is not joined to; two links do if one of them says so.
     pub self_collide: bool,
     /// Stands still in a model that moves: of a static model inside it, or fixed to the world. So does what is fixed
@@ -208,6 +217,8 @@ impl Link {
             visuals: Vec::new(),
             collisions: Vec::new(),
             gravity: true,
+            is_kinematic: false,
+            velocity_decay: [0.0; 2],
             self_collide: false,
             is_static: false,
             source,
@@ -224,54 +235,6 @@ pub struct Inertial {
     pub mass_kg: f64,
     /// ixx, iyy, izz, ixy, ixz, iyz in kg·m².
     pub inertia: [f64; 6],
-}
-
-/// What holds two links together.
-#[derive(Debug, Clone)]
-pub struct Joint {
-    /// Unique in its model.
-    pub name: String,
-    /// How it moves.
-    pub kind: JointKind,
-    /// The link it hangs on.
-    pub parent: LinkIndex,
-    /// The link that moves.
-    pub child: LinkIndex,
-    /// Pose of the child at joint position zero.
-    pub parent_from_child: Pose,
-    /// Unit axis in the child's frame.
-    pub axis: DVec3,
-    /// A point of the child that the axis goes through, in the child's frame: 0 in URDF, an SDF joint's `<pose>`.
-    pub pivot: DVec3,
-    /// Where it stands.
-    pub source: Source,
-}
-
-/// How a joint moves.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum JointKind {
-    /// Not at all.
-    Fixed,
-    /// Turns without end.
-    Continuous,
-    /// Turns between two angles in radians; an infinite one is no limit.
-    Revolute {
-        /// Lower limit.
-        lower: f64,
-        /// Upper limit.
-        upper: f64,
-    },
-    /// Slides between two lengths in metres; an infinite one is no limit.
-    Prismatic {
-        /// Lower limit.
-        lower: f64,
-        /// Upper limit.
-        upper: f64,
-    },
-    /// Turns about all axes through its pivot.
-    Ball,
-    /// All six degrees of freedom.
-    Floating,
 }
 
 /// A lamp or a sun.

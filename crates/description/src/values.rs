@@ -164,3 +164,25 @@ pub fn friction_coefficient(mu: f64, what: &str, source: &Source, diagnostics: &
     diagnostics.warning(source, what, "write 0 or more");
     UNLIMITED_FRICTION
 }
+
+/// A number that is not below 0. One that is counts as 0, with a warning.
+pub(crate) fn not_negative(value: f64, what: &str, source: &Source, diagnostics: &mut Diagnostics) -> f64 {
+    if value >= 0.0 {
+        return value;
+    }
+    diagnostics.warning(source, format!("{what} is {value}: it counts as 0"), "write 0 or more");
+    0.0
+}
+
+/// A share in [0, 1]. One outside counts as the nearer end, with a warning.
+pub(crate) fn share(value: f64, what: &str, source: &Source, diagnostics: &mut Diagnostics) -> f64 {
+    let within = value.clamp(0.0, 1.0);
+    if within != value {
+        diagnostics.warning(
+            source,
+            format!("{what} is {value}: it counts as {within}"),
+            "write a share from 0 to 1",
+        );
+    }
+    within
+}

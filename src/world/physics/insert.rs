@@ -3,20 +3,21 @@
 use super::convert::{from_rapier, to_rapier, vector};
 use super::joint::{JointState, Motion, MovingJoint};
 use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
+use super::rest::Rest;
 use super::{
-    Body, Follows, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, Placement, shape,
+    Body, Follows, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, Placement, SUBSTEPS,
+    contact, resist, shape, start,
 };
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::inertia::is_positive_definite;
 use crate::description::model::{
-    Collision, Geometry, Inertial, Joint, JointKind, LinkIndex, Model, Trajectory,
+    Collision, Geometry, Inertial, Joint, JointDynamics, JointKind, Link, LinkIndex, Model, Trajectory,
 };
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
 use rapier3d::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
 use rapier3d::geometry::ColliderBuilder;
 use rapier3d::math::Matrix;
-use rapier3d::pipeline::ActiveHooks;
 use std::sync::Arc;
 
 /// ODE's and SDF's coefficient of friction where a file gives none.
@@ -28,6 +29,7 @@ impl Physics {
         let Placement { model, ref world_from_model, ref carried, stays_awake } = *placement;
         let order = tree_order(model);
         let rest = model.rest_poses();
+        let start = start::link_poses(model, &order, carried);
         let (first_body, mut joints) = (self.bodies.len(), Vec::new());
         joints.resize_with(model.joints.len(), || None);
         let mut leading = None;
@@ -66,10 +68,12 @@ impl Physics {
                     .links(root)
                     .chain((0..model.links.len()).filter(|link| lumps.root[*link] != root).filter(carries))
                     .collect();
-                if let Some(handle) = self.insert_body(model, root, &members, world_from_model, stays_awake) {
+                if let Some(handle) =
+                    self.insert_body(model, root, &members, &(*world_from_model * start[root]))
+                {
                     let is_fixed = self.rapier.bodies[handle].is_fixed();
                     let follows = if is_fixed { Follows::Nothing } else { Follows::Dynamics };
-                    self.place_links(model, index, &lumps, root, handle, follows, &mut links);
+                    self.place_links(model, index, &lumps, root, &start[root], handle, follows, &mut links);
                 }
             }
             for root in roots {
@@ -77,16 +81,28 @@ impl Physics {
                 if let Some(carrier) = links[model.joints[joint].parent].body {
                     let handle = self.bodies[carrier].handle;
                     let follows = Follows::Carried(carrier, index, joint);
-                    self.place_links(model, index, &lumps, root, handle, follows, &mut links);
+                    self.place_links(model, index, &lumps, root, &start[root], handle, follows, &mut links);
                 }
             }
             for number in joints_in(&order, model) {
                 let joint = &model.joints[number];
-                joints[number] = self.join(joint, &links, carried.contains(&number));
+                let dynamics =
+                    JointDynamics { initial_position: start::position(model, number), ..joint.dynamics };
+                let joint = Joint { dynamics, ..joint.clone() };
+                joints[number] = self.join(&joint, &links, carried.contains(&number));
             }
             leading = root_above(model, model.canonical_link)
                 .and_then(|root| links[root].body)
                 .or_else(|| (first_body..self.bodies.len()).find(|body| !self.bodies[*body].is_carried()));
+        }
+        // A sleeping robot would ignore its motors. Gazebo never disables a model with joints.
+        let has_joints = model.joints.iter().any(|joint| joint.kind != JointKind::Fixed);
+        if !stays_awake && model.may_sleep && !has_joints {
+            for body in &mut self.bodies[first_body..] {
+                if let Follows::Dynamics = body.follows {
+                    body.rest = Some(Rest::new(body.current, self.time_ns));
+                }
+            }
         }
         for link in order {
             self.add_colliders(model, index, link, &mut links[link]);
@@ -116,7 +132,7 @@ impl Physics {
         {
             return None;
         }
-        let child_from_joint = Pose::new(joint.pivot, MovingJoint::x_onto(joint.axis));
+        let child_from_joint = start::child_from_joint(joint);
         let body_from_joint = [
             parent_from_link * joint.parent_from_child * child_from_joint,
             child_from_link * child_from_joint,
@@ -130,15 +146,21 @@ impl Physics {
         let motion = if is_rolled {
             Motion::Rolled { rate: 0.0, effort: 0.0 }
         } else {
+            for resisting in resist::joints(&joint.dynamics, axis, &body_from_joint) {
+                self.rapier.insert_impulse_joint(handles[0], handles[1], resisting);
+            }
             Motion::Forces(self.rapier.insert_impulse_joint(handles[0], handles[1], constraint))
         };
-        let state = JointState::default();
+        let position = if is_rolled { 0.0 } else { joint.dynamics.initial_position };
+        let state = JointState { position, ..JointState::default() };
         Some(MovingJoint {
             motion,
             bodies,
             body_from_joint,
             axis,
             wide_limits,
+            limits: joint.kind.limits(),
+            dynamics: joint.dynamics,
             previous: state,
             current: state,
         })
@@ -150,13 +172,12 @@ impl Physics {
         model: &Model,
         root: LinkIndex,
         members: &[LinkIndex],
-        world_from_model: &Pose,
-        stays_awake: bool,
+        world_from_root: &Pose,
     ) -> Option<RigidBodyHandle> {
         let links = || members.iter().map(|link| &model.links[*link]);
         let collisions = || links().flat_map(|link| &link.collisions);
         let root = &model.links[root];
-        let pose = to_rapier(&(*world_from_model * root.model_from_link));
+        let pose = to_rapier(world_from_root);
         let endless =
             |shape: &&Collision| matches!(shape.geometry, Geometry::Plane { .. } | Geometry::HeightMap(_));
         let plane = collisions().find(endless);
@@ -183,13 +204,36 @@ impl Physics {
             .or_else(|| collisions().next().map(|_| BodyMass::sdf_default(root.gravity)))?;
         let properties =
             MassProperties::with_inertia_matrix(vector(mass.centre), mass.mass_kg as f32, narrow(&mass));
+        if links().any(|link| link.is_kinematic) {
+            return Some(self.rapier.insert_body(RigidBodyBuilder::kinematic_velocity_based().pose(pose)));
+        }
+        let [linear, angular] = self.damping(links());
         let body = RigidBodyBuilder::dynamic()
             .pose(pose)
+            .linear_damping(linear)
+            .angular_damping(angular)
             .additional_mass_properties(properties)
             .gravity_scale(mass.gravity_share as f32)
-            // A sleeping robot would ignore its motors; things in the world may rest.
-            .can_sleep(!stays_awake);
+            // Until it has been seen at rest.
+            .can_sleep(false);
         Some(self.rapier.insert_body(body))
+    }
+
+    /// rapier's damping in 1/s for a body of such links. A link loses a share of its velocity in each step, as in ODE,
+    /// whatever the step; rapier divides by 1 + damping · time in each part of a step.
+    fn damping<'l>(&self, links: impl Iterator<Item = &'l Link> + Clone) -> [f32; 2] {
+        let mass = |link: &Link| link.inertial.map_or(0.0, |inertial| inertial.mass_kg);
+        let mass_kg: f64 = links.clone().map(mass).sum();
+        [0, 1].map(|part| {
+            let decays = links.clone().map(|link| {
+                let weight = if mass_kg > 0.0 { mass(link) / mass_kg } else { 1.0 };
+                link.velocity_decay[part] * weight
+            });
+            // All of it in a step: all but a millionth.
+            let kept = (1.0 - decays.sum::<f64>()).max(1e-6);
+            let part_s = self.step_s() / SUBSTEPS as f64;
+            ((libm::pow(kept, -1.0 / SUBSTEPS as f64) - 1.0) / part_s) as f32
+        })
     }
 
     /// Places the links lumped to `root` in a new body of ours.
@@ -200,6 +244,7 @@ impl Physics {
         index: ModelIndex,
         lumps: &Lumps,
         root: LinkIndex,
+        model_at_start: &Pose,
         handle: RigidBodyHandle,
         follows: Follows,
         links: &mut [PlacedLink],
@@ -225,8 +270,10 @@ impl Physics {
             handle,
             follows,
             model_at_rest: model_from_body,
+            model_at_start: *model_at_start,
             previous: current,
             current,
+            rest: None,
         });
     }
 
@@ -249,8 +296,10 @@ impl Physics {
             handle: self.rapier.insert_body(rigid),
             follows: Follows::Path(Arc::new(trajectory.clone())),
             model_at_rest: Pose::IDENTITY,
+            model_at_start: Pose::IDENTITY,
             previous: current,
             current,
+            rest: None,
         });
         body
     }
@@ -294,18 +343,24 @@ impl Physics {
             });
             let link_from_shape = collision.link_from_collision * collision_from_shape;
             let pose = rapier_from_body * placed.body_from_link * link_from_shape;
+            if let Some(rest) = placed.body.and_then(|body| self.bodies[body].rest.as_mut()) {
+                let radius = f64::from(shape.compute_local_bounding_sphere().radius());
+                rest.reach(pose.translation().length() + radius);
+            }
+            let owner = Owner {
+                model: index,
+                self_collide: model.links[link].self_collide,
+                bounce_threshold_m_s: collision.contact.bounce_threshold_m_s as f32,
+            };
             let collider = ColliderBuilder::new(shape)
                 .position(to_rapier(&pose))
                 // Mass and inertia come from <inertial> alone.
                 .density(0.0)
                 .friction(collision.friction.unwrap_or(DEFAULT_FRICTION) as f32)
                 .friction_combine_rule(CoefficientCombineRule::Min)
-                .user_data(Owner { model: index, self_collide: model.links[link].self_collide }.into_data())
-                .active_hooks(if placed.body.is_some() {
-                    ActiveHooks::FILTER_CONTACT_PAIRS
-                } else {
-                    ActiveHooks::empty()
-                });
+                .user_data(owner.into_data())
+                .active_hooks(contact::hooks(&collision.contact, placed.body.is_some()));
+            let collider = contact::with_surface(collider, &collision.contact);
             let parent = placed.body.map(|body| self.bodies[body].handle);
             placed.colliders.push(self.rapier.insert_collider(collider, parent));
             placed.shapes.push(link_from_shape);

@@ -2,7 +2,7 @@
 
 use super::SUBSTEPS;
 use super::convert::{to_rapier, vector};
-use crate::description::model::{Joint, JointKind};
+use crate::description::model::{Joint, JointDynamics, JointKind, Mimic};
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 use rapier3d::dynamics::{
@@ -47,6 +47,9 @@ pub(super) struct MovingJoint {
     pub(super) axis: JointAxis,
     /// Limits of an angle that are farther apart than half a turn either way: rapier is told those that are near.
     pub(super) wide_limits: Option<[f64; 2]>,
+    /// The limits of its position, if it has some.
+    pub(super) limits: Option<[f64; 2]>,
+    pub(super) dynamics: JointDynamics,
     /// State after the last step but one, and after the last.
     pub(super) previous: JointState,
     pub(super) current: JointState,
@@ -74,19 +77,11 @@ impl MovingJoint {
         joint: &Joint,
         body_from_joint: &[Pose; 2],
     ) -> Option<(GenericJoint, JointAxis, Option<[f64; 2]>)> {
-        let (axis, limits) = match joint.kind {
-            JointKind::Fixed | JointKind::Ball | JointKind::Floating => return None,
-            JointKind::Continuous => (JointAxis::AngX, None),
-            JointKind::Revolute { lower, upper } => (JointAxis::AngX, Some([lower, upper])),
-            JointKind::Prismatic { lower, upper } => (JointAxis::LinX, Some([lower, upper])),
-        };
-        let free = JointAxesMask::from(axis);
-        let mut builder = GenericJointBuilder::new(JointAxesMask::all() - free)
-            .local_frame1(to_rapier(&body_from_joint[0]))
-            .local_frame2(to_rapier(&body_from_joint[1]))
-            .contacts_enabled(false);
+        let axis = Self::axis_of(joint.kind)?;
+        let limits = joint.kind.limits();
+        let mut builder = Self::between(body_from_joint, JointAxesMask::all() - JointAxesMask::from(axis));
         if let Some([lower, upper]) = limits {
-            builder = builder.limits(axis, near(axis, [lower, upper], 0.0));
+            builder = builder.limits(axis, near(axis, [lower, upper], joint.dynamics.initial_position));
         }
         let wide = limits.filter(|limits| axis == JointAxis::AngX && is_wide(*limits));
         Some((builder.build(), axis, wide))
@@ -94,15 +89,43 @@ impl MovingJoint {
 
     /// rapier's joint for one that turns about all axes.
     pub(super) fn ball(body_from_joint: &[Pose; 2]) -> GenericJoint {
-        GenericJointBuilder::new(JointAxesMask::LIN_AXES)
+        Self::between(body_from_joint, JointAxesMask::LIN_AXES).build()
+    }
+
+    /// A joint of rapier's that locks some axes of two bodies, which do not touch each other.
+    pub(super) fn between(body_from_joint: &[Pose; 2], locked: JointAxesMask) -> GenericJointBuilder {
+        GenericJointBuilder::new(locked)
             .local_frame1(to_rapier(&body_from_joint[0]))
             .local_frame2(to_rapier(&body_from_joint[1]))
             .contacts_enabled(false)
-            .build()
     }
 
-    /// Sets what the motor aims at: a velocity in rad/s or m/s, with at most `max_effort` N·m or N.
+    /// Sets what the motor aims at: a velocity in rad/s or m/s, with at most `max_effort` N·m or N, and no more of both than
+    /// the joint's own limits.
     pub(super) fn drive(&self, joints: &mut ImpulseJointSet, velocity: f64, max_effort: f64) {
+        let most = self.dynamics.max_velocity;
+        self.aim(joints, velocity.clamp(-most, most), max_effort.min(self.dynamics.max_effort));
+    }
+
+    /// Lets the motor follow a leader, so that what the joint is off by is made up for in `time_s`. Files give followers
+    /// limits of 0, which are none here.
+    pub(super) fn follow(
+        &self,
+        joints: &mut ImpulseJointSet,
+        mimic: &Mimic,
+        leader: JointState,
+        time_s: f64,
+    ) {
+        let wanted = mimic.multiplier * leader.position + mimic.offset;
+        let within = self.limits.map_or(wanted, |[lower, upper]| wanted.max(lower).min(upper));
+        let along = if within == wanted { mimic.multiplier * leader.velocity } else { 0.0 };
+        let limit = |most: f64| if most > 0.0 { most } else { f64::INFINITY };
+        let most = limit(self.dynamics.max_velocity);
+        let velocity = along + (within - self.current.position) / time_s;
+        self.aim(joints, velocity.clamp(-most, most), limit(self.dynamics.max_effort));
+    }
+
+    fn aim(&self, joints: &mut ImpulseJointSet, velocity: f64, max_effort: f64) {
         if let Motion::Forces(handle) = self.motion
             && let Some(joint) = joints.get_mut(handle, true)
         {
@@ -110,7 +133,7 @@ impl MovingJoint {
                 .data
                 .set_motor_model(self.axis, MotorModel::ForceBased)
                 .set_motor_velocity(self.axis, velocity as f32, MOTOR_DAMPING)
-                .set_motor_max_force(self.axis, max_effort as f32);
+                .set_motor_max_force(self.axis, (max_effort as f32).min(f32::MAX));
         }
     }
 
@@ -138,9 +161,33 @@ impl MovingJoint {
 
     /// Pose of the second body of a rolled joint, from that of the first.
     pub(super) fn carried(&self, world_from_first: Pose) -> Pose {
-        let (sin, cos) = libm::sincos(0.5 * self.current.position);
-        let turn = Pose::new(DVec3::ZERO, DQuat::from_xyzw(sin, 0.0, 0.0, cos));
+        let turn = Self::moved(self.axis, self.current.position);
         world_from_first * self.body_from_joint[0] * turn * self.body_from_joint[1].inverse()
+    }
+
+    /// The second joint frame in the first, at a position.
+    pub(super) fn moved(axis: JointAxis, position: f64) -> Pose {
+        if axis != JointAxis::AngX {
+            return Pose::from_translation(DVec3::X * position);
+        }
+        let (sin, cos) = libm::sincos(0.5 * position);
+        Pose::new(DVec3::ZERO, DQuat::from_xyzw(sin, 0.0, 0.0, cos))
+    }
+
+    /// Puts it back to where it begins.
+    pub(super) fn begin(&mut self, joints: &mut ImpulseJointSet) {
+        let state = JointState { position: self.dynamics.initial_position, ..JointState::default() };
+        (self.previous, self.current) = (state, state);
+        self.follow_limits(joints);
+    }
+
+    /// The joint's free axis; none for a kind that has none, or several.
+    pub(super) fn axis_of(kind: JointKind) -> Option<JointAxis> {
+        match kind {
+            JointKind::Fixed | JointKind::Ball | JointKind::Floating => None,
+            JointKind::Continuous | JointKind::Revolute { .. } => Some(JointAxis::AngX),
+            JointKind::Prismatic { .. } => Some(JointAxis::LinX),
+        }
     }
 
     /// Takes over the state after a step.

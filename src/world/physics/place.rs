@@ -1,7 +1,7 @@
 //! Models are moved, put back, added and taken out while the world runs.
 
 use super::convert::{from_rapier, to_rapier, vector};
-use super::joint::{JointState, Motion};
+use super::joint::Motion;
 use super::{Follows, ModelIndex, Physics, PlacedModel, Placement};
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::Model;
@@ -12,7 +12,7 @@ impl Physics {
     /// Pose of a model's frame at a time between the last two steps.
     pub fn world_from_model_at(&self, model: ModelIndex, stamp_ns: u64) -> Pose {
         self.models[model].leading.map_or(self.models[model].world_from_model, |body| {
-            self.body_at(body, stamp_ns) * self.bodies[body].model_at_rest.inverse()
+            self.body_at(body, stamp_ns) * self.bodies[body].model_at_start.inverse()
         })
     }
 
@@ -48,19 +48,18 @@ impl Physics {
         self.models[model].leading.is_some_and(|body| matches!(self.bodies[body].follows, Follows::Path(_)))
     }
 
-    /// Puts a model somewhere as it was at the start: at rest, with its joints at zero. The wheels of a Kobuki keep
+    /// Puts a model somewhere as it was at the start: at rest, with its joints where they begin. The wheels of a Kobuki keep
     /// the turns that its encoders have counted.
     pub fn place_model(&mut self, model: ModelIndex, world_from_model: &Pose) {
         let placed = &mut self.models[model];
         for joint in placed.joints.iter_mut().flatten() {
             if matches!(joint.motion, Motion::Forces(_)) {
-                (joint.previous, joint.current) = (JointState::default(), JointState::default());
-                joint.follow_limits(&mut self.rapier.impulse_joints);
+                joint.begin(&mut self.rapier.impulse_joints);
             }
         }
         for index in self.models[model].first_body..self.models[model].end_body {
             if self.bodies[index].can_be_put() {
-                let pose = *world_from_model * self.bodies[index].model_at_rest;
+                let pose = *world_from_model * self.bodies[index].model_at_start;
                 self.set_body(index, &pose, DVec3::ZERO, DVec3::ZERO, DVec3::ZERO);
             }
         }

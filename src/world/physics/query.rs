@@ -63,6 +63,15 @@ impl Physics {
         })
     }
 
+    /// Whether all that could move of a model sleeps, because it rests.
+    pub fn sleeps(&self, model: ModelIndex) -> bool {
+        let placed = &self.models[model];
+        let bodies = &self.bodies[placed.first_body..placed.end_body];
+        bodies.iter().all(|body| {
+            !self.rapier.bodies[body.handle].is_dynamic() || self.rapier.bodies[body.handle].is_sleeping()
+        })
+    }
+
     /// Mass in kg, centre of mass in the world, and moment of inertia in kg·m² about an axis through it, of the
     /// body that a link belongs to; none for a link that never moves.
     pub(crate) fn body_mass(

@@ -63,12 +63,34 @@ pub struct Collision {
     pub geometry: Geometry,
     /// Coulomb friction (`mu1` / `<mu>`), if given.
     pub friction: Option<f64>,
+    /// How it touches others.
+    pub contact: Contact,
     /// Reflectivity that a lidar reports as intensity (`<laser_retro>`), 0 if not given.
     pub laser_retro: f32,
     /// What lidars see by way of it (`<optics>`).
     pub optics: Optics,
     /// Where it stands.
     pub source: Source,
+}
+
+/// What happens where a shape meets another.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Share of the speed with which it comes off (`<restitution_coefficient>`).
+    pub restitution: f64,
+    /// It bounces from this speed on, in m/s (`<threshold>`).
+    pub bounce_threshold_m_s: f64,
+    /// Two shapes touch that have a bit in common (`<collide_bitmask>`).
+    pub collide_bitmask: u32,
+    /// Whether it holds what it touches; contacts are noticed anyway (`<collide_without_contact>`).
+    pub is_solid: bool,
+}
+
+impl Default for Contact {
+    /// SDF's.
+    fn default() -> Self {
+        Self { restitution: 0.0, bounce_threshold_m_s: 1e5, collide_bitmask: 0xFFFF, is_solid: true }
+    }
 }
 
 /// A shape, centred on its frame.

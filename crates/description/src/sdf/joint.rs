@@ -4,9 +4,9 @@ use super::frames::Frames;
 use super::model::Parts;
 use super::{Loader, Scope, Version, name_of};
 use crate::diagnostics::Source;
-use crate::model::{Joint, JointKind, Link, LinkIndex};
+use crate::model::{Joint, JointDynamics, JointKind, Link, LinkIndex, Mimic};
 use crate::suggestion::did_you_mean;
-use crate::values::{child_bool, child_number, child_text};
+use crate::values::{child_bool, child_number, child_text, not_negative};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -52,6 +52,10 @@ impl Loader<'_> {
         let model_from_child = parts.links[child].model_from_link;
         let axis_in_model = self.axis_in_model(element, scope.version, frames, model_from_joint);
         let Some(kind) = self.joint_kind(element, kind_name) else { return };
+        let dynamics = self.dynamics(element);
+        if let Some(mimic) = element.child("axis").and_then(|axis| axis.child("mimic")) {
+            parts.mimics.push((parts.joints.len(), mimic.clone()));
+        }
         let source = element.source.clone();
 
         parts.joints.push(Joint {
@@ -62,8 +66,65 @@ impl Loader<'_> {
             parent_from_child: model_from_parent.inverse() * model_from_child,
             axis: model_from_child.inverse().transform_vector(axis_in_model),
             pivot: (model_from_child.inverse() * model_from_joint).translation(),
+            dynamics,
             source,
         });
+    }
+
+    /// What resists the joint: `<dynamics>`, the limits of its motor, and where it begins.
+    fn dynamics(&mut self, joint: &Element) -> JointDynamics {
+        let mut dynamics = JointDynamics::default();
+        let Some(axis) = joint.child("axis") else { return dynamics };
+        if let Some(written) = axis.child("dynamics") {
+            let mut resistance = |name: &str| {
+                let value = child_number(written, name, self.diagnostics).unwrap_or(0.0);
+                not_negative(value, &format!("<{name}>"), &written.source, self.diagnostics)
+            };
+            dynamics.damping = resistance("damping");
+            dynamics.friction = resistance("friction");
+            dynamics.spring_stiffness = resistance("spring_stiffness");
+            dynamics.spring_reference =
+                child_number(written, "spring_reference", self.diagnostics).unwrap_or(0.0);
+        }
+        if let Some(limit) = axis.child("limit") {
+            // Below 0, and 1e16, are no limit.
+            let mut most = |name| match child_text(limit, name).as_deref().map(str::parse) {
+                None => f64::INFINITY,
+                Some(Ok(f64::INFINITY)) => f64::INFINITY,
+                Some(_) => child_number(limit, name, self.diagnostics)
+                    .filter(|most| (0.0..NO_LIMIT).contains(most))
+                    .unwrap_or(f64::INFINITY),
+            };
+            (dynamics.max_effort, dynamics.max_velocity) = (most("effort"), most("velocity"));
+        }
+        dynamics.initial_position = child_number(axis, "initial_position", self.diagnostics).unwrap_or(0.0);
+        dynamics
+    }
+
+    /// Lets the joints of a model follow those that their `<mimic>` names.
+    pub(super) fn follow(&mut self, parts: &mut Parts) {
+        for (follower, mimic) in std::mem::take(&mut parts.mimics) {
+            let name = mimic.attribute("joint").unwrap_or_default();
+            let Some(leader) = parts.joints.iter().position(|joint| joint.name == name) else {
+                let names = parts.joints.iter().map(|joint| joint.name.as_str());
+                let what = format!(
+                    "<mimic> of the joint '{}' names the joint '{name}', which does not exist",
+                    parts.joints[follower].name
+                );
+                self.diagnostics.error(&mimic.source, what, did_you_mean(name, names).unwrap_or_default());
+                continue;
+            };
+            if mimic.attribute("axis").is_some_and(|axis| axis != "axis") {
+                let what = "<mimic> names another axis than 'axis': the first one is followed";
+                self.diagnostics.warning(&mimic.source, what, "write axis=\"axis\"");
+            }
+            let mut number = |name, usual| child_number(&mimic, name, self.diagnostics).unwrap_or(usual);
+            let (multiplier, offset, reference) =
+                (number("multiplier", 1.0), number("offset", 0.0), number("reference", 0.0));
+            let offset = offset - multiplier * reference;
+            parts.joints[follower].dynamics.mimic = Some(Mimic { leader, multiplier, offset });
+        }
+        crate::mimic::break_loops(&mut parts.joints, self.diagnostics);
     }
 
     /// The link named in `<parent>` or `<child>`, or that of the frame named there.

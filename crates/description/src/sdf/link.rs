@@ -7,10 +7,11 @@ use super::{Loader, Scope, name_of};
 use crate::fiducial::fiducials;
 use crate::inertia;
 use crate::label::label;
-use crate::model::{Collision, Inertial, Link, Visual};
+use crate::model::{Collision, Contact, Inertial, Link, Visual};
 use crate::optics::optics;
 use crate::sensor::parse_sensor;
-use crate::values::{child_bool, child_number, child_text, friction_coefficient};
+use crate::solid::Solid;
+use crate::values::{child_bool, child_number, child_text, friction_coefficient, not_negative, share};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -18,6 +19,11 @@ use glam::DVec3;
 /// What a link without `<inertial>` weighs (sdf/1.6): 1 kg, and 1 kg·m² about each axis.
 const DEFAULT_INERTIAL: Inertial =
     Inertial { link_from_inertial: Pose::IDENTITY, mass_kg: 1.0, inertia: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] };
+
+/// Whether mass and inertia are to be worked out from the collisions.
+fn is_automatic(inertial: &Element) -> bool {
+    matches!(inertial.attribute("auto"), Some("true" | "1"))
+}
 
 impl Loader<'_> {
     pub(super) fn link(
@@ -60,13 +66,20 @@ impl Loader<'_> {
             collisions: Vec::new(),
             gravity: child_bool(element, "gravity", self.diagnostics).unwrap_or(true),
             self_collide: child_bool(element, "self_collide", self.diagnostics).unwrap_or(false),
+            is_kinematic: child_bool(element, "kinematic", self.diagnostics).unwrap_or(false),
+            velocity_decay: self.velocity_decay(element),
             is_static: false,
             source: element.source.clone(),
         };
+        let mut densities = Vec::new();
         for child in element.elements() {
             match child.name.as_str() {
                 "visual" => self.visual(child, scope, frames, &mut link),
-                "collision" => self.collision(child, scope, frames, &mut link),
+                "collision" => {
+                    self.collision(child, scope, frames, &mut link);
+                    let density = child_number(child, "density", self.diagnostics);
+                    densities.resize(link.collisions.len(), density);
+                }
                 "sensor" => {
                     let pose = self.pose_in_link(child, scope.version, &name, frames);
                     parts.sensors.extend(parse_sensor(child, index, pose, self.rules, self.diagnostics));
@@ -87,6 +100,9 @@ impl Loader<'_> {
                 _ => {}
             }
         }
+        if let Some(inertial) = element.child("inertial").filter(|inertial| is_automatic(inertial)) {
+            self.weigh(inertial, &densities, &mut link);
+        }
         parts.links.push(link);
     }
 
@@ -97,7 +113,7 @@ impl Loader<'_> {
         frames: &Frames,
         link_name: &str,
     ) -> Option<Inertial> {
-        let element = link.child("inertial")?;
+        let element = link.child("inertial").filter(|inertial| !is_automatic(inertial))?;
         let link_from_inertial = self.pose_in_link(element, scope.version, link_name, frames);
         let mass_kg = child_number(element, "mass", self.diagnostics).unwrap_or(DEFAULT_INERTIAL.mass_kg);
         let source = element.child("mass").map_or(&element.source, |mass| &mass.source);
@@ -132,6 +148,42 @@ impl Loader<'_> {
             }
         }
         Some(Inertial { link_from_inertial, mass_kg, inertia })
+    }
+
+    /// Gives a link the mass and inertia of its collisions, filled with their densities; with the mass that is written, if
+    /// one is.
+    fn weigh(&mut self, inertial: &Element, densities: &[Option<f64>], link: &mut Link) {
+        /// Water, SDF's default.
+        const DENSITY: f64 = 1000.0;
+        let usual = child_number(inertial, "density", self.diagnostics).unwrap_or(DENSITY);
+        let mut solids = Vec::new();
+        for (collision, density) in link.collisions.iter().zip(densities) {
+            let density = density.unwrap_or(usual);
+            match Solid::of(&collision.geometry, density) {
+                Some(solid) => solids.push(solid.placed(&collision.link_from_collision)),
+                None => self.diagnostics.warning(
+                    &collision.source,
+                    format!(
+                        "the collision '{}' of the link '{}' adds no mass: its shape encloses nothing, or its density \
+                         is {density} kg/m³",
+                        collision.name, link.name
+                    ),
+                    "give it a closed shape and a density above 0",
+                ),
+            }
+        }
+        let mass_kg = child_number(inertial, "mass", self.diagnostics).filter(|mass_kg| *mass_kg > 0.0);
+        match Solid::together(&solids) {
+            Some(solid) => link.inertial = Some(solid.inertial(mass_kg)),
+            None => self.diagnostics.warning(
+                &inertial.source,
+                format!(
+                    "the link '{}' has no collision that its mass can be worked out from: it counts as {} kg",
+                    link.name, DEFAULT_INERTIAL.mass_kg
+                ),
+                "give it a <collision>, or write <mass> and <inertia>",
+            ),
+        }
     }
 
     fn visual(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, link: &mut Link) {
@@ -179,11 +231,55 @@ impl Loader<'_> {
                 link_from_collision,
                 geometry,
                 friction: mu,
+                contact: self.contact(element),
                 laser_retro,
                 optics,
                 source: element.source.clone(),
             });
         }
+    }
+
+    /// `<velocity_decay>`: linear, angular.
+    fn velocity_decay(&mut self, link: &Element) -> [f64; 2] {
+        let Some(decay) = link.child("velocity_decay") else { return [0.0; 2] };
+        ["linear", "angular"].map(|name| {
+            let value = child_number(decay, name, self.diagnostics).unwrap_or(0.0);
+            share(value, &format!("<{name}> of <velocity_decay>"), &decay.source, self.diagnostics)
+        })
+    }
+
+    /// `<surface>`: what bounces, and what collides at all.
+    fn contact(&mut self, collision: &Element) -> Contact {
+        let mut read = Contact::default();
+        let Some(surface) = collision.child("surface") else { return read };
+        if let Some(bounce) = surface.child("bounce") {
+            let restitution =
+                child_number(bounce, "restitution_coefficient", self.diagnostics).unwrap_or(0.0);
+            let what = "<restitution_coefficient>";
+            read.restitution = share(restitution, what, &bounce.source, self.diagnostics);
+            if let Some(threshold) = child_number(bounce, "threshold", self.diagnostics) {
+                read.bounce_threshold_m_s =
+                    not_negative(threshold, "<threshold>", &bounce.source, self.diagnostics);
+            }
+        }
+        if let Some(contact) = surface.child("contact") {
+            read.is_solid =
+                !child_bool(contact, "collide_without_contact", self.diagnostics).unwrap_or(false);
+            if let Some(mask) = contact.child("collide_bitmask") {
+                let text = mask.text();
+                let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
+                let number = digits.map_or_else(|| text.parse(), |digits| u32::from_str_radix(digits, 16));
+                match number {
+                    Ok(number) => read.collide_bitmask = number,
+                    Err(_) => self.diagnostics.error(
+                        &mask.source,
+                        format!("<collide_bitmask> is '{text}'"),
+                        "write a number of 32 bits, such as 1 or 0x01",
+                    ),
+                }
+            }
+        }
+        read
     }
 
     /// The vector of three numbers in the child element `name`.

@@ -7,7 +7,7 @@ use super::resources::Resolved;
 use super::{Loader, Scope, Version, canonical, name_of, resources};
 use crate::diagnostics::Source;
 use crate::label::label;
-use crate::model::{Joint, JointKind, Light, Link, LinkIndex, Model, ModelPlugin, Sensor};
+use crate::model::{Joint, JointIndex, JointKind, Light, Link, LinkIndex, Model, ModelPlugin, Sensor};
 use crate::plugin;
 use crate::suggestion::{did_you_mean, nearest};
 use crate::values::{child_bool, child_text};
@@ -44,6 +44,8 @@ pub(super) struct Parts {
     /// Of its own links.
     pub(super) link_names: Names,
     pub(super) joints: Vec<Joint>,
+    /// `<mimic>` of joints, which may name later ones.
+    pub(super) mimics: Vec<(JointIndex, Element)>,
     pub(super) sensors: Vec<Sensor>,
     pub(super) plugins: Vec<ModelPlugin>,
     pub(super) lights: Vec<Light>,
@@ -116,6 +118,7 @@ impl Loader<'_> {
         for child in element.elements_named("joint") {
             self.joint(child, scope, &frames, &mut parts);
         }
+        self.follow(&mut parts);
         let stands = parts.links.iter().any(|link| link.is_static)
             && parts.joints.iter().all(|joint| joint.kind == JointKind::Fixed)
             && is_one_body(&parts);
@@ -133,6 +136,7 @@ impl Loader<'_> {
         let mut model = Model {
             canonical_link,
             is_static: is_static || stands,
+            may_sleep: child_bool(element, "allow_auto_disable", self.diagnostics).unwrap_or(true),
             links: parts.links,
             joints: parts.joints,
             sensors: parts.sensors,

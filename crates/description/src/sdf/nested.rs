@@ -58,6 +58,9 @@ impl Loader<'_> {
             joint.name = outer_name(&joint.name);
             joint.parent += first;
             joint.child += first;
+            if let Some(mimic) = &mut joint.dynamics.mimic {
+                mimic.leader += first_joint;
+            }
             joint
         }));
         parts.sensors.extend(model.sensors.into_iter().map(|mut sensor| {

@@ -1,21 +1,21 @@
 //! `<gazebo>`: sensors, and what Gazebo overrides of a link.
 //!
-//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, the plugin `Label` and
-//! our own `<visual><fiducial>`; for the whole robot: `static`, `self_collide` and its plugins. The rest is accepted: contact
-//! parameters of ODE (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which another physics engine does not have, extensions
-//! of joints.
+//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, `kinematic`, `dampingFactor`,
+//! the plugin `Label` and our own `<visual><fiducial>`; for a joint: `springStiffness` and `springReference`; for the whole
+//! robot: `static`, `self_collide` and its plugins. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`,
+//! `minDepth`, `maxVel`, …), which another physics engine does not have.
 
 use super::{Loader, nearest_link};
 use crate::diagnostics::Diagnostics;
 use crate::fiducial::fiducials;
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::label::label;
-use crate::model::{LinkIndex, Model};
+use crate::model::{JointDynamics, LinkIndex, Model};
 use crate::optics::optics;
 use crate::plugin;
 use crate::sensor::parse_sensor;
 use crate::suggestion::{closest, did_you_mean_or};
-use crate::values::{child_bool, child_pose, child_text, friction_coefficient, number};
+use crate::values::{child_bool, child_pose, child_text, friction_coefficient, not_negative, number, share};
 use crate::xml::Element;
 
 /// What an extension is set to: its attribute `value`, or else its text, as libsdformat reads it.
@@ -101,6 +101,13 @@ impl Loader<'_> {
         if let Some(collides) = element.child("selfCollide").map(value) {
             link.self_collide = matches!(collides.to_ascii_lowercase().as_str(), "true" | "yes" | "1");
         }
+        if let Some(kinematic) = element.child("kinematic").map(value) {
+            link.is_kinematic = matches!(kinematic.to_ascii_lowercase().as_str(), "true" | "yes" | "1");
+        }
+        if let Some(decay) = number_of(element, "dampingFactor", self.diagnostics) {
+            let what = format!("<dampingFactor> of link '{}'", link.name);
+            link.velocity_decay = [share(decay, &what, &element.source, self.diagnostics); 2];
+        }
         if let Some(optics) = optics(element, self.diagnostics) {
             link.collisions.iter_mut().for_each(|collision| collision.optics = optics);
             link.visuals.iter_mut().for_each(|visual| visual.optics = optics);
@@ -146,10 +153,22 @@ impl Loader<'_> {
         }
     }
 
+    /// The spring of a joint.
+    fn extend_joint(&mut self, element: &Element, dynamics: &mut JointDynamics) {
+        if let Some(stiffness) = number_of(element, "springStiffness", self.diagnostics) {
+            dynamics.spring_stiffness =
+                not_negative(stiffness, "<springStiffness>", &element.source, self.diagnostics);
+        }
+        if let Some(reference) = number_of(element, "springReference", self.diagnostics) {
+            dynamics.spring_reference = reference;
+        }
+    }
+
     /// A reference to something that is no link: a joint, or a mistake.
-    fn unknown_reference(&mut self, element: &Element, name: &str, model: &Model) {
+    fn unknown_reference(&mut self, element: &Element, name: &str, model: &mut Model) {
         let near = nearest_link(name, &model.links);
-        if model.joints.iter().any(|joint| joint.name == name) {
+        if let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == name) {
+            self.extend_joint(element, &mut joint.dynamics);
             for sensor in element.elements_named("sensor") {
                 let what = format!(
                     "the sensor '{}' is on the joint '{name}': sensors of joints are not simulated, and it is left out",

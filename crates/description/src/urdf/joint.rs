@@ -1,8 +1,10 @@
 //! `<joint>`.
 
 use super::{Loader, nearest_link};
-use crate::model::{Joint, JointKind, LinkIndex, Model};
-use crate::values::{child_origin, numbers};
+use crate::mimic;
+use crate::model::{Joint, JointDynamics, JointKind, LinkIndex, Mimic, Model};
+use crate::suggestion::did_you_mean;
+use crate::values::{child_origin, not_negative, numbers};
 use crate::xml::Element;
 use glam::DVec3;
 
@@ -18,18 +20,73 @@ impl Loader<'_> {
             let (Some(parent), Some(child), Some(kind), Some(axis)) = (parent, child, kind, axis) else {
                 continue;
             };
-            if let Some(mimic) = element.child("mimic") {
-                self.diagnostics.warning(
-                    &mimic.source,
-                    format!("the joint '{name}' does not follow another: <mimic> is not simulated"),
-                    "it moves freely, as in Gazebo",
-                );
-            }
             let parent_from_child = child_origin(element, self.diagnostics);
             let source = element.source.clone();
             let pivot = DVec3::ZERO;
-            model.joints.push(Joint { name, kind, parent, child, parent_from_child, axis, pivot, source });
+            let dynamics = self.dynamics(element, &name);
+            model.joints.push(Joint {
+                name,
+                kind,
+                parent,
+                child,
+                parent_from_child,
+                axis,
+                pivot,
+                dynamics,
+                source,
+            });
         }
+        for element in robot.elements_named("joint") {
+            self.follow(element, &mut model.joints);
+        }
+        mimic::break_loops(&mut model.joints, self.diagnostics);
+    }
+
+    /// `<dynamics>`, and what limits the joint's motor.
+    fn dynamics(&mut self, element: &Element, joint: &str) -> JointDynamics {
+        let mut dynamics = JointDynamics::default();
+        if let Some(written) = element.child("dynamics") {
+            let mut resistance = |name: &str| {
+                let Some(value) = written.attribute(name).and_then(|_| self.attribute_number(written, name))
+                else {
+                    return 0.0;
+                };
+                let what = format!("attribute '{name}' of the joint '{joint}'");
+                not_negative(value, &what, &written.source, self.diagnostics)
+            };
+            (dynamics.damping, dynamics.friction) = (resistance("damping"), resistance("friction"));
+        }
+        if let Some(limit) = element.child("limit") {
+            // Below 0 is no limit, as in Gazebo.
+            let mut most = |name: &str| match limit.attribute(name).map(|text| text.trim().parse()) {
+                None | Some(Ok(f64::INFINITY)) => f64::INFINITY,
+                Some(_) => {
+                    self.attribute_number(limit, name).filter(|most| *most >= 0.0).unwrap_or(f64::INFINITY)
+                }
+            };
+            (dynamics.max_effort, dynamics.max_velocity) = (most("effort"), most("velocity"));
+        }
+        dynamics
+    }
+
+    /// `<mimic joint multiplier offset>`.
+    fn follow(&mut self, element: &Element, joints: &mut [Joint]) {
+        let name = element.attribute("name").unwrap_or_default();
+        let Some(mimic) = element.child("mimic") else { return };
+        let Some(follower) = joints.iter().position(|joint| joint.name == name) else { return };
+        let Some(followed) = self.required(mimic, "joint") else { return };
+        let Some(leader) = joints.iter().position(|joint| joint.name == followed) else {
+            let what =
+                format!("<mimic> of the joint '{name}' names the joint '{followed}', which does not exist");
+            let names = joints.iter().map(|joint| joint.name.as_str());
+            self.diagnostics.error(&mimic.source, what, did_you_mean(followed, names).unwrap_or_default());
+            return;
+        };
+        let mut number = |name: &str, usual: f64| {
+            mimic.attribute(name).and_then(|_| self.attribute_number(mimic, name)).unwrap_or(usual)
+        };
+        let (multiplier, offset) = (number("multiplier", 1.0), number("offset", 0.0));
+        joints[follower].dynamics.mimic = Some(Mimic { leader, multiplier, offset });
     }
 
     /// The link named in `<parent link>` or `<child link>`.

@@ -2,7 +2,7 @@
 
 use super::Loader;
 use crate::inertia;
-use crate::model::{Collision, Inertial, Link, Model, Optics, Visual};
+use crate::model::{Collision, Contact, Inertial, Link, Model, Optics, Visual};
 use crate::values::{child_origin, number};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
@@ -27,6 +27,8 @@ impl Loader<'_> {
                 collisions,
                 gravity: true,
                 self_collide: false,
+                is_kinematic: false,
+                velocity_decay: [0.0; 2],
                 is_static: false,
                 source: element.source.clone(),
             });
@@ -107,6 +109,7 @@ impl Loader<'_> {
             link_from_collision,
             geometry: self.collision_geometry(element)?,
             friction: None,
+            contact: Contact::default(),
             laser_retro: 0.0,
             optics: Optics::default(),
             source: element.source.clone(),

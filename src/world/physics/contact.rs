@@ -1,0 +1,89 @@
+//! Which shapes touch, and which of them bounce off each other.
+
+use super::ModelIndex;
+use crate::description::model::Contact;
+use rapier3d::dynamics::CoefficientCombineRule;
+use rapier3d::geometry::{
+    Collider, ColliderBuilder, Group, InteractionGroups, InteractionTestMode, SolverFlags,
+};
+use rapier3d::pipeline::{ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks};
+
+/// Whose a collider is, as it carries it.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Owner {
+    pub(super) model: ModelIndex,
+    /// Whether its link touches others of its model.
+    pub(super) self_collide: bool,
+    /// From this speed in m/s on it bounces.
+    pub(super) bounce_threshold_m_s: f32,
+}
+
+impl Owner {
+    pub(super) fn into_data(self) -> u128 {
+        u128::from(self.bounce_threshold_m_s.to_bits()) << 64
+            | (self.model as u128) << 1
+            | u128::from(self.self_collide)
+    }
+
+    pub(super) fn of(collider: &Collider) -> Self {
+        let data = collider.user_data;
+        Self {
+            model: (data as u64 >> 1) as ModelIndex,
+            self_collide: data & 1 == 1,
+            bounce_threshold_m_s: f32::from_bits((data >> 64) as u32),
+        }
+    }
+}
+
+/// Gives a collider its surface.
+pub(super) fn with_surface(collider: ColliderBuilder, contact: &Contact) -> ColliderBuilder {
+    let bits = Group::from_bits_retain(contact.collide_bitmask);
+    let collider = collider
+        .restitution(contact.restitution as f32)
+        .restitution_combine_rule(CoefficientCombineRule::Min)
+        .collision_groups(InteractionGroups::new(bits, bits, InteractionTestMode::And));
+    if contact.is_solid { collider } else { collider.solver_groups(InteractionGroups::none()) }
+}
+
+/// The hooks that a collider with such a surface needs, if it can move.
+pub(super) fn hooks(contact: &Contact, moves: bool) -> ActiveHooks {
+    let mut hooks = ActiveHooks::empty();
+    hooks.set(ActiveHooks::FILTER_CONTACT_PAIRS, moves);
+    hooks.set(ActiveHooks::MODIFY_SOLVER_CONTACTS, contact.restitution > 0.0);
+    hooks
+}
+
+/// Keeps the links of one model from touching each other, unless one of them says that it does, and slow things from
+/// bouncing.
+pub(super) struct Contacts;
+
+impl PhysicsHooks for Contacts {
+    fn filter_contact_pair(&self, context: &PairFilterContext) -> Option<SolverFlags> {
+        let owner = |collider| context.colliders.get(collider).map(Owner::of);
+        let touch = match (owner(context.collider1), owner(context.collider2)) {
+            (Some(one), Some(other)) => one.model != other.model || one.self_collide || other.self_collide,
+            _ => true,
+        };
+        touch.then_some(SolverFlags::COMPUTE_RIGID_IMPULSES)
+    }
+
+    fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
+        let threshold = |collider| {
+            context.colliders.get(collider).map_or(0.0, |collider| Owner::of(collider).bounce_threshold_m_s)
+        };
+        let threshold_m_s = threshold(context.collider1).min(threshold(context.collider2));
+        let bodies = [context.rigid_body1, context.rigid_body2]
+            .map(|body| body.and_then(|body| context.bodies.get(body)));
+        let Some(manifold) = context.rigid_mut() else { return };
+        let normal = *manifold.normal;
+        let approach = manifold.solver_contacts.iter().map(|contact| {
+            let speed = |side: usize, point| {
+                bodies[side].map_or(0.0, |body| body.velocity_at_point(point).dot(normal))
+            };
+            speed(0, contact.anchor1) - speed(1, contact.anchor2)
+        });
+        if approach.fold(0.0, f32::max) < threshold_m_s {
+            *manifold.restitution = 0.0;
+        }
+    }
+}

@@ -1,0 +1,65 @@
+//! When a body rests, so that it may sleep and cost nothing.
+//!
+//! rapier calls a body still whose speed is below a bound for half a second. Slow is not still: a pendulum turns around, and
+//! a crate begins to fall off its edge. Here a body rests that has stayed within a millimetre for a second, whatever its speed
+//! was: that sees an acceleration of 2 mm/s² from rest, and not the last digits of a pose in single precision. Only then
+//! rapier is allowed to put it to sleep, which it does once everything that the body touches may sleep, too.
+
+use belvedere_sensors::Pose;
+use rapier3d::dynamics::RigidBody;
+
+/// For so long a body stays where it is before it may sleep.
+const STILL_NS: u64 = 1_000_000_000;
+/// No point of it has moved farther meanwhile, in m.
+const STILL_M: f64 = 0.001;
+/// How long rapier waits after that, in s: a body that is woken up is awake for so long.
+const SLEEPY_S: f32 = 0.1;
+/// A bound in m/s that no speed reaches.
+const ANY_SPEED: f32 = 1e6;
+
+/// Where a body has been still, and since when.
+#[derive(Debug)]
+pub(super) struct Rest {
+    pose: Pose,
+    since_ns: u64,
+    /// How far its shapes reach from its origin, in m.
+    reach_m: f64,
+    /// rapier may let it sleep.
+    may_sleep: bool,
+    was_asleep: bool,
+}
+
+impl Rest {
+    pub(super) fn new(pose: Pose, now_ns: u64) -> Self {
+        Self { pose, since_ns: now_ns, reach_m: 0.0, may_sleep: false, was_asleep: false }
+    }
+
+    /// Takes a shape into account that reaches so far from the body's origin.
+    pub(super) fn reach(&mut self, reach_m: f64) {
+        self.reach_m = self.reach_m.max(reach_m);
+    }
+
+    /// Notices where the body is after a step, and says whether rapier is to be told by [`Rest::tell`].
+    pub(super) fn notice(&mut self, rigid: &RigidBody, pose: &Pose, now_ns: u64) -> bool {
+        let is_asleep = rigid.is_sleeping();
+        let has_woken = std::mem::replace(&mut self.was_asleep, is_asleep) && !is_asleep;
+        if is_asleep {
+            return false;
+        }
+        let turn = (self.pose.rotation().inverse() * pose.rotation()).xyz().length() * 2.0;
+        let way_m = self.pose.translation().distance(pose.translation()) + turn * self.reach_m;
+        if has_woken || way_m > STILL_M {
+            (self.pose, self.since_ns) = (*pose, now_ns);
+        }
+        let may_sleep = now_ns - self.since_ns >= STILL_NS;
+        std::mem::replace(&mut self.may_sleep, may_sleep) != may_sleep
+    }
+
+    /// Tells rapier whether the body may sleep.
+    pub(super) fn tell(&self, rigid: &mut RigidBody) {
+        let activation = rigid.activation_mut();
+        let bound = if self.may_sleep { ANY_SPEED } else { -1.0 };
+        (activation.normalized_linear_threshold, activation.angular_threshold) = (bound, bound);
+        activation.time_until_sleep = SLEEPY_S;
+    }
+}

@@ -181,6 +181,7 @@ impl Model {
 
 /// A rigid part.
 #[derive(Debug, Clone)]
+#[expect(clippy::struct_excessive_bools, reason = "each is an element of its own in the file")]
 pub struct Link {
     /// Unique in its model.
     pub name: String,

@@ -207,7 +207,7 @@ impl Physics {
         if links().any(|link| link.is_kinematic) {
             return Some(self.rapier.insert_body(RigidBodyBuilder::kinematic_velocity_based().pose(pose)));
         }
-        let [linear, angular] = self.damping(links());
+        let [linear, angular] = self.damping(&links());
         let body = RigidBodyBuilder::dynamic()
             .pose(pose)
             .linear_damping(linear)
@@ -221,7 +221,7 @@ impl Physics {
 
     /// rapier's damping in 1/s for a body of such links. A link loses a share of its velocity in each step, as in ODE,
     /// whatever the step; rapier divides by 1 + damping · time in each part of a step.
-    fn damping<'l>(&self, links: impl Iterator<Item = &'l Link> + Clone) -> [f32; 2] {
+    fn damping<'l>(&self, links: &(impl Iterator<Item = &'l Link> + Clone)) -> [f32; 2] {
         let mass = |link: &Link| link.inertial.map_or(0.0, |inertial| inertial.mass_kg);
         let mass_kg: f64 = links.clone().map(mass).sum();
         [0, 1].map(|part| {

@@ -89,8 +89,7 @@ impl Loader<'_> {
         if let Some(limit) = axis.child("limit") {
             // Below 0, and 1e16, are no limit.
             let mut most = |name| match child_text(limit, name).as_deref().map(str::parse) {
-                None => f64::INFINITY,
-                Some(Ok(f64::INFINITY)) => f64::INFINITY,
+                None | Some(Ok(f64::INFINITY)) => f64::INFINITY,
                 Some(_) => child_number(limit, name, self.diagnostics)
                     .filter(|most| (0.0..NO_LIMIT).contains(most))
                     .unwrap_or(f64::INFINITY),

@@ -1,6 +1,6 @@
 //! The limit of open files, and whether it is the cause of a failure.
 //!
-//! Each stream takes about 6 descriptors of its publisher, so several robots need more than the usual soft limit of
+//! Each stream takes 7 descriptors of its publisher, so several robots need more than the usual soft limit of
 //! 1,024. iceoryx2's errors do not say that the limit was reached, and some of its steps treat it as a stream that does
 //! not exist. So the bridge checks before each step that a few descriptors are available.
 

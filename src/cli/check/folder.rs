@@ -330,15 +330,11 @@ fn has_only_macros(file: &Path, options: &LoadOptions) -> bool {
         return false;
     }
     let mut diagnostics = Diagnostics::default();
-    match xacro::expand(file, &options.packages, &options.xacro_args, &mut diagnostics) {
-        Ok(expanded) => expanded.child("link").is_none(),
-        Err(_) => {
-            let is_directive = |element: &Element| {
-                let name = element.name.strip_prefix("xacro:").unwrap_or(&element.name);
-                ["macro", "property", "arg", "include"].contains(&name)
-            };
-            let is_macro = |element: &Element| element.name.trim_start_matches("xacro:") == "macro";
-            written.elements().all(is_directive) && written.elements().any(is_macro)
-        }
+    if let Ok(expanded) = xacro::expand(file, &options.packages, &options.xacro_args, &mut diagnostics) {
+        return expanded.child("link").is_none();
     }
+    let plain = |element: &Element| element.name.trim_start_matches("xacro:").to_owned();
+    let is_directive =
+        |element: &Element| ["macro", "property", "arg", "include"].contains(&plain(element).as_str());
+    written.elements().all(is_directive) && written.elements().any(|element| plain(element) == "macro")
 }

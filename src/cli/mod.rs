@@ -16,6 +16,7 @@ pub mod list;
 mod live_lines;
 pub mod log;
 pub mod message;
+pub mod models;
 mod pacer;
 pub mod place;
 pub mod record;
@@ -56,7 +57,8 @@ use std::process::ExitCode;
   TURTLEBOT_GAZEBO_WORLD_FILE                             chooses the world
   ROS_PACKAGE_PATH                                        where packages are looked for, after --package-path
   BELVEDERE_DOMAIN                                        the domain, if --domain is not given
-  BELVEDERE_MODELS                                        our own models, if not the installed ones
+  BELVEDERE_MODELS                                        our own models, if not the installed or carried ones
+  XDG_CACHE_HOME                                          where carried models are unpacked, if not ~/.cache
   RAYON_NUM_THREADS                                       threads of the sensors
   RUST_LOG                                                what is logged, for example belvedere=debug")]
 struct Cli {
@@ -119,8 +121,9 @@ fn command_names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Runs the command line of this process and gives its exit code: 0, 1 when something went wrong, 2 when the
-/// arguments are wrong.
-pub fn main() -> ExitCode {
+/// arguments are wrong. The program carries the robots and worlds `models`.
+pub fn main(models: models::Files) -> ExitCode {
+    models::carry(models);
     // In a thread only if need be: signals wake this one from its sleep.
     if rustix::process::getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= STACK) {
         return run_command();

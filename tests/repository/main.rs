@@ -6,4 +6,5 @@ mod benchmark_scenes;
 mod benchmark_verdict;
 mod docs;
 mod layers;
+mod models;
 mod package;

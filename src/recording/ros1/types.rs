@@ -102,17 +102,17 @@ types! {
     VECTOR3_STAMPED = "geometry_msgs/Vector3Stamped" [HEADER, VECTOR3] "Header header\nVector3 vector";
     EMPTY = "std_msgs/Empty" [] "";
     MODEL_STATES = "gazebo_msgs/ModelStates" [POSE, TWIST]
-        include_str!("../../../bridge/ros1/gazebo_msgs/msg/ModelStates.msg");
+        include_str!("gazebo_msgs/ModelStates.msg");
     LINK_STATES = "gazebo_msgs/LinkStates" [POSE, TWIST]
-        include_str!("../../../bridge/ros1/gazebo_msgs/msg/LinkStates.msg");
+        include_str!("gazebo_msgs/LinkStates.msg");
     CORE_SENSORS = "kobuki_msgs/SensorState" [HEADER]
-        include_str!("../../../bridge/ros1/kobuki_msgs/msg/SensorState.msg");
-    BUMPER = "kobuki_msgs/BumperEvent" [] include_str!("../../../bridge/ros1/kobuki_msgs/msg/BumperEvent.msg");
-    CLIFF = "kobuki_msgs/CliffEvent" [] include_str!("../../../bridge/ros1/kobuki_msgs/msg/CliffEvent.msg");
+        include_str!("kobuki_msgs/SensorState.msg");
+    BUMPER = "kobuki_msgs/BumperEvent" [] include_str!("kobuki_msgs/BumperEvent.msg");
+    CLIFF = "kobuki_msgs/CliffEvent" [] include_str!("kobuki_msgs/CliffEvent.msg");
     WHEEL_DROP = "kobuki_msgs/WheelDropEvent" []
-        include_str!("../../../bridge/ros1/kobuki_msgs/msg/WheelDropEvent.msg");
+        include_str!("kobuki_msgs/WheelDropEvent.msg");
     MOTOR_POWER = "kobuki_msgs/MotorPower" []
-        include_str!("../../../bridge/ros1/kobuki_msgs/msg/MotorPower.msg");
+        include_str!("kobuki_msgs/MotorPower.msg");
 
     /// Of our own: what ROS's messages leave out.
     FRAME = "belvedere/Frame" []

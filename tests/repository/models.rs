@@ -13,7 +13,7 @@ fn the_program_carries_all_models() {
     let mut files = Vec::new();
     collect(&root.join("models"), "", &mut files);
     files.sort();
-    let listed: String = files.iter().map(|file| format!("    \"{file}\",\n")).collect();
+    let listed: String = files.iter().flat_map(|file| ["    \"", file, "\",\n"]).collect();
     let main = root.join("src/main.rs");
     let text = fs::read_to_string(&main).unwrap();
     let (before, rest) = text.split_once(BEGIN).expect("a list of files");

@@ -1,6 +1,6 @@
 //! Baked scenes: what comes back is what was written, and what somebody has spoilt does no harm.
 
-#[path = "../../fuzz/entry.rs"]
+#[path = "fuzz_entry.rs"]
 mod entry;
 
 use crate::common::random::tries;

@@ -1,10 +1,10 @@
-//! The colours of distances, wherever they are drawn: Google's map Turbo, in which near is red and far is blue, as on the page
-//! and in the Python package.
+//! The colour map for distances: Google's Turbo, in which near is red and far is blue, as on the page and in the Python
+//! package.
 
-/// Where the map begins: before it, far would be nearly as black as what is not there.
+/// Start of the map: below it, far distances would be nearly as black as missing values.
 const FARTHEST: f64 = 0.08;
 
-/// The colour of a nearness from 0, far, to 1, near.
+/// Returns the colour of a nearness from 0 (far) to 1 (near).
 pub(crate) fn of_nearness(nearness: f64) -> [u8; 3] {
     let colour = colorous::TURBO.eval_continuous(FARTHEST + (1.0 - FARTHEST) * nearness.clamp(0.0, 1.0));
     [colour.r, colour.g, colour.b]

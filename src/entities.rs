@@ -1,4 +1,4 @@
-//! Who is in the world, where each was at the start, and what names mean.
+//! [`Entities`]: the models in the world, their start poses, and the meaning of names.
 
 use crate::description::model::{LinkIndex, Model, Sensor};
 use crate::description::suggestion::did_you_mean_or;
@@ -9,13 +9,13 @@ use belvedere_sensors::Pose;
 /// Names that mean the world itself; Gazebo's services know the same.
 const WORLD_NAMES: [&str; 4] = ["", "world", "map", "/map"];
 
-/// Longest name that a command can give, in bytes.
+/// Longest name in a command, in bytes.
 pub const MAX_NAME_BYTES: usize = 63;
 
-/// A name that a model may be given from outside.
+/// Checks a name that a user gives a model.
 ///
 /// # Errors
-/// In words: it means the world, or something of a model's, or no command could name it.
+/// A message, if it means the world or a link of a model, or is too long for a command.
 pub fn model_name(name: &str) -> Result<String, String> {
     if WORLD_NAMES.contains(&name) {
         Err(format!("'{name}' is the world itself"))
@@ -28,10 +28,11 @@ pub fn model_name(name: &str) -> Result<String, String> {
     }
 }
 
-/// A namespace that ROS takes, without slashes at its ends: names of letters, digits and _, a letter first, apart by /.
+/// Checks a ROS namespace and removes slashes at its ends. It consists of names separated by /, which start with a
+/// letter and contain letters, digits and _.
 ///
 /// # Errors
-/// In words: what is wrong with it, and what would be right.
+/// A message with the problem and a remedy.
 pub fn namespace(given: &str) -> Result<String, String> {
     let bare = given.strip_prefix('/').unwrap_or(given);
     let bare = bare.strip_suffix('/').unwrap_or(bare);
@@ -43,12 +44,12 @@ pub fn namespace(given: &str) -> Result<String, String> {
         Ok(bare.to_owned())
     } else {
         Err(format!(
-            "'{given}' is no namespace in ROS; write a letter and then letters, digits and _, as in robot_1"
+            "'{given}' is not a ROS namespace; write a letter and then letters, digits and _, as in robot_1"
         ))
     }
 }
 
-/// One model in a simulation. The index of a deleted one is given to another, which is of a later generation.
+/// Identifies a model in a simulation. The index of a deleted model is used again, with a later generation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct EntityId {
     index: ModelIndex,
@@ -56,46 +57,46 @@ pub struct EntityId {
 }
 
 impl EntityId {
-    /// Its index in the world.
+    /// Returns its index in the world.
     pub fn index(self) -> ModelIndex {
         self.index
     }
 }
 
-/// How a model came into the world.
+/// The way in which a model was added to the world.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// With the world file.
+    /// In the world file.
     World,
-    /// At the start, as a robot that the simulation is of.
+    /// At the start, as one of the simulated robots.
     Start,
-    /// While it ran.
+    /// While the simulation was running.
     Spawned,
 }
 
 /// A model in the world.
 #[derive(Debug)]
 pub struct Entity {
-    /// What it is called.
+    /// Its name.
     pub name: String,
-    /// Stands before its topics and frames, as in `/NAMESPACE/scan`; empty for none.
+    /// Prefix of its topics and frames, as in `/NAMESPACE/scan`; empty for none.
     pub namespace: String,
-    /// What it is.
+    /// Its description.
     pub model: Model,
-    /// Where its frame was at the start.
+    /// Start pose of its frame.
     pub start: Pose,
-    /// How it came.
+    /// The way in which it was added.
     pub origin: Origin,
-    /// What the noise of its sensors differs by from others'; `Entities::noise_name` chooses it.
+    /// The name that distinguishes the noise of its sensors from others'; see `Entities::noise_name`.
     pub noise_name: String,
-    /// What of it drives and tells of itself, if it is a robot.
+    /// Its base and its state, if it is a robot.
     pub robot: Option<Robot>,
-    /// What its inertial units feel, in the order of its sensors.
+    /// Its inertial units, in the order of its sensors.
     pub units: Vec<InertialUnit>,
 }
 
 impl Entity {
-    /// How it takes part in physics, at its start.
+    /// Returns its placement in physics at the start.
     pub(crate) fn placement(&self) -> Placement<'_> {
         if self.robot.is_some() {
             robot::placement(&self.model, self.start)
@@ -104,12 +105,12 @@ impl Entity {
         }
     }
 
-    /// What it carries that senses.
+    /// Returns its sensors.
     pub fn sensors(&self) -> &[Sensor] {
         &self.model.sensors
     }
 
-    /// One of its topics, in its namespace.
+    /// Returns one of its topics in its namespace.
     pub fn topic(&self, topic: &str) -> String {
         if self.namespace.is_empty() {
             return topic.to_owned();
@@ -117,25 +118,25 @@ impl Entity {
         format!("/{}/{}", self.namespace, topic.trim_start_matches('/'))
     }
 
-    /// One of its frames, in its namespace; none stays none. A slash before it, as plugins of ROS 1 write it, is left out
-    /// there, since no frame of tf2 has one within.
+    /// Returns one of its frames in its namespace; an empty frame stays empty. In a namespace, a leading slash, as ROS
+    /// 1 plugins write it, is removed, because tf2 frames contain none.
     pub fn frame(&self, frame: &str) -> String {
         let bare = if self.namespace.is_empty() { frame } else { frame.trim_start_matches('/') };
         if bare.is_empty() { String::new() } else { self.scoped(bare) }
     }
 
-    /// A name of something of it, in its namespace.
+    /// Returns a name in its namespace.
     pub fn scoped(&self, name: &str) -> String {
         scoped(&self.namespace, name)
     }
 }
 
-/// A name in a namespace: itself if that is empty.
+/// Returns a name in a namespace, unchanged if the namespace is empty.
 pub(crate) fn scoped(namespace: &str, name: &str) -> String {
     if namespace.is_empty() { name.to_owned() } else { format!("{namespace}/{name}") }
 }
 
-/// Everybody; places of those that were deleted are empty until another comes.
+/// All models. The place of a deleted model is empty until another model is added.
 #[derive(Debug, Default)]
 pub struct Entities {
     places: Vec<Place>,
@@ -143,7 +144,7 @@ pub struct Entities {
 
 #[derive(Debug, Default)]
 struct Place {
-    /// How many were here before.
+    /// Number of models that had this place before.
     generation: u32,
     entity: Option<Entity>,
 }
@@ -155,7 +156,7 @@ impl Place {
 }
 
 impl Entities {
-    /// Takes one in at the index that physics gave it.
+    /// Adds a model at the index that physics has given it.
     pub(crate) fn add(&mut self, index: ModelIndex, entity: Entity) -> EntityId {
         if index >= self.places.len() {
             self.places.resize_with(index + 1, Place::default);
@@ -165,8 +166,9 @@ impl Entities {
         place.id(index)
     }
 
-    /// What the noise of the sensors of one who comes differs by from others': the namespace, or the name; nothing for the
-    /// first robot of the start that has no namespace, so that the one robot of a simulation may be called anything.
+    /// Returns the name that distinguishes the noise of a new model's sensors from others': its namespace, or its name.
+    /// It is empty for the first robot at the start without a namespace, so that the noise of a single robot does not
+    /// depend on its name.
     pub(crate) fn noise_name(&self, name: &str, namespace: &str, origin: Origin) -> String {
         let has_none = |entity: &Entity| entity.noise_name.is_empty();
         match (namespace, origin) {
@@ -176,29 +178,29 @@ impl Entities {
         }
     }
 
-    /// Empties a place.
+    /// Removes a model.
     pub(crate) fn remove(&mut self, id: EntityId) {
         if let Some(place) = self.places.get_mut(id.index).filter(|place| place.generation == id.generation) {
             *place = Place { generation: place.generation + 1, entity: None };
         }
     }
 
-    /// The one of that identity, unless it was deleted.
+    /// Returns the model with this identity, unless it was deleted.
     pub fn get(&self, id: EntityId) -> Option<&Entity> {
         self.places.get(id.index).filter(|place| place.generation == id.generation)?.entity.as_ref()
     }
 
-    /// The same, to be changed.
+    /// Like [`Entities::get`], but mutable.
     pub(crate) fn get_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
         self.places.get_mut(id.index).filter(|place| place.generation == id.generation)?.entity.as_mut()
     }
 
-    /// The robot of that place.
+    /// Returns the robot with this identity.
     pub fn robot(&self, id: EntityId) -> Option<&Robot> {
         self.get(id)?.robot.as_ref()
     }
 
-    /// Everybody, to be changed.
+    /// Iterates over all models, mutably.
     pub(crate) fn iter_mut(&mut self) -> impl Iterator<Item = (EntityId, &mut Entity)> {
         let places = self.places.iter_mut().enumerate();
         places.filter_map(|(index, place)| Some((place.id(index), place.entity.as_mut()?)))
@@ -212,31 +214,31 @@ impl Entities {
         }
     }
 
-    /// All robots.
+    /// Iterates over all robots, mutably.
     pub fn robots_mut(&mut self) -> impl Iterator<Item = &mut Robot> {
         self.iter_mut().filter_map(|(_, entity)| entity.robot.as_mut())
     }
 
-    /// All, with their identities.
+    /// Iterates over all models with their identities.
     pub fn iter(&self) -> impl Iterator<Item = (EntityId, &Entity)> {
         let places = self.places.iter().enumerate();
         places.filter_map(|(index, place)| Some((place.id(index), place.entity.as_ref()?)))
     }
 
-    /// Every place, empty ones too: as physics is built from it.
+    /// Iterates over all places, including empty ones, for building physics.
     pub(crate) fn placements(&self) -> impl Iterator<Item = Option<Placement<'_>>> {
         self.places.iter().map(|place| place.entity.as_ref().map(Entity::placement))
     }
 
-    /// Those that came while it ran.
+    /// Iterates over the models that were spawned while the simulation was running.
     pub fn spawned(&self) -> impl Iterator<Item = &Entity> {
         self.iter().map(|(_, entity)| entity).filter(|entity| entity.origin == Origin::Spawned)
     }
 
-    /// The one of that name.
+    /// Finds a model by its name.
     ///
     /// # Errors
-    /// In words, if there is none.
+    /// A message, if there is none.
     pub fn find(&self, name: &str) -> Result<(EntityId, &Entity), String> {
         self.iter().find(|(_, entity)| entity.name == name).ok_or_else(|| {
             let names = || self.iter().map(|(_, entity)| entity.name.as_str());
@@ -249,15 +251,15 @@ impl Entities {
         })
     }
 
-    /// Whether a name is taken, or would mean something else.
+    /// Returns true if a name is taken, or means the world.
     pub fn is_taken(&self, name: &str) -> bool {
         WORLD_NAMES.contains(&name) || self.iter().any(|(_, entity)| entity.name == name)
     }
 
-    /// Pose in the world of a frame: a model, `model::link`, a link alone, or the world itself.
+    /// Returns the pose of a frame in the world: a model, `model::link`, a link alone, or the world itself.
     ///
     /// # Errors
-    /// In words, if there is no such frame.
+    /// A message, if there is no such frame.
     pub fn world_from_frame(&self, name: &str, physics: &Physics) -> Result<Pose, String> {
         if WORLD_NAMES.contains(&name) {
             return Ok(Pose::IDENTITY);

@@ -2,30 +2,30 @@
 //!
 //! | module | is |
 //! |---|---|
-//! | `colours` | the colours of distances (feature `dataset`) |
-//! | [`gltf`] | models as a file that other programs show |
+//! | `colours` | colour map for distances (feature `dataset`) |
+//! | [`gltf`] | export of models to glTF |
 //! | [`world`] | the running world: physics, and the scene that the sensors see |
-//! | [`robot`] | the Kobuki base: drive, odometry, transforms, joint states |
-//! | [`entities`] | who is in the world, by name |
-//! | [`rig`] | the sensors on their schedule, rendered straight into a sink's memory |
-//! | [`simulation`] | all of it, stepped and rendered by a caller: the library |
-//! | [`randomize`] | lamps and materials drawn at random, for learning |
-//! | `dataset` | samples for learning, in shards (feature `dataset`) |
-//! | `server` | the same for other processes: shared memory, commands (feature `server`) |
-//! | `recording` | runs kept in MCAP files, and played again (feature `recording`) |
-//! | `link` | streams on other machines (feature `link`) |
-//! | `view` | a page in the browser (feature `view`) |
-//! | `picture` | frames as pictures for people (feature `cli`) |
+//! | [`robot`] | robot bases: drives, odometry, transforms, joint states |
+//! | [`entities`] | the models and robots in the world, by name |
+//! | [`rig`] | sensors on their schedules, rendered directly into a sink's memory |
+//! | [`simulation`] | the complete simulation, stepped and rendered by the calling program |
+//! | [`randomize`] | random lights and materials for machine learning |
+//! | `dataset` | generation of training data, in shards (feature `dataset`) |
+//! | `server` | the simulation served to other processes: shared memory, commands (feature `server`) |
+//! | `recording` | recording to MCAP files, and replay (feature `recording`) |
+//! | `link` | streams to and from other machines (feature `link`) |
+//! | `view` | web page that shows the simulation (feature `view`) |
+//! | `picture` | frames drawn as pictures (feature `cli`) |
 //! | `cli` | the `belvedere` command (feature `cli`) |
 //!
-//! Each uses only those above it. The sensors themselves are the crate [`sensors`], the messages of streams and the shared
-//! memory are the crate [`bridge`].
+//! Each module uses only those above it. The sensors themselves are in the crate [`sensors`]; the messages of streams
+//! and the shared memory are in the crate [`bridge`].
 #![forbid(unsafe_code)]
 
-/// The crate `belvedere-bridge`: headers and payloads of frames, as [`bridge::payload::Odometry`], and, with the feature
-/// `server`, publishers and subscribers.
+/// The crate `belvedere-bridge`: headers and payloads of frames, such as [`bridge::payload::Odometry`], and, with the
+/// feature `server`, publishers and subscribers.
 pub use belvedere_bridge as bridge;
-/// The crate `belvedere-description`: robot and world files (xacro, URDF, SDF) as one typed model.
+/// The crate `belvedere-description`: robot and world files (xacro, URDF, SDF) parsed into typed models.
 pub use belvedere_description as description;
 /// The crate `belvedere-sensors`: cameras, depth cameras and lidars without a simulator.
 pub use belvedere_sensors as sensors;
@@ -54,7 +54,7 @@ pub mod simulation;
 pub mod view;
 pub mod world;
 
-/// The Rust code of the book.
+/// Compiles the Rust examples in the book.
 #[cfg(doctest)]
 mod book {
     #[doc = include_str!("../docs/library.md")]

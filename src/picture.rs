@@ -1,20 +1,20 @@
-//! Frames as pictures that a person can look at.
+//! Draws frames as pictures for people.
 //!
-//! Images stay as they are. Depth is coloured from near (red) to far (blue), as on the page; what
-//! has no depth is black, beyond the range dark grey. Scans and unorganised clouds are drawn as a plan seen from
-//! above: x (forward) up, y (left) left, the sensor in the middle, a ring every metre or as fits.
+//! Images stay unchanged. Depth is coloured from near (red) to far (blue), as on the page; missing depths are black,
+//! those beyond the range dark grey. Scans and unorganised clouds are drawn as a plan seen from above: x (forward) up,
+//! y (left) left, the sensor in the centre, with rings at a suitable distance.
 
 use crate::colours::of_nearness;
 use belvedere_bridge::{Encoding, FrameView, Kind};
 use image::{Rgb, RgbImage};
 
-/// Why a frame is no picture.
+/// The reason why a frame cannot be drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PictureError {
-    /// A kind without a look, such as odometry.
+    /// A kind that cannot be drawn, such as odometry.
     #[error("a stream of kind {} has no picture; use echo", .0.map_or("unknown", Kind::as_str))]
     Kind(Option<Kind>),
-    /// Nothing in it.
+    /// The frame has no pixels.
     #[error("the frame is empty")]
     Empty,
 }
@@ -24,10 +24,10 @@ const BEYOND: Rgb<u8> = Rgb([48, 48, 48]);
 /// Edge length of a plan in pixels.
 const PLAN: u32 = 801;
 
-/// Draws a frame of any kind that has a look.
+/// Draws a frame of any kind that can be drawn.
 ///
 /// # Errors
-/// [`PictureError`] for the others.
+/// [`PictureError`] for other kinds.
 pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
     let header = frame.header();
     if header.width == 0 || header.height == 0 {
@@ -75,7 +75,7 @@ pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
     }
 }
 
-/// An image of the frame's size, a value per pixel.
+/// Draws an image of the frame's size, with one value per pixel.
 fn pixels<T: bytemuck::Pod>(frame: &FrameView<'_>, colour: impl Fn(T) -> Rgb<u8>) -> RgbImage {
     let mut picture = RgbImage::new(frame.header().width, frame.header().height);
     for (pixel, value) in picture.pixels_mut().zip(frame.numbers::<T>(frame.rows())) {
@@ -84,17 +84,17 @@ fn pixels<T: bytemuck::Pod>(frame: &FrameView<'_>, colour: impl Fn(T) -> Rgb<u8>
     picture
 }
 
-/// The colour of a thing or class: black for none, and far apart for numbers that follow each other.
+/// Returns the colour of an instance or class: black for none, very different for consecutive numbers.
 fn number_colour(number: i32) -> Rgb<u8> {
     if number < 0 {
         return Rgb([0; 3]);
     }
-    // Steps of the golden ratio go round the circle of hues without ever coming close to where they were.
+    // Steps of the golden ratio go round the circle of hues without coming close to earlier hues.
     let turn = f64::from(number) * 0.618_033_988_749_895;
     hue(turn.fract() as f32, 1.0)
 }
 
-/// Flow: its direction is the hue, red to the right; the longest in the picture is the brightest.
+/// Draws optical flow: its direction is the hue, red to the right; the longest vector in the image is the brightest.
 fn flow(frame: &FrameView<'_>) -> RgbImage {
     let length = |[x, y]: [f32; 2]| x.hypot(y);
     let lengths = frame.numbers::<[f32; 2]>(frame.rows()).map(length);
@@ -106,7 +106,7 @@ fn flow(frame: &FrameView<'_>) -> RgbImage {
     })
 }
 
-/// A pure colour of the circle of hues, from 0, red, over green and blue to 1.
+/// Returns a pure hue, from 0 (red) over green and blue to 1 (red).
 fn hue(turn: f32, brightness: f32) -> Rgb<u8> {
     let part = |offset: f32| {
         let distance = ((turn + offset).fract() * 6.0 - 3.0).abs() - 1.0;
@@ -115,14 +115,15 @@ fn hue(turn: f32, brightness: f32) -> Rgb<u8> {
     Rgb([part(0.0), part(2.0 / 3.0), part(1.0 / 3.0)])
 }
 
-/// Values of 16 bits as grey. The highest in the picture is white, as a frame does not say how many bits are used.
+/// Draws 16-bit values as grey. The highest in the image is white, because a frame does not state the number of bits
+/// used.
 fn words(frame: &FrameView<'_>) -> RgbImage {
     let highest = frame.numbers::<u16>(frame.rows()).max().unwrap_or(0).max(1);
     pixels(frame, |value: u16| Rgb([(u32::from(value) * 255 / u32::from(highest)) as u8; 3]))
 }
 
-/// Each pixel in the colours of the square of four that begins with it, or of its neighbour at the far edges; `square`
-/// tells which of red, green and blue the pixels of a square at even places see.
+/// Converts a Bayer mosaic: each pixel gets the colours of the square of four that begins with it, or of its neighbour
+/// at the far edges. `square` states which of red, green and blue the pixels of a square at even positions measure.
 fn mosaic(seen: &RgbImage, square: [usize; 4]) -> RgbImage {
     let mut picture = RgbImage::new(seen.width(), seen.height());
     for (x, y, pixel) in picture.enumerate_pixels_mut() {
@@ -141,7 +142,7 @@ fn mosaic(seen: &RgbImage, square: [usize; 4]) -> RgbImage {
     picture
 }
 
-/// The metres that are drawn as near and as far in the picture of a frame of depths; none for other frames.
+/// Returns the distances in metres that are drawn as near and far for a depth image, or `None` for other frames.
 #[must_use]
 pub fn depth_range(frame: &FrameView<'_>) -> Option<[f32; 2]> {
     let is_depth = frame.header().kind() == Some(Kind::DepthImage);
@@ -149,7 +150,7 @@ pub fn depth_range(frame: &FrameView<'_>) -> Option<[f32; 2]> {
     range.filter(|[near, far]| near.is_finite() && far > near)
 }
 
-/// Depths in metres, of a frame that has them.
+/// Returns the depths in metres of a frame that has depths.
 fn depths(frame: &FrameView<'_>) -> Option<Vec<f32>> {
     match frame.header().encoding()? {
         Encoding::F32C1 => Some(frame.numbers(frame.rows()).collect()),
@@ -162,7 +163,7 @@ fn depths(frame: &FrameView<'_>) -> Option<Vec<f32>> {
     }
 }
 
-/// The nearest and the farthest that the frame's header allows, or that occur when it says nothing.
+/// Returns the nearest and farthest depth that the frame's header allows, or that occur if the header states none.
 fn range(frame: &FrameView<'_>, depths: &[f32]) -> [f32; 2] {
     let header = frame.header();
     let finite = || depths.iter().copied().filter(|depth| depth.is_finite());
@@ -172,7 +173,7 @@ fn range(frame: &FrameView<'_>, depths: &[f32]) -> [f32; 2] {
     allowed.filter(is_range).unwrap_or([nearest, farthest])
 }
 
-/// Depths in metres as colours from near to far.
+/// Draws depths in metres as colours from near to far.
 fn depth(frame: &FrameView<'_>, depths: &[f32]) -> RgbImage {
     let [near, far] = range(frame, depths);
     let span = (far - near).max(f32::MIN_POSITIVE);
@@ -203,7 +204,8 @@ fn scan(frame: &FrameView<'_>) -> RgbImage {
     plan(points, 1.0)
 }
 
-/// Points in metres (x forward, y left) seen from above; the scale shows the farthest, at least `min_reach_m`.
+/// Draws points in metres (x forward, y left) seen from above. The scale shows the farthest point, and at least
+/// `min_reach_m`.
 fn plan(points: impl Iterator<Item = [f32; 2]>, min_reach_m: f32) -> RgbImage {
     const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
     const RING: Rgb<u8> = Rgb([205, 212, 220]);
@@ -237,14 +239,14 @@ fn plan(points: impl Iterator<Item = [f32; 2]>, min_reach_m: f32) -> RgbImage {
         dot(middle - left * scale, middle - forward * scale, 1, on_paper(of_nearness(f64::from(nearness))));
     }
     dot(middle, middle, 3, SENSOR);
-    // Which way is forward.
+    // A mark that points forward.
     for step in 4..12 {
         dot(middle, middle - step as f32, 0, SENSOR);
     }
     picture
 }
 
-/// 1, 2 or 5 times a power of ten metres, so that there are at most ten rings; never less than 0.1 m.
+/// Returns 1, 2 or 5 times a power of ten metres, at least 0.1 m, so that there are at most ten rings.
 fn ring_distance(farthest_m: f32) -> f32 {
     let mut decade = 0.1;
     loop {
@@ -258,7 +260,7 @@ fn ring_distance(farthest_m: f32) -> f32 {
     }
 }
 
-/// A darker colour: the map's bright middle would vanish on white.
+/// Darkens a colour, because the bright middle of the map would be invisible on white.
 fn on_paper(colour: [u8; 3]) -> Rgb<u8> {
     Rgb(colour.map(|part| (f32::from(part) * 0.75) as u8))
 }
@@ -287,7 +289,7 @@ mod tests {
         let mut header = FrameHeader::new(Kind::Image, Encoding::Mono8);
         let picture = draw(&view(&mut header, 3, 2, &payload)).unwrap();
         assert_eq!(picture[(2, 1)], Rgb([6, 6, 6]));
-        // The highest of 16 bits is white.
+        // The highest 16-bit value is white.
         let mut header = FrameHeader::new(Kind::Image, Encoding::Mono16);
         let picture = draw(&view(&mut header, 3, 1, &payload)).unwrap();
         assert_eq!(picture[(2, 0)], Rgb([255; 3]));
@@ -361,7 +363,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_look_says_so() {
+    fn kinds_that_cannot_be_drawn_are_refused() {
         let payload = [0; 8];
         let mut header = FrameHeader::new(Kind::Clock, Encoding::Struct);
         let error = draw(&view(&mut header, 1, 1, &payload)).unwrap_err();

@@ -1,12 +1,13 @@
-//! Models that come and go, ten thousand times; alone in its process, whose memory it looks at.
+//! Spawns and deletes models ten thousand times. It is a program of its own, because it measures the memory of its
+//! process.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SimulationError, SpawnOptions};
 
-/// Whoever goes leaves nothing: places are used again, and memory does not grow.
+/// Deleted models leave nothing behind: their indices are reused, and memory does not grow.
 #[test]
-fn ten_thousand_come_and_go() {
+fn ten_thousand_models_come_and_go() {
     let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     let guest =
         || SpawnOptions { name: "guest".into(), namespace: "guest".into(), ..SpawnOptions::default() };
@@ -38,7 +39,7 @@ fn ten_thousand_come_and_go() {
     let grown = resident_kib().saturating_sub(first_kib);
     println!("9,000 rounds: {grown} KiB more");
     assert!(grown < 1024, "{grown} KiB more");
-    // Its identity is not another's.
+    // Ids are not reused.
     let id = simulation.spawn(&model, guest()).unwrap();
     assert!(matches!(simulation.pose(gone.unwrap()), Err(SimulationError::Gone)));
     assert!(simulation.pose(id).is_ok());

@@ -1,4 +1,5 @@
-//! The library without a simulator's process: a robot is stepped and what it senses is rendered into the test's own memory.
+//! The library without a simulator process: a robot is stepped, and its sensors are rendered into the test's own
+//! memory.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
@@ -31,8 +32,9 @@ fn ranges(frame: &FrameBuf) -> Vec<f32> {
     view.numbers(view.rows()).collect()
 }
 
-/// What a user's own test does; it is to cost no more than 0.2 s of it, whatever else the machine does: of five times one.
-/// It runs in a process of its own, since other tests of this program publish into shared memory at the same time.
+/// The operations of a user's test, which must take less than 0.2 s in at least one of five tries, because the machine
+/// may have other load. It runs in a process of its own, because other tests of this program publish into shared
+/// memory.
 #[test]
 fn a_world_a_robot_and_ten_steps_take_no_shared_memory() {
     const ALONE: &str = "BELVEDERE_TEST_ALONE";
@@ -44,7 +46,7 @@ fn a_world_a_robot_and_ten_steps_take_no_shared_memory() {
         assert!(output.status.success() && said.contains("1 passed"), "{said}");
         return;
     }
-    // The first use of the models' files and of the sensors' threads is not counted.
+    // The first use of the model files and of the sensors' threads is not measured.
     drop(empty());
     let took: Vec<Duration> = (0..5).map(|_| a_world_a_robot_and_ten_steps()).collect();
     let maps = std::fs::read_to_string("/proc/self/maps").unwrap();
@@ -68,7 +70,7 @@ fn a_world_a_robot_and_ten_steps() -> Duration {
     took
 }
 
-/// A picture and its truth, flow included, of the same moment; what another sensor has, in the same call.
+/// A picture and its ground truth, including flow, at the same moment; and a stream of another sensor in the same call.
 #[test]
 fn streams_of_one_frame() {
     let mut simulation = Simulation::builder(load::world("tag_ceiling").unwrap()).build().unwrap();
@@ -99,7 +101,7 @@ fn streams_of_one_frame() {
                     .filter(|flow| flow.is_finite())
                     .fold(0.0, f32::max)
             };
-            // It turns by 0.05 rad, which are 30 pixels or so.
+            // It turns by 0.05 rad, which is about 30 pixels.
             assert!((10.0..60.0).contains(&most(back)), "{} pixels", most(back));
         }
     }
@@ -107,7 +109,7 @@ fn streams_of_one_frame() {
     assert!(nothing.contains("/odour") && nothing.contains("did you mean '/odom"), "{nothing}");
 }
 
-/// Robots of one file, each in its namespace; frames, topics and noise are its own; the one behind sees the other.
+/// Robots from one file, each in its namespace, with separate frames, topics and noise; the one behind sees the other.
 #[test]
 fn two_robots_share_a_world() {
     let mut simulation = empty();
@@ -118,7 +120,7 @@ fn two_robots_share_a_world() {
     let first = simulation.spawn(&model, named("first", 0.0)).unwrap();
     let second = simulation.spawn(&model, named("second", 2.0)).unwrap();
     let (mut one, mut other) = (FrameBuf::default(), FrameBuf::default());
-    // They stand before the wall alike: what differs is noise.
+    // They face the wall in the same way; only the noise differs.
     simulation.render("/first/rrbot/laser/scan", &mut one).unwrap();
     simulation.render("/second/rrbot/laser/scan", &mut other).unwrap();
     let both = ranges(&one).into_iter().zip(ranges(&other));
@@ -129,7 +131,7 @@ fn two_robots_share_a_world() {
     assert!(one.header().frame_id.as_str().starts_with("first/"), "{}", one.header().frame_id);
     let mut nearest = |simulation: &mut Simulation| {
         simulation.render("/first/camera/depth/image_raw", &mut one).unwrap();
-        // The lower half sees the floor.
+        // The lower half of the picture shows the floor.
         let upper = one.header().height as usize / 2;
         one.view().numbers(one.view().rows().take(upper)).fold(f32::INFINITY, f32::min)
     };
@@ -152,7 +154,7 @@ fn two_robots_share_a_world() {
     assert!(simulation.pose(second).unwrap().translation().x > 1.99, "nobody drove the second");
 }
 
-/// What the library renders is what a server of the same simulation publishes, to the byte.
+/// The library renders the same bytes that a server of the same simulation publishes.
 #[test]
 fn a_server_publishes_what_the_library_renders() {
     let build = || {
@@ -166,7 +168,7 @@ fn a_server_publishes_what_the_library_renders() {
     let (node, reader) = (Node::open(&domain, "belvedere").unwrap(), Node::open(&domain, "reader").unwrap());
     let mut server = Server::attach(&mut served, &node, ServerOptions::default()).unwrap();
     let mut subscribers = topics.map(|topic| reader.subscriber(topic).unwrap());
-    // It looks for its stream when it is asked; the first frames of all are due at 0.
+    // A server finds its subscribers when it sends; the first frames of all streams are due at 0.
     for subscriber in &mut subscribers {
         assert!(subscriber.take().unwrap().is_none());
     }
@@ -174,7 +176,7 @@ fn a_server_publishes_what_the_library_renders() {
     for (topic, subscriber) in topics.into_iter().zip(&mut subscribers) {
         assert!(subscriber.wait(Duration::from_secs(60)).unwrap(), "{topic} sends nothing");
         let published = subscriber.take().unwrap().expect("a frame");
-        // A simulation of its own for each: the next frame of a sensor has other noise.
+        // A separate simulation for each, because the noise of a sensor's next frame differs.
         let mut frame = FrameBuf::default();
         build().render(topic, &mut frame).unwrap();
         assert_eq!(frame.header().stamp_ns, published.header().stamp_ns);
@@ -184,9 +186,9 @@ fn a_server_publishes_what_the_library_renders() {
     }
 }
 
-/// What has sensors never comes to rest as things do, whether it is called a robot or not: its rays would move.
+/// A model with sensors never falls asleep, whether it is called a robot or not, because its rays would move.
 #[test]
-fn what_senses_never_rests() {
+fn models_with_sensors_never_sleep() {
     const SENSOR: &str =
         "<sensor name='s' type='ray'><pose>0 0 0.5 0 0 0</pose><topic>scan</topic><ray><range><min>0.1</min>
         <max>9</max></range></ray></sensor>";
@@ -206,9 +208,9 @@ fn what_senses_never_rests() {
     assert_ne!(stands("", None), stands("", Some(true)));
 }
 
-/// One clear error each.
+/// Each gives one clear error.
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_requests_are_refused() {
     let mut simulation = empty();
     let model = load::robot(LIDAR).unwrap();
     let wall = load::model(
@@ -230,7 +232,7 @@ fn what_cannot_be_is_refused() {
     let mut frame = FrameBuf::default();
     let topic = said(simulation.render("/scam", &mut frame));
     assert!(topic.contains("did you mean '/scan'?"), "{topic}");
-    // Two robots whose streams are called alike.
+    // Two robots whose streams have the same names.
     let beside = Pose::from_translation(DVec3::new(-1.0, 0.0, 0.0));
     let options = SpawnOptions { name: "other".into(), world_from_model: beside, ..SpawnOptions::default() };
     simulation.spawn(&model, options).unwrap();

@@ -1,4 +1,4 @@
-//! What many bodies cost: beside physics when all move, at the start and on the way when all sleep.
+//! The cost of many bodies: compared with physics when all move, and at the start and during the run when all sleep.
 
 use belvedere::description::load;
 use belvedere::description::model::World;
@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Milliseconds of processor time of this thread, which does all the work: what runs beside it does not count.
+/// Milliseconds of processor time of this thread, which does all the work, so other programs do not count.
 fn milliseconds(work: impl FnOnce()) -> f64 {
     let now_ms = || {
         let now = clock_gettime(ClockId::ThreadCPUTime);
@@ -23,7 +23,7 @@ fn milliseconds(work: impl FnOnce()) -> f64 {
     now_ms() - before_ms
 }
 
-/// A world of simple shapes by turns, `spacing` apart in a square, on a plane; and the file's text.
+/// A world of alternating simple shapes on a plane, `spacing` apart in a square; and the text of the file.
 fn shapes(count: usize, spacing: f64, more: &str) -> String {
     let mut text = format!("<sdf version='1.6'><world name='shapes'>{more}");
     let side = (count as f64).sqrt().ceil() as usize;
@@ -55,29 +55,29 @@ fn load(text: &str) -> World {
 const GROUND: &str = "<model name='ground'><static>true</static><link name='l'>
     <collision name='c'><geometry><plane><normal>0 0 1</normal><size>200 200</size></plane></geometry></collision>
     </link></model>";
-/// Few steps, so that they do not hide what else there is.
+/// Large steps, so that physics does not hide the other costs.
 const LIDAR: &str = "<physics type='ode'><max_step_size>0.01</max_step_size></physics><gravity>0 0 0</gravity><model name='eye'><static>true</static><pose>-3 -3 0.5 0 0 0.8</pose>
     <link name='l'><sensor name='laser' type='ray'><update_rate>30</update_rate>
     <ray><scan><horizontal><samples>16</samples><min_angle>-1</min_angle><max_angle>1</max_angle></horizontal></scan>
     <range><min>.1</min><max>90</max></range></ray>
     <plugin name='laser' filename='libgazebo_ros_laser.so'><topicName>scan</topicName></plugin></sensor></link></model>";
 
-/// One at a time: beside each other they would wait for the same caches.
+/// The tests run one at a time, because they would compete for the same caches.
 static ALONE: Mutex<()> = Mutex::new(());
 
 fn simulation(world: World) -> Simulation {
     Simulation::builder(world).execution(Execution::default()).build().unwrap()
 }
 
-/// Poses are taken over from physics, the scene follows them, a sensor looks at it, and the states of all models and
-/// links are published, beside a simulation that only steps: a machine that is slow for one is slow for both.
+/// Copying poses from physics, updating the scene, rendering a sensor and publishing the states of all models and links
+/// are compared with a simulation that only steps, because a slow machine is slow for both.
 #[test]
 fn five_hundred_moving_bodies_cost_a_sixth_of_their_physics() {
     const BODIES: usize = 500;
     const FRAMES: u32 = 60;
-    /// Steps of 1 ms in a frame at 30 Hz: Gazebo's default, of which a user's frame is made.
+    /// The number of steps of 1 ms in a frame at 30 Hz, with Gazebo's default step.
     const STEPS: f64 = 100.0 / 3.0;
-    /// Steps of the world here.
+    /// The number of steps in a frame of this world.
     const STEPS_HERE: f64 = 10.0 / 3.0;
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
     let text = shapes(BODIES, 3.0, LIDAR);
@@ -99,7 +99,7 @@ fn five_hundred_moving_bodies_cost_a_sixth_of_their_physics() {
         reader.streams().unwrap().into_iter().find(|stream| stream.kind == Some(Kind::LaserScan)).unwrap();
     let topics = [StreamSpec::MODEL_STATES, StreamSpec::LINK_STATES, &scan.topic];
     let mut subscribers: Vec<Subscriber> = topics.map(|topic| reader.subscriber(topic).unwrap()).into();
-    // They look for their streams when they are asked.
+    // A server finds its subscribers when it sends.
     for subscriber in &mut subscribers {
         assert!(subscriber.take().unwrap().is_none());
     }
@@ -124,12 +124,12 @@ fn five_hundred_moving_bodies_cost_a_sixth_of_their_physics() {
         }
     }
     assert!(received.iter().all(|count| *count >= FRAMES - 1), "{received:?}");
-    // Poses are copied in each step. To ask for all of them costs more, as they are interpolated.
+    // Poses are copied in each step. Requesting all of them costs more, because they are interpolated.
     let poses = || alone.physics().moving_links().map(|(_, _, pose)| pose.translation()).sum::<DVec3>();
     let copy = || milliseconds(|| assert!((0..100).map(|_| poses()).sum::<DVec3>().is_finite())) / 100.0;
-    // The least of some: what else the machine does only adds to it.
+    // The least of several tries, because other load only adds to it.
     let copy_ms = (0..20).map(|_| copy()).fold(f64::INFINITY, f64::min);
-    // What else the machine does adds to some frames: the lower quartile of each is undisturbed.
+    // Other load adds to some frames; the lower quartile is undisturbed.
     let quartile = |costs_ms: &mut [f64]| {
         costs_ms.sort_by(f64::total_cmp);
         costs_ms[costs_ms.len() / 4]
@@ -145,7 +145,7 @@ fn five_hundred_moving_bodies_cost_a_sixth_of_their_physics() {
     assert!(added_ms < physics_ms / 6.0, "{added_ms} ms a frame beside {physics_ms} ms");
 }
 
-/// As gz-sim's `3k_shapes.sdf`.
+/// Like gz-sim's `3k_shapes.sdf`.
 #[test]
 fn three_thousand_sleeping_bodies_load_in_a_second_and_run_in_real_time() {
     let _alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
@@ -153,7 +153,7 @@ fn three_thousand_sleeping_bodies_load_in_a_second_and_run_in_real_time() {
     let mut loaded = None;
     let load_ms = milliseconds(|| loaded = Some(simulation(load(&text))));
     let mut simulation = loaded.unwrap();
-    // rapier's bodies sleep after two seconds of rest.
+    // rapier's bodies sleep after two seconds at rest.
     let settling_ms = milliseconds(|| simulation.run_for(Duration::from_secs(3)));
     let asleep_ms = milliseconds(|| simulation.run_for(Duration::from_secs(2)));
     println!(

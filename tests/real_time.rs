@@ -1,4 +1,4 @@
-//! The clock on the wall: alone in its test program, so that no other simulator takes the cores meanwhile.
+//! Real-time tests. They are a program of their own, so that no other simulator uses the cores meanwhile.
 
 mod live;
 
@@ -7,11 +7,12 @@ use live::{Simulator, next_frame};
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-/// Simulated time may run off the clock's by that part.
+/// The tolerance of the rate of simulated time, relative to the clock.
 const RATE_TOLERANCE: f64 = 0.005;
-/// Three of four pictures are published as steadily as this, where the machine wakes up who sleeps so punctually.
+/// Three of four pictures are published with at most this jitter, if the machine wakes up sleeping threads as
+/// punctually.
 const STEADY: Duration = Duration::from_micros(300);
-/// How long each try takes.
+/// The duration of each try.
 const TRY: Duration = Duration::from_secs(7);
 
 /// (topic, exact rate as a fraction)
@@ -26,26 +27,26 @@ const ASKED: [(&str, u64, u64); 8] = [
     ("/tf_static", 0, 1),
 ];
 
-/// What is known of a frame that came.
+/// The data of a received frame.
 struct Arrival {
     stamp_ns: u64,
-    /// Frames that were missed before it.
+    /// The number of frames that were missed before it.
     missed: u64,
-    /// When it was published, by the clock, after its stamp: the same for all frames but for delays.
+    /// The time of publication by the clock minus the timestamp: the same for all frames except for delays.
     lag_ns: i64,
-    /// Since this stream was looked at before.
+    /// The time since the previous poll of this stream.
     away: Duration,
 }
 
-/// What comes within [`TRY`].
+/// The frames received within [`TRY`].
 struct Seen {
     arrivals: HashMap<&'static str, Vec<Arrival>>,
-    /// By how much each sleep of this test's was too long, sorted.
+    /// The excess of each sleep of this test, sorted.
     overslept: Vec<Duration>,
 }
 
 impl Seen {
-    /// Looks at all streams, whose stamps are exact.
+    /// Polls all streams, and checks that timestamps are exact.
     fn watch(subscribers: &mut [Subscriber]) -> Self {
         const NAP: Duration = Duration::from_millis(1);
         let mut arrivals: HashMap<&str, Vec<Arrival>> = HashMap::new();
@@ -59,7 +60,7 @@ impl Seen {
                 while let Some(frame) = subscriber.take().unwrap() {
                     let header = frame.header();
                     if *numerator > 0 {
-                        // seq counts from the first frame, which is stamped 0.
+                        // seq counts from the first frame, whose timestamp is 0.
                         let k = (u128::from(header.stamp_ns) * u128::from(*numerator))
                             .div_ceil(1_000_000_000 * u128::from(*denominator));
                         let exact = k * 1_000_000_000 * u128::from(*denominator) / u128::from(*numerator);
@@ -81,8 +82,8 @@ impl Seen {
         Self { arrivals, overslept }
     }
 
-    /// Every frame that was asked for was sent, and at the end simulated time is as far behind the clock as at the
-    /// beginning.
+    /// Checks that every requested frame was sent, and that simulated time has the same offset from the clock at the
+    /// end as at the beginning.
     fn assert_rates(&self) {
         for (topic, numerator, denominator) in ASKED.iter().filter(|(_, numerator, _)| *numerator > 0) {
             let seen = &self.arrivals[topic];
@@ -91,12 +92,13 @@ impl Seen {
             let period = Duration::from_secs_f64(1.0 / wanted_hz);
             let least_lag_ns = |part: &[Arrival]| part.iter().map(|arrival| arrival.lag_ns).min().unwrap();
             for arrival in seen {
-                // A buffer of two overflows when nobody looks for a period, or when what is late comes all at once.
+                // A buffer of two frames overflows if it is not polled for a period, or if late frames arrive all at
+                // once.
                 let late = Duration::from_nanos((arrival.lag_ns - least_lag_ns(seen)) as u64);
                 let has_cause = arrival.away >= period || late >= period;
                 assert!(
                     arrival.missed == 0 || has_cause,
-                    "{topic} misses {} without a cause",
+                    "{topic} misses {} without a reason",
                     arrival.missed
                 );
             }
@@ -106,14 +108,15 @@ impl Seen {
                 (seconds / sent as f64 * wanted_hz - 1.0).abs() < 1e-6,
                 "{topic}: {sent} frames in {seconds} s"
             );
-            // The least of many is that of a frame which nothing delayed.
+            // The least lag of many is that of a frame without any delay.
             let (early, late) = seen.split_at(seen.len() / 2);
             let drift = (least_lag_ns(late) - least_lag_ns(early)) as f64 * 1e-9 / (seconds / 2.0);
             assert!(drift.abs() < RATE_TOLERANCE, "{topic}: {:.2} % off the clock", 100.0 * drift);
         }
     }
 
-    /// Whether pictures are published in their rhythm, about as punctually as this test wakes up from its sleeps.
+    /// Returns true if pictures are published in their rhythm, about as punctually as this test wakes up from its
+    /// sleeps.
     fn is_steady(&self) -> bool {
         let mut lags: Vec<i64> = self.arrivals["/image_raw"].iter().map(|arrival| arrival.lag_ns).collect();
         lags.sort_unstable();
@@ -132,20 +135,20 @@ impl Seen {
     }
 }
 
-/// Two cores: every stream comes at the rate that was asked for, each stamp is ⌊k·10⁹/rate⌋, and pictures come steadily.
-/// What else the machine does may delay some of them: one of five tries shows what the simulator does.
+/// On two cores, every stream has the requested rate, each timestamp is ⌊k·10⁹/rate⌋, and pictures come steadily. Other
+/// load may delay some of them, so one of five tries must succeed.
 #[test]
 fn rates_and_stamps_hold_in_real_time() {
     let simulator = Simulator::start(&[]);
     let node = simulator.node();
     let mut subscribers: Vec<_> = ASKED.iter().map(|(topic, ..)| node.subscriber(topic).unwrap()).collect();
-    // Until all are there and the bustle of the start is over.
+    // Until all streams exist and the load of the start is over.
     for subscriber in &mut subscribers {
         next_frame(subscriber);
     }
     std::thread::sleep(Duration::from_secs(1));
     let is_steady = |_| {
-        // What came since is no part of the try.
+        // Frames received before are not part of the try.
         for subscriber in &mut subscribers {
             while subscriber.take().unwrap().is_some() {}
         }

@@ -1,9 +1,9 @@
-//! What wide beams, returns and weather cost: frames of a VLP-16 that drives among things of which every other moves, each
-//! firing at its own time.
+//! Measures the cost of wide beams, returns and weather: frames of a VLP-16 that drives among objects, every other of
+//! which moves, with an individual time for each firing.
 //!
-//! Prints how much of a core a lidar at 10 Hz takes, by the least time of many frames, and how many times as long as of
-//! single rays that is, at each SIMD level of this machine; and of an OS1-128, how many times as long as while all stands
-//! still. With a name as argument it takes ten frames of it at AVX2 and prints nothing, for a profiler to count
+//! For each SIMD level of this machine, prints the share of a core that a lidar at 10 Hz takes, from the fastest of
+//! many frames, and its ratio to single rays; and for an OS1-128 the ratio to a scene without motion. With the name of
+//! a configuration as argument, it takes ten frames of it at AVX2 and prints nothing, so that a profiler can count
 //! instructions.
 //!
 //! ```text
@@ -23,12 +23,13 @@ use std::hint::black_box;
 use std::time::Instant;
 
 const FRAMES: u64 = 40;
-/// Of a frame at 10 Hz.
+/// The duration of a frame at 10 Hz.
 const FRAME_S: f64 = 0.1;
-/// Steps of physics in a frame.
+/// The number of physics steps in a frame.
 const STEPS: u32 = 20;
 
-/// Takes so many frames, of which the sensor and every other thing move, or nothing does; seconds of the fastest.
+/// Takes this many frames, during which the sensor and every other object move or nothing does. Returns the seconds of
+/// the fastest.
 fn fastest(
     config: ScannerConfig<'_>,
     builder: &SceneBuilder,
@@ -72,7 +73,7 @@ fn fastest(
     Ok(least)
 }
 
-/// A hall with boxes, balls and cylinders in it, and pyramids as meshes.
+/// A hall with boxes, balls, cylinders, and pyramids as meshes.
 fn hall() -> Result<SceneBuilder, Box<dyn Error>> {
     let mut builder = SceneBuilder::new();
     let material = builder.add_material(&MaterialConfig::default())?;
@@ -82,7 +83,7 @@ fn hall() -> Result<SceneBuilder, Box<dyn Error>> {
         let world_from_instance = Pose::from_translation(position);
         builder.add_instance(&InstanceConfig { shape, world_from_instance, material, ..Default::default() })
     };
-    // Walls and floor stand, as every other thing does.
+    // Walls and floor do not move, and neither does every other object.
     for index in 0..24 {
         let i = f64::from(index);
         let walls = [
@@ -126,7 +127,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     #[cfg(not(target_arch = "x86_64"))]
     let levels = [("the best", Some(best))];
     if let Some(wanted) = std::env::args().nth(1) {
-        let config = configs.iter().find(|(name, _)| *name == wanted).ok_or("none of that name")?;
+        let config = configs
+            .iter()
+            .find(|(name, _)| *name == wanted)
+            .ok_or("there is no configuration with this name")?;
         fastest(config.1, &builder, levels[0].1.unwrap_or(best), 10, true)?;
         return Ok(());
     }

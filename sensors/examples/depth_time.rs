@@ -1,8 +1,8 @@
-//! What a depth camera's device costs: frames of a room by each model, beside Gaussian noise alone.
+//! Measures the cost of depth camera models: frames of a room with each model, compared with Gaussian noise alone.
 //!
-//! Prints milliseconds a frame of 640 × 480 pixels on one core, the least of many, at each SIMD level of this machine, and
-//! how many times as long as with Gaussian noise alone that is. With the name of a model as argument it takes ten frames
-//! of it at AVX2 and prints nothing, for a profiler to count instructions.
+//! For each SIMD level of this machine, prints the milliseconds of a frame of 640 × 480 pixels on one core, the fastest
+//! of many, and its ratio to Gaussian noise alone. With the name of a model as argument, it takes ten frames of it at
+//! AVX2 and prints nothing, so that a profiler can count instructions.
 //!
 //! ```text
 //! $ cargo run --release -p belvedere-sensors --example depth_time
@@ -24,7 +24,7 @@ use std::time::Instant;
 
 const FRAMES: u64 = 60;
 
-/// Takes so many frames; seconds of the fastest.
+/// Takes this many frames and returns the seconds of the fastest.
 fn fastest(
     model: DepthModel,
     builder: &SceneBuilder,
@@ -52,7 +52,7 @@ fn fastest(
     Ok(least)
 }
 
-/// A room with boxes, balls and cylinders in it.
+/// A room with boxes, balls and cylinders.
 fn room() -> Result<SceneBuilder, Box<dyn Error>> {
     let mut builder = SceneBuilder::new();
     let material = builder.add_material(&MaterialConfig::default())?;
@@ -100,7 +100,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     #[cfg(not(target_arch = "x86_64"))]
     let levels = [("the best", Some(best))];
     if let Some(wanted) = std::env::args().nth(1) {
-        let model = models.iter().find(|(name, _)| *name == wanted).ok_or("no model of that name")?;
+        let model =
+            models.iter().find(|(name, _)| *name == wanted).ok_or("there is no model with this name")?;
         fastest(model.1, &builder, levels[0].1.unwrap_or(best), 10)?;
         return Ok(());
     }

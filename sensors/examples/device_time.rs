@@ -1,7 +1,8 @@
-//! What a device costs: pictures of an evenly lit wall with it and without, at each SIMD level of this machine.
+//! Measures the cost of a camera device: pictures of an evenly lit wall with and without it, at each SIMD level of this
+//! machine.
 //!
-//! Prints nanoseconds a pixel and channel on one core: the least of many frames with a device less the least without,
-//! which is the device alone.
+//! Prints nanoseconds per pixel and channel on one core: the fastest of many frames with a device minus the fastest
+//! without, which is the cost of the device alone.
 //!
 //! ```text
 //! $ cargo run --release -p belvedere-sensors --example device_time
@@ -22,7 +23,7 @@ use std::time::Instant;
 const SIZE: [u32; 2] = [640, 480];
 const FRAMES: u64 = 100;
 
-/// Seconds of the fastest frame.
+/// Returns the seconds of the fastest frame.
 fn fastest(config: &CameraConfig<'_>, builder: &SceneBuilder, level: Level) -> Result<f64, Box<dyn Error>> {
     let camera = Camera::new(*config)?;
     let scene = builder.scene();

@@ -1,10 +1,10 @@
-//! Flat fields and darks through a camera's device, to measure it by EMVA 1288.
+//! Renders flat fields and dark frames through a camera device, to be measured by EMVA 1288.
 //!
-//! The first line of the standard input is the device: `width=640 height=480`, and its parameters by the names of
-//! [`DeviceConfig`]'s fields, such as `read_noise_e=5`; what is not named is that of an ideal one. Each line after that is
-//! a picture of an evenly lit wall: time of exposure in seconds, the wall's colour (0 for a dark), and the number of the
-//! frame. Pictures are written to a directory, one after the other, as 0.u16, 1.u16 …: rows of DN of 16 bits, low byte
-//! first. What photons a second a colour of 1 sends to a pixel is printed.
+//! The first line of the standard input is the device: `width=640 height=480`, and parameters by the names of
+//! [`DeviceConfig`]'s fields, such as `read_noise_e=5`; those that are not given are ideal. Each further line is a
+//! picture of an evenly lit wall: exposure time in seconds, the colour of the wall (0 for a dark frame), and the number
+//! of the frame. Pictures are written to a directory, as 0.u16, 1.u16 …: rows of 16-bit DN, low byte first. The program
+//! prints the number of photons per second that a colour of 1 sends to a pixel.
 //!
 //! ```text
 //! $ printf '%s\n' 'width=64 height=48 read_noise_e=5' '0.01 0.5 0' '0.01 0 1' |
@@ -22,7 +22,7 @@ use std::error::Error;
 use std::io::BufRead;
 use std::path::Path;
 
-/// Width, height and device of words like `read_noise_e=5`.
+/// Parses width, height and device from words like `read_noise_e=5`.
 fn parse(line: &str) -> Result<([u32; 2], DeviceConfig), Box<dyn Error>> {
     let (mut size, mut device) = ([640, 480], DeviceConfig::default());
     for word in line.split_whitespace() {
@@ -44,7 +44,7 @@ fn parse(line: &str) -> Result<([u32; 2], DeviceConfig), Box<dyn Error>> {
             "dn_per_electron" => device.dn_per_electron = number,
             "black_level_dn" => device.black_level_dn = number,
             "bits" => device.bits = number as u32,
-            _ => return Err(format!("`{name}` is no parameter of a device").into()),
+            _ => return Err(format!("`{name}` is not a parameter of a device").into()),
         }
     }
     Ok((size, device))
@@ -57,7 +57,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let ([width, height], device) = parse(&first)?;
     println!("{}", device.photons_per_second());
 
-    // A wall that shines in a colour that is set for each picture, and nothing else.
+    // The scene is a wall that emits the colour of each picture.
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [0.0; 3], background: [0.0; 3] });
     let shining = |colour| MaterialConfig {

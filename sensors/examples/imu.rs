@@ -1,6 +1,6 @@
-//! Readings of an inertial unit at rest, to look at its Allan deviation: name of a preset, rate in Hz, seconds. Six numbers
-//! a reading go to the standard output, f64 low byte first: rates of turn in rad/s, specific forces in m/s², with gravity
-//! taken off.
+//! Prints the readings of an inertial unit at rest, from which its Allan deviation can be computed. The arguments are
+//! the name of a preset, a rate in Hz and a time in seconds. Each reading is six numbers on the standard output, f64
+//! with the low byte first: angular rates in rad/s and specific forces in m/s², without gravity.
 //!
 //! ```text
 //! $ cargo run -q -p belvedere-sensors --example imu adis16448 100 3600 > rest.f64
@@ -15,7 +15,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [name, rate, seconds] = &words[..] else {
         return Err("the arguments must be the name of a preset, a rate in Hz and a time in s".into());
     };
-    let preset = presets::named(name).ok_or_else(|| format!("`{name}` is none of {:?}", presets::NAMES))?;
+    let preset = presets::named(name)
+        .ok_or_else(|| format!("`{name}` is not a preset: it must be one of {:?}", presets::NAMES))?;
     let (rate, seconds): (f64, f64) = (rate.parse()?, seconds.parse()?);
     let unit = Imu::new(preset.config(), 1, 0)?;
     let mut state = unit.start();

@@ -1,9 +1,9 @@
-//! Pixels of points, and directions of pixels, through any lens model.
+//! Projects points to pixels, and pixels back to directions, through any lens model.
 //!
-//! The first line of the standard input is a lens: its model, fx fy cx cy skew, and the model's parameters, those of
-//! `wide_angle` being c1 c2 c3 f, fun (id, sin or tan) and the cutoff angle; an equirectangular one has width and height
-//! alone. Each line after that is a point (x y z, optical frame), for which the pixel is printed, or a pixel
-//! (column row), for which the ray's direction is. Where there is none, it says `none`.
+//! The first line of the standard input is a lens: its model, fx fy cx cy skew, and the model's parameters. Those of
+//! `wide_angle` are c1 c2 c3 f, fun (id, sin or tan) and the cutoff angle; an equirectangular lens has only width and
+//! height. Each further line is a point (x y z, optical frame), for which its pixel is printed, or a pixel (column
+//! row), for which the direction of its ray is printed. If there is none, `none` is printed.
 //!
 //! ```text
 //! $ printf '%s\n' 'brown_conrady 500 500 320 240 0 -0.3 0.1 0.001 -0.0005 0' '0.8 0.6 2' '320 240' |

@@ -1,14 +1,14 @@
-//! Pictures of a checkerboard through any lens, to calibrate from.
+//! Renders pictures of a checkerboard through any lens, for calibration.
 //!
-//! The first line of the standard input is a lens, as in `project_points`; the second the width and height of the
-//! pictures, how many rays across and down are averaged for a pixel, and the board: columns and rows of squares,
-//! and the length of their sides in metres. Each line after that is where the board is in the camera's optical
-//! frame: x y z of its first inner corner, and its turn as a rotation vector, both as `OpenCV`'s calibration gives
-//! them (x to the right over the board, y down, z away from who looks at it). Pictures are written to a directory,
-//! one after the other, as 0.pgm, 1.pgm …
+//! The first line of the standard input is a lens, as in `project_points`. The second has the width and height of the
+//! pictures, the number of rays across and down that are averaged per pixel, and the board: columns and rows of
+//! squares, and the length of their sides in metres. Each further line is a pose of the board in the camera's optical
+//! frame: x y z of its first inner corner, and its rotation as a rotation vector, both as `OpenCV`'s calibration
+//! returns them (x to the right over the board, y down, z away from the viewer). Pictures are written to a directory,
+//! as 0.pgm, 1.pgm …
 //!
-//! Averaging is the caller's: the rays of a picture k times as large are those of a lens whose pixels are k times
-//! finer ([`Finer`]), and the squares' edges are exact.
+//! This program does the averaging itself: a picture k times as large is rendered through a lens whose pixels are k
+//! times finer ([`Finer`]), with exact edges of the squares.
 //!
 //! ```text
 //! $ printf '%s\n' 'pinhole 500 500 319.5 239.5 0' '640 480 4 10 7 0.03' '-0.12 -0.075 0.5 0.3 0 0' |
@@ -28,7 +28,7 @@ use std::error::Error;
 use std::io::BufRead;
 use std::path::Path;
 
-/// A lens with `factor` pixels across and down for each of another's.
+/// A lens with `factor` times as many pixels across and down as another.
 struct Finer<'a> {
     lens: &'a dyn Lens,
     factor: f64,
@@ -44,8 +44,8 @@ impl Lens for Finer<'_> {
     }
 }
 
-/// Black and white squares, and a white border as wide as one. They lie side by side in one plane, and (0, 0) is the
-/// first inner corner.
+/// Black and white squares, and a white border as wide as one square. They are side by side in one plane, with the
+/// first inner corner at (0, 0).
 fn board(columns: usize, rows: usize, side: f64) -> Result<SceneBuilder, Box<dyn Error>> {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [0.0; 3], background: [0.4; 3] });
@@ -57,7 +57,7 @@ fn board(columns: usize, rows: usize, side: f64) -> Result<SceneBuilder, Box<dyn
     });
     let [black, white] = shades.map(|shade| builder.add_material(&shade));
     let (black, white) = (black?, white?);
-    // Front faces look along their +z, and the board's z is away from who looks at it.
+    // Front faces look along their +z, and the board's z points away from the viewer.
     let turn = DQuat::from_rotation_x(core::f64::consts::PI);
     for row in 0..rows + 2 {
         for column in 0..columns + 2 {
@@ -75,7 +75,7 @@ fn board(columns: usize, rows: usize, side: f64) -> Result<SceneBuilder, Box<dyn
     Ok(builder)
 }
 
-/// The mean of each square of `factor` × `factor` pixels.
+/// Averages each square of `factor` × `factor` pixels.
 fn shrink(pixels: &[u8], width: usize, factor: usize) -> Vec<u8> {
     let wide = width * factor;
     let count = (factor * factor) as u32;
@@ -108,7 +108,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let scene = builder.scene();
     let mut workspace = WorkspaceBuf::default();
     let mut pixels = vec![0; camera.frame_len()];
-    // x, y and z of the optical frame in the camera's: it looks along +x, and z is up.
+    // x, y and z of the optical frame in the camera's frame, which looks along +x with z up.
     let optical =
         Pose::new(DVec3::ZERO, DQuat::from_mat3(&DMat3::from_cols(DVec3::NEG_Y, DVec3::NEG_Z, DVec3::X)));
     let mut number = 0;

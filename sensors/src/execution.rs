@@ -78,8 +78,8 @@ pub(crate) fn for_each_row<O: SplitRows>(
     }
 }
 
-/// The same on many threads: the rows are halved again and again until one is left, and at each cut another thread may
-/// take one of the halves. Nothing is allocated for that.
+/// The same with many threads: the rows are halved again and again until one is left, and at each cut another thread
+/// may take one of the halves. This allocates nothing.
 #[cfg(feature = "rayon")]
 fn on_threads<O: SplitRows>(rows: core::ops::Range<usize>, output: O, work: &(impl Fn(usize, O) + Sync)) {
     match rows.len() {

@@ -2,10 +2,10 @@
 //!
 //! # How the crate is built
 //!
-//! A configuration is checked once and makes a [`Sensor`], which fills slices of the caller's. A [`scene`] holds shapes
-//! and looks; a [`Moment`] says where the sensor and every instance are, so one scene can be seen at many moments.
-//! Cameras see what is [`VISUAL`](scene::visibility::VISUAL), lidars hit what is
-//! [`COLLISION`](scene::visibility::COLLISION), unless they are configured otherwise.
+//! A configuration is checked once and makes a [`Sensor`], which fills slices that the caller provides. A [`scene`]
+//! holds shapes and materials; a [`Moment`] holds the poses of the sensor and of every instance, so one scene can be
+//! seen at many moments. By default, cameras see instances that are [`VISUAL`](scene::visibility::VISUAL), and lidars
+//! hit instances that are [`COLLISION`](scene::visibility::COLLISION).
 //!
 //! # Stack
 //!
@@ -21,10 +21,10 @@
 //! 2. [`noise`]: counter-based random numbers, Gaussian noise, the errors of instruments.
 //! 3. [`moment`]: poses over time; [`scene`]: shapes, materials, lights, as borrowed plain data.
 //! 4. [`optics`]: lens models, and the directions of rays.
-//! 5. [`trace`]: where rays meet the scene.
-//! 6. `shade` (private): colours of what they meet.
-//! 7. [`device`]: image sensors and depth devices: what their optics and electronics make of light.
-//! 8. [`camera`], [`depth`], [`lidar`], [`scanner`], [`imu`]: the sensors.
+//! 4. [`optics`]: lens models, and the directions of rays.
+//! 5. [`trace`]: the points where rays hit the scene.
+//! 6. `shade` (private): the colours of these points.
+//! 7. [`device`]: image sensors and depth devices, which turn light into measured values.
 #![cfg_attr(not(feature = "std"), no_std)]
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
@@ -37,7 +37,7 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
-/// Named setters of a configuration's fields.
+/// Builder methods that set the fields of a configuration.
 macro_rules! setters {
     ($($(#[$doc:meta])* $field:ident: $kind:ty,)*) => {$(
         $(#[$doc])*
@@ -49,7 +49,7 @@ macro_rules! setters {
     )*};
 }
 
-/// Named setters of the parts of an output, none of which is wanted at first.
+/// Builder methods that set the buffers of an output. A new output has no buffers.
 macro_rules! outputs {
     ($($(#[$doc:meta])* $field:ident: $kind:ty,)*) => {
         /// Creates an output with no buffers; a part is computed only when its buffer is set.

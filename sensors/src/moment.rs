@@ -47,7 +47,7 @@ pub struct Moment<'a> {
 /// | 16 | 6 | 3 | 1.4 |
 /// | 64 | 2.4 | 1.6 | 1.1 |
 ///
-/// A [`Scanner`](crate::scanner::Scanner) with a [moving](Shutter::Moving) shutter gives each firing a time of its own
+/// A [`Scanner`](crate::scanner::Scanner) with a [moving](Shutter::Moving) shutter gives each firing its own time,
 /// without slices.
 #[derive(Debug, Clone)]
 pub struct Slice<'a> {

@@ -15,26 +15,26 @@
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct ParameterError {
-    /// What the parameter belongs to, such as "camera".
+    /// The object that the parameter belongs to, such as "camera".
     pub of: &'static str,
-    /// The parameter, named as its field or argument is.
+    /// The name of the parameter, the same as that of its field or argument.
     pub parameter: &'static str,
-    /// Which one of a list, counted from 0.
+    /// The index of the list element that is wrong, counted from 0.
     pub index: Option<usize>,
     /// The value that was given.
     pub value: f64,
-    /// What the value must be.
+    /// The rule that the value must follow.
     pub rule: Rule,
-    /// Whether the parameter is an `f32`, whose value is displayed with as few digits as an `f32` needs.
+    /// True if the parameter is an `f32`, whose value is displayed with as few digits as an `f32` needs.
     is_f32: bool,
 }
 
-/// What the value of a parameter must be.
+/// The rule that the value of a parameter must follow.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Rule {
-    /// In words that follow "it must be".
+    /// Words that complete "it must be".
     Text(&'static str),
-    /// From the first to the second number, both included.
+    /// A range from the first to the second number, both included.
     Range([f64; 2]),
 }
 
@@ -48,7 +48,7 @@ impl ParameterError {
         Self { of, parameter, index: None, value, rule: Rule::Text(rule), is_f32: false }
     }
 
-    /// The same for one of a list.
+    /// The same error for an element of a list.
     pub(crate) const fn at(mut self, index: usize) -> Self {
         self.index = Some(index);
         self

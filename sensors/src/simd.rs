@@ -50,13 +50,14 @@ macro_rules! dispatch {
 }
 pub(crate) use dispatch;
 
-/// Calls a level's version of [`dispatch!`]. Inlined, that of SSE2 would have its stack taken whichever level runs.
+/// Calls a level's version of [`dispatch!`]. If the version of SSE2 were inlined, its stack would be allocated for
+/// every level.
 #[inline(never)]
 pub(crate) fn apart<R>(version: impl FnOnce() -> R) -> R {
     version()
 }
 
-/// [`dispatch!`]'s branch for AVX-512, and what it does instead.
+/// The branch of [`dispatch!`] for AVX-512, and the expression that replaces it in builds without AVX-512.
 #[cfg(all(target_arch = "x86_64", target_feature = "sse2", not(test), not(debug_assertions)))]
 macro_rules! avx512_or {
     ($level:ident, $simd:pat => $op:expr, $otherwise:expr) => {

@@ -1,4 +1,4 @@
-//! What inertial units read: Allan deviations by the closed forms of the processes, errors by hand.
+//! Readings of inertial units: Allan deviations against the closed forms of the processes, and errors computed by hand.
 
 use belvedere_sensors::imu::{Imu, ImuConfig, InertialReading, presets};
 use belvedere_sensors::noise::{Instrument, InstrumentConfig, Stream};
@@ -35,7 +35,7 @@ fn allan_deviation(axes: &[Vec<f64>; 3], m: usize) -> f64 {
     (sum / count).sqrt()
 }
 
-/// That of a Gauss–Markov process of driving density q.
+/// The Allan deviation of a Gauss–Markov process with driving density q.
 fn gauss_markov(q: f64, tau: f64, t: f64) -> f64 {
     let x = t / tau;
     q * tau / t.sqrt() * (1.0 - (3.0 - 4.0 * (-x).exp() + (-2.0 * x).exp()) / (2.0 * x)).sqrt()
@@ -57,7 +57,7 @@ fn white_noise_reads_its_density_at_one_second_at_any_rate() {
         let slope = (four / tenth).ln() / 20.0_f64.ln();
         assert!((slope + 0.5).abs() < 0.02, "the slope is {slope}");
     }
-    // A deviation a sample is what it is at any rate; both add as variances.
+    // A standard deviation per sample does not depend on the rate; variances add up.
     let both = InstrumentConfig::<3>::default().density([0.3; 3]).stddev([0.4; 3]);
     assert!((both.white_stddev(1.0)[0] - 0.5).abs() < 1e-15 && both.white_stddev(0.0) == [0.4; 3]);
 }
@@ -72,10 +72,10 @@ fn a_drifting_bias_rises_levels_off_and_falls() {
         let read = allan_deviation(&axes, m as usize);
         assert_near(read, gauss_markov(drift, tau, m * 0.05), 0.03, &format!("over {t} s"));
     }
-    // What is read as bias instability, where it is level.
+    // This maximum is reported as bias instability.
     assert_near(gauss_markov(drift, tau, 1.89 * tau), 0.4365 * drift * tau.sqrt(), 0.001, "the summit");
 
-    // Without a correlation time it walks on: the slope is +½ at any time, and the deviation q√t after t.
+    // Without a correlation time it is a random walk: the slope is +½ at any time, and the deviation after t is q√t.
     let axes = at_rest(&InstrumentConfig::default().drift([drift; 3]), 0.05, 600_000);
     for t in [1.0, 4.0, 20.0] {
         let read = allan_deviation(&axes, (t / 0.05) as usize);
@@ -89,7 +89,7 @@ fn a_drifting_bias_is_the_same_process_for_any_period() {
     let config = InstrumentConfig::<3>::default().drift([drift; 3]).drift_time_s([tau; 3]);
     let instrument = Instrument::new(config).unwrap();
     for period_s in [0.01, 0.7, 50.0] {
-        // Far from the start its variance is q²τ/2, whatever the steps.
+        // Far from the start, its variance is q²τ/2, whatever the steps.
         let (mut sum, runs) = (0.0, 2000);
         for sensor in 0..runs {
             let stream = Stream { sensor, ..STREAM };
@@ -138,17 +138,17 @@ fn a_run_has_a_bias_of_either_sign() {
     let sizes: f64 = all.iter().map(|bias| bias.abs()).sum::<f64>() / 3000.0;
     let spread = (all.iter().map(|bias| (bias.abs() - sizes).powi(2)).sum::<f64>() / 3000.0).sqrt();
     assert!((sizes - 2.0).abs() < 0.01 && (spread - 0.1).abs() < 0.006, "{sizes} {spread}");
-    // Frames do not change it, and the axes have their own.
+    // Frames do not change it, and each axis has its own.
     let mut state = runs(7);
     let first = instrument.measure([0.0; 3], 0.1, &Stream { frame: 1, sensor: 7, ..STREAM }, &mut state);
     let later = instrument.measure([0.0; 3], 0.1, &Stream { frame: 9, sensor: 7, ..STREAM }, &mut state);
     assert!(first == later && first[0] != first[1]);
 }
 
-/// Of 90,000 instruments, whose seeds, sensors and channels lie side by side. Of some 30 numbers, none is to be as far off as
-/// chance has it once in 10,000 times.
+/// The biases of 90,000 instruments with neighbouring seeds, sensors and channels. For each of about 30 numbers, chance
+/// exceeds the limit once in 10,000 times.
 #[test]
-fn biases_of_runs_are_normal_and_know_nothing_of_each_other() {
+fn biases_of_runs_are_normal_and_independent() {
     const EACH: usize = 300;
     let instrument = Instrument::new(InstrumentConfig::<3>::default().bias_stddev([1.0; 3])).unwrap();
     let drawn = |seed: usize, sensor: usize, channel: u16| {
@@ -169,7 +169,7 @@ fn biases_of_runs_are_normal_and_know_nothing_of_each_other() {
             farthest.max(below - index as f64 / n).max((index + 1) as f64 / n - below)
         });
         assert!(distance * n.sqrt() < 2.23, "axis {axis}: {}", distance * n.sqrt());
-        // As many beyond 3 sigma as there should be: 243, give or take 15.6.
+        // The number beyond 3 sigma: 243 are expected, with a standard deviation of 15.6.
         let far = sorted.iter().filter(|bias| bias.abs() > 3.0).count();
         assert!((182..304).contains(&far), "axis {axis}: {far}");
     }
@@ -187,7 +187,7 @@ fn biases_of_runs_are_normal_and_know_nothing_of_each_other() {
 }
 
 #[test]
-fn gyro_and_accelerometer_err_apart() {
+fn errors_of_gyro_and_accelerometer_are_independent() {
     let unit = Imu::new(presets::adis16448(), 1, 2).unwrap();
     let mut state = unit.start();
     let truth = InertialReading { angular_velocity: DVec3::X, specific_force: DVec3::Z * 9.81 };

@@ -1,7 +1,7 @@
-//! Lens models from outside: `project` and `unproject` are inverse to each other all over the domain, which ends where
-//! the image radius stops growing, and nothing panics or gives NaN.
+//! Lens models from outside: `project` and `unproject` are inverse to each other in the whole domain, which ends where
+//! the image radius stops growing, and nothing panics or returns NaN.
 //!
-//! That the models are those of `cv2` is asserted by `.ci/lenses`, with it as oracle.
+//! `.ci/lenses` checks that the models agree with those of `cv2`.
 
 mod common;
 
@@ -15,7 +15,7 @@ use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// A lens with the size of its image and the share of pixels that it sees, in per cent.
+/// A lens, the size of its image, and the share of pixels that it sees, in per cent.
 struct Case {
     name: &'static str,
     lens: Box<dyn Lens>,
@@ -41,12 +41,12 @@ fn webcam() -> Intrinsics {
     intrinsics(618.2, 617.4, 321.7, 238.9)
 }
 
-/// A 4:3 sensor behind a lens for about 120°.
+/// A 4:3 sensor behind a lens with a field of view of about 120°.
 fn wide() -> Intrinsics {
     Intrinsics { fx: 235.0, fy: 236.5, cx: 318.2, cy: 243.1, skew: 0.4 }
 }
 
-/// A square sensor behind a fisheye: `radius` pixels at `angle` degrees.
+/// A square sensor behind a fisheye, with `radius` pixels at `angle` degrees.
 fn fisheye(radius: f64, angle: f64) -> Intrinsics {
     let focal = radius / angle.to_radians();
     intrinsics(focal, focal * 1.002, 401.3, 397.6)
@@ -65,7 +65,7 @@ fn cases() -> Vec<Case> {
         case("no distortion", brown(wide(), &[]), VGA, ALL),
         case("webcam", brown(webcam(), &[0.1, -0.25, 8e-4, -3e-4]), VGA, ALL),
         case("barrel", brown(webcam(), &[-0.41, 0.19, -1.2e-3, 9e-4, -0.04]), VGA, ALL),
-        // Folds back at r = 1.49; the corners lie beyond the largest radius.
+        // Folds back at r = 1.49; the corners are beyond the largest radius.
         case("strong barrel", brown(wide(), &[-0.15, 0.0, 5e-4, -4e-4, 0.0]), VGA, 50.0..=60.0),
         case("pincushion", brown(wide(), &[0.2, 0.05, 1e-3, 1e-3, 0.01]), VGA, ALL),
         case("decentred", brown(webcam(), &[-0.05, 0.01, 0.03, -0.02, 0.0]), VGA, ALL),
@@ -172,7 +172,7 @@ fn cases() -> Vec<Case> {
 
 /// Also prints the largest error of each lens.
 #[test]
-fn every_pixel_comes_back() {
+fn every_pixel_survives_a_round_trip() {
     for Case { name, lens, size: [width, height], sees } in cases() {
         let (mut worst, mut seen, mut all) = (0.0_f64, 0, 0);
         for (row, column) in
@@ -203,13 +203,13 @@ fn directions(count: u32) -> impl Iterator<Item = DVec3> {
     })
 }
 
-/// Towards 90° a plane's pixel moves by the square of its distance for the same step of the angle.
+/// Towards 90°, the same step of the angle moves a plane's pixel by the square of its distance.
 fn tolerance(pixel: DVec2) -> f64 {
     1e-9 + 1e-17 * pixel.length_squared()
 }
 
 #[test]
-fn every_point_comes_back() {
+fn every_point_survives_a_round_trip() {
     for Case { name, lens, .. } in cases() {
         let mut seen = 0;
         for direction in directions(40_000) {
@@ -217,7 +217,7 @@ fn every_point_comes_back() {
             seen += 1;
             let back =
                 lens.unproject(pixel).unwrap_or_else(|| panic!("{name}: {direction} has only one way"));
-            // At a rim the radius hardly changes with the angle, and the angle is known to √1e-16.
+            // At a rim, the radius hardly changes with the angle, so the angle is only accurate to √1e-16.
             assert!(back.distance(direction) < 1e-6, "{name}: {direction} came back as {back}");
             let again = lens.project(back).unwrap();
             assert!(again.distance(pixel) < tolerance(pixel), "{name}: {pixel} {again}");
@@ -226,13 +226,13 @@ fn every_point_comes_back() {
     }
 }
 
-/// The direction at an angle from the axis, and around it.
+/// The direction at an angle from the axis, and an angle around it.
 fn at(angle: f64, around: f64) -> DVec3 {
     let (sin, cos) = angle.sin_cos();
     DVec3::new(sin * around.cos(), sin * around.sin(), cos)
 }
 
-/// The image grows up to the end of the domain, and there is nothing beyond.
+/// The image radius grows up to the end of the domain, and there is no pixel beyond.
 #[test]
 fn domain_ends_where_the_image_stops_growing() {
     let centred = intrinsics(100.0, 100.0, 0.0, 0.0);
@@ -260,7 +260,7 @@ fn domain_ends_where_the_image_stops_growing() {
     assert!((brown(&[-0.3, 0.0, 0.0, 0.0]).1 - (1.0 / 0.9_f64).sqrt().atan()).abs() < 1e-12);
     assert!((kannala([-0.1, 0.0, 0.0, 0.0]).1 - (1.0 / 0.3_f64).sqrt()).abs() < 1e-12);
 
-    // `turns`: the radius has its greatest value at the end, rather than being cut off or infinite.
+    // `turns`: true if the radius has its maximum at the end, instead of being cut off or infinite.
     for (turns, (lens, end)) in [
         (true, brown(&[-0.3, 0.0, 0.0, 0.0])),
         (true, brown(&[-0.41, 0.19, 0.0, 0.0, -0.04])),
@@ -340,7 +340,7 @@ fn errors_name_parameter_value_and_range() {
     assert!(Intrinsics::from_fov(640, 480, PI).is_err());
 }
 
-/// The same bits on every machine: a hash of what the lenses give, made on x86-64.
+/// A hash of the lenses' results, computed on x86-64, which must be the same on every machine.
 #[test]
 fn bits_are_pinned() {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
@@ -362,7 +362,7 @@ fn bits_are_pinned() {
     assert_eq!(hash, 0x87b7_fa8f_5150_e5b9, "{hash:#018x}");
 }
 
-/// Numbers that people write, and those that nobody should.
+/// Reasonable numbers, and unreasonable ones.
 fn wild() -> impl Strategy<Value = f64> {
     prop_oneof![
         6 => -2.0..2.0,
@@ -372,7 +372,7 @@ fn wild() -> impl Strategy<Value = f64> {
     ]
 }
 
-/// Any lens by number, from parameters of which it takes as many as it has.
+/// A lens of the given number, with as many of the parameters as it needs.
 fn build(model: u8, i: Intrinsics, p: [f64; 14]) -> Result<Box<dyn Lens>, ParameterError> {
     fn boxed(lens: impl Lens + 'static) -> Box<dyn Lens> {
         Box::new(lens)
@@ -395,7 +395,7 @@ fn build(model: u8, i: Intrinsics, p: [f64; 14]) -> Result<Box<dyn Lens>, Parame
     }
 }
 
-/// Where the squares of a pixel's place in the plane overflow, or lose their digits.
+/// Focal lengths at which the squares of a pixel's coordinates overflow or lose their digits.
 #[test]
 fn rays_are_of_unit_length_at_any_focal_length() {
     let ordinary = [0.9, 1.2, -0.3, 1.5, 1.3, 640.0, 480.0, 1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0];
@@ -449,9 +449,9 @@ proptest! {
         }
     }
 
-    /// Whatever the parameters: a pixel that a point has leads back to that point's direction, and so to the pixel.
+    /// Whatever the parameters: the pixel of a point leads back to the direction of that point, and so to the pixel.
     #[test]
-    fn what_has_a_pixel_has_a_ray(
+    fn every_projected_point_can_be_unprojected(
         model in 1_u8..14,
         parameters in prop::collection::vec(-0.8..0.8, 14),
         across in prop::array::uniform2(-2.0..2.0),

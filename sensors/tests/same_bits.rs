@@ -20,7 +20,7 @@ use common::casts::levels;
 use common::{LIDAR, add, camera, camera_of, depth_camera, picture_with, scenery, spot};
 use glam::DVec3;
 
-/// What is sensed of the scenery, by name, as bytes.
+/// All outputs of the scenery, with names, as bytes.
 fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
@@ -53,7 +53,7 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     both.sense(&scene, &capture, &mut workspace.lend(both.workspace_len(&scene, &capture)), output)
         .expect("outputs of the right size");
 
-    // Second passes over the frame: shadows and noise beside the ray, dots, and light.
+    // Models with a second pass over the frame: shadows and noise beside the ray, dots, and modulated light.
     let device_camera = |model| DepthCamera::new(depth_camera.config().model(model)).unwrap();
     let kinect = published::nguyen().steps(published::KINECT_STEPS).second_eye(SecondEye::at(0.075));
     let locking = DisparityNoise { focal_px: 240.0, baseline_m: 0.05, stddev_px: 0.08, locking_px: 0.04 };
@@ -104,7 +104,7 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let prisms = [presets::MID_360, presets::HAP]
         .map(|preset| fire(&mut workspace, &builder, pose, plain.pattern(preset.pattern)));
 
-    // Few electrons and many, and a curve.
+    // Few electrons and many, and a tone curve.
     let device = DeviceConfig::default()
         .exposure(Exposure { time_s: 1e-4, gain: 3.0 })
         .vignetting(Vignetting { natural: true, polynomial: [0.1, -0.2, 0.05] })
@@ -119,7 +119,7 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let srgb = camera_with(developed, PixelFormat::Rgba8);
 
     let bytes = |floats: &[f32]| floats.iter().flat_map(|x| x.to_bits().to_le_bytes()).collect();
-    // The same by way of mirrors and panes.
+    // The same with mirrors and panes.
     let glazed = mirrors_and_panes(builder.clone());
     let [mirrored, passed] = fire(&mut workspace, &glazed, pose, wide);
     let glazed_scene = glazed.scene();
@@ -165,7 +165,7 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     ]
 }
 
-/// Sixteen, aside and off the axis.
+/// Sixteen lasers, beside the axis and at various azimuths.
 fn lasers() -> Vec<Laser> {
     let laser = |id: u32| {
         let id = f64::from(id);
@@ -175,7 +175,7 @@ fn lasers() -> Vec<Laser> {
     (0..16).map(laser).collect()
 }
 
-/// Ranges and intensities of a scanner that drives and turns among things of which every other moves.
+/// Ranges and intensities of a scanner that drives and turns among objects, every other of which moves.
 fn fire(
     workspace: &mut WorkspaceBuf,
     builder: &SceneBuilder,
@@ -205,7 +205,7 @@ fn fire(
     [ranges, intensities]
 }
 
-/// A scene with a mirroring ball and two panes, in the way of everything.
+/// The scene with a mirroring ball and two panes in front of everything.
 fn mirrors_and_panes(mut builder: SceneBuilder) -> SceneBuilder {
     for (specular_reflectance, transmittance, shape, y) in [
         (0.9, 0.0, Shape::Sphere { radius: 0.4 }, 0.8),
@@ -219,7 +219,7 @@ fn mirrors_and_panes(mut builder: SceneBuilder) -> SceneBuilder {
     builder
 }
 
-/// A scene with a glossy ball, a ball of glass and a pane with holes in it, in linear light.
+/// The scene with a glossy ball, a ball of glass and a pane with holes in it, in linear light.
 fn gloss_and_glass(mut builder: SceneBuilder) -> SceneBuilder {
     builder.set_colour_space(ColourSpace::Srgb);
     let texels = [[255, 200, 100, 255], [0, 0, 0, 0], [50, 60, 70, 120], [9, 250, 3, 200]];

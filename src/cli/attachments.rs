@@ -1,4 +1,4 @@
-//! The files of a run, to be kept in its recording.
+//! The files of a run that are stored in its recording.
 
 use crate::description::load::expand_robot;
 use crate::description::model::{Model, World};
@@ -8,7 +8,8 @@ use crate::recording::Attachment;
 use crate::simulation::SpawnOptions;
 use std::path::Path;
 
-/// The world's file, and each robot as one plain URDF: what xacro and ROS packages made of it is not in its file.
+/// Returns the world's file, and each robot as one plain URDF, because a robot's own file lacks what xacro and ROS
+/// packages added.
 pub(super) fn attachments(
     world: &World,
     robots: &[(Model, SpawnOptions)],
@@ -28,7 +29,7 @@ fn robot_file(model: &Model, packages: &PackagePath, xacro_args: &[(String, Stri
     Some(xml(format!("{}.urdf", model.name), urdf.into_bytes()))
 }
 
-/// A robot as one plain URDF; none of what is SDF.
+/// Returns a robot as one plain URDF, or `None` for an SDF file.
 pub(super) fn robot_urdf(
     model: &Model,
     packages: &PackagePath,
@@ -38,12 +39,12 @@ pub(super) fn robot_urdf(
     if path.extension().is_some_and(|extension| extension == "sdf") {
         return None;
     }
-    // What is wrong with it was told when it was loaded.
+    // Problems were already reported when the robot was loaded.
     let robot = expand_robot(path, packages, xacro_args, &mut Diagnostics::default())?;
     Some(robot.to_string())
 }
 
-/// A file as it is; none of what was no file, as an empty world.
+/// Returns a file unchanged, or `None` if the source is not a file, such as the empty world.
 fn file(source: &Source) -> Option<Attachment> {
     let name = source.file.file_name()?.to_string_lossy();
     Some(xml(name.into_owned(), std::fs::read(&source.file).ok()?))

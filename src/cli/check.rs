@@ -1,4 +1,4 @@
-//! `belvedere check`: what a robot or world file is understood to be, and everything that is wrong with it.
+//! `belvedere check`: how a robot or world file is interpreted, and every problem in it.
 
 mod counted;
 mod robot;
@@ -18,11 +18,11 @@ use std::path::{Path, PathBuf};
 use streams::Streams;
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
-/// Show what `belvedere run` makes of its robots and its world, and everything that is wrong with their files.
+/// Show how `belvedere run` interprets its robots and its world, and every problem in their files.
 ///
-/// Takes the arguments of `run` that say what is simulated, and opens the streams that it opens. Prints the world's models,
-/// lights and physics; of each robot the tree of links with their joints; the sensors with all their parameters after
-/// defaults and plugins, the streams of each, and every problem as `file:line: severity: what; remedy`. The exit code is 1
+/// Accepts the arguments of `run` that choose what is simulated, and opens the same streams. Prints the world's models,
+/// lights and physics; each robot's tree of links and joints; the sensors with all their parameters after defaults and
+/// plugins; the streams of each sensor; and every problem as `file:line: severity: problem; remedy`. The exit code is 1
 /// if there are errors.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
@@ -34,8 +34,8 @@ use streams::Streams;
   belvedere check my.world --robot none            (a world that has its own robot)
   belvedere check my_robot.urdf.xacro --world my.world")]
 pub struct CheckArgs {
-    /// A .urdf, .xacro, .world or .sdf file, or the name of a robot or world of ours: a world is taken as by --world, a
-    /// robot as by --robot
+    /// A .urdf, .xacro, .world or .sdf file, or the name of a shipped robot or world: a world is used like --world, a
+    /// robot like --robot
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<PathBuf>,
     #[command(flatten)]
@@ -55,7 +55,7 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
         print_line(&line)?;
     }
     args.simulated.judge(&mut diagnostics);
-    // Errors are printed by main(), as the command fails with them.
+    // main() prints the errors that the command returns.
     for problem in diagnostics.problems().iter().filter(|problem| problem.severity != Severity::Error) {
         print_line(&problem.to_string())?;
     }
@@ -65,7 +65,7 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     print_line(&counts(&diagnostics))
 }
 
-/// How many warnings and notes there are, in words.
+/// Returns the number of warnings and notes in words.
 fn counts(diagnostics: &Diagnostics) -> String {
     let count = |severity, word: &str| {
         let count = diagnostics.problems().iter().filter(|problem| problem.severity == severity).count();
@@ -88,7 +88,7 @@ impl CheckArgs {
             xacro_args: simulated.robots.xacro_args().to_vec(),
         };
         if is_unknown_name(file, packages) {
-            // This says so, and which names of both kinds are near.
+            // This reports the unknown name and suggests similar names of robots and worlds.
             let _ = load::load(file, &options, diagnostics);
             return None;
         }
@@ -112,14 +112,14 @@ impl CheckArgs {
     }
 }
 
-/// Whether it is a name, and none that a robot or world of ours has.
+/// Returns true if the argument is a name, but not that of a shipped robot or world.
 fn is_unknown_name(file_or_name: &Path, packages: &PackagePath) -> bool {
     let Some(name) = file_or_name.to_str().filter(|name| !name.contains(['/', '.'])) else { return false };
     let has = |names: Vec<String>| names.iter().any(|known| known == name);
     !file_or_name.is_file() && !has(robot_names(packages)) && !has(world_names(packages))
 }
 
-/// Returns the lines about the world and each robot.
+/// Returns the report on the world and each robot.
 fn report(args: &SimulatedArgs, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Vec<String> {
     let (world, robots) = args.load(packages, diagnostics);
     let (streams, numbers) = rehearse(args, world.as_ref(), &robots, diagnostics);
@@ -132,8 +132,8 @@ fn report(args: &SimulatedArgs, packages: &PackagePath, diagnostics: &mut Diagno
     lines
 }
 
-/// Makes the simulation that `belvedere run` makes, opens its streams as a server does, and returns them with the robots'
-/// numbers. What is wrong, and what is decided on the way, is added to `diagnostics`. Files with errors have no streams.
+/// Makes the simulation that `belvedere run` makes, opens its streams as a server does, and returns them with the
+/// robots' numbers. Problems and notes are added to `diagnostics`. Files with errors have no streams.
 fn rehearse(
     args: &SimulatedArgs,
     world: Option<&World>,

@@ -1,5 +1,5 @@
-//! `belvedere control`: pause, step, reset a running simulation, move, add and remove what is in it, and change its
-//! sensors.
+//! `belvedere control`: pauses, steps and resets a running simulation, moves, adds and removes models, and changes
+//! sensor settings.
 
 mod model_file;
 mod order;
@@ -14,8 +14,8 @@ use std::time::Duration;
 
 /// Control a running simulation.
 ///
-/// Commands are applied between two frames. Each prints the simulated time at which it was; one that is refused ends
-/// with the reason, and with exit code 1.
+/// Commands are applied between two frames. Each prints the simulated time at which it was applied. A command that is
+/// refused prints the reason and exits with code 1.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere control pause
@@ -59,7 +59,7 @@ enum What {
 ///
 /// # Errors
 /// [`CliError::NoSimulator`], [`CliError::Refused`] with the simulator's reason, [`CliError::NoAnswer`]; a file that
-/// cannot be read or is no model's; failures of the bridge and of standard output.
+/// cannot be read or does not describe a model; failures of the bridge and of standard output.
 pub fn run(args: &ControlArgs) -> Result<(), CliError> {
     let node = Node::open(&args.global.domain.domain, "belvedere control")?;
     check_topics(&node, &args.global.domain.domain, &[])?;
@@ -69,7 +69,7 @@ pub fn run(args: &ControlArgs) -> Result<(), CliError> {
     }
 }
 
-/// Sends an order, and prints when it was done.
+/// Sends an order and prints the simulated time at which it was applied.
 fn send(order: &Order, node: &Node, global: &GlobalArgs) -> Result<(), CliError> {
     let (command, text) = order.command()?;
     let result = SimulationControl::open(node)?.call(&command, &text, global.timeout)?;

@@ -1,4 +1,4 @@
-//! `belvedere dataset`: samples for learning, in shards.
+//! `belvedere dataset`: generates training data, in shards.
 
 use super::error::CliError;
 use super::follow::{listen_for_stop, print_line, stop_wanted};
@@ -16,48 +16,48 @@ use std::str::FromStr;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Make a data set for learning: worlds × seeds × poses, as a plan says, in shards of `WebDataset`.
+/// Make a data set for machine learning: worlds × seeds × poses, as defined by a plan, in shards of `WebDataset`.
 ///
-/// The bytes of a shard depend on the plan alone: not on the number of workers, on the machine, or on which shards are made
-/// with it. A shard is there as a whole or not at all, and what is there is not made again; so the command is started again
-/// after a kill or a full disk, and goes on. Once all shards are there, manifest.json has their SHA-256.
+/// The bytes of a shard depend only on the plan: not on the number of workers, the machine, or the other shards that
+/// are made. A shard is written completely or not at all, and existing shards are not made again: after a kill or a
+/// full disk, run the same command again and it continues. Once all shards exist, manifest.json lists their SHA-256.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere dataset plan.toml -o out
   belvedere dataset plan.toml -o out --shards 3..7        (shards 3, 4, 5, 6)
-  belvedere dataset plan.toml -o out --shard 2/16         (of 16 tasks, numbered from 0, that of number 2)
-  belvedere dataset plan.toml -o out                      (afterwards: what is missing, and the manifest)")]
+  belvedere dataset plan.toml -o out --shard 2/16         (the share of task 2 of 16, numbered from 0)
+  belvedere dataset plan.toml -o out                      (afterwards: the missing shards, and the manifest)")]
 pub struct DatasetArgs {
-    /// The plan; docs/datasets.md has what it may say
+    /// The plan; docs/datasets.md describes its format
     plan: PathBuf,
     /// The folder of the shards
     #[arg(short, long, value_name = "FOLDER")]
     output: PathBuf,
-    /// Make these shards alone, the last excluded, and no manifest
+    /// Make only these shards, the last excluded, and no manifest
     #[arg(long, value_name = "FIRST..END", conflicts_with = "shard")]
     shards: Option<ShardRange>,
-    /// Make the share of one of several tasks alone, which are numbered from 0, and no manifest
+    /// Make only the share of one of several tasks, numbered from 0, and no manifest
     #[arg(long, value_name = "TASK/TASKS")]
     shard: Option<Share>,
-    /// Make so many shards at a time [default: as many as there are cores]
+    /// Number of shards to make in parallel [default: number of cores]
     #[arg(long, value_name = "COUNT")]
     workers: Option<NonZeroUsize>,
-    /// Write the pictures and objects of a sensor as COCO has them to FOLDER/coco/SENSOR as well; may be repeated
+    /// Also export the images and objects of a sensor in COCO format to FOLDER/coco/SENSOR; may be repeated
     #[arg(long, value_name = "SENSOR", conflicts_with_all = ["shards", "shard"])]
     coco: Vec<String>,
-    /// Write the pictures and objects of a pinhole camera as KITTI has them to FOLDER/kitti/CAMERA as well, and the clouds of a
-    /// lidar of Velodyne's; may be repeated
+    /// Also export the images and objects of a pinhole camera in KITTI format to FOLDER/kitti/CAMERA, and the clouds of
+    /// a Velodyne lidar; may be repeated
     #[arg(long, value_name = "CAMERA[,LIDAR]", conflicts_with_all = ["shards", "shard"])]
     kitti: Vec<String>,
-    /// Say how many samples and shards the plan has, and make nothing
+    /// Print the plan's number of samples and shards, and make nothing
     #[arg(long)]
     count: bool,
-    /// A folder of ROS packages, looked into before `ROS_PACKAGE_PATH` and our own; may be repeated
+    /// A folder of ROS packages, searched before `ROS_PACKAGE_PATH` and the shipped packages; may be repeated
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
 }
 
-/// `3..7`: 3, 4, 5, 6.
+/// A range of shards, the end excluded: `3..7` is 3, 4, 5, 6.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct ShardRange {
     first: u64,
@@ -70,14 +70,13 @@ impl FromStr for ShardRange {
     fn from_str(text: &str) -> Result<Self, String> {
         let range =
             text.split_once("..").and_then(|(first, end)| Some((first.parse().ok()?, end.parse().ok()?)));
-        range
-            .filter(|(first, end)| first < end)
-            .map(|(first, end)| Self { first, end })
-            .ok_or_else(|| format!("'{text}' is no range; write FIRST..END, as 3..7 for 3, 4, 5 and 6"))
+        range.filter(|(first, end)| first < end).map(|(first, end)| Self { first, end }).ok_or_else(|| {
+            format!("'{text}' is not a range; write FIRST..END, such as 3..7 for 3, 4, 5 and 6")
+        })
     }
 }
 
-/// `2/16`: 2, 18, 34, …
+/// The shards of one task: `2/16` is 2, 18, 34, …
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 struct Share {
     task: u64,
@@ -93,7 +92,7 @@ impl FromStr for Share {
         share
             .filter(|(task, tasks)| task < tasks)
             .map(|(task, tasks)| Self { task, tasks })
-            .ok_or_else(|| format!("'{text}' is no share; write TASK/TASKS, as 0/16 to 15/16"))
+            .ok_or_else(|| format!("'{text}' is not a share; write TASK/TASKS, from 0/16 to 15/16"))
     }
 }
 
@@ -106,7 +105,7 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
     let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
     let packages = package_path(args.package_path.iter().cloned(), ros_package_path.as_deref());
     let plan = Plan::read(&args.plan, &packages)?;
-    // Before hours of work, not after them.
+    // Report wrong names before hours of work instead of after them.
     for sensor in &args.coco {
         check_coco(&plan, sensor)?;
     }
@@ -138,19 +137,19 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
         let made = shards.len() - there;
         let still = (0..all).filter(|shard| !folder.has(*shard)).count();
         let then = if still == 0 {
-            "all are there: the same command without --shards or --shard writes the manifest".to_owned()
+            "all shards exist: run the command without --shards and --shard to write the manifest".to_owned()
         } else {
-            format!("{still} of {all} are not there yet")
+            format!("{still} of {all} are still missing")
         };
         return print_line(&format!(
-            "{}: {made} shards made, {there} were there; {then}",
+            "{}: {made} shards made, {there} existed already; {then}",
             args.output.display()
         ));
     }
     let (manifest, path) = folder.finish(&plan, &progress)?;
     let bytes: u64 = manifest.shards.iter().map(|shard| shard.bytes).sum();
     print_line(&format!(
-        "{}: {} samples in {} shards, {there} of which were there, {}; {}",
+        "{}: {} samples in {} shards, {there} of which existed already, {}; {}",
         args.output.display(),
         manifest.samples,
         manifest.shards.len(),
@@ -160,21 +159,21 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
     for sensor in &args.coco {
         let to = args.output.join("coco").join(sensor);
         let written = export_coco(&plan, &folder, sensor, &to, &progress)?;
-        print_line(&format!("{}: as COCO has them", written.display()))?;
+        print_line(&format!("{}: export in COCO format", written.display()))?;
     }
     for sensors in &args.kitti {
         let (camera, lidar) = camera_and_lidar(sensors);
         let to = args.output.join("kitti").join(camera);
         let written = export_kitti(&plan, &folder, (camera, lidar), &to, &progress)?;
-        print_line(&format!("{}: as KITTI has them", written.display()))?;
+        print_line(&format!("{}: export in KITTI format", written.display()))?;
     }
     match contact_sheet(&plan, &folder)? {
-        Some(sheet) => print_line(&format!("{}: some samples, a row each", sheet.display())),
+        Some(sheet) => print_line(&format!("{}: contact sheet, one row per sample", sheet.display())),
         None => Ok(()),
     }
 }
 
-/// `CAMERA[,LIDAR]`.
+/// Splits `CAMERA[,LIDAR]`.
 fn camera_and_lidar(sensors: &str) -> (&str, Option<&str>) {
     match sensors.split_once(',') {
         Some((camera, lidar)) => (camera, Some(lidar)),
@@ -182,13 +181,13 @@ fn camera_and_lidar(sensors: &str) -> (&str, Option<&str>) {
     }
 }
 
-/// Where there is no terminal, lines are at least so far apart.
+/// Shortest time between two lines of progress if there is no terminal.
 const LINE_PERIOD: Duration = Duration::from_secs(10);
 
-/// How far it is: a bar on a terminal, a line now and then in a log.
+/// Shows progress: a bar on a terminal, else a line from time to time.
 struct Progress {
     bar: ProgressBar,
-    /// When the last line was written, if there are lines.
+    /// Time of the last line, if lines are written instead of a bar.
     line: Option<Mutex<Instant>>,
 }
 
@@ -200,7 +199,7 @@ impl Progress {
         } else {
             ProgressBar::with_draw_target(Some(samples), ProgressDrawTarget::hidden())
         };
-        let style = "{bar:30} {pos}/{len} samples, {per_sec}, {elapsed} gone, {eta} left";
+        let style = "{bar:30} {pos}/{len} samples, {per_sec}, {elapsed} elapsed, {eta} left";
         bar.set_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()));
         Self { bar, line: (!is_terminal).then(|| Mutex::new(Instant::now())) }
     }

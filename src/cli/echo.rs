@@ -1,4 +1,4 @@
-//! `belvedere echo`: the messages of a topic, readable.
+//! `belvedere echo`: prints the messages of a topic.
 
 use std::time::{Duration, Instant};
 
@@ -10,8 +10,8 @@ use super::{
 
 /// Print the messages of a topic.
 ///
-/// In the form that `rostopic echo` gives them, separated by `---`; long arrays are shortened unless --full is given.
-/// With --json, one object a line; NaN becomes null, infinities become "inf" and "-inf".
+/// The format is that of `rostopic echo`, with messages separated by `---`; long arrays are shortened unless --full is
+/// given. With --json, prints one object per line; NaN becomes null, infinities become "inf" and "-inf".
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  belvedere echo /odom\n  belvedere echo /scan --count 1 --full\n  belvedere echo /camera/rgb/camera_info --count 1 --json"
@@ -22,7 +22,7 @@ pub struct EchoArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub domain: DomainArgs,
-    /// Print one JSON object a line
+    /// Print one JSON object per line
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
@@ -31,7 +31,7 @@ pub struct EchoArgs {
     /// Print arrays in full
     #[arg(long)]
     pub full: bool,
-    /// Wait for the topic when it does not exist yet
+    /// Wait for the topic if it does not exist yet
     #[arg(long)]
     pub wait: bool,
 }
@@ -39,8 +39,8 @@ pub struct EchoArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::UnknownTopic`], [`CliError::NoSimulator`]; [`CliError::NoFrame`] when the time was up and nothing had
-/// come; failures of the bridge and of standard output.
+/// [`CliError::UnknownTopic`], [`CliError::NoSimulator`]; [`CliError::NoFrame`] if the time ran out before a frame
+/// arrived; failures of the bridge and of standard output.
 pub fn run(args: &EchoArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let started = Instant::now();

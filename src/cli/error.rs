@@ -1,4 +1,4 @@
-//! What a command can end with, each in one line that says what to do.
+//! The errors of the commands, each a message in one line with a remedy.
 
 use std::{io, path::PathBuf, time::Duration};
 
@@ -10,198 +10,198 @@ use crate::recording::RecordingError;
 use crate::rig::RigError;
 use crate::simulation::SimulationError;
 
-/// Why a command did not do what was asked.
+/// The reason why a command failed.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum CliError {
-    /// The bridge's own words.
+    /// An error of the bridge.
     #[error(transparent)]
     Bridge(#[from] belvedere_bridge::Error),
-    /// What is wrong with a robot or a world, one line each.
+    /// Errors in the files of a robot or a world, one line each.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Description(Vec<Problem>),
     /// The sensors cannot be started.
     #[error(transparent)]
     Rig(RigError),
-    /// The simulation cannot be made.
+    /// The simulation cannot be created.
     #[error(transparent)]
     Simulation(SimulationError),
-    /// The data set is not made.
+    /// The data set cannot be made.
     #[error(transparent)]
     Dataset(#[from] crate::dataset::DatasetError),
-    /// The system gives no thread.
-    #[error("the system gives no thread that sends frames: {0}; end other programs, or raise `ulimit -u`")]
+    /// The system cannot start another thread.
+    #[error("cannot start a thread: {0}; end other programs, or raise `ulimit -u`")]
     NoThread(std::io::Error),
     /// The page cannot be served.
     #[error(transparent)]
     View(#[from] crate::view::ViewError),
-    /// Streams cannot be carried to or from another machine.
+    /// Streams cannot be sent to or received from another machine.
     #[cfg(feature = "link")]
     #[error(transparent)]
     Link(#[from] crate::link::LinkError),
     /// Packets of a lidar cannot be sent.
     #[error("{0}")]
     Packets(String),
-    /// Nobody publishes anything.
+    /// There are no publishers in the domain.
     #[error(
         "nothing is published in domain \"{0}\": start a simulator (belvedere run --domain {0}), or name its domain with --domain"
     )]
     NoSimulator(Domain),
-    /// A simulator is there, the topic is not.
+    /// There is a simulator, but not this topic.
     #[error("no topic {topic} in domain \"{domain}\"; {remedy}")]
     UnknownTopic {
-        /// As asked for, with a slash.
+        /// The topic that was asked for, with a slash.
         topic: String,
-        /// Name of the domain where it was looked for.
+        /// Name of the domain that was searched.
         domain: String,
-        /// The one that was likely meant, and all of them.
+        /// The topic that was probably meant, or the list of all topics.
         remedy: String,
     },
-    /// The stream is there and silent.
+    /// The stream exists, but sent no frame.
     #[error("{topic} sent nothing for {:.1} s: is the simulator paused?", waited.as_secs_f64())]
     NoFrame {
-        /// With a slash.
+        /// The topic, with a slash.
         topic: String,
-        /// How long was waited.
+        /// Time waited.
         waited: Duration,
     },
-    /// A simulator did not do what it was told.
+    /// The simulator refused a command.
     #[error("{operation} was refused: {reason}")]
     Refused {
-        /// What it was told.
+        /// Name of the command.
         operation: &'static str,
-        /// Its words.
+        /// The simulator's reason.
         reason: String,
     },
-    /// No simulator, or none that takes commands.
+    /// There is no simulator that answers commands.
     #[error(
         "no answer from a simulator in domain \"{domain}\" within {:.1} s: start one (belvedere run --domain {domain}), name its domain with --domain, or give it more time with --timeout",
         waited.as_secs_f64()
     )]
     NoAnswer {
-        /// Where it was looked for.
+        /// The domain that was searched.
         domain: Domain,
-        /// How long was waited.
+        /// Time waited.
         waited: Duration,
     },
     /// A file that cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Input {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
-    /// A file that is no model's.
+    /// A file that does not describe a model.
     #[error("cannot spawn {}, which is {what}; {remedy}", path.display())]
     NotSpawned {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// What it is.
+        /// What the file is instead.
         what: String,
-        /// What can be done.
+        /// How to spawn its contents.
         remedy: String,
     },
-    /// A consumer that is waited for took too long.
+    /// A consumer given with --wait-for held up a frame for too long.
     #[error("at {:.3} s of simulated time {error} (--wait-for, --patience)", *time_ns as f64 * 1e-9)]
     HeldUp {
-        /// Who, where and how long.
+        /// The consumer, the topic and the time waited.
         error: String,
         /// Simulated time in ns.
         time_ns: u64,
     },
-    /// Consumers that are waited for have not come.
+    /// Consumers given with --wait-for did not connect.
     #[error(
         "{names} did not come within {:.1} s; start it within that time, or raise --patience",
         waited.as_secs_f64()
     )]
     ConsumersMissing {
-        /// Who.
+        /// Names of the consumers.
         names: String,
-        /// How long was waited.
+        /// Time waited.
         waited: Duration,
     },
-    /// Consumers that are waited for have left and did not come back.
+    /// Consumers given with --wait-for left and did not come back.
     #[error(
         "{names} left and did not come back within {:.1} s; no frame was lost; start it again sooner, raise --patience, or end the simulation with --duration",
         waited.as_secs_f64()
     )]
     ConsumersGone {
-        /// Who.
+        /// Names of the consumers.
         names: String,
-        /// How long was waited.
+        /// Time waited.
         waited: Duration,
     },
-    /// A frame that cannot be shown as a picture.
+    /// A frame that cannot be drawn as a picture.
     #[error("{topic}: {source}")]
     Picture {
-        /// With a slash.
+        /// The topic, with a slash.
         topic: String,
-        /// Why.
+        /// The reason.
         source: PictureError,
     },
     /// A file that cannot be written.
     #[error("cannot write {}: {source}", path.display())]
     Output {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
-    /// A file that is there, and was not to be replaced.
-    #[error("cannot write {}: it is there; choose another name, or replace it with --force", path.display())]
+    /// The output file exists and --force was not given.
+    #[error("cannot write {}: the file exists; choose another name, or replace it with --force", path.display())]
     FileExists {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
     },
     /// A recording that cannot be written, read or played.
     #[error("cannot {action} {}: {}", path.display(), recording_words(source))]
     Recording {
-        /// What was tried.
+        /// The action that failed, as a verb.
         action: &'static str,
-        /// Which.
+        /// Path of the recording.
         path: PathBuf,
-        /// Why.
+        /// The reason.
         source: Box<RecordingError>,
     },
-    /// A recording is not all that was sent.
+    /// The recording lacks frames that were sent.
     #[error(
         "frames were lost: {lost}; start the simulator with --wait-for recorder={streams}, use `belvedere run --record`, or allow it with --lossy"
     )]
     FramesLost {
-        /// How many of which topics.
+        /// The number of lost frames per topic.
         lost: String,
-        /// How many streams were followed.
+        /// The number of streams that were recorded.
         streams: usize,
     },
-    /// A file name that does not say what is wanted.
+    /// A file name with an unknown extension.
     #[error("cannot write {}: its name must end in one of {formats}", path.display())]
     Format {
-        /// As given.
+        /// The path that was given.
         path: PathBuf,
-        /// Endings that are known.
+        /// The supported extensions.
         formats: &'static str,
     },
     /// Standard output cannot be written; see [`CliError::is_closed_pipe`].
     #[error("cannot write to standard output: {0}")]
     Stdout(#[source] io::Error),
-    /// No handler for Ctrl-C could be set.
+    /// The handler for Ctrl-C could not be installed.
     #[error("cannot listen for Ctrl-C: {0}")]
     Signal(#[from] ctrlc::Error),
 }
 
-/// Why a recording failed, and what to do.
+/// Returns the reason why a recording failed, with a remedy.
 fn recording_words(error: &RecordingError) -> String {
     let remedy = match error {
         RecordingError::Io(source) => match source.kind() {
             io::ErrorKind::AlreadyExists => {
-                return "it is there; choose another name, or replace it with --force".into();
+                return "the file exists; choose another name, or replace it with --force".into();
             }
             io::ErrorKind::StorageFull => "; what was written can be read; make room, or record elsewhere",
             _ => "",
         },
-        RecordingError::Cut => "; what is whole can be replayed",
-        RecordingError::NotMcap => "; a file of `belvedere record` is wanted",
+        RecordingError::Cut => "; the complete part can be replayed",
+        RecordingError::NotMcap => "; choose a file written by `belvedere record` or `run --record`",
         _ => "",
     };
     format!("{error}{remedy}")
@@ -228,7 +228,8 @@ impl From<SimulationError> for CliError {
 }
 
 impl CliError {
-    /// Whether the reader of the output has simply gone (`belvedere echo scan | head`): no error to speak of.
+    /// Returns true if the reader of the output has closed it, as in `belvedere echo scan | head`. This is not reported
+    /// as an error.
     #[must_use]
     pub fn is_closed_pipe(&self) -> bool {
         matches!(self, Self::Stdout(error) if error.kind() == io::ErrorKind::BrokenPipe)

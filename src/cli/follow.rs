@@ -1,4 +1,4 @@
-//! What the commands that look at streams share: options, the search for a topic, the end.
+//! Code shared by the commands that read streams: options, finding a topic, stopping.
 
 use std::{
     io::Write as _,
@@ -14,47 +14,47 @@ use belvedere_bridge::{Domain, Error, Frame, Kind, Node, Subscriber, payload::Me
 use super::error::CliError;
 use crate::description::suggestion::did_you_mean_or;
 
-/// Where to look.
+/// The domain of the simulation.
 #[derive(Clone, Debug, clap::Args)]
 pub struct DomainArgs {
-    /// Name of the simulation to look at, as given to `belvedere run --domain`
+    /// Name of the simulation, as given to `belvedere run --domain`
     #[arg(long, value_name = "NAME", env = "BELVEDERE_DOMAIN", default_value_t, global = true)]
     pub domain: Domain,
 }
 
-/// When to end; without either, Ctrl-C does.
+/// When to stop; without these options, at Ctrl-C.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub struct UntilArgs {
-    /// End after so many seconds
+    /// Stop after this number of seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     pub duration: Option<Duration>,
-    /// End after so many messages
+    /// Stop after this number of messages
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     pub count: Option<u64>,
 }
 
-/// Seconds as a decimal number.
+/// Parses seconds given as a decimal number.
 ///
 /// # Errors
-/// In words for the command line, when it is no number, negative, or too large.
+/// A message for the command line if the text is not a number, or is negative or too large.
 pub fn seconds(text: &str) -> Result<Duration, String> {
-    let seconds: f64 = text.parse().map_err(|_| "a number of seconds is wanted, such as 2.5".to_owned())?;
+    let seconds: f64 = text.parse().map_err(|_| "expected a number of seconds, such as 2.5".to_owned())?;
     Duration::try_from_secs_f64(seconds)
-        .map_err(|_| "a positive number of seconds is wanted, such as 2.5".to_owned())
+        .map_err(|_| "expected a positive number of seconds, such as 2.5".to_owned())
 }
 
-/// Set by Ctrl-C and by a request to terminate, so that the domain is left in order.
+/// Set by Ctrl-C and termination signals, so that the process can leave the domain cleanly.
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Longest sleep before the stop flag is looked at again.
+/// Longest sleep between two checks of the stop flag.
 pub(super) const NAP: Duration = Duration::from_millis(20);
 
-/// Whether the user wants it to end.
+/// Returns true if the user asked the process to stop.
 pub(super) fn stop_wanted() -> bool {
     STOP.load(Ordering::Relaxed)
 }
 
-/// From now on Ctrl-C, SIGTERM and SIGHUP only make [`stop_wanted`] true.
+/// Installs a handler: from now on Ctrl-C, SIGTERM and SIGHUP only make [`stop_wanted`] true.
 pub(super) fn listen_for_stop() -> Result<(), CliError> {
     static DONE: OnceLock<()> = OnceLock::new();
     if DONE.set(()).is_ok() {
@@ -63,18 +63,18 @@ pub(super) fn listen_for_stop() -> Result<(), CliError> {
     Ok(())
 }
 
-/// Writes one line at once; [`CliError::is_closed_pipe`] when nobody reads any more.
+/// Writes one line and flushes it. If the reader is gone, the error is [`CliError::is_closed_pipe`].
 pub(super) fn print_line(text: &str) -> Result<(), CliError> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{text}").and_then(|()| out.flush()).map_err(CliError::Stdout)
 }
 
-/// A topic as ROS shows it.
+/// Returns a topic with its leading slash, as ROS shows it.
 pub(super) fn with_slash(topic: &str) -> String {
     format!("/{}", topic.trim_start_matches('/'))
 }
 
-/// Joins the domain and subscribes to a topic that exists, or, with `wait`, that may come to exist.
+/// Joins the domain and subscribes to a topic that exists or, with `wait`, may appear later.
 pub(super) fn subscribe(domain: &Domain, topic: &str, wait: bool) -> Result<Subscriber, CliError> {
     let node = Node::open(domain, "belvedere")?;
     let subscriber = node.subscriber(topic)?;
@@ -84,10 +84,10 @@ pub(super) fn subscribe(domain: &Domain, topic: &str, wait: bool) -> Result<Subs
     Ok(subscriber)
 }
 
-/// That somebody publishes in the domain, and these topics exist.
+/// Checks that the domain has publishers and that these topics exist.
 pub(super) fn check_topics(node: &Node, domain: &Domain, topics: &[String]) -> Result<(), CliError> {
     let streams = node.streams()?;
-    // Streams that consumers wait for are there without one.
+    // Streams that consumers wait for exist without a publisher.
     if streams.iter().all(|stream| stream.publishers == 0) {
         return Err(CliError::NoSimulator(domain.clone()));
     }
@@ -106,14 +106,14 @@ pub(super) fn check_topics(node: &Node, domain: &Domain, topics: &[String]) -> R
     }
 }
 
-/// The topic of the first stream of one of these kinds, those that are named first before others.
+/// Returns the topic of the first stream of one of these kinds, which are tried in order.
 pub(super) fn first_of_kinds(node: &Node, kinds: &[Kind]) -> Result<Option<String>, CliError> {
     let streams = node.streams()?;
     let of = |kind| streams.iter().find(|stream| stream.kind == Some(kind));
     Ok(kinds.iter().find_map(|kind| of(*kind)).map(|stream| with_slash(&stream.topic)))
 }
 
-/// The structs of the first frame that comes, if one does in time.
+/// Returns the structs of the first frame, if one arrives in time.
 pub(super) fn first<T: Message>(
     node: &Node,
     topic: &str,
@@ -128,7 +128,7 @@ pub(super) fn first<T: Message>(
     Ok(Some(structs.map_err(|error| Error::Frame { topic: topic.to_owned(), error })?))
 }
 
-/// Waits for frames until the user, the clock or the count ends it; calls `tick` about every second.
+/// Passes on frames until the user stops it, or the time or the count is reached; calls `on_second` about every second.
 pub(super) fn each_frame(
     subscriber: &mut Subscriber,
     until: &UntilArgs,

@@ -1,4 +1,4 @@
-//! `belvedere hz`: how fast, how evenly and how fresh a topic arrives.
+//! `belvedere hz`: measures the rate, jitter and latency of a topic.
 
 use std::time::{Duration, Instant};
 
@@ -10,13 +10,13 @@ use super::{
 
 /// Measure the rate, jitter and latency of a topic.
 ///
-/// Prints a line every second, and at the end one over the whole time. The jitter is the standard deviation of the
-/// time between messages; the latency is the time from the moment of publishing to the moment that the message can
-/// be read here; gaps are messages that were published and did not arrive.
+/// Prints a line every second, and a summary at the end. The jitter is the standard deviation of the time between
+/// messages. The latency is the time from publishing until the message can be read here. Gaps are messages that were
+/// published but did not arrive.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
-    after_help = "With --json, one object a line: topic, rate_hz, jitter_ms, latency_us_p50, latency_us_p99, frames, gaps.\n\
-                  With --duration or --count besides, only the one over the whole time.\n\n\
+    after_help = "With --json, one object per line: topic, rate_hz, jitter_ms, latency_us_p50, latency_us_p99, frames, gaps.\n\
+                  With --duration or --count in addition, only the summary is printed.\n\n\
                   Examples:\n  belvedere hz /camera/rgb/image_raw\n  belvedere hz scan --duration 5 --json"
 )]
 pub struct HzArgs {
@@ -25,13 +25,13 @@ pub struct HzArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub domain: DomainArgs,
-    /// Print one JSON object a line
+    /// Print one JSON object per line
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
     #[allow(missing_docs)]
     pub until: UntilArgs,
-    /// Wait for the topic when it does not exist yet
+    /// Wait for the topic if it does not exist yet
     #[arg(long)]
     pub wait: bool,
 }
@@ -39,8 +39,8 @@ pub struct HzArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::UnknownTopic`], [`CliError::NoSimulator`]; [`CliError::NoFrame`] when the time was up and nothing had
-/// come; failures of the bridge and of standard output.
+/// [`CliError::UnknownTopic`], [`CliError::NoSimulator`]; [`CliError::NoFrame`] if the time ran out before a frame
+/// arrived; failures of the bridge and of standard output.
 pub fn run(args: &HzArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let started = Instant::now();
@@ -63,7 +63,7 @@ pub fn run(args: &HzArgs) -> Result<(), CliError> {
         &mut subscriber,
         &args.until,
         |frame| {
-            // It was sent before anyone measured here.
+            // The frame was sent before this measurement began.
             if frame.is_from_history() {
                 return Ok(());
             }

@@ -1,4 +1,4 @@
-//! `belvedere info`: what is in a recording.
+//! `belvedere info`: shows the contents of a recording.
 
 use super::error::CliError;
 use super::follow::print_line;
@@ -11,9 +11,9 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Show what is in a recording: how it came about, its streams, how much of each.
+/// Show the contents of a recording: how it was made, its streams, and the number of frames of each.
 ///
-/// Every byte is looked at, and what is whole of a file that was cut off is told; then the exit code is 1.
+/// Reads every byte. Of a file that was cut off, the complete part is shown, and the exit code is 1.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  belvedere info run.mcap\n  belvedere info run.mcap.active --json\n  belvedere info run.mcap --extract description     (the robots and the world of the run)"
@@ -24,19 +24,19 @@ pub struct InfoArgs {
     /// Print one JSON object
     #[arg(long)]
     json: bool,
-    /// Write the files that are kept in it into this folder, which is made
+    /// Extract the files stored in the recording into this folder, which is created
     #[arg(long, value_name = "FOLDER")]
     extract: Option<PathBuf>,
 }
 
-/// What is found.
+/// The contents of a recording.
 #[derive(Default)]
 struct Found {
     about: BTreeMap<String, String>,
     streams: BTreeMap<String, RecordedStream>,
     hashes: BTreeMap<String, String>,
     attachments: Vec<Attachment>,
-    /// By topic: type of the messages, how many, bytes.
+    /// Type, number and total bytes of the messages, by topic.
     channels: BTreeMap<String, (String, u64, u64)>,
     frames: BTreeMap<String, u64>,
     times_ns: Option<[u64; 2]>,
@@ -45,7 +45,7 @@ struct Found {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::Recording`] when the file is none, or not whole.
+/// [`CliError::Recording`] if the file is not a recording, or not complete.
 pub fn run(args: &InfoArgs) -> Result<(), CliError> {
     let mut recording = open(&args.file, Duration::ZERO)?;
     let mut found = Found::default();
@@ -97,12 +97,12 @@ impl Found {
         }
     }
 
-    /// Writes the files that are kept in it; none in the place of one that is there.
+    /// Writes the files stored in the recording. Existing files are not replaced.
     fn extract(&self, folder: &Path) -> Result<(), CliError> {
         let failed = |path: &Path, source| CliError::Output { path: path.to_owned(), source };
         std::fs::create_dir_all(folder).map_err(|source| failed(folder, source))?;
         for Attachment { name, data, .. } in &self.attachments {
-            // A file that others wrote may name any place.
+            // The recording may come from others, and the name in it may be any path.
             let Some(name) = Path::new(name).file_name() else { continue };
             let path = folder.join(name);
             let mut file = std::fs::File::create_new(&path).map_err(|source| failed(&path, source))?;

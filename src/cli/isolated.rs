@@ -1,23 +1,23 @@
-//! What only shows a run: where it panics, the run goes on without it.
+//! [`Isolated`]: a display of a run that is dropped if it panics, so that the run continues.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// A display of a run.
+/// A display of a run, isolated from its panics.
 pub(super) struct Isolated<T> {
     what: &'static str,
-    /// None once it has panicked.
+    /// `None` after a panic.
     display: Option<T>,
 }
 
 impl<T> Isolated<T> {
-    /// Makes a display, which errors call by this name.
+    /// Creates a display. `what` names it in error messages.
     pub(super) fn new(what: &'static str, make: impl FnOnce() -> T) -> Self {
         let mut isolated = Self { what, display: None };
         isolated.display = isolated.caught(make);
         isolated
     }
 
-    /// Lets it show what is now, unless it has panicked before.
+    /// Updates the display, unless it has panicked before.
     pub(super) fn show(&mut self, show: impl FnOnce(&mut T)) {
         if let Some(mut display) = self.display.take() {
             self.display = self.caught(move || {
@@ -27,18 +27,18 @@ impl<T> Isolated<T> {
         }
     }
 
-    /// Ends it, and gives what it leaves, if it has not panicked.
+    /// Ends the display and returns the result of `end`, unless it has panicked.
     pub(super) fn end<R>(mut self, end: impl FnOnce(T) -> R) -> Option<R> {
         let display = self.display.take()?;
         self.caught(move || end(display))
     }
 
-    /// What is done, unless it panics, which is told: the display is not used again then.
+    /// Runs `work`. If it panics, logs that and returns `None`: the display is not used again.
     fn caught<R>(&self, work: impl FnOnce() -> R) -> Option<R> {
         let what = self.what;
         catch_unwind(AssertUnwindSafe(work))
             .inspect_err(|_| {
-                tracing::error!("{what} has panicked and is left out from now on; the simulation goes on");
+                tracing::error!("{what} panicked and is switched off; the simulation continues");
             })
             .ok()
     }
@@ -49,7 +49,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_panics_is_left_out_from_then_on() {
+    fn a_display_that_panics_is_not_used_again() {
         let mut shown = 0;
         let mut display = Isolated::new("the counter", || vec![1, 2]);
         for place in [0, 1, 2, 0] {

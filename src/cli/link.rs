@@ -1,4 +1,4 @@
-//! `belvedere link`: streams to and from other machines.
+//! `belvedere link`: exchanges streams with other machines.
 
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, listen_for_stop, print_line, seconds, stop_wanted, with_slash};
@@ -13,22 +13,23 @@ use std::collections::BTreeMap;
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
-/// Name of the node, for listings.
+/// Name of the node, as shown in listings.
 const NAME: &str = "link";
 /// Time between two status lines on a terminal.
 const REFRESH: Duration = Duration::from_secs(1);
-/// Time between two log lines where there is none.
+/// Time between two log lines without a terminal.
 const REPORT: Duration = Duration::from_secs(10);
 
-/// Streams to and from another machine, over Zenoh.
+/// Exchange streams with another machine, over Zenoh.
 ///
-/// On the simulator's machine `send` hands its streams over; on the other one `receive` publishes them in that machine's
-/// shared memory, where consumers of any language cannot tell them from the simulator's. Commands go back. A stream that
-/// nobody takes there is not sent, and not rendered. Either side may be started first, ended and started again; a cable that is
-/// cut costs frames, which are counted, and no more.
+/// On the simulator's machine `send` offers its streams. On the other machine `receive` publishes them in that
+/// machine's shared memory, where consumers in any language cannot distinguish them from the simulator's. Commands are
+/// sent in the other direction. A stream without subscribers on the other machine is neither sent nor rendered. Either
+/// side can be started first, stopped and started again. An interrupted connection only loses frames, which are
+/// counted.
 ///
-/// Nothing is encrypted, and whoever reaches the port may look and drive: use it in a network that you trust, in a VPN, or
-/// through ssh.
+/// There is no encryption and no authentication: anyone who can reach the port can read the streams and drive the
+/// robots. Use it in a trusted network, in a VPN, or through ssh.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere link send --listen tcp/10.0.0.1:7447          (10.0.0.1, where belvedere run runs)
@@ -41,28 +42,29 @@ pub struct LinkArgs {
 
 #[derive(Clone, Debug, clap::Subcommand)]
 enum Role {
-    /// Hand the streams of the simulator on this machine to others, and take their commands.
+    /// Offer the streams of the simulator on this machine to other machines, and accept their commands
     Send {
-        /// Topics, with or without a leading slash; all if there are none, also those that come later
+        /// Topics, with or without a leading slash [default: all, including those that appear later]
         topics: Vec<String>,
         #[command(flatten)]
         domain: DomainArgs,
         #[command(flatten)]
         way: WayArgs,
-        /// Commands that are taken from there: none; those to robots; or those to the simulation, too, such as pause and spawn
+        /// Commands that are accepted from other machines: none; those to robots; or also those to the simulation, such
+        /// as pause and spawn
         #[arg(long, value_enum, default_value_t)]
         commands: CarriedCommands,
     },
-    /// Publish the streams of a simulator on another machine here.
+    /// Publish the streams of a simulator on another machine here
     Receive {
-        /// Topics, with or without a leading slash; all if there are none, also those that come later
+        /// Topics, with or without a leading slash [default: all, including those that appear later]
         topics: Vec<String>,
         #[command(flatten)]
         domain: DomainArgs,
-        /// The simulator's domain there, if it is another than the one here
+        /// The simulator's domain on the other machine, if it differs from the one here
         #[arg(long, value_name = "NAME")]
         from: Option<Domain>,
-        /// Shared memory that all its streams together may take here, in MiB; half of what is free at the start if not given
+        /// Limit of the shared memory for all streams together, in MiB [default: half of what is free at the start]
         #[arg(long, value_name = "MIB", value_parser = clap::value_parser!(u64).range(1..=1 << 40))]
         memory: Option<u64>,
         #[command(flatten)]
@@ -70,17 +72,17 @@ enum Role {
     },
 }
 
-/// Where the other machine is.
+/// The addresses of the connection.
 #[derive(Clone, Debug, clap::Args)]
 #[group(id = "way")]
 struct WayArgs {
-    /// Address of this machine at which the other one is waited for; may be repeated. This or --connect is needed
+    /// Address at which to wait for the other machine; may be repeated. This or --connect is required
     #[arg(long, value_name = "tcp/HOST:PORT", value_parser = address, required_unless_present = "connect")]
     listen: Vec<String>,
-    /// Address of the other machine, or of a Zenoh router, which is called again and again; may be repeated
+    /// Address of the other machine, or of a Zenoh router; connection attempts are repeated; may be given several times
     #[arg(long, value_name = "tcp/HOST:PORT", value_parser = address)]
     connect: Vec<String>,
-    /// End after so many seconds
+    /// Stop after this number of seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<Duration>,
 }
@@ -96,14 +98,15 @@ fn address(text: &str) -> Result<String, String> {
         {
             Ok(text.to_owned())
         }
-        _ => Err("an address is wanted such as tcp/10.0.0.1:7447 or tcp/robot.local:7447".into()),
+        _ => Err("expected an address such as tcp/10.0.0.1:7447 or tcp/robot.local:7447".into()),
     }
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::Link`] when an address cannot be listened at; failures of the bridge, as when the domain has a simulator.
+/// [`CliError::Link`] if it is not possible to listen at an address; failures of the bridge, for example if the domain
+/// already has a simulator.
 pub fn run(args: &LinkArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     match &args.role {
@@ -112,7 +115,7 @@ pub fn run(args: &LinkArgs) -> Result<(), CliError> {
             let options =
                 SenderOptions { endpoints: endpoints(way), topics: topics.clone(), commands: *commands };
             let mut link = LinkSender::open(node, options)?;
-            let said = format!("domain {} is handed to other machines", domain.domain);
+            let said = format!("domain {} is offered to other machines", domain.domain);
             let attended = attend(way, &said, &mut link, LinkSender::tend, LinkSender::progress);
             let counts = link.by_topic();
             link.close();
@@ -121,7 +124,7 @@ pub fn run(args: &LinkArgs) -> Result<(), CliError> {
         Role::Receive { topics, domain, from, memory, way } => {
             let node = Node::open(&domain.domain, NAME)?;
             let from = from.clone().unwrap_or_else(|| domain.domain.clone());
-            let said = format!("domain {} is that of the other machine's domain {from}", domain.domain);
+            let said = format!("domain {} receives domain {from} of the other machine", domain.domain);
             let memory = memory.map(|mib| mib << 20);
             let options = ReceiverOptions { endpoints: endpoints(way), from, topics: topics.clone(), memory };
             let mut link = LinkReceiver::open(node, options)?;
@@ -137,7 +140,7 @@ fn endpoints(way: &WayArgs) -> Endpoints {
     Endpoints { listen: way.listen.clone(), connect: way.connect.clone() }
 }
 
-/// Keeps a link going until it is to end.
+/// Runs a link until the user or --duration stops it.
 fn attend<L>(
     way: &WayArgs,
     said: &str,
@@ -145,7 +148,7 @@ fn attend<L>(
     tend: impl Fn(&mut L) -> Result<(), LinkError>,
     progress: impl Fn(&L) -> LinkProgress,
 ) -> Result<(), CliError> {
-    tracing::info!("{said}; end it with Ctrl-C");
+    tracing::info!("{said}; press Ctrl-C to stop");
     let started = Instant::now();
     let mut shown = Shown::new();
     let mut complaint = String::new();
@@ -156,10 +159,10 @@ fn attend<L>(
                 shown.end();
                 return Err(error.into());
             }
-            // It is tried again; what is said again says nothing new.
+            // The link tries again; the same error is not logged twice.
             Err(error) if error.to_string() == complaint => {}
             Err(error) => {
-                tracing::warn!(%error, "it is tried again");
+                tracing::warn!(%error, "trying again");
                 complaint = error.to_string();
             }
         }
@@ -170,7 +173,7 @@ fn attend<L>(
     Ok(())
 }
 
-/// What was carried and lost of each topic.
+/// Prints the number of frames sent or received, and lost, per topic.
 fn summary(verb: &str, counts: &BTreeMap<String, (u64, u64)>) -> Result<(), CliError> {
     let width = counts.keys().map(String::len).max().unwrap_or(0) + 1;
     for (topic, (frames, lost)) in counts {
@@ -180,7 +183,7 @@ fn summary(verb: &str, counts: &BTreeMap<String, (u64, u64)>) -> Result<(), CliE
     print_line(&format!("{frames} frames {verb}, {lost} lost"))
 }
 
-/// How it goes: a line on a terminal, else one in the log now and then.
+/// Shows progress: a live line on a terminal, else a log line from time to time.
 struct Shown {
     line: Option<ProgressBar>,
     next: Instant,
@@ -229,7 +232,7 @@ fn words(before: &LinkProgress, now: &LinkProgress, seconds: f64) -> String {
     let LinkProgress { peers, streams, carried, commands, lost, refused, .. } = *now;
     let refused = if refused > 0 { format!(", {refused} refused") } else { String::new() };
     format!(
-        "{peers} connected, {carried} of {streams} streams taken, {:.0} frames/s, {}/s, {commands} commands, {lost} lost{refused}",
+        "{peers} connected, {carried} of {streams} streams active, {:.0} frames/s, {}/s, {commands} commands, {lost} lost{refused}",
         a_second(before.frames, now.frames),
         HumanBytes(a_second(before.bytes, now.bytes) as u64),
     )
@@ -261,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_those_since_the_line_before() {
+    fn rates_are_counted_since_the_previous_line() {
         let before = LinkProgress { frames: 100, bytes: 1000, ..LinkProgress::default() };
         let now = LinkProgress {
             peers: 1,
@@ -272,7 +275,7 @@ mod tests {
             lost: 4,
             ..before
         };
-        let said = "1 connected, 3 of 9 streams taken, 15 frames/s, 1.00 MiB/s, 0 commands, 4 lost";
+        let said = "1 connected, 3 of 9 streams active, 15 frames/s, 1.00 MiB/s, 0 commands, 4 lost";
         assert_eq!(words(&before, &now, 2.0), said);
     }
 }

@@ -1,4 +1,4 @@
-//! `belvedere list`: what a simulation publishes.
+//! `belvedere list`: lists the topics of a simulation.
 
 use std::time::{Duration, Instant};
 
@@ -13,8 +13,8 @@ use super::{
 
 /// List the topics of a running simulation.
 ///
-/// One line per topic: what it carries, how it is coded, the rate it is published at, its frame, who listens.
-/// With --count or --duration the list is repeated every second.
+/// Prints one line per topic: kind, encoding, rate, size, number of publishers and subscribers, and frame. With --count
+/// or --duration the list is repeated every second.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  belvedere list\n  belvedere list --domain lab --json\n  belvedere list --duration 10"
@@ -23,7 +23,7 @@ pub struct ListArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub domain: DomainArgs,
-    /// Print one JSON object a line and topic
+    /// Print one JSON object per topic, each on its own line
     #[arg(long)]
     pub json: bool,
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub struct ListArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::NoSimulator`] when nothing is published; failures of the bridge and of standard output.
+/// [`CliError::NoSimulator`] if nothing is published; failures of the bridge and of standard output.
 pub fn run(args: &ListArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let node = Node::open(&args.domain.domain, "belvedere list")?;
@@ -68,13 +68,14 @@ pub fn run(args: &ListArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// How long a simulator that runs may take to tell its settings to who has just come.
+/// Longest time to wait for the simulator's sensor settings.
 const PATIENCE: Duration = Duration::from_millis(500);
 
-/// The rates that streams were made with are those of the description; a sensor's may have been changed since.
+/// Replaces the rates in the streams' attributes, which come from the description, by the sensors' current rates.
 fn take_changed_rates(node: &Node, streams: &mut [StreamInfo]) -> Result<(), CliError> {
-    let are_told = |stream: &StreamInfo| stream.topic == StreamSpec::SENSOR_SETTINGS && stream.publishers > 0;
-    if !streams.iter().any(are_told) {
+    let are_published =
+        |stream: &StreamInfo| stream.topic == StreamSpec::SENSOR_SETTINGS && stream.publishers > 0;
+    if !streams.iter().any(are_published) {
         return Ok(());
     }
     let sensors: Vec<SensorSettings> =

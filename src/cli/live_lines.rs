@@ -1,27 +1,27 @@
-//! Lines at the bottom of a terminal that are drawn again in place: only what has changed is written.
+//! Lines at the bottom of a terminal that are updated in place, by writing only what has changed.
 
 use std::fmt::Write as _;
 
-/// What stands at the bottom of a terminal, just above the cursor.
+/// The lines at the bottom of a terminal, just above the cursor.
 pub(super) struct LiveLines {
     lines: Vec<String>,
-    /// Columns of the terminal when they were written.
+    /// Columns of the terminal when the lines were written.
     columns: usize,
 }
 
 impl LiveLines {
-    /// None yet.
+    /// Creates an empty set of lines.
     pub(super) const fn new() -> Self {
         Self { lines: Vec::new(), columns: 0 }
     }
 
-    /// Whether there are any.
+    /// Returns true if there are any lines.
     pub(super) fn is_shown(&self) -> bool {
         !self.lines.is_empty()
     }
 
-    /// Puts these lines in the place of those that stand there, and gives what has to be written to a terminal of so many
-    /// columns for it. Each line is shorter than the terminal is wide, and there are fewer than it has rows.
+    /// Replaces the lines and returns the text that has to be written to a terminal of this width. Each line must be
+    /// shorter than the terminal is wide, and there must be fewer lines than the terminal has rows.
     pub(super) fn draw(&mut self, lines: Vec<String>, columns: usize) -> String {
         if lines.len() == self.lines.len() && columns == self.columns {
             let codes = self.changes(&lines);
@@ -36,8 +36,8 @@ impl LiveLines {
         codes
     }
 
-    /// Takes the lines away from a terminal that has so many columns now, and gives what has to be written for it. Where
-    /// the terminal has become narrower, each of them may fill several rows.
+    /// Removes the lines and returns the text that has to be written to a terminal of this width. If the terminal has
+    /// become narrower, each line may now fill several rows.
     pub(super) fn clear(&mut self, columns: usize) -> String {
         let rows = |line: &String| line.chars().count().div_ceil(columns.max(1)).max(1);
         let mut codes = String::new();
@@ -49,13 +49,13 @@ impl LiveLines {
         codes
     }
 
-    /// Writes a text above the lines, and gives what has to be written for it.
+    /// Returns the text that has to be written to put `text` above the lines.
     pub(super) fn write_above(&mut self, text: &str, columns: usize) -> String {
         let lines = self.lines.clone();
         [&self.clear(columns), text, &self.draw(lines, columns)].concat()
     }
 
-    /// What has to be written where as many lines were there as are to be.
+    /// Returns the text that updates the lines if their number stays the same.
     fn changes(&self, lines: &[String]) -> String {
         let mut codes = String::new();
         let mut row = self.lines.len();
@@ -72,7 +72,7 @@ impl LiveLines {
     }
 }
 
-/// Moves the cursor to the first column of a line further up.
+/// Moves the cursor up, to the first column.
 fn up(rows: usize, codes: &mut String) {
     if rows > 0 {
         // Writing to a string cannot fail, here and below.
@@ -80,14 +80,14 @@ fn up(rows: usize, codes: &mut String) {
     }
 }
 
-/// Moves the cursor to the first column of a line further down.
+/// Moves the cursor down, to the first column.
 fn down(rows: usize, codes: &mut String) {
     if rows > 0 {
         let _ = write!(codes, "\r\x1b[{rows}B");
     }
 }
 
-/// Writes what one line has other than the one in whose place it comes.
+/// Writes the part of a line that differs from the line that it replaces.
 fn rewrite(old: &str, new: &str, codes: &mut String) {
     let (old, new): (Vec<char>, Vec<char>) = (old.chars().collect(), new.chars().collect());
     let same = |(one, other): &(&char, &char)| one == other;
@@ -120,13 +120,13 @@ mod tests {
         assert_eq!(codes, "\r\x1b[2A\x1b[7G34\r\x1b[1B\x1b[1Gthe end\r\x1b[1B");
         let codes = live.draw(lines(&["one 1", "two 2.34", "the end"]), 80);
         assert_eq!(codes, "\r\x1b[3A\x1b[6G\x1b[K\r\x1b[3B");
-        // Where the number of lines is another, all are written.
+        // If the number of lines changes, all are written.
         assert_eq!(live.draw(lines(&["one 1"]), 80), "\r\x1b[3A\x1b[Jone 1\n");
         assert_eq!(live.write_above("log\n", 80), "\r\x1b[1A\x1b[Jlog\none 1\n");
     }
 
     #[test]
-    fn what_a_narrower_terminal_has_wrapped_is_taken_away() {
+    fn lines_wrapped_by_a_narrower_terminal_are_removed() {
         let mut live = LiveLines::new();
         live.draw(lines(&["0123456789", "", "01234"]), 20);
         assert_eq!(live.draw(lines(&["0123", "", "01"]), 5), "\r\x1b[4A\x1b[J0123\n\n01\n");

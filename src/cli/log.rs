@@ -1,4 +1,4 @@
-//! Logging to standard error, which leaves the live status whole.
+//! Logging to standard error, above the live status.
 
 use super::live_lines::LiveLines;
 use indicatif::MultiProgress;
@@ -7,44 +7,45 @@ use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use terminal_size::terminal_size_of;
 use tracing_subscriber::EnvFilter;
 
-/// What is shown without `RUST_LOG`. Zenoh tells at length of each connection that is lost; a link says so itself.
+/// The filter without `RUST_LOG`. Zenoh is silenced because it logs each lost connection at length; `belvedere link`
+/// reports it itself.
 const DEFAULT_FILTER: &str = "warn,belvedere=info,zenoh=off";
 
-/// The progress bars, if there are some: log lines go above them.
+/// The progress bars, if any: log lines are written above them.
 pub fn status_lines() -> &'static MultiProgress {
     static LINES: OnceLock<MultiProgress> = OnceLock::new();
     LINES.get_or_init(MultiProgress::new)
 }
 
-/// The table of a run, if there is one: log lines go above it.
+/// The table of a run, if any: log lines are written above it.
 static TABLE: Mutex<LiveLines> = Mutex::new(LiveLines::new());
 
 fn table() -> MutexGuard<'static, LiveLines> {
     TABLE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Columns and rows of the terminal that standard error goes to; none if it goes elsewhere, or the terminal does not know.
+/// Returns columns and rows of the terminal on standard error, or `None` if it is not a terminal or reports no size.
 pub(super) fn terminal() -> Option<(usize, usize)> {
     let (columns, rows) = terminal_size_of(io::stderr())?;
     Some((columns.0.into(), rows.0.into()))
 }
 
-/// Shows these lines at the bottom of the terminal from now on, in the place of those before.
+/// Shows these lines at the bottom of the terminal, in place of the previous ones.
 pub(super) fn show_table(lines: Vec<String>, columns: usize) {
     let mut table = table();
     write_codes(&table.draw(lines, columns));
 }
 
-/// Writes what has to be written to the terminal. Nobody reads a table in a terminal that is gone.
+/// Writes to the terminal. Errors are ignored, because a closed terminal shows no table.
 fn write_codes(codes: &str) {
     let mut terminal = io::stderr().lock();
     let _ = terminal.write_all(codes.as_bytes()).and_then(|()| terminal.flush());
 }
 
-/// Starts logging as `RUST_LOG` asks.
+/// Starts logging with the filter in `RUST_LOG`.
 pub(super) fn start() {
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(DEFAULT_FILTER));
-    // Fails only if a program that uses this library has already set up its own logging; then that holds.
+    // This fails only if a program that uses this library has already set up logging, which then stays in effect.
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_target(false)
@@ -59,7 +60,7 @@ pub(super) fn start() {
 struct AboveStatus;
 
 impl Write for AboveStatus {
-    /// Takes the whole text even where it cannot be written: a log that nobody reads ends no simulation.
+    /// Always reports success: a log that cannot be written must not end the simulation.
     fn write(&mut self, text: &[u8]) -> io::Result<usize> {
         let mut table = table();
         match terminal().filter(|_| table.is_shown()) {

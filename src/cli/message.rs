@@ -1,4 +1,4 @@
-//! A frame as a tree of named values, the way ROS names them, printed as YAML or JSON.
+//! Converts a frame to a tree of values with the names that ROS uses, which is printed as YAML or JSON.
 
 mod parts;
 mod robot;
@@ -15,7 +15,7 @@ use belvedere_bridge::payload::{Clock, Message, MotorPower, ResetOdometry, Vecto
 use belvedere_bridge::{FrameHeader, FrameView, Kind};
 use parts::{Entries, seconds, text, xyz};
 
-/// What a frame says, arrays shortened to `limit` elements.
+/// Converts a frame to a tree, with arrays shortened to `limit` elements.
 #[must_use]
 pub fn decode(frame: &FrameView<'_>, limit: usize) -> Tree {
     let header = frame.header();
@@ -63,7 +63,7 @@ fn header_tree(header: &FrameHeader) -> Tree {
     ])
 }
 
-/// A kind that this version does not know, or one whose payload is not what its kind promises.
+/// Shows a frame of a kind that this version does not know, or one whose payload does not match its kind.
 fn unknown(frame: &FrameView<'_>, limit: usize) -> Entries {
     let header = frame.header();
     vec![
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn every_kind_is_understood_and_unknown_ones_are_shown() {
+    fn every_kind_is_decoded_and_unknown_kinds_are_shown() {
         for &kind in Kind::ALL {
             let encoding = match kind {
                 Kind::Image => Encoding::Rgb8,

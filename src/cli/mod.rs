@@ -17,6 +17,7 @@ mod live_lines;
 pub mod log;
 pub mod message;
 pub mod models;
+pub mod names;
 mod pacer;
 pub mod place;
 pub mod record;
@@ -44,23 +45,23 @@ use rustix::process::Resource;
 use std::io::Write as _;
 use std::process::ExitCode;
 
-/// A robot sensor simulator: cameras, depth cameras and lidars on the CPU, exact and repeatable, handed to other
-/// processes without a copy.
+/// A robot sensor simulator: cameras, depth cameras and lidars on the CPU, exact and repeatable, shared with other
+/// processes without copying.
 ///
-/// Without a subcommand it runs: the TurtleBot with its ceiling camera drives a loop in a room whose ceiling is
-/// covered with tags, and publishes all its streams until Ctrl-C. Look at them from a second terminal with `list`,
-/// `hz`, `echo` and `snapshot`.
+/// Without a subcommand it starts the simulator: the TurtleBot with its ceiling camera drives a loop in a room whose
+/// ceiling is covered with tags, and publishes all its streams until Ctrl-C. Inspect them from a second terminal with
+/// `list`, `hz`, `echo` and `snapshot`.
 #[derive(Debug, Parser)]
 #[command(name = "belvedere", version, args_conflicts_with_subcommands = true)]
 #[command(after_help = "Environment:
   TURTLEBOT_BASE, TURTLEBOT_STACKS, TURTLEBOT_3D_SENSOR   choose the robot BASE_STACKS_3D_SENSOR
   TURTLEBOT_GAZEBO_WORLD_FILE                             chooses the world
-  ROS_PACKAGE_PATH                                        where packages are looked for, after --package-path
+  ROS_PACKAGE_PATH                                        searched for packages after --package-path
   BELVEDERE_DOMAIN                                        the domain, if --domain is not given
-  BELVEDERE_MODELS                                        our own models, if not the installed or carried ones
-  XDG_CACHE_HOME                                          where carried models are unpacked, if not ~/.cache
-  RAYON_NUM_THREADS                                       threads of the sensors
-  RUST_LOG                                                what is logged, for example belvedere=debug")]
+  BELVEDERE_MODELS                                        folder of belvedere's own models, instead of the installed one
+  XDG_CACHE_HOME                                          where the models in the program are unpacked, instead of ~/.cache
+  RAYON_NUM_THREADS                                       number of threads that render
+  RUST_LOG                                                log filter, for example belvedere=debug")]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
@@ -68,7 +69,7 @@ struct Cli {
     run: run::RunArgs,
 }
 
-/// Bytes of stack that commands have, as the usual limit is (`ulimit -s`).
+/// Stack size of a command, in bytes: the usual limit (`ulimit -s`).
 const STACK: u64 = 8 << 20;
 
 #[derive(Debug, Subcommand)]
@@ -86,6 +87,10 @@ enum Command {
     Info(info::InfoArgs),
     Check(check::CheckArgs),
     Urdf(urdf::UrdfArgs),
+    /// Print the names of the robots that `--robot` finds, one per line.
+    Robots(names::NamesArgs),
+    /// Print the names of the worlds that `--world` finds, one per line.
+    Worlds(names::NamesArgs),
     Control(control::ControlArgs),
     Dataset(dataset::DatasetArgs),
     /// Print a script that completes this command in a shell.
@@ -97,7 +102,7 @@ enum Command {
     },
 }
 
-/// What the commands are called.
+/// Names of all commands.
 fn command_names() -> impl Iterator<Item = &'static str> {
     [
         "run",
@@ -113,6 +118,8 @@ fn command_names() -> impl Iterator<Item = &'static str> {
         "info",
         "check",
         "urdf",
+        "robots",
+        "worlds",
         "control",
         "dataset",
         "completions",
@@ -120,11 +127,12 @@ fn command_names() -> impl Iterator<Item = &'static str> {
     .into_iter()
 }
 
-/// Runs the command line of this process and gives its exit code: 0, 1 when something went wrong, 2 when the
-/// arguments are wrong. The program carries the robots and worlds `models`.
+/// Runs the command line of this process and returns its exit code: 0, 1 if something went wrong, 2 if the arguments
+/// are invalid. The program carries the robots and worlds `models`.
 pub fn main(models: models::Files) -> ExitCode {
     models::carry(models);
-    // In a thread only if need be: signals wake this one from its sleep.
+    // A thread is used only if the main thread's stack is too small, because signals interrupt only the main thread's
+    // sleep.
     if rustix::process::getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= STACK) {
         return run_command();
     }
@@ -138,9 +146,9 @@ pub fn main(models: models::Files) -> ExitCode {
 fn run_command() -> ExitCode {
     let cli = Cli::parse();
     log::start();
-    // Eight robots have more streams than the usual limit has files for.
+    // Eight robots have more streams than the default limit of open files allows.
     if let Err(error) = belvedere_bridge::open_files::raise_limit() {
-        tracing::debug!(%error, "the limit of open files stays as it is");
+        tracing::debug!(%error, "the limit of open files could not be raised");
     }
     let done = match &cli.command {
         None => run::run(&cli.run),
@@ -157,6 +165,8 @@ fn run_command() -> ExitCode {
         Some(Command::Info(args)) => info::run(args),
         Some(Command::Check(args)) => check::run(args),
         Some(Command::Urdf(args)) => urdf::run(args),
+        Some(Command::Robots(args)) => names::robots(args),
+        Some(Command::Worlds(args)) => names::worlds(args),
         Some(Command::Control(args)) => control::run(args),
         Some(Command::Dataset(args)) => dataset::run(args),
         Some(Command::Completions { shell }) => {
@@ -168,14 +178,14 @@ fn run_command() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
         Err(error) => {
-            // Where nobody reads it, the exit code says it alone.
+            // If standard error is closed, the exit code alone reports the failure.
             let _ = writeln!(std::io::stderr(), "{}", failure(&error));
             ExitCode::FAILURE
         }
     }
 }
 
-/// Problems of a file already say `file:line: error:`; the rest gets an `error:` in front.
+/// Formats an error. Problems in a file already begin with `file:line: error:`; all others get the prefix `error:`.
 fn failure(error: &CliError) -> String {
     match error {
         CliError::Description(_) | CliError::Dataset(DatasetError::Description(_)) => error.to_string(),

@@ -1,25 +1,25 @@
-//! Keeping simulated time to the clock on the wall.
+//! [`Pacer`]: keeps simulated time in step with the wall clock.
 
 use super::follow::{NAP, stop_wanted};
 use crate::server::Server;
 use crate::server::post::Post;
 use std::time::{Duration, Instant};
 
-/// Lag beyond which lost time is given up instead of being caught up with in a burst.
+/// Lag beyond which the lost time is skipped instead of being caught up in a burst.
 const GIVE_UP: Duration = Duration::from_millis(200);
-/// Longest time by which simulation goes ahead. What comes to a robot meanwhile moves it so much later.
+/// Longest time by which the simulation runs ahead. Commands that arrive meanwhile take effect later by this time.
 const LONGEST_LEAD: Duration = Duration::from_millis(50);
-/// Added to what physics and rendering took before: they may take a little longer this time.
+/// Added to the previous cost of physics and rendering, which may vary.
 const MARGIN: Duration = Duration::from_millis(3);
 
-/// Lets the simulation go ahead by the time that the next frames take to make, and holds them until they are due: they
-/// arrive in the rhythm of their stamps, whatever each of them shows.
+/// Lets the simulation run ahead by the time that the next frames take to make, and holds the frames until they are
+/// due, so that they arrive in the rhythm of their timestamps, however long each takes to render.
 pub(super) struct Pacer<'a> {
     epoch: u64,
-    /// A moment, and the simulated time that belongs to it.
+    /// A moment of the wall clock; `time_ns` is the simulated time at it.
     at: Instant,
     time_ns: u64,
-    /// What holds frames; without it, they are not made ahead of their time.
+    /// Holds frames until they are due. Without it, frames are not made ahead of time.
     post: Option<&'a Post>,
 }
 
@@ -28,7 +28,7 @@ impl<'a> Pacer<'a> {
         Self { epoch: server.epoch(), at: Instant::now(), time_ns: server.time_ns(), post }
     }
 
-    /// Waits until it is time to make what is next; false when the user wants to stop.
+    /// Waits until the next step has to be computed. Returns false if the user asked to stop.
     pub(super) fn wait_for_next(&mut self, server: &Server<'_>) -> bool {
         if self.epoch != server.epoch() {
             *self = Self::new(server, self.post);

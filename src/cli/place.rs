@@ -1,21 +1,21 @@
-//! Where something is to be, on the command line.
+//! [`Place`]: a pose on the command line.
 
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::str::FromStr;
 
-/// A place in metres and a heading in degrees, counter-clockwise seen from above: `X,Y`, `X,Y,YAW` or `X,Y,Z,YAW`.
+/// A position in metres and a heading in degrees, counter-clockwise seen from above: `X,Y`, `X,Y,YAW` or `X,Y,Z,YAW`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Place {
     position: [f64; 3],
     yaw_deg: f64,
 }
 
-/// How it is written, in help.
+/// The syntax of a place, for help texts.
 pub(super) const PLACE: &str = "X,Y[,[Z,]YAW]";
 
 impl Place {
-    /// One on the floor.
+    /// Creates a place on the floor, with heading 0.
     pub(super) fn on_floor(x: f64, y: f64) -> Self {
         Self { position: [x, y, 0.0], yaw_deg: 0.0 }
     }
@@ -32,7 +32,7 @@ impl FromStr for Place {
     fn from_str(text: &str) -> Result<Self, String> {
         let wrong = || {
             format!(
-                "'{text}' is no pose; write X,Y or X,Y,YAW or X,Y,Z,YAW in metres and degrees, as 1,0.5,90"
+                "'{text}' is not a pose; write X,Y or X,Y,YAW or X,Y,Z,YAW in metres and degrees, such as 1,0.5,90"
             )
         };
         let numbers = text.split(',').map(|number| number.trim().parse().map_err(|_| wrong()));

@@ -1,4 +1,4 @@
-//! `belvedere record`: the streams of a running simulation into a file.
+//! `belvedere record`: records the streams of a running simulation.
 
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, listen_for_stop, print_line, seconds, stop_wanted, with_slash};
@@ -10,19 +10,19 @@ use std::io::IsTerminal as _;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Name of the node that records, if it is given no other.
+/// Default name of the recorder's node.
 pub(super) const RECORDER: &str = "recorder";
-/// How often new streams are looked for.
+/// Interval at which new streams are looked for.
 const LOOK: Duration = Duration::from_secs(1);
 
 /// Record the streams of a running simulation into an MCAP file, until Ctrl-C.
 ///
-/// Foxglove, Lichtblick, `PlotJuggler` and the mcap tools show the file as it is: it has the messages of ROS 1. `belvedere
-/// replay` plays it again, with every byte. Until it is complete, `.active` stands behind its name; what is there can be
-/// read up to the last second, whatever happens.
+/// Foxglove, Lichtblick, `PlotJuggler` and the mcap tools can open the file: it contains ROS 1 messages. `belvedere
+/// replay` plays it again, byte for byte. Until the recording is complete, `.active` is appended to the file's name;
+/// even after a crash, such a file can be read up to its last second.
 ///
-/// A simulation that was started with --wait-for recorder=STREAMS loses no frame to it. Otherwise frames are lost if
-/// this process cannot take them in time: that is told, and the exit code is 1, unless --lossy allows it.
+/// If the simulation was started with --wait-for recorder=STREAMS, no frame is lost. Otherwise frames are lost if this
+/// process cannot keep up: they are reported, and the exit code is 1 unless --lossy was given.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere record -o run.mcap
@@ -32,7 +32,7 @@ const LOOK: Duration = Duration::from_secs(1);
   belvedere replay run.mcap")]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RecordArgs {
-    /// Topics, with or without a leading slash; all if there are none, also those that come later. The clock is always
+    /// Topics, with or without a leading slash [default: all, including those that appear later]. The clock is always
     /// recorded
     topics: Vec<String>,
     /// The file
@@ -40,25 +40,25 @@ pub struct RecordArgs {
     output: PathBuf,
     #[command(flatten)]
     domain: DomainArgs,
-    /// How the file is compressed
+    /// Compression of the file
     #[arg(long, value_enum, default_value_t)]
     compression: Compression,
-    /// Frames may be lost
+    /// Exit with code 0 even if frames were lost
     #[arg(long)]
     lossy: bool,
-    /// End after so many seconds
+    /// Stop after this number of seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<Duration>,
-    /// End when the simulator does
+    /// Stop when the simulator ends
     #[arg(long)]
     until_gone: bool,
-    /// Name under which a simulation waits for this recorder
+    /// Name of this recorder, for the simulator's --wait-for
     #[arg(long, value_name = "NAME", default_value = RECORDER)]
     name: String,
-    /// Replace the file if it is there
+    /// Replace the file if it exists
     #[arg(long)]
     force: bool,
-    /// Wait for the simulator when there is none yet
+    /// Wait for the simulator if it is not running yet
     #[arg(long)]
     wait: bool,
 }
@@ -66,7 +66,7 @@ pub struct RecordArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::NoSimulator`], [`CliError::UnknownTopic`]; [`CliError::Recording`] when the file cannot be written;
+/// [`CliError::NoSimulator`], [`CliError::UnknownTopic`]; [`CliError::Recording`] if the file cannot be written;
 /// [`CliError::FramesLost`].
 pub fn run(args: &RecordArgs) -> Result<(), CliError> {
     listen_for_stop()?;
@@ -109,7 +109,7 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
     finish(recorder, &args.output, args.lossy)
 }
 
-/// Begins to record.
+/// Starts a recorder.
 pub(super) fn start(node: Node, path: &Path, options: &RecorderOptions) -> Result<Recorder, CliError> {
     Recorder::start(node, path, options).map_err(|source| CliError::Recording {
         action: "write",
@@ -118,7 +118,7 @@ pub(super) fn start(node: Node, path: &Path, options: &RecorderOptions) -> Resul
     })
 }
 
-/// Ends it, and says what was recorded.
+/// Stops a recorder and prints what was recorded.
 pub(super) fn finish(recorder: Recorder, path: &Path, lossy: bool) -> Result<(), CliError> {
     let (progress, missed, active) = (recorder.progress(), recorder.missed(), recorder.active().to_owned());
     let tallies = recorder.finish().map_err(|source| CliError::Recording {
@@ -141,7 +141,7 @@ pub(super) fn finish(recorder: Recorder, path: &Path, lossy: bool) -> Result<(),
     Err(CliError::FramesLost { lost: lost.join(", "), streams: tallies.len() })
 }
 
-/// How far it is, on a terminal.
+/// Shows progress on a terminal.
 struct Shown {
     line: Option<ProgressBar>,
     path: String,

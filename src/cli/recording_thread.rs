@@ -1,4 +1,4 @@
-//! The recorder beside a simulator in one process.
+//! [`RecordingThread`]: a recorder in the simulator's process.
 
 use super::error::CliError;
 use super::follow::NAP;
@@ -13,19 +13,21 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How often new streams are looked for.
+/// Interval at which new streams are looked for.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// A recording that goes on beside this thread. Dropped, as by an error or a panic of the run, it is finished as well.
+/// A recorder in a thread of its own. Dropping it finishes the file as well, for example after an error or a panic of
+/// the run.
 pub(super) struct RecordingThread {
     path: PathBuf,
     stop: Arc<AtomicBool>,
-    /// None once it is finished.
+    /// `None` once it is finished.
     thread: Option<JoinHandle<Recorder>>,
 }
 
 impl RecordingThread {
-    /// Begins to record all that is published in the domain now; `words` are added to those on how it came about, and files are kept in it.
+    /// Starts to record all streams in the domain. `words` are added to the description of the recording, and
+    /// `attachments` are stored in the file.
     pub(super) fn start(
         domain: &Domain,
         path: &Path,
@@ -33,7 +35,7 @@ impl RecordingThread {
         words: BTreeMap<String, String>,
         attachments: Vec<Attachment>,
     ) -> Result<Self, CliError> {
-        // A node of its own: by its name the simulation waits for it.
+        // The recorder has its own node because the simulation waits for it by name.
         let node = Node::open(domain, RECORDER)?;
         let about = about(domain).into_iter().chain(words).collect();
         let options = RecorderOptions { replace, about, attachments, ..RecorderOptions::default() };
@@ -48,7 +50,7 @@ impl RecordingThread {
                     std::thread::sleep(NAP);
                     if Instant::now() >= next_look {
                         next_look = Instant::now() + LOOK;
-                        // What is recorded already is not lost with it.
+                        // A panic here must not lose what is already recorded.
                         let look = AssertUnwindSafe(|| recorder.look());
                         if let Ok(Err(error)) = catch_unwind(look) {
                             tracing::warn!(%error, "new streams are not recorded");
@@ -61,7 +63,7 @@ impl RecordingThread {
         Ok(Self { path: path.to_owned(), stop, thread: Some(thread) })
     }
 
-    /// Takes what still waits, and ends the file.
+    /// Records the frames that still wait, and completes the file.
     pub(super) fn finish(mut self) -> Result<(), CliError> {
         self.end()
     }

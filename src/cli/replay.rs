@@ -1,4 +1,4 @@
-//! `belvedere replay`: a recording in the place of a simulator.
+//! `belvedere replay`: plays a recording in place of a simulator.
 
 use super::error::CliError;
 use super::follow::{DomainArgs, listen_for_stop, print_line, seconds, stop_wanted};
@@ -10,10 +10,10 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Play a recording: the same streams with the same frames, as if the simulator ran.
+/// Play a recording: publish the same streams with the same frames, as the simulator did.
 ///
-/// Consumers of any language cannot tell it from the simulator, but for a flag in the header. `belvedere control pause`,
-/// `resume` and `step` work on it; a step is from one message of the clock to the next.
+/// Consumers in any language cannot distinguish it from the simulator, except by a flag in the header. `belvedere
+/// control pause`, `resume` and `step` work on it; a step goes from one message of the clock to the next.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere replay run.mcap
@@ -25,27 +25,27 @@ pub struct ReplayArgs {
     file: PathBuf,
     #[command(flatten)]
     domain: DomainArgs,
-    /// Recorded seconds in a second, or max: as fast as it can
+    /// Speed as a factor of real time, or max: as fast as possible
     #[arg(long, value_name = "RATE", value_parser = pace, default_value = "1", allow_negative_numbers = true)]
     rate: Pace,
-    /// Begin so many seconds after the beginning
+    /// Skip this number of seconds at the beginning
     #[arg(long, value_name = "SECONDS", value_parser = seconds, default_value = "0", allow_negative_numbers = true)]
     start: Duration,
-    /// Play so many recorded seconds
+    /// Play this number of recorded seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<Duration>,
-    /// Begin again at the end
+    /// Start again at the end
     #[arg(long = "loop")]
     again: bool,
-    /// Begin standing, until `belvedere control resume` or `step`
+    /// Start paused, until `belvedere control resume` or `step`
     #[arg(long)]
     paused: bool,
-    /// Lose no frame of this consumer (the name of its node), and begin when it follows a stream (or as many as follow =);
-    /// may be repeated
+    /// Lose no frame to this consumer (the name of its node), and start when it subscribes to a stream (or to the
+    /// number of streams after =); may be repeated
     #[arg(long, value_name = "NAME[=STREAMS]")]
     wait_for: Vec<Awaited>,
-    /// How long a frame waits for one of them before the replay ends, with exit code 1, and names it
-    /// [default: 10; at the start, when other programs may have to be started first, 60]
+    /// Longest wait for one of these consumers; after it, the replay names the consumer and exits with code 1 [default:
+    /// 10; at the start, when other programs may have to be started first, 60]
     #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "wait_for")]
     patience: Option<Duration>,
 }
@@ -56,14 +56,14 @@ fn pace(text: &str) -> Result<Pace, String> {
     }
     match text.parse() {
         Ok(rate) if rate > 1e-6 && rate < 1e6 => Ok(Pace::Rate(rate)),
-        _ => Err("a number greater than 0 is wanted, such as 0.5, or max".into()),
+        _ => Err("expected a number greater than 0, such as 0.5, or max".into()),
     }
 }
 
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::Recording`] when the file cannot be played; failures of the bridge.
+/// [`CliError::Recording`] if the file cannot be played; failures of the bridge.
 pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     let failed =
         |source| CliError::Recording { action: "play", path: args.file.clone(), source: Box::new(source) };
@@ -86,7 +86,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     );
     loop {
         let ending = match player.play(recording, |_| !stop_wanted()) {
-            // All that is whole was played.
+            // Everything up to the cut was played.
             Err(error @ RecordingError::Cut) if player.frames() > 0 => {
                 tracing::warn!("{}: {error}", args.file.display());
                 Ending::Played
@@ -101,7 +101,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     print_line(&format!("{}: {} frames played", args.file.display(), player.frames()))
 }
 
-/// Opens a recording, to be played from so long after its beginning on.
+/// Opens a recording, to be read from `start` after its beginning.
 pub(super) fn open(
     path: &Path,
     start: Duration,

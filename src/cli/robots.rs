@@ -1,4 +1,4 @@
-//! Which robots run: `--robot`, `--name`, `--pose`.
+//! The options that choose robots: `--robot`, `--name`, `--pose`.
 
 use super::place::{PLACE, Place};
 use crate::description::diagnostics::Source;
@@ -18,30 +18,30 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, clap::Args)]
 pub struct RobotArgs {
     /// The robot: a .urdf or .xacro file, or the name of one in turtlebot_description/robots; may be repeated, for
-    /// several robots; none, for a world that has its own
-    /// [default: kobuki_nostack_camera, or what TURTLEBOT_BASE, _STACKS and _3D_SENSOR choose]
+    /// several robots; none, for a world that has its own robot [default: kobuki_nostack_camera, or the choice of
+    /// TURTLEBOT_BASE, _STACKS and _3D_SENSOR]
     #[arg(long, value_name = "FILE|NAME|none")]
     robot: Vec<PathBuf>,
-    /// Arguments of the robots' xacro, for its $(arg NAME)
+    /// xacro arguments of the robots, for $(arg NAME)
     #[arg(value_name = "NAME:=VALUE", value_parser = argument)]
     xacro_args: Vec<(String, String)>,
-    /// What the robot is called in the world, one for each --robot in their order; of several, its topics are
-    /// /NAME/... and its frames NAME/... [default: as its description has it, numbered if several are called so]
+    /// Name of the robot in the world, one for each --robot in their order; with several robots, topics are /NAME/...
+    /// and frames NAME/... [default: the name in its description, numbered if several have the same name]
     #[arg(long, value_name = "NAME", value_parser = model_name)]
     name: Vec<String>,
-    /// Where it starts in metres, and its heading in degrees, one for each --robot in their order: X,Y or X,Y,YAW on the
-    /// floor, X,Y,Z,YAW above it [default: the origin; several stand in a row, 1 m apart]
+    /// Start position in metres, and heading in degrees, one for each --robot in their order: X,Y or X,Y,YAW on the
+    /// floor, X,Y,Z,YAW above it [default: the origin; several robots stand in a row, 1 m apart]
     #[arg(long, value_name = PLACE, allow_hyphen_values = true)]
     pose: Vec<Place>,
 }
 
-/// What is given for no robot at all.
+/// The value of `--robot` for no robot at all.
 const NONE: &str = "none";
 
-/// Commands that this program was built without: their names are those of the features that bring them.
+/// Commands that this program was built without. Each has the name of its feature.
 const LEFT_OUT: &[&str] = if cfg!(feature = "link") { &[] } else { &["link"] };
 
-/// An argument of xacro; what is none may be a command that was misspelt.
+/// Parses a xacro argument. Other text may be a misspelt command, and the message suggests it.
 pub(super) fn argument(text: &str) -> Result<(String, String), String> {
     xacro_argument(text).map_err(|why| {
         if LEFT_OUT.contains(&text) {
@@ -54,28 +54,28 @@ pub(super) fn argument(text: &str) -> Result<(String, String), String> {
 }
 
 impl RobotArgs {
-    /// Arguments of the robots' xacro.
+    /// Returns the xacro arguments of the robots.
     pub(super) fn xacro_args(&self) -> &[(String, String)] {
         &self.xacro_args
     }
 
-    /// Adds one before the others.
+    /// Adds a xacro argument before the others.
     pub(super) fn add_argument(&mut self, argument: (String, String)) {
         self.xacro_args.insert(0, argument);
     }
 
-    /// Takes a file or name as `--robot` does.
+    /// Adds a file or name as `--robot` does.
     pub(super) fn add(&mut self, robot: PathBuf) {
         self.robot.push(robot);
     }
 
-    /// Whether our own robot runs, because none was asked for.
+    /// Returns true if the default robot runs, because none was given.
     pub(super) fn are_ours(&self) -> bool {
         self.robot.is_empty()
     }
 
-    /// Loads them, in the order of their names, so that a run does not depend on the order in which they were given.
-    /// `taken` are the names of the world's models.
+    /// Loads the robots and sorts them by name, so that a run does not depend on the order of the arguments. `taken`
+    /// are the names of the world's models.
     pub(super) fn load(
         &self,
         packages: &PackagePath,
@@ -91,8 +91,8 @@ impl RobotArgs {
         if files.iter().any(|file| *file == Path::new(NONE)) {
             diagnostics.error(
                 &Source::new("the command line", 0),
-                format!("--robot {NONE} stands beside other robots"),
-                "leave it out, or give it alone",
+                format!("--robot {NONE} is combined with other robots"),
+                "remove it, or remove the other robots",
             );
             return Vec::new();
         }
@@ -129,7 +129,7 @@ impl RobotArgs {
         robots
     }
 
-    /// Numbers robots that are called alike by their files; refuses names that were given and are taken.
+    /// Numbers robots whose files give them the same name; reports an error if a name given with --name is taken.
     fn tell_apart(&self, models: &mut [(Model, Pose)], taken: &HashSet<&str>, diagnostics: &mut Diagnostics) {
         let mut count: HashMap<String, usize> = HashMap::new();
         for (model, _) in &*models {

@@ -53,28 +53,28 @@ use xxhash_rust::xxh3::Xxh3;
 pub struct RunArgs {
     #[command(flatten)]
     simulated: SimulatedArgs,
-    /// Name under which consumers find this simulation; several run side by side under different names
+    /// Name under which consumers find this simulation; several can run side by side under different names
     #[arg(long, value_name = "NAME", env = "BELVEDERE_DOMAIN", default_value_t)]
     domain: Domain,
-    /// Seed of all noise: same seed, same bytes
+    /// Seed of all noise: the same seed gives the same bytes
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// End after so many simulated seconds
+    /// Stop after this number of simulated seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<Duration>,
-    /// Keep to the clock, or go as fast as it can
+    /// Run in real time, or as fast as possible
     #[arg(long, value_enum, default_value_t)]
     rate: Pace,
-    /// Begin with simulated time standing, until `belvedere control resume` or `step`
+    /// Start paused, until `belvedere control resume` or `step`
     #[arg(long)]
     paused: bool,
-    /// Print at the end a hash of every byte published, per stream and over all
+    /// At the end, print a hash of all published bytes, per stream and in total
     #[arg(long)]
     hash: bool,
-    /// Record all streams into this MCAP file; simulated time waits while it cannot be written fast enough
+    /// Record all streams into this MCAP file; simulated time waits if the file cannot be written fast enough
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// Replace the files of --record, --pcap and --lidar-metadata if they are there
+    /// Replace the files of --record, --pcap and --lidar-metadata if they exist
     #[arg(long)]
     force: bool,
     /// Show the simulation on a page in the browser
@@ -82,28 +82,28 @@ pub struct RunArgs {
     view: bool,
     #[command(flatten)]
     page: PageArgs,
-    /// Send the data packets of a lidar with a preset of Velodyne or Ouster, named or told by its topic, to this address;
-    /// may be repeated
+    /// Send the data packets of a lidar with a Velodyne or Ouster preset, given by its name or topic, to this UDP
+    /// address; may be repeated
     #[arg(long, value_name = "SENSOR=ADDRESS:PORT")]
     udp: Vec<Feed<SocketAddr>>,
-    /// Write them into this pcap file, as Wireshark and drivers read it, and an Ouster's metadata into one beside it that
-    /// ends in .json; may be repeated
+    /// Write the lidar's packets to this pcap file, which Wireshark and drivers can read, and an Ouster's metadata to a
+    /// file of the same name that ends in .json; may be repeated
     #[arg(long, value_name = "SENSOR=FILE", value_parser = OsStringValueParser::new().try_map(feed))]
     pcap: Vec<Feed<PathBuf>>,
-    /// Write an Ouster's metadata into this file, for whoever gets its packets by --udp; may be repeated
+    /// Write an Ouster's metadata to this file, for programs that receive its packets by --udp; may be repeated
     #[arg(long, value_name = "SENSOR=FILE", value_parser = OsStringValueParser::new().try_map(feed))]
     lidar_metadata: Vec<Feed<PathBuf>>,
-    /// Lose no frame of this consumer (the name of its node): simulated time begins when it follows a stream (or as
-    /// many as follow =) and waits while it has no room; may be repeated
+    /// Lose no frame to this consumer (the name of its node): simulated time starts when it subscribes to a stream (or
+    /// to the number of streams after =), and waits while its buffer is full; may be repeated
     #[arg(long, value_name = "NAME[=STREAMS]")]
     wait_for: Vec<Awaited>,
-    /// How long it waits for one of them before it ends, with exit code 1, and names it
+    /// Longest wait for one of these consumers; after it, the simulator names the consumer and exits with code 1
     /// [default: 10; at the start, when other programs may have to be started first, 60]
     #[arg(long, value_name = "SECONDS", value_parser = seconds)]
     patience: Option<Duration>,
 }
 
-/// A lidar and a file, whose name may be any.
+/// Parses SENSOR=FILE. The file's name need not be UTF-8.
 fn feed(text: OsString) -> Result<Feed<PathBuf>, String> {
     let bytes = text.into_vec();
     match bytes.iter().position(|byte| *byte == b'=').map(|equals| (&bytes[..equals], &bytes[equals + 1..])) {
@@ -111,14 +111,14 @@ fn feed(text: OsString) -> Result<Feed<PathBuf>, String> {
             let sensor = String::from_utf8_lossy(sensor).into_owned();
             Ok(Feed { sensor, to: OsString::from_vec(file.to_vec()).into() })
         }
-        _ => Err("SENSOR=FILE is wanted, with the name of a lidar or a topic that it sends".into()),
+        _ => Err("expected SENSOR=FILE, where SENSOR is the name of a lidar or one of its topics".into()),
     }
 }
 
 impl RunArgs {
-    /// Refuses to replace files of packets that are there.
+    /// Refuses to replace existing files of packets, unless --force is given.
     fn check_files(&self) -> Result<(), CliError> {
-        // An Ouster's metadata lies beside its packets.
+        // An Ouster's metadata is written next to its packets.
         let pcap = self.pcap.iter().flat_map(|feed| [feed.to.clone(), feed.to.with_extension("json")]);
         let mut files = pcap.chain(self.lidar_metadata.iter().map(|feed| feed.to.clone()));
         match files.find(|file| !self.force && file.exists()) {
@@ -127,27 +127,27 @@ impl RunArgs {
         }
     }
 
-    /// Whom the simulation waits for before and during the run.
+    /// Returns the consumers that the simulation waits for, before and during the run.
     fn awaited(&self) -> Vec<Awaited> {
         let recorder = self.record.as_ref().map(|_| Awaited { name: RECORDER.into(), streams: Awaited::ALL });
         self.wait_for.iter().cloned().chain(recorder).collect()
     }
 }
 
-/// How simulated time runs.
+/// The speed of simulated time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Pace {
-    /// As the clock on the wall.
+    /// In step with the wall clock.
     #[default]
     Realtime,
-    /// As fast as it can.
+    /// As fast as possible.
     Max,
 }
 
 /// Runs the simulator.
 ///
 /// # Errors
-/// What is wrong with the files, the sensors or the domain.
+/// Problems with the files, the sensors or the domain.
 pub fn run(args: &RunArgs) -> Result<(), CliError> {
     args.check_files()?;
     render_on_this_thread();
@@ -161,7 +161,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     let mut simulation =
         Simulation::builder(world).seed(args.seed).gazebo_compat(args.simulated.gazebo_compat).build()?;
     args.simulated.spawn(&mut simulation, &robots)?;
-    // Who is waited for sets the pace himself.
+    // Consumers that the simulation waits for set its pace, so frames are not held back for a clock.
     let awaited = args.awaited();
     let holds_frames = args.rate == Pace::Realtime && awaited.is_empty();
     let post = holds_frames.then(Post::open).transpose().map_err(CliError::NoThread)?.map(Arc::new);
@@ -207,18 +207,18 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         post.flush();
     }
     displays.status.show(Status::hide);
-    // Before anything else is shown: whatever becomes of that, the file is complete.
+    // The recording is completed first, so that nothing below can leave it incomplete.
     let recorded = recording.map_or(Ok(()), RecordingThread::finish);
     let table = displays.status.end(|status| status.finish(server.rig(), server.simulated_ns()));
     drop(page);
-    // Where nobody reads it, it is not missed.
+    // If standard error is closed, the table is not needed.
     let _ = std::io::stderr().write_all(table.unwrap_or_default().as_bytes());
-    // If it failed, that is why the run ended.
+    // If the recording failed, it is the reason why the run ended.
     recorded.and(ended)?;
     if args.hash { print_hashes(server.rig()) } else { Ok(()) }
 }
 
-/// What shows how the run goes, and has no part in it.
+/// The displays of the run, which do not influence it.
 struct Displays<'a> {
     status: Isolated<Status>,
     scene: Isolated<ShownScene<'a>>,
@@ -231,7 +231,7 @@ impl Displays<'_> {
     }
 }
 
-/// What a recording says of the run, besides what every recording says.
+/// Returns the description of the run that is added to its recording.
 fn words(args: &RunArgs) -> BTreeMap<String, String> {
     let world = args.simulated.world();
     BTreeMap::from([
@@ -240,7 +240,7 @@ fn words(args: &RunArgs) -> BTreeMap<String, String> {
     ])
 }
 
-/// Who runs where.
+/// Returns the line that names the robots, the world and the domain.
 fn headline(simulation: &Simulation, args: &RunArgs) -> String {
     let robots = simulation.entities().iter().filter(|(_, entity)| entity.origin == Origin::Start);
     let robots: Vec<&str> = robots.map(|(_, entity)| entity.name.as_str()).collect();
@@ -256,8 +256,8 @@ fn headline(simulation: &Simulation, args: &RunArgs) -> String {
     )
 }
 
-/// Makes this thread one of those that render. Beside a pool of its own it would be one more to wake, before and after
-/// each frame: consumers got one picture in three 0.2 ms later.
+/// Makes this thread part of the rendering pool. In addition to a separate pool it would be one more thread to wake
+/// before and after each frame, which delivered one image in three 0.2 ms later.
 fn render_on_this_thread() {
     if let Err(error) = rayon::ThreadPoolBuilder::new().use_current_thread().build_global() {
         tracing::debug!(%error, "this thread does not render");
@@ -320,7 +320,7 @@ fn run_loop(
     Ok(())
 }
 
-/// Lets simulated time stand until all consumers that are waited for are there.
+/// Pauses simulated time until all consumers given with --wait-for are connected.
 fn gather(
     attendance: &mut Attendance,
     server: &mut Server<'_>,
@@ -331,12 +331,12 @@ fn gather(
     let since = Instant::now();
     let usual = if is_start { START_PATIENCE } else { Lossless::PATIENCE };
     let patience = args.patience.unwrap_or(usual);
-    let mut told = String::new();
+    let mut reported = String::new();
     loop {
         let missing = attendance.missing(server.rig());
         if missing.is_empty() {
-            if !told.is_empty() {
-                tracing::info!("all consumers that are waited for are there");
+            if !reported.is_empty() {
+                tracing::info!("all consumers given with --wait-for are connected");
             }
             return Ok(());
         }
@@ -352,11 +352,11 @@ fn gather(
                 CliError::ConsumersGone { names, waited }
             });
         }
-        if told != names {
+        if reported != names {
             tracing::info!("simulated time waits for {names}");
-            told = names;
+            reported = names;
         }
-        // One that was killed leaves its place only by this.
+        // This removes consumers that were killed, which would otherwise keep their places.
         node.clean_up_dead();
         server.idle(NAP);
     }

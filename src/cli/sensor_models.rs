@@ -1,14 +1,14 @@
-//! `--sensor-models`.
+//! The option `--sensor-models`.
 
 use crate::description::SensorModels;
 
-/// Which devices sensors are whose files ask for none.
+/// The device that a sensor is modelled on if its file does not choose a preset.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 pub enum Devices {
-    /// None: they measure as their elements say.
+    /// No device: sensors measure exactly as their elements specify.
     #[default]
     AsWritten,
-    /// Those that they stand for.
+    /// The real device that a sensor's plugin stands for.
     Real,
 }
 

@@ -9,7 +9,7 @@ use crate::simulation::SpawnOptions;
 pub(super) struct Shown {
     /// A binary glTF file.
     pub(super) scene: Vec<u8>,
-    /// The robots: namespace and plain URDF of each.
+    /// Namespace and plain URDF of each robot.
     pub(super) robots: Vec<(String, String)>,
 }
 
@@ -26,7 +26,7 @@ impl Shown {
         Self::with(world, robots, robots.iter().filter_map(urdf).collect())
     }
 
-    /// Takes the robots' descriptions as (namespace, URDF).
+    /// Creates it from the robots' `descriptions`: (namespace, URDF).
     pub(super) fn with(
         world: &[Model],
         robots: &[(Model, SpawnOptions)],

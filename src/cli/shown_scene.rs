@@ -1,4 +1,4 @@
-//! The page's models while a simulation runs: what is spawned comes, what is deleted goes.
+//! [`ShownScene`]: updates the page's models when models are spawned or deleted.
 
 use crate::entities::{Entities, EntityId, Origin};
 use crate::gltf::{self, Thing};
@@ -8,20 +8,20 @@ use crate::view::ViewServer;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-/// Time between two looks.
+/// Interval at which the models are compared.
 const LOOK: Duration = Duration::from_millis(200);
 
-/// Tells a page of models that come and go.
+/// Keeps the models on a page up to date.
 pub(super) struct ShownScene<'a> {
     page: Option<&'a ViewServer>,
     known: Vec<EntityId>,
-    /// Robots that the page has a description of, and their namespaces.
+    /// Robots whose description the page has, with their namespaces.
     described: HashMap<EntityId, String>,
     next_look: Instant,
 }
 
 impl<'a> ShownScene<'a> {
-    /// Begins with the models that are there now, which the page, if there is one, shows already.
+    /// Starts with the current models, which the page, if there is one, already shows.
     pub(super) fn new(page: Option<&'a ViewServer>, simulation: &Simulation) -> Self {
         let entities = simulation.entities();
         let is_described = |namespace: &str| page.is_some_and(|page| page.has_robot_description(namespace));
@@ -29,18 +29,18 @@ impl<'a> ShownScene<'a> {
         let described = robots.filter(|(_, robot)| is_described(&robot.namespace));
         Self {
             page,
-            known: everybody(entities),
+            known: ids(entities),
             described: described.map(|(id, robot)| (id, robot.namespace.clone())).collect(),
             next_look: Instant::now() + LOOK,
         }
     }
 
-    /// Looks from time to time who is there.
+    /// Updates the page from time to time if models have been added or removed.
     pub(super) fn refresh(&mut self, server: &Server<'_>) {
         let Some(page) = self.page.filter(|_| Instant::now() >= self.next_look) else { return };
         self.next_look = Instant::now() + LOOK;
         let simulation = server.simulation();
-        let now = everybody(simulation.entities());
+        let now = ids(simulation.entities());
         if now == self.known {
             return;
         }
@@ -56,8 +56,8 @@ impl<'a> ShownScene<'a> {
         page.set_scene(gltf::write(things));
     }
 
-    /// Gives the page the descriptions of robots that came, and takes back those of robots that are gone. Of two robots in
-    /// one namespace the first is described.
+    /// Gives the page the descriptions of new robots and removes those of deleted ones. If two robots share a
+    /// namespace, the first is described.
     fn describe(&mut self, page: &ViewServer, server: &Server<'_>) {
         let entities = server.simulation().entities();
         for (_, namespace) in self.described.extract_if(|id, _| entities.get(*id).is_none()) {
@@ -75,6 +75,6 @@ impl<'a> ShownScene<'a> {
     }
 }
 
-fn everybody(entities: &Entities) -> Vec<EntityId> {
+fn ids(entities: &Entities) -> Vec<EntityId> {
     entities.iter().map(|(id, _)| id).collect()
 }

@@ -1,4 +1,4 @@
-//! What is simulated: the arguments that `run` and `check` share, and the simulation that they make.
+//! The arguments that `run` and `check` share, and the simulation that is made from them.
 
 use super::robots::RobotArgs;
 use super::sensor_models::Devices;
@@ -21,50 +21,50 @@ use std::path::PathBuf;
 pub(super) struct SimulatedArgs {
     #[command(flatten)]
     pub(super) robots: RobotArgs,
-    /// The world: an SDF file, or the name of one of ours
+    /// The world: an SDF file, or the name of a shipped world
     /// [default: tag_ceiling, or TURTLEBOT_GAZEBO_WORLD_FILE]
     #[arg(long, value_name = "FILE|NAME")]
     pub(super) world: Option<PathBuf>,
-    /// What robots do when nobody sends them velocity commands [default: loop, round the room of our own robot in our
-    /// own world; still, with a robot or a world of yours]
+    /// What robots do while they receive no velocity commands [default: loop, which circles the room, for the default
+    /// robot in the default world; still for any other robot or world]
     #[arg(long, value_enum)]
     drive: Option<Autopilot>,
-    /// Behave as Gazebo classic where it differs from what is right: its principal point, NaN for depths out of
-    /// range, ranges that begin at the minimum, sensors on missing links left out
+    /// Behave like Gazebo classic where it differs from the correct behaviour: its principal point, NaN for depths out
+    /// of range, ranges that begin at the minimum, sensors on missing links are ignored
     #[arg(long)]
     pub(super) gazebo_compat: bool,
-    /// Leave out models, meshes and textures that the world names and nobody has, with a warning for each, as Gazebo does
+    /// Skip models, meshes and textures of the world that are not found, with a warning for each, as Gazebo does
     #[arg(long)]
     skip_missing: bool,
-    /// Turn Collada meshes as their <up_axis> says. Gazebo and rviz ignore it, and so does belvedere without this
+    /// Rotate Collada meshes according to their <up_axis>. Gazebo and rviz ignore it, and so does belvedere by default
     #[arg(long)]
     apply_up_axis: bool,
-    /// What sensors are whose files ask for no preset: as their elements say, or the devices that they stand for, with
-    /// their noise, shadows and range: a Kinect's plugin is a Kinect
+    /// How to model sensors whose files choose no preset: exactly as their elements specify, or as the devices that
+    /// they stand for, with their noise, shadows and range: a Kinect's plugin is then a Kinect
     #[arg(long, value_enum, default_value_t)]
     sensor_models: Devices,
-    /// Publish what is true of every pixel and beam as well: TOPIC/truth/depth, range, normal, instance, class,
+    /// Also publish ground truth for every pixel and beam: TOPIC/truth/depth, range, normal, instance, class,
     /// incidence, flow_back, flow_forward
     #[arg(long)]
     pub(super) truth: bool,
-    /// Treat warnings as errors, so that nothing runs that would differ from what its files say
+    /// Treat warnings as errors, so that only files that are simulated exactly as written are run
     #[arg(long)]
     strict: bool,
-    /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
+    /// A folder of ROS packages, searched before ROS_PACKAGE_PATH and the shipped packages; may be repeated
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
 }
 
 impl SimulatedArgs {
-    /// Returns how robots, and models that are spawned later, are read. What the world lacks may be left out, but not what
-    /// a robot lacks.
+    /// Returns the rules for reading robots, and models that are spawned later. Missing files are skipped only in the
+    /// world, never in a robot.
     pub(super) fn rules(&self) -> Rules {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
         let sensor_models = self.sensor_models.into();
         Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis, sensor_models }
     }
 
-    /// Returns where packages are looked for.
+    /// Returns the folders that are searched for packages.
     pub(super) fn packages(&self) -> PackagePath {
         let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
         package_path(self.package_path.iter().cloned(), ros_package_path.as_deref())
@@ -75,7 +75,7 @@ impl SimulatedArgs {
         self.world.clone().unwrap_or_else(default_world)
     }
 
-    /// Loads the world and the robots. Neither is to be used if `diagnostics` has errors.
+    /// Loads the world and the robots. Neither must be used if `diagnostics` has errors.
     pub(super) fn load(
         &self,
         packages: &PackagePath,
@@ -89,7 +89,7 @@ impl SimulatedArgs {
         (world, robots)
     }
 
-    /// Makes warnings errors, if that was asked for.
+    /// Turns warnings into errors if --strict was given.
     pub(super) fn judge(&self, diagnostics: &mut Diagnostics) {
         if self.strict {
             diagnostics.warnings_are_errors();
@@ -99,7 +99,7 @@ impl SimulatedArgs {
     /// Puts the robots into a simulation of their world, each with its autopilot, and returns their identities.
     ///
     /// # Errors
-    /// When a robot cannot be used, or cannot stand where it is to start.
+    /// If a robot cannot be used, or cannot be placed at its start pose.
     pub(super) fn spawn(
         &self,
         simulation: &mut Simulation,
@@ -109,14 +109,14 @@ impl SimulatedArgs {
         let spawn = |(model, options): &(Model, SpawnOptions)| {
             let start = options.world_from_model * drive.start_pose();
             let id = simulation.spawn(model, SpawnOptions { world_from_model: start, ..options.clone() })?;
-            // A robot without a base stays where it is; a note says so.
+            // This fails for a robot without a base, which does not move; a note reports that.
             let _ = simulation.set_autopilot(id, drive);
             Ok(id)
         };
         robots.iter().map(spawn).collect()
     }
 
-    /// Only our own robot in our own world drives by itself.
+    /// Returns the autopilot. By default only the default robot in the default world drives by itself.
     fn drive(&self) -> Autopilot {
         let is_ours = self.world.is_none() && self.robots.are_ours();
         self.drive.unwrap_or(if is_ours { Autopilot::Loop } else { Autopilot::Still })

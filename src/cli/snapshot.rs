@@ -1,4 +1,4 @@
-//! `belvedere snapshot`: one frame of a topic as a picture.
+//! `belvedere snapshot`: saves one frame of a topic as a picture.
 
 use std::{
     fs, io,
@@ -16,8 +16,8 @@ use crate::picture;
 
 /// Save the next frame of a topic as a picture.
 ///
-/// Images are saved as they are, depth in colours from near (red) to far (blue), scans as a plan seen from above with a ring
-/// every metre and the sensor in the middle, clouds as the depth or the plan that they show.
+/// Images are saved unchanged, depth in colours from near (red) to far (blue), scans as a plan seen from above with a
+/// ring every metre and the sensor in the middle, clouds as a depth image or a plan.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  belvedere snapshot /camera/rgb/image_raw picture.png\n  belvedere snapshot scan scan.png --timeout 2"
@@ -30,10 +30,10 @@ pub struct SnapshotArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub domain: DomainArgs,
-    /// Give up when nothing has come for so many seconds
+    /// Give up if no frame arrives within this number of seconds
     #[arg(long, value_name = "SECONDS", default_value = "5", value_parser = seconds)]
     pub timeout: Duration,
-    /// Wait for the topic when it does not exist yet
+    /// Wait for the topic if it does not exist yet
     #[arg(long)]
     pub wait: bool,
 }
@@ -41,7 +41,7 @@ pub struct SnapshotArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::Format`] and [`CliError::Output`] before anything is written when the file cannot be;
+/// [`CliError::Format`] and [`CliError::Output`], before anything is written, if the file cannot be written;
 /// [`CliError::UnknownTopic`], [`CliError::NoSimulator`], [`CliError::NoFrame`], [`CliError::Picture`].
 pub fn run(args: &SnapshotArgs) -> Result<(), CliError> {
     listen_for_stop()?;
@@ -74,20 +74,20 @@ pub fn run(args: &SnapshotArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// A picture file that is complete or not there: written beside its place, then moved.
+/// A picture file that either is complete or does not exist: it is written under a temporary name, then moved.
 #[derive(Debug)]
 pub struct OutputPicture {
     path: PathBuf,
     format: ImageFormat,
-    /// Beside `path`; removed on drop unless it was moved.
+    /// The temporary file next to `path`; removed on drop unless it was moved.
     temporary: Option<PathBuf>,
 }
 
 impl OutputPicture {
-    /// Makes sure that `path` can be written before any work is done for it.
+    /// Makes sure that `path` can be written, before any other work is done.
     ///
     /// # Errors
-    /// [`CliError::Format`] for an unknown ending, [`CliError::Output`] when the file cannot be written.
+    /// [`CliError::Format`] for an unknown extension, [`CliError::Output`] if the file cannot be written.
     pub fn create(path: &Path) -> Result<Self, CliError> {
         let failed = |source| CliError::Output { path: path.to_owned(), source };
         let format = ImageFormat::from_path(path)
@@ -106,10 +106,10 @@ impl OutputPicture {
         Ok(Self { path: path.to_owned(), format, temporary: Some(temporary) })
     }
 
-    /// Writes the picture and puts it in its place.
+    /// Writes the picture and moves it to its path.
     ///
     /// # Errors
-    /// [`CliError::Output`]; nothing is left then.
+    /// [`CliError::Output`]; then no file remains.
     pub fn save(&mut self, picture: &RgbImage) -> Result<(), CliError> {
         let failed = |source| CliError::Output { path: self.path.clone(), source };
         let Some(temporary) = &self.temporary else { return Ok(()) };
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_is_there_whole_or_not_at_all() {
+    fn a_picture_is_complete_or_absent() {
         let dir = tempfile::tempdir().unwrap();
         let path = dir.path().join("out.png");
         drop(OutputPicture::create(&path).unwrap());
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_is_refused_first() {
+    fn paths_that_cannot_be_written_are_refused_first() {
         let dir = tempfile::tempdir().unwrap();
         for (name, says) in [("no/such/dir.png", "no/such/dir.png"), ("x.xyz", ".png"), ("none", ".png")] {
             let error = OutputPicture::create(&dir.path().join(name)).unwrap_err().to_string();

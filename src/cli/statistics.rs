@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-/// What has been seen of a stream.
+/// Measurements of the frames received from a stream.
 #[derive(Clone, Debug, Default)]
 pub struct StreamStatistics {
     first: Option<Instant>,
@@ -12,7 +12,7 @@ pub struct StreamStatistics {
     gaps: u64,
 }
 
-/// Figures drawn from it; those that too few frames leave open are `None`.
+/// The figures of a stream; those that need more frames are `None`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Summary {
     /// Frames per second over the time between the first and the last.
@@ -21,7 +21,7 @@ pub struct Summary {
     pub jitter_ms: Option<f64>,
     /// Median time from sending to reading, microseconds.
     pub latency_us_p50: Option<f64>,
-    /// The time that 99 of 100 frames stay under, microseconds.
+    /// 99th percentile of the time from sending to reading, microseconds.
     pub latency_us_p99: Option<f64>,
     /// Frames received.
     pub frames: u64,
@@ -30,8 +30,8 @@ pub struct Summary {
 }
 
 impl StreamStatistics {
-    /// Counts a frame that was received at `now`, `latency_ns` after it was sent, `missed` frames after the one
-    /// before.
+    /// Counts a frame that was received at `now`, `latency_ns` after it was sent, with `missed` frames between it and
+    /// the previous one.
     pub fn add(&mut self, now: Instant, latency_ns: u64, missed: u64) {
         if let Some(last) = self.last.replace(now) {
             self.intervals_s.push((now - last).as_secs_f64());
@@ -41,12 +41,12 @@ impl StreamStatistics {
         self.gaps += missed;
     }
 
-    /// Forgets everything but the moment of the last frame, from which the next interval counts.
+    /// Forgets everything except the time of the last frame, at which the next interval starts.
     pub fn start_anew(&mut self) {
         *self = Self { first: self.last, last: self.last, ..Self::default() };
     }
 
-    /// The figures.
+    /// Returns the figures.
     #[must_use]
     pub fn summary(&self) -> Summary {
         let intervals = self.intervals_s.len() as f64;
@@ -73,7 +73,7 @@ impl StreamStatistics {
 }
 
 impl Summary {
-    /// As one JSON object.
+    /// Returns the figures as one JSON object.
     #[must_use]
     pub fn json(&self, topic: &str) -> serde_json::Value {
         let round = |value: Option<f64>| value.map(|value| (value * 1e3).round() / 1e3);
@@ -132,7 +132,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_seen_is_nothing_claimed() {
+    fn figures_without_frames_are_absent() {
         let mut statistics = StreamStatistics::default();
         assert_eq!(statistics.summary().rate_hz, None);
         statistics.add(Instant::now(), 5, 0);

@@ -9,35 +9,35 @@ use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 use table::{Row, table};
 
-/// Time between two refreshes on a terminal: a table of sixty lines that all change takes 3 kB.
+/// Time between two refreshes on a terminal: a table with sixty changing lines takes 3 kB.
 const REFRESH: Duration = Duration::from_secs(1);
-/// Refreshes over which a rate is taken.
+/// Number of refreshes over which a rate is averaged.
 const WINDOW: usize = 2;
-/// Time between two log lines where there is no terminal.
+/// Time between two log lines if there is no terminal.
 const REPORT: Duration = Duration::from_secs(10);
-/// Columns and rows of a terminal that does not tell its size.
+/// Columns and rows assumed for a terminal that does not report its size.
 const USUAL_TERMINAL: (usize, usize) = (80, 24);
 
-/// Shows how a run goes.
+/// Shows the progress of a run.
 pub(super) struct Status {
     is_terminal: bool,
-    /// The rig's, when its streams were looked at last.
+    /// The rig's edition when its streams were last read.
     edition: u64,
-    /// Each stream by its topic, when it came.
+    /// State of each stream when it was added, by topic.
     since: HashMap<String, Mark>,
     history: VecDeque<Sample>,
     started: Sample,
     next: Instant,
 }
 
-/// What a stream had done at a simulated time.
+/// The tally of a stream at a simulated time.
 #[derive(Clone, Copy)]
 struct Mark {
     time_ns: u64,
     tally: Tally,
 }
 
-/// All streams at a moment, by their topics: their places change when others come and go.
+/// All streams at a moment. They are keyed by topic because their indices change when other streams come and go.
 struct Sample {
     at: Instant,
     time_ns: u64,
@@ -89,14 +89,14 @@ impl Status {
         }
     }
 
-    /// Takes the live lines away, so that others can be written.
+    /// Removes the live lines, so that other output can follow.
     pub(super) fn hide(&mut self) {
         if self.is_terminal {
             show_table(Vec::new(), terminal().unwrap_or(USUAL_TERMINAL).0);
         }
     }
 
-    /// Gives the table over the whole run.
+    /// Returns the table over the whole run.
     pub(super) fn finish(mut self, rig: &Rig, time_ns: u64) -> String {
         self.follow(rig, time_ns);
         let columns = self.is_terminal.then(|| terminal().unwrap_or(USUAL_TERMINAL).0);
@@ -107,7 +107,7 @@ impl Status {
         table(&rows, &total, columns.unwrap_or(usize::MAX), usize::MAX).join("\n") + "\n"
     }
 
-    /// Begins to count streams that have come, and forgets those that are gone.
+    /// Starts to count new streams and forgets removed ones.
     fn follow(&mut self, rig: &Rig, time_ns: u64) {
         if self.edition == rig.edition() {
             return;
@@ -115,7 +115,7 @@ impl Status {
         self.edition = rig.edition();
         let mut now = Sample::now(rig, time_ns).streams;
         for (topic, mark) in &mut now {
-            // One that has sent less than before is another one of the same topic.
+            // A stream that has sent fewer frames than before is a new one on the same topic.
             let since = self.since.get(topic).filter(|since| since.tally.frames <= mark.tally.frames);
             *mark = since.copied().unwrap_or(*mark);
         }
@@ -167,7 +167,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rate_is_that_of_simulated_time_and_nothing_is_absurd() {
+    fn rates_are_in_simulated_time_and_never_absurd() {
         let mark = |time_s: u64, frames| Mark {
             time_ns: time_s * 1_000_000_000,
             tally: Tally { frames, ..Tally::default() },
@@ -184,7 +184,7 @@ mod tests {
         assert_eq!(rate(Some(30.0), 1, mark(10, 50), mark(10, 50)), is("-", "30.00"));
         assert_eq!(rate(None, 1, mark(10, 1), mark(12, 1)), is("-", "on event"));
         assert_eq!(rate(None, 0, mark(10, 1), mark(12, 5)), is("2.00", "on event"));
-        // Another stream of the same topic.
+        // A new stream on the same topic.
         assert_eq!(rate(Some(30.0), 1, mark(10, 500), mark(12, 3)), is("0.00", "30.00"));
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures in a terminal, for those who are on ssh: two pixels a character, by half blocks.
+//! Shows pictures in a terminal, for example over ssh, with two pixels per character (half blocks).
 
 use super::error::CliError;
 use super::follow::{check_topics, first_of_kinds, stop_wanted, with_slash};
@@ -9,12 +9,13 @@ use std::fmt::Write as _;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
-/// Time between two pictures: more than a terminal over ssh can show is not asked for.
+/// Time between two pictures, because a terminal over ssh cannot show more.
 const PERIOD: Duration = Duration::from_millis(66);
-/// Where there is no terminal to ask.
+/// Size assumed if the terminal does not report one.
 const COLUMNS_AND_ROWS: (u32, u32) = (80, 24);
 
-/// Shows the frames of a topic, the first camera's or lidar's if it is none, until the user or the count ends it.
+/// Shows the frames of a topic until the user stops it or the count is reached. If `topic` is empty, shows the first
+/// camera or lidar.
 pub(super) fn show(node: &Node, topic: &str, count: Option<u64>) -> Result<(), CliError> {
     let topic = if topic.is_empty() {
         let found =
@@ -39,10 +40,10 @@ pub(super) fn show(node: &Node, topic: &str, count: Option<u64>) -> Result<(), C
         let seconds = frame.header().stamp_ns as f64 * 1e-9;
         drop(frame);
         let (columns, rows) = size();
-        // A row for the line below.
+        // One character row is kept for the text below the picture.
         screen.begin(&mut text);
         half_blocks(&fitted(&picture, columns, 2 * rows.saturating_sub(2)), has_all_colours(), &mut text);
-        let _ = write!(text, "{topic}  {seconds:.2} s  Ctrl-C ends");
+        let _ = write!(text, "{topic}  {seconds:.2} s  press Ctrl-C to stop");
         screen.end(&mut text);
         let mut out = io::stdout().lock();
         out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(CliError::Stdout)?;
@@ -52,18 +53,18 @@ pub(super) fn show(node: &Node, topic: &str, count: Option<u64>) -> Result<(), C
     Ok(())
 }
 
-/// Columns and rows of the terminal.
+/// Returns columns and rows of the terminal.
 fn size() -> (u32, u32) {
     terminal_size::terminal_size()
         .map_or(COLUMNS_AND_ROWS, |(columns, rows)| (u32::from(columns.0), u32::from(rows.0)))
 }
 
-/// Whether the terminal takes colours of 24 bits; others take 256.
+/// Returns true if the terminal supports 24-bit colours; others have 256 colours.
 fn has_all_colours() -> bool {
     std::env::var("COLORTERM").is_ok_and(|name| name == "truecolor" || name == "24bit")
 }
 
-/// The picture in as many pixels as there are.
+/// Shrinks a picture to the available pixels.
 fn fitted(picture: &RgbImage, width: u32, height: u32) -> RgbImage {
     let scale = (f64::from(width) / f64::from(picture.width()))
         .min(f64::from(height) / f64::from(picture.height()))
@@ -72,7 +73,8 @@ fn fitted(picture: &RgbImage, width: u32, height: u32) -> RgbImage {
     imageops::thumbnail(picture, scaled(picture.width()), scaled(picture.height()))
 }
 
-/// A line for two rows of pixels: the upper one is the character's colour, the lower one the background's.
+/// Writes one line for two rows of pixels: the upper pixel is the foreground colour of a character, the lower one its
+/// background.
 fn half_blocks(picture: &RgbImage, all_colours: bool, text: &mut String) {
     for row in (0..picture.height()).step_by(2) {
         let mut before = None;
@@ -90,7 +92,7 @@ fn half_blocks(picture: &RgbImage, all_colours: bool, text: &mut String) {
     }
 }
 
-/// A colour for a terminal: of 24 bits, or the nearest of the cube of 216.
+/// Returns a terminal's colour code: 24-bit, or the nearest in the 6 × 6 × 6 cube.
 fn colour(Rgb([red, green, blue]): Rgb<u8>, all_colours: bool) -> String {
     if all_colours {
         return format!("2;{red};{green};{blue}");
@@ -99,7 +101,8 @@ fn colour(Rgb([red, green, blue]): Rgb<u8>, all_colours: bool) -> String {
     format!("5;{}", 16 + 36 * step(red) + 6 * step(green) + step(blue))
 }
 
-/// The terminal, put back when this ends; what is no terminal gets the pictures one below the other.
+/// The alternate screen of the terminal, which is left on drop. If the output is not a terminal, pictures are written
+/// one below the other.
 struct Screen {
     is_terminal: bool,
 }
@@ -107,7 +110,7 @@ struct Screen {
 impl Screen {
     fn open() -> Result<Self, CliError> {
         let screen = Self { is_terminal: io::stdout().is_terminal() };
-        // Another screen, without a cursor.
+        // Switch to the alternate screen, hide the cursor and clear the screen.
         screen.say("\x1b[?1049h\x1b[?25l\x1b[2J")?;
         Ok(screen)
     }
@@ -128,14 +131,14 @@ impl Screen {
     }
 
     fn end(&self, text: &mut String) {
-        // What is left of a larger picture is wiped.
+        // Erase the rest of a larger picture.
         text.push_str(if self.is_terminal { "\x1b[J" } else { "\n" });
     }
 }
 
 impl Drop for Screen {
     fn drop(&mut self) {
-        // It may be gone.
+        // The terminal may be closed already.
         let _ = self.say("\x1b[?25h\x1b[?1049l");
     }
 }

@@ -1,4 +1,4 @@
-//! `belvedere urdf`: a robot as one plain URDF, for ROS's parameter `robot_description`.
+//! `belvedere urdf`: prints a robot as one plain URDF, for ROS's parameter `robot_description`.
 
 use super::error::CliError;
 use super::follow::print_line;
@@ -8,24 +8,24 @@ use crate::description::{Diagnostics, Severity};
 use std::path::PathBuf;
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
-/// Print a robot as one plain URDF, as ROS's parameter robot_description wants it.
+/// Print a robot as one plain URDF, as needed for the ROS parameter robot_description.
 ///
-/// All of xacro is done, and `<gazebo>` is kept. Meshes and textures are named by file:///, so that rviz finds them
-/// wherever they were found here. What belvedere makes of the robot is told by `belvedere check`.
+/// All xacro is expanded, and `<gazebo>` is kept. Meshes and textures are referenced by file:/// URIs, so that rviz
+/// finds them. To see how belvedere interprets the robot, use `belvedere check`.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere urdf kobuki_hexagons_kinect > robot.urdf
   belvedere urdf my_robot.urdf.xacro --package-path ~/catkin_ws/src
   in a launch file: <param name=\"robot_description\" command=\"belvedere urdf kobuki_hexagons_kinect\"/>")]
 pub struct UrdfArgs {
-    /// A .urdf or .xacro file, or the name of a robot of ours
-    /// [default: the robot that `belvedere run` takes]
+    /// A .urdf or .xacro file, or the name of a shipped robot
+    /// [default: the robot that `belvedere run` uses]
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<PathBuf>,
-    /// Arguments of the robot's xacro, for its $(arg NAME)
+    /// xacro arguments of the robot, for $(arg NAME)
     #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
     pub xacro_args: Vec<(String, String)>,
-    /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
+    /// A folder of ROS packages, searched before ROS_PACKAGE_PATH and the shipped packages; may be repeated
     #[arg(long, value_name = "FOLDER")]
     pub package_path: Vec<PathBuf>,
 }

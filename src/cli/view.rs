@@ -1,4 +1,4 @@
-//! `belvedere view`: a page in the browser.
+//! `belvedere view`: shows a simulation on a page in the browser.
 
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, stop_wanted};
@@ -22,29 +22,29 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
-/// How the page is served.
+/// Options of the page's server.
 #[derive(Clone, Debug, clap::Args)]
 #[group(skip)]
 pub struct PageArgs {
-    /// Port of the page; 0 for any that is free
+    /// Port of the page; 0 for any free port
     #[arg(long, value_name = "PORT", default_value_t = DEFAULT_PORT)]
     port: u16,
-    /// Address to listen at; any but 127.0.0.1 lets other machines look, if they know the token
+    /// Address to listen at; any other than 127.0.0.1 gives access to other machines that know the token
     #[arg(long, value_name = "ADDRESS", default_value_t = IpAddr::V4(Ipv4Addr::LOCALHOST))]
     listen: IpAddr,
-    /// What a page has to know, 8 or more letters and digits [default: made up at each start]
+    /// Token that a page must present, 8 or more letters and digits [default: random at each start]
     ///
-    /// Other users of this machine can read a program's arguments: they cannot read the variable, nor the file of
+    /// Other users of this machine can read a program's arguments, but not the environment variable or the file of
     /// --token-file.
     #[arg(long, value_name = "TEXT", env = "BELVEDERE_VIEW_TOKEN", value_parser = token, hide_env_values = true)]
     token: Option<String>,
-    /// A file with the token, which other users may not read
+    /// A file with the token, which must not be readable by other users
     #[arg(long, value_name = "FILE", value_parser = token_in, conflicts_with = "token")]
     token_file: Option<String>,
     /// Another page that may connect, such as `https://app.foxglove.dev`; may be repeated
     #[arg(long, value_name = "ORIGIN")]
     allow_origin: Vec<String>,
-    /// Print the page's address and open no browser
+    /// Print the page's address without opening a browser
     #[arg(long)]
     no_browser: bool,
 }
@@ -52,9 +52,10 @@ pub struct PageArgs {
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Show a running simulation, or a recording, on a page in the browser.
 ///
-/// The page has the world in 3D with the robot, its scans and depth clouds, and the pictures of its cameras; from it time
-/// is paused, stepped and reset, and the robot driven by keys. The same port speaks Foxglove's protocol. What no panel shows is not rendered. It goes on when the
-/// simulator is started again. `belvedere run --view` is simulator and page in one.
+/// The page shows the world in 3D with the robot, its scans and depth clouds, and the images of its cameras. It can
+/// pause, step and reset the simulation, and drive the robot by keys. The same port speaks Foxglove's protocol. Streams
+/// that no panel shows are not rendered. The page reconnects when the simulator is restarted. `belvedere run --view` is
+/// simulator and page in one.
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere run --view
@@ -65,7 +66,7 @@ pub struct PageArgs {
   belvedere view --terminal /camera/rgb/image_raw
   ssh -L 8765:127.0.0.1:8765 robot belvedere view --no-browser")]
 pub struct ViewArgs {
-    /// A recording, which is played in the domain as if it were a simulator
+    /// A recording, which is played in the domain in place of a simulator
     #[arg(value_name = "RECORDING", value_parser = OsStringValueParser::new().try_map(given))]
     given: Option<Given>,
     #[command(flatten)]
@@ -77,25 +78,25 @@ pub struct ViewArgs {
     /// The world, as given to `belvedere run`
     #[arg(long, value_name = "FILE|NAME")]
     world: Option<PathBuf>,
-    /// A folder of ROS packages, looked into before ROS_PACKAGE_PATH and our own; may be repeated
+    /// A folder of ROS packages, searched before ROS_PACKAGE_PATH and the shipped packages; may be repeated
     #[arg(long, value_name = "FOLDER")]
     package_path: Vec<PathBuf>,
-    /// Show a topic in this terminal instead, the first camera's if none is named
+    /// Show a topic in this terminal instead [default topic: that of the first camera]
     #[arg(long, value_name = "TOPIC", num_args = 0..=1, default_missing_value = "", conflicts_with = "given")]
     terminal: Option<String>,
-    /// End after so many pictures in the terminal
+    /// Stop after this number of pictures in the terminal
     #[arg(long, value_name = "N", requires = "terminal")]
     count: Option<u64>,
-    /// Wait for the simulator when there is none yet
+    /// Wait for the simulator if it is not running yet
     #[arg(long)]
     wait: bool,
 }
 
-/// The first word.
+/// The first positional argument.
 #[derive(Clone, Debug)]
 enum Given {
     Recording(PathBuf),
-    /// Of the robots' xacro.
+    /// A xacro argument of the robots.
     Argument((String, String)),
 }
 
@@ -109,7 +110,7 @@ fn given(text: OsString) -> Result<Given, String> {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::NoSimulator`]; [`CliError::View`] when the page cannot be served; [`CliError::Recording`].
+/// [`CliError::NoSimulator`]; [`CliError::View`] if the page cannot be served; [`CliError::Recording`].
 pub fn run(args: &ViewArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let mut args = args.clone();
@@ -134,7 +135,7 @@ pub fn run(args: &ViewArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Plays a recording, and shows it.
+/// Plays a recording and shows it on the page.
 fn view_recording(file: &Path, args: &ViewArgs) -> Result<(), CliError> {
     let played = RecordingToView::open(file)?;
     let shown = if args.robots.are_ours() && args.world.is_none() {
@@ -143,7 +144,7 @@ fn view_recording(file: &Path, args: &ViewArgs) -> Result<(), CliError> {
         load(args)?
     };
     let domain = &args.domain.domain;
-    // First, so that a simulator that runs there is found before the page is opened.
+    // Created first, so that a running simulator is detected before the page is opened.
     let player = played.player(Node::open(domain, "belvedere")?)?;
     let page = open_page(&Node::open(domain, "view")?, &args.page, shown)?;
     page.set_timeline(played.timeline().clone());
@@ -155,11 +156,11 @@ fn packages(args: &ViewArgs) -> PackagePath {
     package_path(args.package_path.iter().cloned(), ros_package_path.as_deref())
 }
 
-/// The models of a simulator that runs elsewhere, as its arguments name them.
+/// Loads the models of a simulator in another process, from the same arguments.
 fn load(args: &ViewArgs) -> Result<Shown, CliError> {
     let packages = packages(args);
     let mut diagnostics = Diagnostics::default();
-    // What is wrong with them, the simulator has said.
+    // The simulator has already reported problems in these files.
     let rules = Rules { skip_missing: true, ..Rules::default() };
     let world = args.world.clone().unwrap_or_else(default_world);
     let world = load_world(&world, &packages, rules, &mut diagnostics);
@@ -173,7 +174,7 @@ fn load(args: &ViewArgs) -> Result<Shown, CliError> {
     }
 }
 
-/// The token in a file.
+/// Reads the token from a file.
 fn token_in(path: &str) -> Result<String, String> {
     let failed = |error: io::Error| format!("it cannot be read: {error}");
     let mut file = File::open(path).map_err(failed)?;
@@ -185,7 +186,7 @@ fn token_in(path: &str) -> Result<String, String> {
     token(text.trim())
 }
 
-/// Serves the page, says where, and opens it.
+/// Serves the page, prints its address, and opens it in a browser.
 pub(super) fn open_page(node: &Node, args: &PageArgs, shown: Shown) -> Result<ViewServer, CliError> {
     let options = ViewOptions {
         address: args.listen,
@@ -205,7 +206,7 @@ pub(super) fn open_page(node: &Node, args: &PageArgs, shown: Shown) -> Result<Vi
     Ok(page)
 }
 
-/// Asks the desktop for a browser. Without one the user opens the page himself.
+/// Asks the desktop to open a browser. If there is none, a warning asks the user to open the page.
 fn open_browser(url: &str) {
     let opened = Command::new("xdg-open")
         .arg(url)
@@ -215,10 +216,10 @@ fn open_browser(url: &str) {
         .spawn();
     let failed = match opened {
         Ok(mut child) => {
-            // Waited for beside, since some browsers stay in front.
+            // A thread waits for it, since some browsers do not return until they are closed.
             let watched = std::thread::Builder::new().name("browser".into()).spawn(move || {
                 if !child.wait().is_ok_and(|status| status.success()) {
-                    tell_of_no_browser("xdg-open found none");
+                    warn_no_browser("xdg-open found none");
                 }
             });
             watched.err()
@@ -226,11 +227,11 @@ fn open_browser(url: &str) {
         Err(error) => Some(error),
     };
     if let Some(error) = failed {
-        tell_of_no_browser(&format!("xdg-open: {error}"));
+        warn_no_browser(&format!("xdg-open: {error}"));
     }
 }
 
-fn tell_of_no_browser(why: &str) {
+fn warn_no_browser(why: &str) {
     tracing::warn!(
         "no browser was opened ({why}); open the page's address in one yourself, or give --no-browser"
     );

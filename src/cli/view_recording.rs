@@ -1,4 +1,4 @@
-//! A recording for the page: played in this process, with the models that are kept in it.
+//! [`RecordingToView`]: a recording that is played in this process and shown on the page, with the models stored in it.
 
 use super::error::CliError;
 use super::follow::stop_wanted;
@@ -26,16 +26,16 @@ pub(super) struct RecordingToView {
 
 impl RecordingToView {
     /// # Errors
-    /// [`CliError::Input`], [`CliError::Recording`] when it is none.
+    /// [`CliError::Input`]; [`CliError::Recording`] if the file is not a recording.
     pub(super) fn open(path: &Path) -> Result<Self, CliError> {
         let failed = |source| recording_error("read", path, source);
-        // First, since it says what is no recording.
+        // Read first, because this reports files that are not recordings.
         let mut recording = open(path, Duration::ZERO)?;
         let mut attachments = Vec::new();
         loop {
             match recording.next_item() {
                 Ok(Some(Item::Attachment(attachment))) => attachments.push(attachment),
-                // They come before all messages.
+                // Attachments come before all messages.
                 Ok(None | Some(Item::Message(_) | Item::Frame(_))) | Err(RecordingError::Cut) => break,
                 Ok(Some(_)) => {}
                 Err(error) => return Err(failed(error)),
@@ -50,7 +50,7 @@ impl RecordingToView {
         &self.timeline
     }
 
-    /// World and robots as they were kept; without what they name and is not found here.
+    /// Returns the stored world and robots. Files that they refer to are skipped if they are not found here.
     pub(super) fn models(&self, packages: &PackagePath) -> Shown {
         let rules = Rules { skip_missing: true, ..Rules::default() };
         let (mut world, mut robots) = (None, Vec::new());
@@ -60,7 +60,7 @@ impl RecordingToView {
             if text.contains("<world") {
                 world = world.or_else(|| load_world_text(&text, name, packages, rules, &mut diagnostics));
             } else if let Some(mut model) = load_model_text(&text, name, packages, rules, &mut diagnostics) {
-                // A file is called as its robot is.
+                // The file has the name of its robot.
                 if let Some(name) = name.strip_suffix(".urdf") {
                     name.clone_into(&mut model.name);
                 }
@@ -87,19 +87,19 @@ impl RecordingToView {
         Shown::with(&world.map(|world| world.models).unwrap_or_default(), &robots, descriptions)
     }
 
-    /// Takes the simulator's place.
+    /// Creates a player in place of a simulator.
     ///
     /// # Errors
-    /// When one is there.
+    /// If the domain has a simulator.
     pub(super) fn player(&self, node: Node) -> Result<Player, CliError> {
         Player::open(node, PlayerOptions::default())
             .map_err(|source| recording_error("play", &self.path, source))
     }
 
-    /// Plays it until the user ends it.
+    /// Plays the recording until the user stops it.
     ///
     /// # Errors
-    /// Those of playing.
+    /// Errors of the player.
     pub(super) fn play(&self, mut player: Player) -> Result<(), CliError> {
         player
             .play_along(&self.timeline, || reader(&self.path), || !stop_wanted())

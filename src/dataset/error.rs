@@ -1,59 +1,59 @@
-//! Why a data set is not made.
+//! Errors of making a data set.
 
 use crate::description::Problem;
 use crate::simulation::SimulationError;
 use std::io;
 use std::path::PathBuf;
 
-/// Why a data set is not made.
+/// The reason why a data set cannot be made.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum DatasetError {
-    /// Mistakes in the plan, or in a world or robot that it names; one line each.
+    /// Errors in the plan, or in a world or robot that it names, one line each.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Description(Vec<Problem>),
-    /// A sample cannot be taken.
+    /// A sample cannot be rendered.
     #[error("sample {sample}: {source}")]
     Sample {
         /// Its number.
         sample: u64,
-        /// Why.
+        /// The reason.
         source: SimulationError,
     },
     /// A file cannot be read.
     #[error("cannot read {}: {source}", path.display())]
     Input {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
     /// A file cannot be written.
     #[error(
-        "cannot write {}: {source}; shards that are complete stay, make room or choose another folder, and run the same command again",
+        "cannot write {}: {source}; complete shards are kept; make room or choose another folder, and run the same command again",
         path.display()
     )]
     Output {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
-    /// The folder holds something else.
+    /// The folder contains shards of something else.
     #[error(
-        "{} holds shards of another plan, or of another version of a world, a robot, what they are made of or this program: {what}; choose another folder, or remove that one",
+        "{} holds shards of another plan, or of another version of a world, a robot, one of their files or this program: {what}; choose another folder, or remove that one",
         folder.display()
     )]
     OtherPlan {
-        /// Which.
+        /// The folder.
         folder: PathBuf,
         /// What differs.
         what: String,
     },
-    /// A file of the data set is not what was written.
-    #[error("{}: {what}; remove it and run the same command again, which makes it anew", path.display())]
+    /// A file of the data set is damaged.
+    #[error("{}: {what}; remove it and run the same command again, which makes it again", path.display())]
     Damaged {
-        /// Which.
+        /// Path of the file.
         path: PathBuf,
         /// What is wrong with it.
         what: String,
@@ -63,21 +63,21 @@ pub enum DatasetError {
         "the plan has {shards} shards, numbered from 0, and not {first}..{end}; ask for some of 0..{shards}"
     )]
     NoSuchShards {
-        /// The first that was asked for.
+        /// The first requested shard.
         first: u64,
-        /// One after the last.
+        /// One after the last requested shard.
         end: u64,
-        /// How many there are.
+        /// The number of shards.
         shards: u64,
     },
-    /// The plan has not what a layout needs.
+    /// The plan lacks something that an export needs.
     #[error("{what}")]
     NoExport {
-        /// What it has not, and what to do.
+        /// What is missing, with a remedy.
         what: String,
     },
-    /// It was told to stop.
-    #[error("stopped; shards that are complete stay, and the same command goes on from there")]
+    /// The caller stopped it.
+    #[error("stopped; complete shards are kept, and the same command continues from there")]
     Stopped,
 }
 

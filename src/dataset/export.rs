@@ -1,4 +1,4 @@
-//! A data set in the layouts of others, made from its shards alone.
+//! Exports a data set to other formats, from its shards alone.
 
 mod coco;
 mod kitti;
@@ -13,19 +13,19 @@ use std::path::{Path, PathBuf};
 pub use coco::{check_coco, export_coco};
 pub use kitti::{check_kitti, export_kitti};
 
-/// A picture of one sensor, and what is known of it.
+/// An image of one sensor, with its labels.
 struct Shot<'a> {
-    /// Of the sample.
+    /// Index of the sample.
     index: u64,
     png: &'a [u8],
     known: &'a SensorLabels,
     objects: &'a [ObjectJson],
-    /// Of all sensors of the sample.
+    /// Labels of all sensors of the sample.
     sensors: &'a BTreeMap<String, SensorLabels>,
     files: &'a BTreeMap<String, Vec<u8>>,
 }
 
-/// Looks at the pictures of a sensor, in the order of the samples.
+/// Calls `each` with the images of a sensor, in the order of the samples.
 fn for_each_shot(
     (plan, folder): (&Plan, &Folder),
     sensor: &SensorPlan,
@@ -53,7 +53,7 @@ fn for_each_shot(
     Ok(())
 }
 
-/// The sensor of this name, if it has what an export needs: a picture and labels, and these channels of truth.
+/// Returns the sensor with this name, if it has what an export needs: an image, labels, and these truth channels.
 fn find_sensor<'a>(plan: &'a Plan, name: &str, truth: &[&str]) -> Result<&'a SensorPlan, DatasetError> {
     let refused = |what: String| DatasetError::NoExport { what };
     let found = plan.sensors().iter().find(|sensor| sensor.name == name);
@@ -70,20 +70,20 @@ fn find_sensor<'a>(plan: &'a Plan, name: &str, truth: &[&str]) -> Result<&'a Sen
     Ok(sensor)
 }
 
-/// The data of an npy file of ours, behind its header.
+/// Returns the data of an npy file, without its header.
 fn data_of(npy: &[u8]) -> &[u8] {
     let length = npy.get(8..10).map_or(0, |bytes| usize::from(u16::from_le_bytes([bytes[0], bytes[1]])));
     npy.get(10 + length..).unwrap_or_default()
 }
 
-/// A folder, made if it is not there, without what killed processes have left in it.
+/// Creates a folder if it does not exist, and removes temporary files of killed processes from it.
 fn make_folder(path: PathBuf) -> Result<PathBuf, DatasetError> {
     fs::create_dir_all(&path).map_err(|source| DatasetError::Output { path: path.clone(), source })?;
     sweep(&path, "");
     Ok(path)
 }
 
-/// Writes a file unless these bytes are in it.
+/// Writes a file unless it already has these bytes.
 fn write_if_other(path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
     if fs::read(path).is_ok_and(|there| there == bytes) { Ok(()) } else { write_whole(path, bytes) }
 }

@@ -1,4 +1,4 @@
-//! Frames as the files that training code reads: pictures as PNG, everything else as numpy's npy.
+//! Converts frames to files that training code reads: images as PNG, everything else as numpy's npy.
 
 use super::plan::FLOW;
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
@@ -8,12 +8,12 @@ use image::{ExtendedColorType, ImageEncoder as _};
 /// A file of a sample.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Field {
-    /// What follows the sample's number and a dot.
+    /// The part of the file name after the sample's number and a dot.
     pub(super) name: String,
     pub(super) bytes: Vec<u8>,
 }
 
-/// The files of a stream's frame; none for a kind of frame that has none, as messages have.
+/// Returns the files of a stream's frame, or `None` for kinds that have no files, such as messages.
 pub(super) fn of_stream(name: &str, frame: &FrameView<'_>) -> Option<Vec<Field>> {
     let header = frame.header();
     let [rows, columns] = [header.height, header.width];
@@ -35,7 +35,7 @@ pub(super) fn of_stream(name: &str, frame: &FrameView<'_>) -> Option<Vec<Field>>
         | Encoding::BayerBggr8
         | Encoding::BayerGbrg8
         | Encoding::BayerGrbg8 => png(ExtendedColorType::L8, packed()),
-        // The encoder takes words in the machine's order, which is the wire's, and writes PNG's.
+        // The encoder converts from the machine's byte order, which is the wire's, to PNG's.
         Encoding::Mono16
         | Encoding::BayerRggb16
         | Encoding::BayerBggr16
@@ -55,7 +55,7 @@ pub(super) fn of_stream(name: &str, frame: &FrameView<'_>) -> Option<Vec<Field>>
     Some(vec![field])
 }
 
-/// A channel of a sensor's truth. Without a frame it is flow without a frame before, which has no value anywhere.
+/// Returns the file of a truth channel. A missing frame is optical flow without a previous frame, which has no values.
 pub(super) fn of_truth(
     name: &str,
     channel: &str,
@@ -75,29 +75,29 @@ pub(super) fn of_truth(
     (channel == FLOW).then(|| Field { name, bytes: npy(&kind, [rows, columns], &nothing) })
 }
 
-/// Width and height.
+/// Returns width and height.
 pub(super) fn size(header: &FrameHeader) -> [u32; 2] {
     [header.width, header.height]
 }
 
 fn png(width: u32, height: u32, colour: ExtendedColorType, pixels: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
-    // The same bytes from the same pixels: no time, no text, one compression.
+    // Fixed settings and no metadata, so that the same pixels give the same bytes.
     let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive);
     if let Err(error) = encoder.write_image(pixels, width, height, colour) {
-        // Into memory, of a size that is the pixels'.
+        // This does not happen: it is written to memory, and the size matches the pixels.
         tracing::error!(%error, width, height, "a picture cannot be coded");
     }
     bytes
 }
 
-/// numpy's type of an element, and axes behind rows and columns.
+/// numpy's type of an element, and the axes after rows and columns.
 struct Numbers {
     descr: String,
     axes: &'static [u32],
 }
 
-/// What an element is for numpy; none if it is no number.
+/// Returns numpy's type of an element, or `None` if it is not numeric.
 fn numbers(encoding: Encoding) -> Option<Numbers> {
     let plain = |descr: &str, axes| Some(Numbers { descr: format!("'{descr}'"), axes });
     let fields = |fields: &[(&str, &str)]| {
@@ -149,12 +149,13 @@ fn numbers(encoding: Encoding) -> Option<Numbers> {
     }
 }
 
-/// An array in npy's version 1.0: magic, length of the header, the header as a Python literal, rows one after the other.
+/// Returns an array in npy format 1.0: magic, length of the header, the header as a Python literal, rows one after the
+/// other.
 fn npy(kind: &Numbers, [rows, columns]: [u32; 2], bytes: &[u8]) -> Vec<u8> {
     let axes: Vec<String> = [rows, columns].iter().chain(kind.axes).map(u32::to_string).collect();
     let mut header =
         format!("{{'descr': {}, 'fortran_order': False, 'shape': ({}), }}", kind.descr, axes.join(", "));
-    // The data begin at a multiple of 64, and a line ends the header.
+    // The data start at a multiple of 64 bytes, and the header ends with a newline.
     let begin = (10 + header.len() + 1).next_multiple_of(64);
     header.push_str(&" ".repeat(begin - 10 - header.len() - 1));
     header.push('\n');

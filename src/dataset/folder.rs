@@ -1,4 +1,4 @@
-//! The folder of a data set: of which plan it is, which shards are there, and the manifest of all of them.
+//! [`Folder`]: the folder of a data set, with its plan's identity, its shards, and the manifest of all of them.
 
 use super::plan::{Identity, Plan, hex};
 use super::shard::{sweep, write_whole};
@@ -9,10 +9,10 @@ use std::fs::{self, File};
 use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
-/// What tells of which plan the shards are.
+/// The file that identifies the plan of the shards.
 const IDENTITY: &str = "plan.json";
 const MANIFEST: &str = "manifest.json";
-/// Some samples in one picture.
+/// The file that shows some samples in one picture.
 pub(super) const CONTACT_SHEET: &str = "contact_sheet.png";
 
 /// The folder of a data set.
@@ -21,16 +21,16 @@ pub struct Folder {
     path: PathBuf,
 }
 
-/// What there is when all of it is there.
+/// The manifest of a complete data set.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Manifest {
     /// Name and version of the program that made it.
     pub generator: String,
     /// SHA-256 of the plan.
     pub plan_sha256: String,
-    /// Of all shards.
+    /// Number of samples in all shards.
     pub samples: u64,
-    /// In their order.
+    /// The shards in order.
     pub shards: Vec<ShardEntry>,
 }
 
@@ -39,30 +39,30 @@ pub struct Manifest {
 pub struct ShardEntry {
     /// Name of its file.
     pub name: String,
-    /// How many samples it has.
+    /// Number of its samples.
     pub samples: u64,
-    /// How long the file is.
+    /// Length of the file.
     pub bytes: u64,
     /// SHA-256 of the file.
     pub sha256: String,
 }
 
 impl Folder {
-    /// Opens the folder for the shards of a plan; makes it if it is not there.
+    /// Opens the folder for the shards of a plan, and creates it if it does not exist.
     ///
     /// # Errors
-    /// When it cannot be written, or has shards of another plan.
+    /// If it cannot be written, or contains shards of another plan.
     pub fn open(path: &Path, plan: &Plan) -> Result<Self, DatasetError> {
         let failed = |source| DatasetError::Output { path: path.to_owned(), source };
         fs::create_dir_all(path).map_err(failed)?;
         let folder = Self { path: path.to_owned() };
         let file = path.join(IDENTITY);
-        // A plan of which nothing was made may change.
+        // The plan may change as long as there are no shards.
         if !file.is_file() || folder.is_empty() {
             let text = serde_json::to_string_pretty(&plan.identity).unwrap_or_default() + "\n";
             write_whole(&file, text.as_bytes())?;
         }
-        // Another process may have been first.
+        // Another process may have written it first.
         let bytes = fs::read(&file).map_err(|source| DatasetError::Input { path: file.clone(), source })?;
         let there: Identity = serde_json::from_slice(&bytes)
             .map_err(|error| DatasetError::Damaged { path: file, what: error.to_string() })?;
@@ -71,45 +71,45 @@ impl Folder {
         }
         let wanted = &plan.identity;
         let what = if there.generator != wanted.generator {
-            format!("they are of {}, this is {}", there.generator, wanted.generator)
+            format!("they were made by {}, this is {}", there.generator, wanted.generator)
         } else if there.plan != wanted.plan {
-            format!("{} is not as it was", plan.source.display())
+            format!("{} has changed", plan.source.display())
         } else {
-            format!("not as before: {}", wanted.changed(&there).join(", "))
+            format!("these files have changed: {}", wanted.changed(&there).join(", "))
         };
         Err(DatasetError::OtherPlan { folder: path.to_owned(), what })
     }
 
-    /// Where it is.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// The file of a shard.
+    /// Returns the path of a shard.
     pub fn shard(&self, shard: u64) -> PathBuf {
         self.path.join(shard_name(shard))
     }
 
-    /// Whether a shard is there: then all of it is.
+    /// Returns true if a shard exists, which is then complete.
     pub fn has(&self, shard: u64) -> bool {
         self.shard(shard).is_file()
     }
 
-    /// Whether no shard at all is there.
+    /// Returns true if there are no shards.
     fn is_empty(&self) -> bool {
         let mut entries = fs::read_dir(&self.path).into_iter().flatten().flatten();
         !entries.any(|entry| entry.file_name().to_string_lossy().starts_with("shard-"))
     }
 
-    /// Removes what killed processes have left of a shard that is there now.
+    /// Removes temporary files of killed processes for a shard that exists now.
     pub(super) fn sweep(&self, shard: u64) {
         sweep(&self.path, &shard_name(shard));
     }
 
-    /// Writes the manifest of a plan's shards, all of which are there; gives it, and the file.
+    /// Writes the manifest of a plan's shards, all of which must exist; returns it with its path.
     ///
     /// # Errors
-    /// When one cannot be read, or is not what an earlier manifest says, or the manifest cannot be written.
+    /// If a shard cannot be read, or does not match an earlier manifest, or the manifest cannot be written.
     pub fn finish(&self, plan: &Plan, making: &dyn Making) -> Result<(Manifest, PathBuf), DatasetError> {
         let mut shards = Vec::new();
         for shard in 0..plan.shards() {
@@ -142,7 +142,7 @@ impl Folder {
         }
         let text = serde_json::to_string_pretty(&manifest).unwrap_or_default() + "\n";
         write_whole(&path, text.as_bytes())?;
-        // All are there, so that whatever is not whole was left.
+        // All shards exist, so remaining temporary files belong to killed processes.
         for begin in ["shard-", IDENTITY, MANIFEST, CONTACT_SHEET] {
             sweep(&self.path, begin);
         }
@@ -154,7 +154,7 @@ fn shard_name(shard: u64) -> String {
     format!("shard-{shard:06}.tar")
 }
 
-/// Length and SHA-256 of a file.
+/// Returns length and SHA-256 of a file.
 fn hash_file(path: &Path) -> io::Result<(u64, String)> {
     let mut file = File::open(path)?;
     let (mut hash, mut len) = (Sha256::new(), 0);

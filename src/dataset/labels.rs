@@ -1,4 +1,4 @@
-//! What is known of a sample, as JSON: where the robot and its sensors were, their intrinsics, the things that are seen.
+//! The labels of a sample as JSON: poses of the robot and its sensors, intrinsics, and visible objects.
 
 use super::looks::LooksJson;
 use super::plan::Plan;
@@ -15,13 +15,13 @@ use std::collections::BTreeMap;
 /// A sample's JSON.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Labels {
-    /// As the plan has it.
+    /// The world's name in the plan.
     pub(super) world: String,
     pub(super) seed: u64,
     /// Its number among the poses of the world and seed.
     pub(super) pose: u64,
     pub(super) world_from_robot: PoseJson,
-    /// If they are drawn at random.
+    /// Present if looks are drawn at random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) looks: Option<LooksJson>,
     pub(super) sensors: BTreeMap<String, SensorLabels>,
@@ -52,14 +52,14 @@ impl From<&Pose> for PoseJson {
     }
 }
 
-/// What is known of one sensor's frame.
+/// The labels of one sensor's frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct SensorLabels {
     pub(super) topic: String,
     pub(super) encoding: String,
     pub(super) width: u32,
     pub(super) height: u32,
-    /// Of the frame of its description: x forward, z up.
+    /// Pose of the sensor's frame in its description: x forward, z up.
     pub(super) world_from_sensor: PoseJson,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) intrinsics: Option<IntrinsicsJson>,
@@ -69,7 +69,7 @@ pub(super) struct SensorLabels {
     pub(super) objects: Option<Vec<ObjectJson>>,
 }
 
-/// A camera's; pixels, centres of pixels at integers.
+/// A camera's intrinsics in pixels; pixel centres are at integers.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct IntrinsicsJson {
     pub(super) fx: f64,
@@ -82,7 +82,7 @@ pub(super) struct IntrinsicsJson {
     pub(super) distortion: Vec<f64>,
 }
 
-/// A scan's, in radians.
+/// A scan's angles, in radians.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct AnglesJson {
     pub(super) angle_min: f64,
@@ -91,28 +91,28 @@ pub(super) struct AnglesJson {
     pub(super) vertical_angle_increment: f64,
 }
 
-/// A thing that is seen: all visuals of a model that are of one class.
+/// A visible object: all visuals of a model that have the same class.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct ObjectJson {
     pub(super) model: String,
-    /// Its number in the channel of classes.
+    /// Its number in the class channel.
     pub(super) class: u32,
-    /// The name of its class: the plan's; without one the model's if it has no label, else the number.
+    /// The name of its class in the plan; without one, the model's name if the visual has no label, else the label.
     pub(super) category: String,
-    /// Those of its visuals that are seen, by their numbers in the channel of instances.
+    /// Its visible visuals, by their numbers in the instance channel.
     pub(super) instances: Vec<u32>,
-    /// How many pixels show it.
+    /// Number of pixels that show it.
     pub(super) pixels: u32,
-    /// First column and row of these, then how many columns and rows.
+    /// First column and row of these pixels, then the numbers of columns and rows.
     pub(super) bbox: [u32; 4],
-    /// The box around the whole of it, seen or not, along its model's axes: its middle in the optical frame (x right, y down,
-    /// z forward).
+    /// The box around the whole object, visible or not, along its model's axes: the pose of its centre in the optical
+    /// frame (x right, y down, z forward).
     pub(super) optical_from_box: PoseJson,
     /// Edges of that box in metres.
     pub(super) size: [f64; 3],
 }
 
-/// What a frame's header and the things that are seen tell.
+/// Returns the labels of a sensor from its frame's header and the visible objects.
 pub(super) fn of_sensor(topic: &str, header: &FrameHeader, objects: Option<Vec<ObjectJson>>) -> SensorLabels {
     let is_scan = header.kind() == Some(Kind::LaserScan);
     let intrinsics = header.intrinsics().filter(|intrinsics| intrinsics.fx > 0.0);
@@ -141,24 +141,24 @@ pub(super) fn of_sensor(topic: &str, header: &FrameHeader, objects: Option<Vec<O
     }
 }
 
-/// What the numbers of a world's instances mean.
+/// The meaning of a world's instance numbers.
 pub(super) struct Names {
-    /// By instance.
+    /// The visuals by instance.
     instances: BTreeMap<u32, Visual>,
-    /// The instances of a model that are of one class.
+    /// The instances of a model that have the same class.
     things: BTreeMap<(ModelIndex, u32), Vec<u32>>,
     classes: BTreeMap<u32, String>,
 }
 
-/// Whose visual an instance is.
+/// The visual of an instance.
 struct Visual {
     model: ModelIndex,
     name: String,
-    /// What its file says of it.
+    /// The label in its file.
     label: Option<u32>,
 }
 
-/// What is seen of a thing.
+/// The visible part of an object.
 #[derive(Default)]
 struct Seen {
     instances: Vec<u32>,
@@ -194,7 +194,7 @@ impl Names {
         Self { instances, things, classes: plan.classes.clone() }
     }
 
-    /// The things in a frame, from the boxes of its visuals.
+    /// Returns the objects in a frame, from the boxes of its visuals.
     pub(super) fn objects(
         &self,
         simulation: &mut Simulation,
@@ -244,7 +244,7 @@ impl Names {
         things.into_iter().map(object).collect()
     }
 
-    /// Corners of the box along a model's axes that holds all its visuals of a class.
+    /// Returns the corners of the box along a model's axes around all its visuals of a class.
     fn extent(&self, scene: &WorldScene, key: (ModelIndex, u32), world_from_model: &Pose) -> [DVec3; 2] {
         let model_from_world = world_from_model.inverse();
         let mut extent = [DVec3::INFINITY, DVec3::NEG_INFINITY];
@@ -262,7 +262,8 @@ impl Names {
     }
 }
 
-/// To x right, y down, z forward of a sensor that looks along its x, z up.
+/// Returns the transform to the optical frame (x right, y down, z forward) of a sensor that looks along its x with z
+/// up.
 pub(super) fn optical_from_world(world_from_sensor: &Pose) -> Pose {
     let axes = DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
     Pose::new(DVec3::ZERO, DQuat::from_mat3(&axes)) * world_from_sensor.inverse()

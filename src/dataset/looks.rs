@@ -1,4 +1,4 @@
-//! What a sample looks like, where the plan leaves it to chance: lamps, materials, light from everywhere.
+//! Draws the random looks of a sample: lights, materials, ambient light.
 
 use super::plan::{Plan, Ranges, Sample};
 use crate::entities::EntityId;
@@ -8,45 +8,45 @@ use crate::world::scene::Looks;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// How a sample looks, in its JSON: what is drawn, and nothing else.
+/// The looks in a sample's JSON: only those that were drawn.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct LooksJson {
-    /// Light from everywhere, red, green, blue.
+    /// Ambient light: red, green, blue.
     pub(super) ambient: [f32; 3],
     pub(super) lights: Vec<LightJson>,
     pub(super) materials: Vec<MaterialJson>,
 }
 
-/// A lamp.
+/// A light.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct LightJson {
     pub(super) name: String,
-    /// Factor that was drawn.
+    /// The factor that was drawn.
     pub(super) intensity: f64,
-    /// Colour times brightness, the factor applied.
+    /// Colour times brightness, including the factor.
     pub(super) color: [f32; 3],
-    /// Unit vector along which its light travels, in the world.
+    /// Direction in which its light travels: a unit vector in the world.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) direction: Option<[f64; 3]>,
-    /// In the world, in metres.
+    /// Position in the world, in metres.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) position: Option<[f64; 3]>,
 }
 
-/// A visual.
+/// The material of a visual.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct MaterialJson {
     /// `model::link`.
     pub(super) body: String,
     pub(super) visual: String,
-    /// Its number, as in the channel `instance`.
+    /// Its number in the channel `instance`.
     pub(super) instance: u32,
     pub(super) color: [f32; 3],
-    /// Whether a picture is on it.
+    /// Whether it has a texture.
     pub(super) textured: bool,
 }
 
-/// What there is in a world whose looks are drawn.
+/// The lights and materials of a world whose looks are drawn.
 pub(super) struct Wardrobe {
     own: Looks,
     ambient: Limits,
@@ -61,15 +61,15 @@ struct RandomLight {
 }
 
 struct RandomBody {
-    /// Among all bodies, the robot's last.
+    /// Index among all bodies; those of the robot come last.
     index: u32,
     name: String,
-    /// Name, instance and material of each.
+    /// Name, instance and material of each visual.
     visuals: Vec<(String, u32, usize)>,
     ranges: MaterialRanges,
 }
 
-/// What is in the last table that is for one of these names.
+/// Returns the ranges of the last table that applies to one of these names.
 fn last_for<T: Clone>(tables: &Ranges<T>, names: &[&str], all: bool) -> Option<T> {
     let is_for = |chosen: &Option<Vec<String>>| match chosen {
         Some(chosen) => chosen.iter().any(|name| names.contains(&name.as_str())),
@@ -79,7 +79,7 @@ fn last_for<T: Clone>(tables: &Ranges<T>, names: &[&str], all: bool) -> Option<T
 }
 
 impl Wardrobe {
-    /// That of a world of the plan, if it leaves anything to chance.
+    /// Returns the wardrobe of a world of the plan, if the plan randomizes looks.
     pub(super) fn of(
         plan: &Plan,
         world: usize,
@@ -118,7 +118,7 @@ impl Wardrobe {
         Some(Self { own, ambient: randomization.ambient, lights: lights.collect(), bodies })
     }
 
-    /// The looks of a sample: a function of its world, its seed and its pose's number.
+    /// Draws the looks of a sample, which depend only on its world, its seed and its pose's number.
     pub(super) fn draw(&self, plan: &Plan, sample: Sample) -> (Looks, LooksJson) {
         let draws = Draws::new(plan.seeds[sample.seed], sample.world as u32, sample.pose);
         let mut looks = self.own.clone();

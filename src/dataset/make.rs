@@ -1,4 +1,4 @@
-//! Shards are made, several at a time.
+//! Makes shards, several at a time.
 
 use super::making::Making;
 use super::shard::ShardWriter;
@@ -9,11 +9,11 @@ use std::num::NonZeroUsize;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
-/// Makes shards that are not there yet, up to `workers` of them at a time. The bytes depend neither on that number nor on
-/// the order of the shards.
+/// Makes missing shards, up to `workers` of them at a time. The bytes do not depend on that number or on the order of
+/// the shards.
 ///
 /// # Errors
-/// The first that a worker has; the shards that were complete by then stay.
+/// The first error of a worker; the shards that were complete by then are kept.
 pub fn make(
     plan: &Plan,
     folder: &Folder,
@@ -27,14 +27,14 @@ pub fn make(
     let has_failed = AtomicBool::new(false);
     let first_error = Mutex::new(None);
     let work = || {
-        // One worker has all cores for each frame; several take a core each.
+        // A single worker uses all cores for each frame; several workers use one core each.
         let execution = if workers == 1 { Execution::parallel() } else { Execution::default() };
         let mut worker = Worker { plan, folder, execution, studio: None };
         while let Some(shard) = missing.get(next.fetch_add(1, Ordering::Relaxed)) {
             let is_stopped = || has_failed.load(Ordering::Acquire) || making.is_stopped();
             if let Err(error) = worker.make(*shard, making, &is_stopped) {
                 first_error.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert(error);
-                // The others stop, and their errors come after this one.
+                // This stops the other workers; their errors come after this one and are ignored.
                 has_failed.store(true, Ordering::Release);
                 return;
             }
@@ -48,12 +48,12 @@ pub fn make(
     first_error.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
 }
 
-/// One of those who make shards.
+/// A worker that makes shards.
 struct Worker<'a> {
     plan: &'a Plan,
     folder: &'a Folder,
     execution: Execution,
-    /// The world that was looked at last.
+    /// The world that was used last.
     studio: Option<Studio<'a>>,
 }
 

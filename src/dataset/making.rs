@@ -1,4 +1,4 @@
-//! How the caller follows, and ends, work on a data set.
+//! [`Making`]: reports progress to the caller, who may stop the work.
 
 /// Receives progress, and may stop the work.
 pub trait Making: Sync {

@@ -1,23 +1,24 @@
-//! Data sets for learning: worlds × seeds × poses, looked at by a robot's sensors, in shards that training code reads as
-//! they are.
+//! Data sets for machine learning: worlds × seeds × poses, seen by a robot's sensors, in shards that training code can
+//! read directly.
 //!
-//! A [`Plan`] says what is wanted and numbers its samples; every sample is a function of the plan and its number alone. So
-//! it makes no difference which process makes which shard, when, or beside how many others: the bytes are the same. A shard
-//! is a tar file in the layout of `WebDataset`; it is there as a whole or not at all, and what is there is not made again.
+//! A [`Plan`] defines and numbers the samples. Each sample depends only on the plan and its number, so it makes no
+//! difference which process makes which shard, when, or in parallel with how many others: the bytes are the same. A
+//! shard is a tar file in the layout of `WebDataset`. It is written completely or not at all, and existing shards are
+//! not made again.
 //!
 //! | file | is |
 //! |---|---|
-//! | `plan` | what a plan's file says, each mistake with its line |
-//! | `poses` | where the robot stands for each sample |
-//! | `looks` | what lamps and materials look like in each sample |
-//! | `make`, `making` | shards, several at a time, and progress |
-//! | `studio` | a world with the robot in it, and its sensors' frames |
-//! | `fields` | frames as files: PNG, npy |
-//! | `labels` | what is known of a sample, as JSON |
-//! | `shard` | samples in a tar file |
-//! | `folder` | what is there already, of which plan; the manifest |
-//! | `export` | the layouts of others |
-//! | `sheet` | samples in one picture |
+//! | `plan` | reads and checks a plan's file |
+//! | `poses` | the robot's pose for each sample |
+//! | `looks` | the lights and materials of each sample |
+//! | `make`, `making` | makes shards, several at a time, and reports progress |
+//! | `studio` | a world with the robot in it, which renders its sensors' frames |
+//! | `fields` | converts frames to files: PNG, npy |
+//! | `labels` | the labels of a sample, as JSON |
+//! | `shard` | reads and writes samples in a tar file |
+//! | `folder` | the folder with its plan's identity and the manifest |
+//! | `export` | exports to other formats |
+//! | `sheet` | a picture of some samples |
 
 mod error;
 mod export;

@@ -1,4 +1,4 @@
-//! A plan: what its file says, checked, each mistake with its line.
+//! [`Plan`]: reads and checks a plan's file, and reports each error with its line.
 
 mod identity;
 mod placement;
@@ -24,22 +24,23 @@ use std::path::{Path, PathBuf};
 use tables::{PlanFile, classes, listed, random, route, sensors};
 use text::Text;
 
-/// Samples of a shard, if the plan does not say.
+/// Default number of samples per shard.
 const SAMPLES_PER_SHARD: u64 = 100;
-/// More would not have eight digits.
+/// Most samples, because their numbers have eight digits.
 const MOST_SAMPLES: u64 = 99_999_999;
-/// A truth of two frames: of the one before.
+/// The truth channel that needs the previous frame.
 pub(super) const FLOW: &str = "flow_back";
 
-/// What is to be made.
+/// The definition of a data set.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// The plan's file.
     pub(super) source: PathBuf,
-    /// SHA-256 of all that decides the bytes: the plan, the files that it names, the version of this program.
+    /// SHA-256 of everything that determines the bytes: the plan, the files that it refers to, the version of this
+    /// program.
     pub(super) identity: Identity,
     pub(super) worlds: Vec<World>,
-    /// The name under which the plan has each world.
+    /// The name of each world in the plan.
     pub(super) world_names: Vec<String>,
     pub(super) robot: Model,
     pub(super) sensors: Vec<SensorPlan>,
@@ -48,25 +49,25 @@ pub struct Plan {
     pub(super) listed: Vec<Pose>,
     pub(super) route: Option<Route>,
     pub(super) random: Option<Random>,
-    /// Between what limits looks are drawn, if they are.
+    /// Limits of random looks, if looks are randomized.
     pub(super) randomization: Option<Randomization>,
     /// Names of classes, by their numbers.
     pub(super) classes: BTreeMap<u32, String>,
     samples_per_shard: u64,
 }
 
-/// A sensor's stream, as it goes into each sample.
+/// A sensor's stream that is stored in each sample.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct SensorPlan {
-    /// What its files begin with: `NAME.png`.
+    /// Beginning of its files' names, as in `NAME.png`.
     pub name: String,
     /// Its stream, with a leading slash.
     pub topic: String,
-    /// Channels of truth that go with it.
+    /// Truth channels that are stored with it.
     pub truth: Vec<String>,
-    /// Whether the things that are seen are listed, with boxes.
+    /// Whether visible objects are listed, with boxes.
     pub labels: bool,
-    /// Where it stands in the plan.
+    /// Its place in the plan's file.
     pub(super) source: Source,
 }
 
@@ -75,19 +76,20 @@ pub struct SensorPlan {
 pub struct Sample {
     /// Its number, from 0.
     pub index: u64,
-    /// Which of the worlds.
+    /// Index of the world.
     pub world: usize,
-    /// Which of the seeds.
+    /// Index of the seed.
     pub seed: usize,
-    /// Which of the poses.
+    /// Index of the pose.
     pub pose: u64,
 }
 
 impl Plan {
-    /// Reads a plan, and the worlds and the robot that it names: files beside it, or what `packages` has by that name.
+    /// Reads a plan, with the worlds and the robot that it names: files in the same folder, or names found in
+    /// `packages`.
     ///
     /// # Errors
-    /// Whatever is wrong with it or with them.
+    /// Errors in the plan or in these files.
     pub fn read(path: &Path, packages: &PackagePath) -> Result<Self, DatasetError> {
         let text = fs::read_to_string(path)
             .map_err(|source| DatasetError::Input { path: path.to_owned(), source })?;
@@ -108,7 +110,7 @@ impl Plan {
             Err(error) => {
                 let source = text.source(&error.span().unwrap_or(0..0));
                 let what = error.message().replace('\n', ", ");
-                diagnostics.error(&source, what, "see docs/datasets.md for what a plan has");
+                diagnostics.error(&source, what, "see docs/datasets.md for the format of plans");
                 return None;
             }
         };
@@ -128,7 +130,11 @@ impl Plan {
         }
         if file.worlds.get_ref().is_empty() {
             let source = text.source(&file.worlds.span());
-            diagnostics.error(&source, "worlds is empty", "name at least one, as worlds = [\"playground\"]");
+            diagnostics.error(
+                &source,
+                "worlds is empty",
+                "name at least one, such as worlds = [\"playground\"]",
+            );
         }
         let options =
             LoadOptions { packages: packages.clone(), rules: Rules::default(), xacro_args: Vec::new() };
@@ -143,8 +149,12 @@ impl Plan {
         if let Some(given) = &file.seeds
             && (seeds.is_empty() || seeds.iter().collect::<BTreeSet<_>>().len() < seeds.len())
         {
-            let what = format!("seeds = {seeds:?} has none, or one of them twice");
-            diagnostics.error(&text.source(&given.span()), what, "write each seed once, as seeds = [1, 2]");
+            let what = format!("seeds = {seeds:?} is empty or has a seed twice");
+            diagnostics.error(
+                &text.source(&given.span()),
+                what,
+                "write each seed once, such as seeds = [1, 2]",
+            );
         }
         let samples_per_shard = file.samples_per_shard.as_ref().map_or(SAMPLES_PER_SHARD, |n| *n.get_ref());
         if let Some(given) = file.samples_per_shard.as_ref().filter(|given| *given.get_ref() == 0) {
@@ -176,35 +186,35 @@ impl Plan {
         Some(plan)
     }
 
-    /// Poses of each world and seed.
+    /// Returns the number of poses for each world and seed.
     pub(super) fn poses(&self) -> u64 {
         let route = self.route.as_ref().map_or(0, |route| route.count);
         let random = self.random.as_ref().map_or(0, |random| random.count);
         (self.listed.len() as u64).saturating_add(route).saturating_add(random)
     }
 
-    /// How many samples there are to be.
+    /// Returns the number of samples.
     pub fn samples(&self) -> u64 {
         self.poses() * (self.worlds.len() * self.seeds.len()) as u64
     }
 
-    /// How many shards.
+    /// Returns the number of shards.
     pub fn shards(&self) -> u64 {
         self.samples().div_ceil(self.samples_per_shard)
     }
 
-    /// The shard of a sample.
+    /// Returns the shard of a sample.
     pub(super) fn shard_of(&self, sample: u64) -> u64 {
         sample / self.samples_per_shard
     }
 
-    /// The numbers of the samples of a shard.
+    /// Returns the numbers of a shard's samples.
     pub fn samples_of(&self, shard: u64) -> Range<u64> {
         let first = shard * self.samples_per_shard;
         first..(first + self.samples_per_shard).min(self.samples())
     }
 
-    /// What a sample shows: worlds one after the other, in each the seeds, with each the poses.
+    /// Returns a sample by its index: poses vary fastest, then seeds, then worlds.
     pub fn sample(&self, index: u64) -> Sample {
         let (poses, seeds) = (self.poses(), self.seeds.len() as u64);
         Sample {
@@ -215,7 +225,7 @@ impl Plan {
         }
     }
 
-    /// The streams that go into each sample.
+    /// Returns the streams that are stored in each sample.
     pub fn sensors(&self) -> &[SensorPlan] {
         &self.sensors
     }

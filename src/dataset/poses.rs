@@ -1,4 +1,4 @@
-//! Where the robot stands for each sample: listed, along a path, or somewhere in a region where nothing is in its way.
+//! The robot's pose for each sample: listed, along a path, or random in a region without collisions.
 
 use super::plan::{Plan, Sample};
 use super::{DatasetError, studio::Studio};
@@ -6,11 +6,11 @@ use crate::description::Severity;
 use crate::description::diagnostics::Problem;
 use belvedere_sensors::Pose;
 
-/// Places of a region that are tried for one pose.
+/// Number of attempts at a random pose.
 const TRIES: u32 = 1000;
 
 impl Plan {
-    /// Where the robot is for a sample: `world_from_robot`. `studio` is of its world.
+    /// Returns the robot's pose for a sample, `world_from_robot`. `studio` must have the sample's world.
     pub(super) fn pose(&self, sample: Sample, studio: &mut Studio<'_>) -> Result<Pose, DatasetError> {
         let Sample { world, seed, pose, .. } = sample;
         if let Some(listed) = self.listed.get(pose as usize) {
@@ -43,7 +43,7 @@ impl Plan {
         Err(problem.into())
     }
 
-    /// The sample from which the flow of this one leads: the pose before it on the path.
+    /// Returns the sample from which the optical flow of this one starts: the previous pose on the path.
     pub(super) fn before(&self, sample: Sample) -> Option<Sample> {
         let number = sample.pose.checked_sub(self.listed.len() as u64)?;
         let is_on_route = self.route.as_ref().is_some_and(|route| (1..route.count).contains(&number));

@@ -1,5 +1,5 @@
-//! Samples in a tar file, in the layout of `WebDataset`: the files of a sample lie together, and what stands before the first
-//! dot of their names is the sample's.
+//! Reads and writes samples in a tar file, in the layout of `WebDataset`: the files of a sample are adjacent, and the
+//! part of their names before the first dot is the sample's number.
 
 use super::DatasetError;
 use super::fields::Field;
@@ -9,8 +9,8 @@ use std::io::{self, BufReader, BufWriter, Read as _, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A file that is there whole or not at all: written under a name that begins with a dot, synchronised to the disk, then
-/// renamed.
+/// A file that is written completely or not at all: it is written under a name that begins with a dot, synchronised to
+/// the disk, then renamed.
 struct WholeFile {
     path: PathBuf,
     temporary: PathBuf,
@@ -18,12 +18,12 @@ struct WholeFile {
 }
 
 impl WholeFile {
-    /// Begins one.
+    /// Creates the temporary file.
     fn create(path: &Path) -> Result<Self, DatasetError> {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         let name = path.file_name().unwrap_or_default().to_string_lossy();
-        // Processes of several machines may write the same shard; what they write is the same, so that the last one to
-        // rename replaces nothing.
+        // Processes on several machines may write the same shard. They write the same bytes, so it does not matter
+        // which of them renames its file last.
         let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
         let (host, process) = (host.trim(), std::process::id());
         let number = COUNT.fetch_add(1, Ordering::Relaxed);
@@ -36,14 +36,14 @@ impl WholeFile {
         self.file.as_mut().ok_or_else(|| io::ErrorKind::NotFound.into())
     }
 
-    /// Gives it its name, once all of it is on the disk.
+    /// Synchronises the file to the disk and gives it its name.
     fn finish(mut self) -> Result<(), DatasetError> {
         let path = self.path.clone();
         self.file().and_then(|file| file.sync_all()).map_err(failed(&path))?;
         self.file = None;
         let renamed = fs::rename(&self.temporary, &path);
         match renamed {
-            // Another process was first, and has swept.
+            // Another process was first, and has removed this temporary file.
             Err(error) if error.kind() == io::ErrorKind::NotFound && path.is_file() => {}
             renamed => renamed.map_err(failed(&path))?,
         }
@@ -56,7 +56,7 @@ impl WholeFile {
 
 impl Drop for WholeFile {
     fn drop(&mut self) {
-        // Renamed, it is not there any more.
+        // After the renaming this file does not exist any more.
         let _ = fs::remove_file(&self.temporary);
     }
 }
@@ -71,14 +71,14 @@ impl io::Write for WholeFile {
     }
 }
 
-/// Writes all of a file.
+/// Writes a file completely or not at all.
 pub(super) fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), DatasetError> {
     let mut file = WholeFile::create(path)?;
     file.write_all(bytes).map_err(failed(path))?;
     file.finish()
 }
 
-/// Removes what killed processes have left of files whose names begin so.
+/// Removes temporary files of killed processes for files whose names begin with `begin`.
 pub(super) fn sweep(folder: &Path, begin: &str) {
     let begin = format!(".{begin}");
     let entries = fs::read_dir(folder).into_iter().flatten().flatten();
@@ -108,7 +108,7 @@ impl ShardWriter {
         for Field { name, bytes } in fields {
             let mut header = tar::Header::new_ustar();
             header.set_size(bytes.len() as u64);
-            // Nothing of when, where and by whom.
+            // No time and no user, so that the bytes depend only on the sample.
             header.set_mode(0o644);
             header.set_mtime(0);
             header.set_uid(0);
@@ -119,7 +119,7 @@ impl ShardWriter {
         Ok(())
     }
 
-    /// Ends it and gives it its name.
+    /// Completes the shard and gives it its name.
     pub(super) fn finish(self) -> Result<(), DatasetError> {
         let Self { path, tar } = self;
         let file = tar.into_inner().map_err(failed(&path))?;
@@ -141,7 +141,7 @@ pub(super) fn read_shard(
         let name = entry.path().map_err(unreadable)?.to_string_lossy().into_owned();
         let key = name.split_once('.').and_then(|(index, field)| Some((index.parse::<u64>().ok()?, field)));
         let Some((index, field)) = key else {
-            let what = format!("it holds '{name}', which is of no sample");
+            let what = format!("it contains '{name}', which belongs to no sample");
             return Err(DatasetError::Damaged { path: path.to_owned(), what });
         };
         let mut bytes = Vec::with_capacity(usize::try_from(entry.size()).unwrap_or(0).min(1 << 28));

@@ -1,4 +1,4 @@
-//! A contact sheet: some samples of a data set in one picture, a row each, for people to look at.
+//! The contact sheet: a picture of some samples of a data set, one per row.
 
 use super::folder::CONTACT_SHEET;
 use super::shard::{read_shard, write_whole};
@@ -10,20 +10,21 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// Samples at most.
+/// Most samples.
 const ROWS: u64 = 8;
-/// Files of a sample at most.
+/// Most files of a sample.
 const COLUMNS: usize = 8;
-/// Pixels across of a picture.
+/// Width of an image in pixels.
 const WIDTH: u32 = 200;
-/// Pixels between two.
+/// Gap between two images in pixels.
 const GAP: u32 = 4;
 
-/// Draws samples that are spread evenly over a data set into `contact_sheet.png`: their pictures, depths from near (red) to far
-/// (blue), instances and classes in colours. Gives the file; none if nothing of a sample has a look, as of lidars.
+/// Draws samples that are spread evenly over a data set into `contact_sheet.png`: images, depths from near (red) to far
+/// (blue), instances and classes in colours. Returns its path, or `None` if no file of a sample can be drawn, as with
+/// scans and clouds.
 ///
 /// # Errors
-/// When a shard cannot be read or the file not be written.
+/// If a shard cannot be read, or the file cannot be written.
 pub fn contact_sheet(plan: &Plan, folder: &Folder) -> Result<Option<PathBuf>, DatasetError> {
     let rows = plan.samples().min(ROWS);
     let chosen: BTreeSet<u64> = (0..rows).map(|row| row * plan.samples() / rows).collect();
@@ -66,7 +67,7 @@ fn failed(path: &Path, source: std::io::Error) -> DatasetError {
     DatasetError::Output { path: path.to_owned(), source }
 }
 
-/// The files of a sample that have a look, each as wide as a column.
+/// Draws the files of a sample that can be drawn, each as wide as a column.
 fn looks(files: &BTreeMap<String, Vec<u8>>) -> Vec<RgbImage> {
     let looks = files.iter().filter_map(|(name, bytes)| {
         let picture = if name.split('.').next_back() == Some("png") {
@@ -81,7 +82,7 @@ fn looks(files: &BTreeMap<String, Vec<u8>>) -> Vec<RgbImage> {
     looks.take(COLUMNS).collect()
 }
 
-/// An npy file of ours with a number a pixel, as a picture.
+/// Draws an npy file with one number per pixel.
 fn array(npy: &[u8]) -> Option<RgbImage> {
     let length = usize::from(u16::from_le_bytes([*npy.get(8)?, *npy.get(9)?]));
     let header = std::str::from_utf8(npy.get(10..10 + length)?).ok()?;
@@ -104,22 +105,22 @@ fn array(npy: &[u8]) -> Option<RgbImage> {
     RgbImage::from_raw(width, height, pixels)
 }
 
-/// From near to far; black where there is nothing.
+/// Converts distances to colours from near to far; black for no value.
 fn distances(numbers: impl Iterator<Item = f32> + Clone) -> Vec<[u8; 3]> {
     let there = numbers.clone().filter(|number| number.is_finite() && *number > 0.0);
     let (near, far) = there.fold((f32::INFINITY, 0.0_f32), |(near, far), at| (near.min(at), far.max(at)));
-    // By the inverse of the distance, what is near does not all look alike beside a horizon.
+    // The inverse of the distance keeps near objects distinguishable if there is a far horizon.
     let share = |at: f32| (1.0 / at - 1.0 / far) / (1.0 / near - 1.0 / far).max(f32::MIN_POSITIVE);
     let is_there = |at: f32| at.is_finite() && at > 0.0;
     numbers.map(|at| if is_there(at) { of_nearness(f64::from(share(at))) } else { [0; 3] }).collect()
 }
 
-/// The colour of a number: black for none, far apart for numbers that follow each other.
+/// Returns the colour of a number: black for negative ones, very different for consecutive ones.
 fn hue(number: i32) -> [u8; 3] {
     if number < 0 {
         return [0; 3];
     }
-    // Steps of the golden ratio go round the circle of hues without ever coming close to where they were.
+    // Steps of the golden ratio go round the circle of hues without coming close to earlier hues.
     let turn = (f64::from(number) * 0.618_033_988_749_895).fract() as f32;
     [0.0, 2.0 / 3.0, 1.0 / 3.0].map(|offset| {
         let distance = ((turn + offset).fract() * 6.0 - 3.0).abs() - 1.0;

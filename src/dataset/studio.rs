@@ -1,4 +1,4 @@
-//! A world with the robot in it, and the frames of its sensors wherever the robot is put.
+//! [`Studio`]: a world with the robot in it, which renders its sensors' frames at any pose.
 
 use super::DatasetError;
 use super::fields::{self, Field};
@@ -14,7 +14,7 @@ use belvedere_sensors::{Execution, Pose};
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// Where the robot waits, in metres: above everything, so that nothing is in its way at the start.
+/// Position of the robot at the start, in metres: above everything, so that it collides with nothing.
 const WAITING: DVec3 = DVec3::new(0.0, 0.0, 5e3);
 
 /// A world with the robot in it.
@@ -24,7 +24,7 @@ pub(super) struct Studio<'a> {
     simulation: Simulation,
     robot: EntityId,
     names: Names,
-    /// If looks are drawn at random.
+    /// Present if looks are drawn at random.
     wardrobe: Option<Wardrobe>,
     /// The memory of a sensor's frames.
     frames: Vec<FrameBuf>,
@@ -50,7 +50,7 @@ impl<'a> Studio<'a> {
         self.world
     }
 
-    /// Looks whether there is all that the plan asks for.
+    /// Checks that the robot has all streams of the plan.
     fn check(&mut self) -> Result<(), DatasetError> {
         for sensor in &self.plan.sensors {
             let topics = wanted(sensor);
@@ -58,14 +58,14 @@ impl<'a> Studio<'a> {
             let refused = |error| in_plan(self.plan, Some(sensor), error);
             let filled = self.shoot(&topics, 0, false).map_err(refused)?;
             if !filled[0] || fields::of_stream(&sensor.name, &self.frames[0].view()).is_none() {
-                let what = format!("{} is no picture, depth, scan or cloud", sensor.topic);
+                let what = format!("{} is not an image, depth image, scan or cloud", sensor.topic);
                 return Err(refused(SimulationError::Refused(what)));
             }
         }
         Ok(())
     }
 
-    /// Whether the robot could be put there.
+    /// Returns true if the robot can be placed at this pose.
     pub(super) fn is_free(
         &mut self,
         sample: Sample,
@@ -77,7 +77,7 @@ impl<'a> Studio<'a> {
         self.simulation.is_clear(self.robot, clearance_m).map_err(failed)
     }
 
-    /// The files of a sample of this world.
+    /// Returns the files of a sample of this world.
     pub(super) fn take(&mut self, sample: Sample) -> Result<Vec<Field>, DatasetError> {
         let plan = self.plan;
         let failed = |source| DatasetError::Sample { sample: sample.index, source };
@@ -132,7 +132,7 @@ impl<'a> Studio<'a> {
         Ok(fields)
     }
 
-    /// Renders topics of one sensor into the frames; says of each whether there is one.
+    /// Renders topics of one sensor into `frames`. Returns for each whether there is a frame, with a final false.
     fn shoot(&mut self, topics: &[&str], number: u64, goes_on: bool) -> Result<Vec<bool>, SimulationError> {
         self.frames.resize_with(topics.len().max(self.frames.len()), FrameBuf::default);
         let mut filled = self.simulation.render_numbered(topics, number, goes_on, &mut self.frames)?;
@@ -141,21 +141,21 @@ impl<'a> Studio<'a> {
     }
 }
 
-/// The topics of a sensor that a sample needs: its own, those of its truth, that of its boxes.
+/// Returns the topics of a sensor that a sample needs: its own, those of its truth channels, and that of its boxes.
 fn wanted(sensor: &SensorPlan) -> Vec<String> {
     let truth = sensor.truth.iter().map(String::as_str).chain(sensor.labels.then_some("boxes"));
     let truth = truth.map(|channel| format!("{}/truth/{channel}", sensor.topic));
     [sensor.topic.clone()].into_iter().chain(truth).collect()
 }
 
-/// What is wrong with a sensor of the plan, or with the robot in the world.
+/// Converts an error to a problem with a sensor of the plan, or with the robot in the world.
 fn in_plan(plan: &Plan, sensor: Option<&SensorPlan>, error: SimulationError) -> DatasetError {
     if let SimulationError::Description(problem) = error {
         return problem.into();
     }
     let source = sensor.map_or_else(|| plan.robot.source.clone(), |sensor| sensor.source.clone());
     let remedy = match sensor {
-        Some(_) => "choose a topic, and truth, of those that the robot has".to_owned(),
+        Some(_) => "choose a topic and truth channels that the robot has".to_owned(),
         None => "choose another robot or world".to_owned(),
     };
     Problem { severity: Severity::Error, source, what: error.to_string(), remedy }.into()

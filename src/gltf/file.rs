@@ -1,11 +1,11 @@
-//! A binary glTF file being put together: lists of JSON objects, and the bytes that they refer to.
+//! [`File`]: a binary glTF file that is being built: lists of JSON objects, and the bytes that they refer to.
 
 use serde_json::{Map, Value, json};
 
 const FLOAT: u32 = 5126;
 const UNSIGNED_INT: u32 = 5125;
 
-/// The file.
+/// A binary glTF file that is being built.
 #[derive(Debug, Default)]
 pub(super) struct File {
     lists: Map<String, Value>,
@@ -13,21 +13,21 @@ pub(super) struct File {
 }
 
 impl File {
-    /// Adds an object to one of the lists, and gives its place.
+    /// Adds an object to one of the lists and returns its index.
     pub(super) fn add(&mut self, list: &str, object: Value) -> usize {
         let list = self.lists.entry(list).or_insert_with(|| Value::Array(Vec::new()));
-        // What `entry` has just made, or this has before.
+        // Always an array: it was made just now, or by an earlier call.
         let Value::Array(list) = list else { return 0 };
         list.push(object);
         list.len() - 1
     }
 
-    /// Whether there is something in a list.
+    /// Returns true if a list has entries.
     pub(super) fn has(&self, list: &str) -> bool {
         self.lists.contains_key(list)
     }
 
-    /// Says that an extension is used.
+    /// Declares the use of an extension.
     pub(super) fn uses(&mut self, extension: &str) {
         let used = self.lists.get("extensionsUsed").and_then(Value::as_array);
         if used.is_none_or(|used| used.iter().all(|known| known != extension)) {
@@ -35,7 +35,7 @@ impl File {
         }
     }
 
-    /// Adds bytes, and gives the place of the view of them.
+    /// Adds bytes and returns the index of their buffer view.
     pub(super) fn bytes(&mut self, bytes: &[u8]) -> usize {
         self.data.resize(self.data.len().next_multiple_of(4), 0);
         let offset = self.data.len();
@@ -48,7 +48,7 @@ impl File {
         json!({ "bufferView": view, "componentType": component, "count": count, "type": kind })
     }
 
-    /// Points, with the box around them, which glTF asks for.
+    /// Adds points, with their bounding box, which glTF requires.
     pub(super) fn positions(&mut self, points: &[[f32; 3]]) -> usize {
         let mut accessor = self.numbers(bytemuck::cast_slice(points), points.len(), FLOAT, "VEC3");
         let extreme = |pick: fn(f32, f32) -> f32| {
@@ -75,7 +75,7 @@ impl File {
         self.add("accessors", accessor)
     }
 
-    /// The whole file.
+    /// Returns the complete file.
     pub(super) fn finish(mut self) -> Vec<u8> {
         self.data.resize(self.data.len().next_multiple_of(4), 0);
         let generator = format!("belvedere {}", env!("CARGO_PKG_VERSION"));

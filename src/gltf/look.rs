@@ -1,4 +1,4 @@
-//! Materials and their pictures.
+//! [`Looks`]: materials and their textures.
 
 use super::file::File;
 use crate::description::image_file;
@@ -9,10 +9,10 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-/// What is repeated over a surface; glTF's numbers for it.
+/// glTF's number for a texture that repeats.
 const REPEAT: u32 = 10497;
 
-/// Materials that were written; each once.
+/// The materials that were written, each once.
 #[derive(Debug, Default)]
 pub(super) struct Looks {
     materials: Vec<(Material, usize)>,
@@ -20,7 +20,7 @@ pub(super) struct Looks {
 }
 
 impl Looks {
-    /// Its place in the file.
+    /// Writes a material, unless it was written already, and returns its index in the file.
     pub(super) fn add(&mut self, file: &mut File, material: &Material) -> usize {
         if let Some((_, known)) = self.materials.iter().find(|(other, _)| other == material) {
             return *known;
@@ -41,7 +41,7 @@ impl Looks {
             surface["baseColorTexture"] = json!({ "index": texture });
             let [u, v] = material.texture_repeat;
             if [u, v] != [1.0, 1.0] {
-                // v counts from the top here and from the bottom there.
+                // v counts from the top in glTF and from the bottom in our meshes.
                 surface["baseColorTexture"]["extensions"] =
                     json!({ "KHR_texture_transform": { "scale": [u, v], "offset": [0.0, 1.0 - v] } });
                 file.uses("KHR_texture_transform");
@@ -77,13 +77,13 @@ impl Looks {
     }
 }
 
-/// A picture's file as it is where glTF takes it, else as PNG.
+/// Returns a picture's file unchanged if glTF supports its format, else converted to PNG.
 fn picture(path: &Path) -> Option<(&'static str, Vec<u8>)> {
     let bytes = image_file::read(path).ok()?;
     match image::guess_format(&bytes) {
         Ok(image::ImageFormat::Png) => Some(("image/png", bytes)),
         Ok(image::ImageFormat::Jpeg) => Some(("image/jpeg", bytes)),
-        // TGA has nothing to be known by but its name.
+        // TGA can only be recognized by its name.
         _ => {
             let mut png = Cursor::new(Vec::new());
             image_file::open(path).ok()?.write_to(&mut png, image::ImageFormat::Png).ok()?;
@@ -92,7 +92,7 @@ fn picture(path: &Path) -> Option<(&'static str, Vec<u8>)> {
     }
 }
 
-/// A colour's share as it is displayed, as an amount of light, in which glTF counts.
+/// Converts a displayed (sRGB) colour value to linear light, which glTF uses.
 fn linear(share: f32) -> f32 {
     if share <= 0.04045 { share / 12.92 } else { ((share + 0.055) / 1.055).powf(2.4) }
 }

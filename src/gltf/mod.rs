@@ -1,7 +1,7 @@
-//! What there is to see, as a binary glTF 2.0 file: for a page that shows it, and for any program that opens such files.
+//! Exports models as a binary glTF 2.0 file, for the page and for other programs.
 //!
-//! Each link is a node with `extras.link` = `model::link`, as in `simulation/link_states`, whose children are the link's
-//! visuals. All of them lie under one node, `world`, which turns z up into glTF's y up.
+//! Each link is a node with `extras.link` = `model::link`, as in `simulation/link_states`, whose children are the
+//! link's visuals. All links are children of one node, `world`, which converts z up to glTF's y up.
 
 mod file;
 mod look;
@@ -16,20 +16,20 @@ use shapes::Triangles;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// A model and where it is.
+/// A model with its pose.
 #[derive(Debug, Clone, Copy)]
 pub struct Thing<'a> {
-    /// What it is called in the world.
+    /// Its name in the world.
     pub name: &'a str,
-    /// What it is.
+    /// Its description.
     pub model: &'a Model,
-    /// Where its frame is, with all joints at zero.
+    /// Pose of its frame; all joints are at zero.
     pub world_from_model: Pose,
-    /// Whether it is a robot, whose links say so by `extras.robot`.
+    /// Whether it is a robot, whose links get `extras.robot`.
     pub is_robot: bool,
 }
 
-/// Writes these models. Pictures that cannot be read are left out: who renders them has said so.
+/// Writes these models. Textures that cannot be read are omitted; the renderer has already warned about them.
 pub fn write<'a>(things: impl IntoIterator<Item = Thing<'a>>) -> Vec<u8> {
     let (mut file, mut looks, mut meshes) = (File::default(), Looks::default(), Meshes::default());
     let mut links = Vec::new();
@@ -49,7 +49,7 @@ pub fn write<'a>(things: impl IntoIterator<Item = Thing<'a>>) -> Vec<u8> {
             let extras =
                 if thing.is_robot { json!({ "link": name, "robot": true }) } else { json!({ "link": name }) };
             node.insert("extras".into(), extras);
-            // glTF has no empty lists.
+            // glTF allows no empty lists.
             if !visuals.is_empty() {
                 node.insert("children".into(), visuals.into());
             }
@@ -74,7 +74,7 @@ fn pose(pose: &Pose) -> Map<String, Value> {
     node
 }
 
-/// Shapes that were written: a mesh of a file is written once for all that show it alike.
+/// The meshes that were written. A mesh from a file is written once for each material.
 #[derive(Default)]
 struct Meshes {
     from_files: HashMap<(*const crate::description::model::Mesh, usize), usize>,
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn a_world_is_a_file_whose_references_hold() {
+    fn a_world_is_a_file_with_valid_references() {
         let packages = package_path([], None);
         let world =
             load_world("tag_ceiling", &packages, Rules::default(), &mut Diagnostics::default()).unwrap();
@@ -164,6 +164,6 @@ mod tests {
         for image in json["images"].as_array().unwrap() {
             assert!(image["bufferView"].as_u64().unwrap() < len("bufferViews"));
         }
-        assert!(len("images") > 30, "the tags are pictures");
+        assert!(len("images") > 30, "the tags are textures");
     }
 }

@@ -1,14 +1,14 @@
-//! Shapes as triangles.
+//! [`Triangles`]: shapes as triangle meshes.
 
 use crate::description::model::{Geometry, HeightMap};
 use glam::{DMat3, DQuat, DVec3, Vec3};
 use std::borrow::Cow;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Parts of a full circle; of half of one for a ball.
+/// Number of segments of a full circle, and of half of one for a ball.
 const ROUND: u32 = 32;
 const HALF_ROUND: u32 = 16;
-/// Rows and columns of a terrain.
+/// Most rows and columns of a terrain.
 const MAX_TERRAIN: u32 = 256;
 
 /// Triangles counter-clockwise seen from outside; normals and texture coordinates (v up) for each vertex, or none.
@@ -21,7 +21,7 @@ pub(super) struct Triangles<'a> {
 }
 
 impl<'a> Triangles<'a> {
-    /// Those of a shape. Meshes have no normals: a reader makes them flat.
+    /// Returns the triangles of a shape. Meshes have no normals, so readers shade them flat.
     pub(super) fn of(geometry: &'a Geometry) -> Self {
         let mut shape = Self::default();
         match geometry {
@@ -34,7 +34,7 @@ impl<'a> Triangles<'a> {
                 };
             }
             Geometry::Box { size } => {
-                // Normal and right; up is their product.
+                // Normal and right; up is their cross product.
                 for (normal, right) in [
                     (DVec3::X, DVec3::Y),
                     (DVec3::NEG_X, DVec3::NEG_Y),
@@ -93,7 +93,7 @@ impl<'a> Triangles<'a> {
         self.corners.to_mut().extend([[a, b, c], [a, c, d]]);
     }
 
-    /// Rings from one pole to the other, apart by twice `lift` in the middle.
+    /// Adds rings from one pole to the other, with a gap of twice `lift` at the equator.
     fn ball(&mut self, radius: f64, lift: f64) {
         let rows: Vec<(f64, f64)> = (0..=HALF_ROUND / 2)
             .map(|row| (row, -lift))
@@ -111,7 +111,7 @@ impl<'a> Triangles<'a> {
         self.join(rows.len() as u32, ROUND);
     }
 
-    /// The side of a cylinder, or of a cone, by its radii below and above.
+    /// Adds the side of a cylinder or cone with these radii below and above.
     fn tube(&mut self, [below, above]: [f64; 2], half: f64) {
         let slope = (below - above) / (2.0 * half);
         for (v, radius, z) in [(0.0, below, -half), (1.0, above, half)] {
@@ -124,7 +124,7 @@ impl<'a> Triangles<'a> {
         self.join(2, ROUND);
     }
 
-    /// A disc that faces up (1) or down (-1).
+    /// Adds a disc that faces up (1) or down (-1).
     fn lid(&mut self, radius: f64, half: f64, side: f64) {
         let normal = DVec3::Z * side;
         let middle = self.vertex(normal * half, normal, [0.5, 0.5]);
@@ -138,7 +138,7 @@ impl<'a> Triangles<'a> {
         }
     }
 
-    /// A terrain of at most so many rows and columns; a reader makes it flat between them.
+    /// Adds a terrain, reduced to at most `MAX_TERRAIN` rows and columns. Readers shade it flat.
     fn terrain(&mut self, map: &HeightMap) {
         let heights = &map.heights;
         let [rows, columns] = heights.grid;
@@ -164,7 +164,7 @@ impl<'a> Triangles<'a> {
         self.join(rows_picked.len() as u32, columns_picked.len() as u32 - 1);
     }
 
-    /// Triangles between rows of vertices, of so many steps each, from below.
+    /// Adds triangles between rows of vertices with `steps` segments each, from the bottom up.
     fn join(&mut self, rows: u32, steps: u32) {
         let triangles = self.corners.to_mut();
         for row in 1..rows {
@@ -183,8 +183,8 @@ fn round(turn: f64) -> DVec3 {
     DVec3::new(cos, sin, 0.0)
 }
 
-/// The turn of z to a normal by which a plane's picture lies as on the face of a box with that normal; for others its
-/// right is horizontal.
+/// Returns the rotation of z to a normal with which a plane's texture lies as on the face of a box with that normal;
+/// for other normals, its right is horizontal.
 fn facing(normal: DVec3) -> DQuat {
     let right = if normal.z.abs() > 0.999 { DVec3::X } else { DVec3::Z.cross(normal).normalize_or(DVec3::Y) };
     let up = normal.cross(right).normalize_or(DVec3::Y);
@@ -214,9 +214,9 @@ mod tests {
                 let normal = (b - a).cross(c - a);
                 assert!(normal.dot(a + b + c) >= -1e-9, "{geometry:?}: {triangle:?}");
                 for vertex in triangle {
-                    let told = Vec3::from(shape.normals[*vertex as usize]).as_dvec3();
+                    let stored = Vec3::from(shape.normals[*vertex as usize]).as_dvec3();
                     // Triangles at the poles have no area.
-                    assert!(normal.length() < 1e-9 || told.dot(normal) > 0.0);
+                    assert!(normal.length() < 1e-9 || stored.dot(normal) > 0.0);
                 }
             }
         }
@@ -242,7 +242,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_lie_as_the_faces_of_boxes() {
+    fn planes_are_oriented_like_the_faces_of_boxes() {
         for (normal, right) in [
             (DVec3::X, DVec3::Y),
             (DVec3::NEG_X, DVec3::NEG_Y),

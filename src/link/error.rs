@@ -1,25 +1,23 @@
-//! What can be wrong with a link.
+//! Errors of links.
 
-/// Why a link cannot be opened, or go on.
+/// The reason why a link cannot be opened, or cannot continue.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum LinkError {
-    /// The bridge's own words.
+    /// An error of the bridge.
     #[error(transparent)]
     Bridge(#[from] belvedere_bridge::Error),
-    /// The other machine cannot be reached that way.
+    /// The other machine cannot be reached at this address.
     #[error(
-        "{what}: Zenoh reports {detail}; is the address one of this machine's for --listen, of the other's for --connect, and its port free?"
+        "{what}: Zenoh reports {detail}; check that the address belongs to this machine for --listen, or to the other one for --connect, and that its port is free"
     )]
     Transport {
-        /// What was tried.
+        /// The action that failed.
         what: String,
-        /// What came back.
+        /// Zenoh's error.
         detail: String,
     },
-    /// The system gives no thread.
-    #[error(
-        "the system gives no thread that follows a stream: {0}; end other programs, or raise `ulimit -u`"
-    )]
+    /// The system cannot start another thread.
+    #[error("cannot start a thread for a stream: {0}; end other programs, or raise `ulimit -u`")]
     Thread(#[from] std::io::Error),
 }

@@ -1,4 +1,4 @@
-//! [`Mirror`]: a stream of the simulator's machine, in this one's shared memory.
+//! [`Mirror`]: publishes a stream of the simulator's machine in this machine's shared memory.
 
 use super::LinkError;
 use super::tally::Tally;
@@ -12,10 +12,10 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How long the thread of a command stream sleeps before it looks whether it is to end.
+/// Longest sleep of a command stream's thread between two checks of the stop flag.
 const NAP: Duration = Duration::from_millis(50);
 
-/// See the module.
+/// A stream of the other machine.
 pub(super) struct Mirror {
     described: Described,
     pool_bytes: u64,
@@ -23,14 +23,14 @@ pub(super) struct Mirror {
 }
 
 enum Way {
-    /// From the robot.
+    /// A stream from the robot.
     In {
         key: String,
-        /// None while nobody here takes the stream: then it does not go over the network, and is not rendered.
+        /// `None` while the stream has no subscribers here. It is then neither sent over the network nor rendered.
         inlet: Option<Inlet>,
         end: Arc<Mutex<FrameEnd>>,
     },
-    /// To it.
+    /// Commands to the robot.
     Out { stop: Arc<AtomicBool>, thread: JoinHandle<()> },
 }
 
@@ -63,17 +63,18 @@ impl Mirror {
         Ok(Self { described: described.clone(), pool_bytes, way })
     }
 
-    /// Whether it is still what the other side tells of.
+    /// Returns true if the stream still matches the other side's announcement.
     pub(super) fn is_of(&self, described: &Described) -> bool {
         self.described == *described
     }
 
-    /// Bytes of shared memory that its frames may take.
+    /// Returns the bytes of shared memory that its frames may take.
     pub(super) fn pool_bytes(&self) -> u64 {
         self.pool_bytes
     }
 
-    /// Takes the stream from the network while somebody here wants it; with `update`, gives late consumers what is kept.
+    /// Receives the stream from the network while it has subscribers here. With `update`, sends latched frames to new
+    /// subscribers.
     pub(super) fn tend(&mut self, transport: &Transport, update: bool) -> Result<(), LinkError> {
         let Way::In { key, inlet, end } = &mut self.way else { return Ok(()) };
         let is_wanted = {
@@ -82,17 +83,18 @@ impl Mirror {
             if update {
                 publisher.update()?;
             }
-            // The last message that is kept for late consumers has to be here, and an answer before it is asked for.
+            // The last message of a latched stream must be here for new subscribers, and results must be received
+            // before a command is sent.
             let is_always = end.spec.history > 0 || end.spec.kind == Kind::SimulationResult;
             let is_wanted = is_always || publisher.subscribers() > 0;
             if is_wanted != inlet.is_some() {
-                // What is sent while nobody wants it is not lost.
+                // Frames that are sent while there are no subscribers do not count as lost.
                 end.last = None;
                 end.tally.is_carried.store(is_wanted, Ordering::Relaxed);
             }
             is_wanted
         };
-        // Without the lock, which the inlet's thread takes.
+        // Done without the lock, because the inlet's thread takes it.
         if !is_wanted {
             *inlet = None;
         } else if inlet.is_none() {
@@ -109,12 +111,13 @@ impl Mirror {
         Ok(())
     }
 
-    /// Ends it; gives the thread that is still to end, which may be waiting for the network.
+    /// Ends the mirror. Returns its thread, if any, which may still be waiting for the network.
     pub(super) fn end(self) -> Option<JoinHandle<()>> {
         match self.way {
             Way::In { inlet, end, .. } => {
                 drop(inlet);
-                // A message that is just being taken may still hold it, and the place must be free at once.
+                // A message that is being received may still hold `end`, but the publisher's place must be free at
+                // once.
                 let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
                 end.publisher = None;
                 end.tally.is_carried.store(false, Ordering::Relaxed);
@@ -128,11 +131,11 @@ impl Mirror {
     }
 }
 
-/// Where frames from the network go.
+/// Publishes frames from the network.
 struct FrameEnd {
     spec: StreamSpec,
     publisher: Option<Publisher>,
-    /// Session and number of the frame before.
+    /// Session and number of the previous frame.
     last: Option<(u64, u64)>,
     tally: Arc<Tally>,
 }
@@ -142,7 +145,7 @@ impl FrameEnd {
         let Some(publisher) = &self.publisher else { return Ok(()) };
         let header = wire::header(&mut message, len, &self.spec)?;
         let lost = match self.last {
-            // What holds for ever is told again and again.
+            // Latched messages are sent again and again.
             Some(last) if last == (header.session, header.seq) => return Ok(()),
             Some((session, seq)) if session == header.session => {
                 header.seq.saturating_sub(seq).saturating_sub(1)
@@ -160,16 +163,16 @@ impl FrameEnd {
     }
 }
 
-/// Hands commands of this machine's consumers to the simulator's.
+/// Sends commands from this machine's consumers to the simulator's machine.
 fn hand_back(mut commands: Subscriber, kind: Kind, outlet: &Outlet, stop: &AtomicBool, tally: &Tally) {
-    let mut is_told = false;
+    let mut is_reported = false;
     while !stop.load(Ordering::Relaxed) {
         let is_wanted = outlet.is_wanted();
         tally.is_carried.store(is_wanted, Ordering::Relaxed);
-        is_told &= !is_wanted;
+        is_reported &= !is_wanted;
         let taken = match commands.wait(NAP) {
             Ok(false) => Ok(None),
-            // Each of those to the simulation is waited for; of the others the newest holds.
+            // Every command to the simulation needs an answer. Of the others only the newest counts.
             Ok(true) if kind == Kind::SimulationCommand => commands.take(),
             Ok(true) => commands.take_newest(),
             Err(error) => Err(error),
@@ -178,9 +181,12 @@ fn hand_back(mut commands: Subscriber, kind: Kind, outlet: &Outlet, stop: &Atomi
             Ok(None) => {}
             Ok(Some(_)) if !is_wanted => {
                 tally.lose(1);
-                if !is_told {
-                    is_told = true;
-                    tracing::warn!(topic = commands.topic(), "a command is lost: nobody takes it over there");
+                if !is_reported {
+                    is_reported = true;
+                    tracing::warn!(
+                        topic = commands.topic(),
+                        "a command is lost: it has no subscriber on the other machine"
+                    );
                 }
             }
             Ok(Some(frame)) => {

@@ -1,19 +1,19 @@
-//! The streams of a simulator on other machines, over Zenoh.
+//! Sends the streams of a simulator to other machines, over Zenoh.
 //!
 //! | part | is |
 //! |---|---|
-//! | [`LinkSender`] | the simulator's side: a consumer of its streams, and a sender of the commands that come |
-//! | [`LinkReceiver`] | the other side: the same streams in that machine's shared memory, and commands on their way back |
-//! | `mirror` | a stream of the other side's |
-//! | `room` | how much shared memory these may take |
-//! | `wire` | keys and messages, and the checks of what comes |
-//! | `transport` | Zenoh, which no other file knows |
-//! | `tally` | what was carried and lost |
+//! | [`LinkSender`] | the simulator's side: a consumer of its streams, and a sender of the received commands |
+//! | [`LinkReceiver`] | the other side: the same streams in that machine's shared memory, and commands in the other direction |
+//! | `mirror` | a stream of the other side |
+//! | `room` | limits the shared memory of these streams |
+//! | `wire` | keys and messages, and checks of received data |
+//! | `transport` | the only file that uses Zenoh |
+//! | `tally` | counts carried and lost frames |
 //!
-//! Keys: `belvedere/DOMAIN/streams` has a list of the streams once a second, so that who comes later knows them in time, and
-//! who hears nothing knows that the way is cut; `belvedere/DOMAIN/frames/TOPIC` frames, header and payload as they lie in
-//! shared memory; `belvedere/DOMAIN/commands/TOPIC` the same the other way. A key that nobody has subscribed to costs
-//! nothing: the stream is not followed, and so not rendered.
+//! Keys: `belvedere/DOMAIN/streams` carries a list of the streams once a second, so that a new receiver soon knows
+//! them, and a receiver that gets no list knows that the connection is interrupted. `belvedere/DOMAIN/frames/TOPIC`
+//! carries frames, header and payload as in shared memory. `belvedere/DOMAIN/commands/TOPIC` carries commands in the
+//! other direction. A key without subscribers costs nothing: its stream is neither subscribed to nor rendered.
 
 mod error;
 mod mirror;

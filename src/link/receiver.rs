@@ -1,4 +1,4 @@
-//! [`LinkReceiver`]: the side of a machine without a simulator.
+//! [`LinkReceiver`]: the receiving side, on a machine without the simulator.
 
 use super::LinkError;
 use super::mirror::Mirror;
@@ -12,31 +12,31 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How often those who have come late are given the last frame of streams that keep it.
+/// Interval at which new subscribers get the last frame of latched streams.
 const UPDATE: Duration = Duration::from_millis(100);
-/// The other side says something every second; after so long it is told that it does not.
+/// The other side sends a list every second. After this time without one, a warning is logged.
 const SILENCE: Duration = Duration::from_secs(5);
-/// Names of other domains that are kept to be told.
+/// Most names of other domains that are kept for warnings.
 const MAX_OTHERS: usize = 8;
 
-/// What is taken.
+/// Options of a receiver.
 #[derive(Debug, Clone)]
 pub struct ReceiverOptions {
-    /// Where the simulator's machine is.
+    /// Addresses of the connection to the simulator's machine.
     pub endpoints: Endpoints,
-    /// The simulator's domain there.
+    /// The simulator's domain on its machine.
     pub from: Domain,
-    /// Topics, with or without a leading slash; all if there are none.
+    /// Topics, with or without a leading slash; all if the list is empty.
     pub topics: Vec<String>,
-    /// Bytes of shared memory that all streams together may take here; half of what is free at the start if it is `None`.
+    /// Most bytes of shared memory for all streams together; `None` for half of what is free at the start.
     pub memory: Option<u64>,
 }
 
-/// Stands in a domain of this machine for a simulator on another one: the same streams with the same frames, and
-/// commands go back to it.
+/// Replaces, in a domain of this machine, a simulator on another machine: publishes the same streams with the same
+/// frames, and sends commands to it.
 ///
-/// Of a header only the time of sending is this machine's own; number and session are the simulator's, so that a consumer
-/// is told of what the network has lost as it is of what it was too slow for.
+/// In a header only the send time is this machine's own. Number and session are the simulator's, so a consumer sees
+/// frames lost by the network like those that it was too slow for.
 pub struct LinkReceiver {
     node: Node,
     from: Domain,
@@ -46,16 +46,16 @@ pub struct LinkReceiver {
     _announcements: Inlet,
     mirrors: BTreeMap<String, Mirror>,
     room: Room,
-    /// Threads of streams that are gone.
+    /// Threads of streams that have ended.
     ending: Vec<JoinHandle<()>>,
     tallies: Tallies,
-    /// Of announcements.
+    /// Counts refused announcements.
     refused: Tally,
     silence: Silence,
     next_update: Instant,
 }
 
-/// What was announced and not yet looked at.
+/// Announcements that have not been processed yet.
 #[derive(Default)]
 struct Heard {
     streams: Option<Vec<Described>>,
@@ -63,19 +63,20 @@ struct Heard {
     refused: Option<String>,
 }
 
-/// Since when nothing is heard, and whether that was said.
+/// The time since the last announcement, and whether a warning was logged.
 struct Silence {
     since: Instant,
-    is_told: bool,
-    /// Frames that had come by then: they are a sign of life, too.
+    is_reported: bool,
+    /// Number of frames received by then, which are a sign of life as well.
     frames: u64,
 }
 
 impl LinkReceiver {
-    /// Opens the way to the simulator's machine, which need not be there yet.
+    /// Opens the connection to the simulator's machine, which need not be running yet.
     ///
     /// # Errors
-    /// When an address cannot be listened at; [`Error::Transport`] when the system does not say how much memory is free.
+    /// If it is not possible to listen at an address; [`Error::Transport`] if the system does not report the free
+    /// memory.
     pub fn open(node: Node, options: ReceiverOptions) -> Result<Self, LinkError> {
         let memory = match options.memory {
             Some(memory) => memory,
@@ -114,16 +115,16 @@ impl LinkReceiver {
             ending: Vec::new(),
             tallies: Tallies::default(),
             refused: Tally::default(),
-            silence: Silence { since: now, is_told: false, frames: 0 },
+            silence: Silence { since: now, is_reported: false, frames: 0 },
             next_update: now,
         })
     }
 
-    /// Looks after streams and consumers that come and go; to be called some fifty times a second.
+    /// Handles streams and consumers that come and go. To be called about fifty times a second.
     ///
     /// # Errors
-    /// [`Error::DomainInUse`] when a simulator, or another link, is in this domain. Other failures concern one stream,
-    /// are warned of, and tried again.
+    /// [`Error::DomainInUse`] if a simulator, or another link, is in this domain. Other failures concern one stream;
+    /// they are logged, and the stream is tried again.
     pub fn tend(&mut self) -> Result<(), LinkError> {
         let now = Instant::now();
         let (streams, refused) = {
@@ -134,13 +135,13 @@ impl LinkReceiver {
             self.refused.refuse("list of streams", &refused);
         }
         if let Some(streams) = streams {
-            if self.silence.is_told {
-                tracing::info!("domain {} of the other machine is heard", self.from);
+            if self.silence.is_reported {
+                tracing::info!("domain {} of the other machine is received", self.from);
             }
-            self.silence = Silence { since: now, is_told: false, ..self.silence };
+            self.silence = Silence { since: now, is_reported: false, ..self.silence };
             self.apply(&streams)?;
-        } else if !self.silence.is_told && now - self.silence.since > SILENCE {
-            self.tell_of_silence(now);
+        } else if !self.silence.is_reported && now - self.silence.since > SILENCE {
+            self.warn_of_silence(now);
         }
         let is_time = now >= self.next_update;
         if is_time {
@@ -148,29 +149,31 @@ impl LinkReceiver {
         }
         for (topic, mirror) in &mut self.mirrors {
             if let Err(error) = mirror.tend(&self.transport, is_time) {
-                tracing::warn!(topic, %error, "a stream of the other machine is not looked after");
+                tracing::warn!(topic, %error, "a stream of the other machine failed");
             }
         }
         Ok(())
     }
 
-    /// Warns that nothing is heard, unless frames are.
-    fn tell_of_silence(&mut self, now: Instant) {
+    /// Logs a warning that nothing is received, unless frames have arrived.
+    fn warn_of_silence(&mut self, now: Instant) {
         let frames = self.tallies.sum().frames;
-        let is_told = frames == self.silence.frames;
-        if is_told {
+        let is_reported = frames == self.silence.frames;
+        if is_reported {
             let heard = self.heard.lock().unwrap_or_else(PoisonError::into_inner);
             let why = match (self.transport.peers(), heard.others.first()) {
-                (0, _) => "there is no connection; it is tried again".to_owned(),
-                (_, None) => "there is a connection, and no `belvedere link send` at its end".to_owned(),
-                (_, Some(other)) => format!("there is domain {other}; name it with --from"),
+                (0, _) => "there is no connection; trying again".to_owned(),
+                (_, None) => {
+                    "there is a connection, but no `belvedere link send` at its other end".to_owned()
+                }
+                (_, Some(other)) => format!("the other machine has domain {other}; choose it with --from"),
             };
-            tracing::warn!("nothing is heard of domain {}: {why}", self.from);
+            tracing::warn!("nothing is received from domain {}: {why}", self.from);
         }
-        self.silence = Silence { since: now, is_told, frames };
+        self.silence = Silence { since: now, is_reported, frames };
     }
 
-    /// Opens and closes streams until they are those that were announced.
+    /// Opens and closes streams to match the announcement.
     fn apply(&mut self, streams: &[Described]) -> Result<(), LinkError> {
         let is_wanted = |topic: &str| self.wanted.is_empty() || self.wanted.contains(topic);
         let announced: BTreeMap<&str, (&Described, StreamSpec)> = streams
@@ -205,7 +208,7 @@ impl LinkReceiver {
                     self.mirrors.insert(topic.to_owned(), mirror);
                 }
                 Err(error @ LinkError::Bridge(Error::DomainInUse { .. })) => return Err(error),
-                // It is tried again with the next announcement.
+                // The next announcement tries again.
                 Err(error) => left_out.push((topic, error.into())),
             }
         }
@@ -215,23 +218,23 @@ impl LinkReceiver {
         Ok(())
     }
 
-    /// How far it is.
+    /// Returns the progress.
     pub fn progress(&self) -> LinkProgress {
         LinkProgress { peers: self.transport.peers(), streams: self.mirrors.len(), ..self.tallies.sum() }
     }
 
-    /// Frames carried and lost of each topic.
+    /// Returns the numbers of carried and lost frames per topic.
     pub fn by_topic(&self) -> BTreeMap<String, (u64, u64)> {
         self.tallies.by_topic()
     }
 
-    /// Ends it; the streams end as those of a simulator that ends.
+    /// Ends the link. Its streams end like those of a simulator that ends.
     pub fn close(mut self) {
         let mirrors = std::mem::take(&mut self.mirrors);
         self.ending.extend(mirrors.into_values().filter_map(Mirror::end));
         self.transport.close();
         for thread in self.ending {
-            // One that panicked has said so.
+            // A panic of the thread has already been reported.
             let _ = thread.join();
         }
     }

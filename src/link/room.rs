@@ -1,46 +1,46 @@
-//! [`Room`]: how much of this machine's shared memory streams of another one may take.
+//! [`Room`]: limits the shared memory for streams of another machine.
 //!
-//! Whoever reaches the port can announce streams. Each that is opened here takes a pool in `/dev/shm`, which the
-//! simulators of this machine need, too; so there is a bound on all of them together, and on their number.
+//! Anyone who can reach the port can announce streams. Each stream that is opened here takes a pool in `/dev/shm`,
+//! which the simulators on this machine need as well. So their total memory and their number are limited.
 
 use rustix::process::{Resource, getrlimit};
 use std::time::{Duration, Instant};
 
-/// Most streams that are opened, whatever they need.
+/// Most streams that are opened, however small they are.
 const MAX_STREAMS: usize = 256;
-/// Open files of a stream, generously, and those of all else.
+/// Upper bounds on the open files of a stream, and of everything else.
 const FILES: usize = 12;
 const OTHER_FILES: usize = 100;
-/// What a stream takes beside its pool, bytes: books, queues and connections, generously.
+/// Upper bound on the bytes that a stream takes in addition to its pool: bookkeeping, queues and connections.
 const BOOKS: u64 = 256 << 10;
-/// Time between two warnings, since the same is announced once a second.
+/// Shortest time between two warnings, because streams are announced once a second.
 const QUIET: Duration = Duration::from_secs(60);
 
-/// See the module.
+/// The limit of memory and streams.
 pub(super) struct Room {
-    /// Bytes that all streams together may take.
+    /// Most bytes that all streams together may take.
     memory: u64,
     streams: usize,
     last_warning: Option<Instant>,
 }
 
-/// What is taken by the streams that are open.
+/// The memory taken by open streams.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Taken {
     pub(super) streams: usize,
     pub(super) bytes: u64,
 }
 
-/// Why there is no room for a stream.
+/// The reason why a stream does not fit.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub(super) enum Full {
     #[error(
-        "its frames need {} of shared memory, {} of the {} that the other machine's streams may take are left; name the topics that are wanted, or allow more with --memory",
+        "its frames need {} of shared memory, but only {} of the {} for the other machine's streams are left; name the topics that you need, or allow more with --memory",
         mib(*.needed), mib(*.left), mib(*.most)
     )]
     Memory { needed: u64, left: u64, most: u64 },
     #[error(
-        "{0} streams of the other machine are open, the most there may be; name the topics that are wanted, or allow more open files (ulimit -n) for up to {MAX_STREAMS}"
+        "{0} streams of the other machine are open, which is the limit; name the topics that you need, or allow more open files (ulimit -n) for up to {MAX_STREAMS}"
     )]
     Streams(usize),
 }
@@ -50,14 +50,14 @@ fn mib(bytes: u64) -> String {
 }
 
 impl Room {
-    /// With so many bytes, and as many streams as this process may open files for.
+    /// Creates a limit of this many bytes, and as many streams as this process may open files for.
     pub(super) fn new(memory: u64) -> Self {
         let files = getrlimit(Resource::Nofile).current.map_or(usize::MAX, |files| files as usize);
         let streams = (files.saturating_sub(OTHER_FILES) / FILES).min(MAX_STREAMS);
         Self { memory, streams, last_warning: None }
     }
 
-    /// Adds a stream with a pool of so many bytes to what is taken, if there is room for it.
+    /// Adds a stream with a pool of this many bytes to `taken`, if there is room for it.
     pub(super) fn take(&self, taken: &mut Taken, pool_bytes: u64) -> Result<(), Full> {
         let needed = pool_bytes.saturating_add(BOOKS);
         let left = self.memory.saturating_sub(taken.bytes);
@@ -71,7 +71,7 @@ impl Room {
         Ok(())
     }
 
-    /// Warns of the first of so many streams that are not opened, unless that was done lately.
+    /// Logs a warning about a stream that is not opened, and the number of others, unless one was logged recently.
     pub(super) fn warn(&mut self, topic: &str, why: &dyn std::fmt::Display, others: usize) {
         if self.last_warning.is_some_and(|last| last.elapsed() < QUIET) {
             return;
@@ -103,7 +103,7 @@ mod tests {
         assert_eq!(taken.streams, 0);
         while room.take(&mut taken, 7 << 20).is_ok() {}
         assert!(taken.bytes <= 100 << 20 && taken.bytes + (8 << 20) > 100 << 20, "{taken:?}");
-        // What is smaller still fits.
+        // A smaller stream still fits.
         room.take(&mut taken, 0).unwrap();
         assert!(matches!(room.take(&mut taken, u64::MAX), Err(Full::Memory { .. })));
         let words = room.take(&mut taken, 7 << 20).unwrap_err().to_string();
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn streams_that_need_next_to_nothing_are_counted() {
+    fn streams_that_need_almost_no_memory_are_counted() {
         let room = Room::new(u64::MAX);
         let mut taken = Taken::default();
         while room.take(&mut taken, 0).is_ok() {}

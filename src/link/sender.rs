@@ -1,4 +1,4 @@
-//! [`LinkSender`]: the simulator's side.
+//! [`LinkSender`]: the sending side, on the simulator's machine.
 
 use super::LinkError;
 use super::tally::{LinkProgress, Tallies, Tally};
@@ -12,44 +12,45 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// How often new streams are looked for; a look was measured to take 40 ms of CPU time.
+/// Interval at which new streams are looked for. Each search was measured to take 40 ms of CPU time.
 const LOOK: Duration = Duration::from_secs(1);
-/// How often the streams are told of, and again what is sent once and holds for ever.
+/// Interval at which the streams are announced, and latched messages are sent again.
 const ANNOUNCE: Duration = Duration::from_secs(1);
-/// How long the thread of a stream that nobody wants sleeps before it looks whether somebody does.
+/// Interval at which the thread of a stream without subscribers checks for new ones.
 const NAP: Duration = Duration::from_millis(20);
-/// How long one that waits for frames does before it looks whether they are still wanted.
+/// Interval at which a thread that waits for frames checks that there are still subscribers.
 const WAIT: Duration = Duration::from_millis(100);
 
-/// Which commands are taken from the network.
+/// The commands that are accepted from the network.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum CarriedCommands {
-    /// None: who is connected may only look.
+    /// None: other machines can only receive.
     None,
-    /// What robots are told: velocities, and what a Kobuki takes besides.
+    /// Commands to robots: velocities, and those of a Kobuki.
     #[default]
     Robots,
-    /// Those to the simulation, too: pause, step, reset, move, configure; and spawn, whose text names files of this
-    /// machine.
+    /// Also commands to the simulation: pause, step, reset, move, configure; and spawn, whose text may name files of
+    /// this machine.
     All,
 }
 
-/// What is carried.
+/// Options of a sender.
 #[derive(Debug, Clone, Default)]
 pub struct SenderOptions {
-    /// Where the other machines are.
+    /// Addresses of the connection to other machines.
     pub endpoints: Endpoints,
-    /// Topics, with or without a leading slash; all if there are none.
+    /// Topics, with or without a leading slash; all if the list is empty.
     pub topics: Vec<String>,
-    /// Commands from there.
+    /// Commands that are accepted from there.
     pub commands: CarriedCommands,
 }
 
-/// Hands the streams of a domain to other machines, each for as long as somebody there takes it, and their commands to
-/// the domain.
+/// Sends the streams of a domain to other machines, each for as long as it has subscribers there, and passes their
+/// commands on to the domain.
 ///
-/// It is a consumer as others are, a thread a stream: a slow network costs it frames, and the simulator nothing.
+/// It is an ordinary consumer with a thread for each stream. A slow network loses frames, but does not slow down the
+/// simulator.
 pub struct LinkSender {
     node: Node,
     options: SenderOptions,
@@ -57,31 +58,31 @@ pub struct LinkSender {
     transport: Transport,
     announcements: Outlet,
     carriers: BTreeMap<String, Carrier>,
-    /// Threads of streams that are gone, which may still be waiting for the network.
+    /// Threads of streams that have ended, which may still be waiting for the network.
     ending: Vec<JoinHandle<()>>,
     tallies: Tallies,
     next_look: Instant,
     next_announcement: Instant,
 }
 
-/// A stream that is told of.
+/// An announced stream.
 struct Carrier {
     described: Described,
     way: Way,
 }
 
 enum Way {
-    /// From the robot.
+    /// A stream from the robot.
     Out { stop: Arc<AtomicBool>, thread: JoinHandle<()> },
-    /// To it.
+    /// Commands to the robot.
     In { _inlet: Inlet, end: Arc<Mutex<CommandEnd>> },
 }
 
 impl LinkSender {
-    /// Opens the way to other machines.
+    /// Opens the connection to other machines.
     ///
     /// # Errors
-    /// When an address cannot be listened at.
+    /// If it is not possible to listen at an address.
     pub fn open(node: Node, options: SenderOptions) -> Result<Self, LinkError> {
         let transport = Transport::open(&options.endpoints)?;
         let key = wire::announcement_key(node.domain().as_str());
@@ -102,10 +103,10 @@ impl LinkSender {
         })
     }
 
-    /// Looks after streams that come and go; to be called some fifty times a second.
+    /// Handles streams that come and go. To be called about fifty times a second.
     ///
     /// # Errors
-    /// When streams cannot be listed or opened; the others are carried on.
+    /// If streams cannot be listed or opened; the other streams continue.
     pub fn tend(&mut self) -> Result<(), LinkError> {
         let now = Instant::now();
         let looked = if now >= self.next_look {
@@ -149,7 +150,7 @@ impl LinkSender {
                         self.carriers.insert(topic, carrier);
                         self.next_announcement = Instant::now();
                     }
-                    // It is tried again at the next look; the others do not wait for it.
+                    // The next search tries again; the other streams do not wait for this one.
                     Err(error) => done = Err(error),
                 }
             }
@@ -205,7 +206,7 @@ impl LinkSender {
                 stop.store(true, Ordering::Relaxed);
                 self.ending.push(thread);
             }
-            // A message that is just being taken may still hold it.
+            // A message that is being received may still hold `end`.
             Way::In { end, .. } => {
                 let mut end = end.lock().unwrap_or_else(PoisonError::into_inner);
                 end.publisher = None;
@@ -214,18 +215,18 @@ impl LinkSender {
         }
     }
 
-    /// How far it is.
+    /// Returns the progress.
     pub fn progress(&self) -> LinkProgress {
         let streams = self.carriers.len();
         LinkProgress { peers: self.transport.peers(), streams, ..self.tallies.sum() }
     }
 
-    /// Frames carried and lost of each topic.
+    /// Returns the numbers of carried and lost frames per topic.
     pub fn by_topic(&self) -> BTreeMap<String, (u64, u64)> {
         self.tallies.by_topic()
     }
 
-    /// Tells the others that nothing more comes, and ends.
+    /// Announces to the other machines that there are no more streams, and ends the link.
     pub fn close(mut self) {
         for (_, carrier) in std::mem::take(&mut self.carriers) {
             self.end(carrier);
@@ -233,17 +234,17 @@ impl LinkSender {
         if self.announcements.is_wanted()
             && let Err(error) = self.announcements.put(Announcement::new(Vec::new()).to_bytes())
         {
-            tracing::debug!(%error, "the other side was not told of the end");
+            tracing::debug!(%error, "the end could not be announced to the other side");
         }
         self.transport.close();
         for thread in self.ending {
-            // One that panicked has said so.
+            // A panic of the thread has already been reported.
             let _ = thread.join();
         }
     }
 }
 
-/// Carries a stream for as long as somebody wants it.
+/// Sends a stream while it has subscribers on other machines.
 fn carry(node: &Node, spec: &StreamSpec, outlet: &Outlet, stop: &AtomicBool, tally: &Tally) {
     let mut subscriber: Option<Subscriber> = None;
     let mut kept = Kept::default();
@@ -251,7 +252,7 @@ fn carry(node: &Node, spec: &StreamSpec, outlet: &Outlet, stop: &AtomicBool, tal
         let is_wanted = outlet.is_wanted();
         tally.is_carried.store(is_wanted, Ordering::Relaxed);
         if !is_wanted {
-            // Not followed, so not rendered.
+            // Without a subscription the stream is not rendered.
             subscriber = None;
             std::thread::sleep(NAP);
             continue;
@@ -261,14 +262,14 @@ fn carry(node: &Node, spec: &StreamSpec, outlet: &Outlet, stop: &AtomicBool, tal
             None => node.subscriber(&spec.topic).map(|new| subscriber = Some(new)).map_err(LinkError::from),
         };
         if let Err(error) = carried {
-            tracing::warn!(topic = spec.topic, %error, "a frame is not carried");
+            tracing::warn!(topic = spec.topic, %error, "a frame was not sent");
             std::thread::sleep(NAP);
         }
     }
     tally.is_carried.store(false, Ordering::Relaxed);
 }
 
-/// The last message of a stream that is sent once, and again for those who come later.
+/// The last message of a latched stream, which is sent again for new receivers.
 #[derive(Default)]
 struct Kept {
     message: Option<Vec<u8>>,
@@ -291,7 +292,7 @@ fn carry_next(
         }
         return Ok(());
     }
-    // Of pictures the newest; of messages, such as transforms, every one.
+    // Only the newest image is sent, but every message, such as transforms.
     let frame = match spec.encoding {
         Encoding::Struct => subscriber.take()?,
         _ => subscriber.take_newest()?,
@@ -300,7 +301,7 @@ fn carry_next(
     tally.lose(frame.missed());
     let message = wire::frame(frame.header(), frame.payload());
     let bytes = frame.payload().len();
-    // Before the network is waited for, so that the stream has its memory back.
+    // Released before waiting for the network, so that the stream's memory is free again.
     drop(frame);
     if matches!(spec.kind, Kind::StaticTransforms | Kind::SensorSettings) {
         *kept = Kept { message: Some(message.clone()), sent: Some(Instant::now()) };
@@ -313,11 +314,12 @@ fn carry_next(
     Ok(())
 }
 
-/// The end of a command stream in this machine's domain.
+/// Publishes received commands in this machine's domain.
 struct CommandEnd {
     node: Node,
     spec: StreamSpec,
-    /// Opened by the first command, so that one who only looks takes no place of a driver; and the longest that it sends.
+    /// Opened at the first command, so that a machine that only receives takes no publisher's place; opened again for
+    /// longer commands.
     publisher: Option<Publisher>,
     tally: Arc<Tally>,
 }
@@ -333,7 +335,7 @@ impl CommandEnd {
         let publisher = match self.publisher.take() {
             Some(publisher) if publisher.max_payload_len() >= len => publisher,
             smaller => {
-                // Places of senders are few.
+                // Closed first, because a stream has few places for publishers.
                 drop(smaller);
                 let max_payload_len = self.spec.max_payload_len.max(len);
                 self.node.publisher(&StreamSpec { max_payload_len, ..self.spec.clone() })?

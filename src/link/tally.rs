@@ -1,22 +1,22 @@
-//! What a link has carried and lost.
+//! Counts the frames that a link has carried and lost.
 
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Topics that are counted each by itself; names come from the network, and who makes up ever new ones has them counted
-/// together.
+/// Most topics that are counted individually. Names come from the network; if there are too many, further ones are
+/// counted together.
 const MAX_TOPICS: usize = 4096;
 const OTHERS: &str = "others";
 
-/// How far a link is.
+/// The progress of a link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct LinkProgress {
-    /// Machines that there is a connection with.
+    /// Number of connected machines.
     pub peers: usize,
-    /// Streams that are told of.
+    /// Number of announced streams.
     pub streams: usize,
-    /// Of them, those that are carried now, as somebody takes them.
+    /// Number of these that are carried now, because they have subscribers.
     pub carried: usize,
     /// Frames carried, commands included.
     pub frames: u64,
@@ -24,13 +24,13 @@ pub struct LinkProgress {
     pub bytes: u64,
     /// Commands among them.
     pub commands: u64,
-    /// Frames that were sent and not carried: there was no time or no way for them.
+    /// Frames that were sent but not carried, because the network was too slow or interrupted.
     pub lost: u64,
-    /// Messages from the network that were not taken, since they were no frames of the stream.
+    /// Messages from the network that were refused, because they were not frames of the stream.
     pub refused: u64,
 }
 
-/// What was carried of one stream.
+/// The counts of one stream.
 #[derive(Debug, Default)]
 pub(super) struct Tally {
     pub(super) is_carried: AtomicBool,
@@ -47,12 +47,12 @@ impl Tally {
     }
 
     pub(super) fn lose(&self, frames: u64) {
-        // Numbers come from the network: none is too large to be counted.
+        // Saturates, because numbers from the network may be arbitrarily large.
         let add = |lost: u64| Some(lost.saturating_add(frames));
         let _ = self.lost.fetch_update(Ordering::Relaxed, Ordering::Relaxed, add);
     }
 
-    /// Counts what is not taken; the first, and then each tenth, hundredth … is warned of.
+    /// Counts a refused message. Logs a warning for the 1st, 10th, 100th … one.
     pub(super) fn refuse(&self, topic: &str, why: &dyn std::fmt::Display) {
         let refused = self.refused.fetch_add(1, Ordering::Relaxed) + 1;
         if refused == 10_u64.pow(refused.ilog10()) {
@@ -61,12 +61,12 @@ impl Tally {
     }
 }
 
-/// The tallies of all streams, also of those that are gone.
+/// The tallies of all streams, including those that have ended.
 #[derive(Debug, Default)]
 pub(super) struct Tallies(Mutex<BTreeMap<String, (bool, Arc<Tally>)>>);
 
 impl Tallies {
-    /// Of a stream, as it was left.
+    /// Returns the tally of a stream, which continues an earlier one.
     pub(super) fn of(&self, topic: &str, is_command: bool) -> Arc<Tally> {
         let mut tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let is_known = tallies.len() < MAX_TOPICS || tallies.contains_key(topic);
@@ -74,7 +74,7 @@ impl Tallies {
         tallies.entry(topic.to_owned()).or_insert_with(|| (is_command, Arc::default())).1.clone()
     }
 
-    /// All together; peers and streams are the caller's to know.
+    /// Returns the sum of all tallies. The caller adds the numbers of peers and streams.
     pub(super) fn sum(&self) -> LinkProgress {
         let mut sum = LinkProgress::default();
         for (is_command, tally) in self.0.lock().unwrap_or_else(PoisonError::into_inner).values() {
@@ -89,7 +89,7 @@ impl Tallies {
         sum
     }
 
-    /// Frames carried and lost of each stream of which there were any.
+    /// Returns the numbers of carried and lost frames, for each stream that has any.
     pub(super) fn by_topic(&self) -> BTreeMap<String, (u64, u64)> {
         let tallies = self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let read = |tally: &Tally| (tally.frames.load(Ordering::Relaxed), tally.lost.load(Ordering::Relaxed));

@@ -1,5 +1,5 @@
-//! What goes over the network: keys, the announcement of streams, frames. What comes from there is believed by nobody
-//! before it was checked here.
+//! The messages on the network: keys, the announcement of streams, frames. All received data are checked here before
+//! they are used.
 
 use super::transport::MAX_MESSAGE;
 use belvedere_bridge::payload::SimulationCommand;
@@ -7,7 +7,7 @@ use belvedere_bridge::{Encoding, FrameError, FrameHeader, Kind, StreamInfo, Stre
 use serde::{Deserialize, Serialize};
 use std::io::Read;
 
-/// The version of keys and announcements; frames have one of their own in each header.
+/// The version of keys and announcements. Frames have their own version in each header.
 const VERSION: u32 = 1;
 /// Most streams of an announcement.
 const MAX_STREAMS: usize = 4096;
@@ -16,34 +16,34 @@ const MAX_TEXT: usize = 4 << 20;
 /// Longest announcement, bytes.
 const MAX_ANNOUNCEMENT: usize = 4 << 20;
 
-/// The key of the announcements of a domain; `*` for all domains.
+/// Returns the key of the announcements of a domain; `*` for all domains.
 pub(super) fn announcement_key(domain: &str) -> String {
     format!("belvedere/{domain}/streams")
 }
 
-/// The domain of such a key.
+/// Returns the domain of such a key.
 pub(super) fn announced_domain(key: &str) -> Option<&str> {
     key.strip_prefix("belvedere/")?.strip_suffix("/streams")
 }
 
-/// The key of a stream from the robot.
+/// Returns the key of a stream from the robot.
 pub(super) fn frame_key(domain: &str, topic: &str) -> String {
     format!("belvedere/{domain}/frames/{topic}")
 }
 
-/// The key of a stream to the robot.
+/// Returns the key of a stream to the robot.
 pub(super) fn command_key(domain: &str, topic: &str) -> String {
     format!("belvedere/{domain}/commands/{topic}")
 }
 
-/// The streams of a domain, told once a second.
+/// The streams of a domain, announced once a second.
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Announcement {
     version: u32,
     pub(super) streams: Vec<Described>,
 }
 
-/// A stream, so that it can be opened elsewhere as it is here.
+/// The description of a stream, with which another machine can open it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct Described {
     pub(super) topic: String,
@@ -53,26 +53,27 @@ pub(super) struct Described {
     rate_hz: Option<f64>,
     layers: Option<u32>,
     max_payload_len: usize,
-    /// Whether late consumers are given the last frame.
+    /// Whether new subscribers get the last frame.
     keeps_last: bool,
 }
 
-/// Streams towards a robot or its simulator.
+/// Returns true for commands to a robot or its simulator.
 pub(super) fn is_command(kind: Kind) -> bool {
     matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower | Kind::SimulationCommand)
 }
 
-/// Bytes of shared memory that a mirror of the stream may take here; of commands their senders have the pools.
+/// Returns the bytes of shared memory that a mirror of the stream may take here. Pools of commands belong to their
+/// publishers.
 pub(super) fn pool_bytes(spec: &StreamSpec) -> u64 {
     if is_command(spec.kind) { 0 } else { spec.pool_bytes() }
 }
 
-/// Why something from the network is not taken.
+/// The reason why a message from the network is refused.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum Refusal {
-    #[error("{0} bytes are no frame: its header alone has {header}", header = size_of::<FrameHeader>())]
+    #[error("{0} bytes are too few for a frame, whose header has {header}", header = size_of::<FrameHeader>())]
     Short(usize),
-    #[error("it is larger than {most} bytes, the most that is taken", most = .0)]
+    #[error("it is larger than the limit of {most} bytes", most = .0)]
     Large(usize),
     #[error(transparent)]
     Frame(#[from] FrameError),
@@ -94,11 +95,11 @@ impl Announcement {
     }
 
     pub(super) fn to_bytes(&self) -> Vec<u8> {
-        // Fails for no struct of texts and numbers.
+        // This cannot fail for a struct of texts and numbers.
         serde_json::to_vec(self).unwrap_or_default()
     }
 
-    /// Refuses a message that is too long for an announcement, before its pieces are copied into one.
+    /// Refuses a message that is too long for an announcement, before its pieces are joined.
     pub(super) fn check_len(len: usize) -> Result<(), Refusal> {
         if len > MAX_ANNOUNCEMENT { Err(Refusal::Large(MAX_ANNOUNCEMENT)) } else { Ok(()) }
     }
@@ -114,24 +115,24 @@ impl Announcement {
             Ok(Versioned { version: VERSION }) => {}
             Ok(Versioned { version }) => {
                 return refused(format!(
-                    "the other side speaks version {version} of links, this one {VERSION}: use the same version of Belvedere on both"
+                    "the other side uses version {version} of links, this one {VERSION}: use the same version of Belvedere on both"
                 ));
             }
-            Err(error) => return refused(format!("what was sent as a list of streams is none: {error}")),
+            Err(error) => return refused(format!("the list of streams is invalid: {error}")),
         }
         match serde_json::from_slice::<Self>(bytes) {
             Ok(announcement) if announcement.streams.len() > MAX_STREAMS => {
-                refused(format!("{} streams, at most {MAX_STREAMS} are taken", announcement.streams.len()))
+                refused(format!("{} streams, the limit is {MAX_STREAMS}", announcement.streams.len()))
             }
             Ok(announcement) => Ok(announcement),
-            Err(error) => refused(format!("what was sent as a list of streams is none: {error}")),
+            Err(error) => refused(format!("the list of streams is invalid: {error}")),
         }
     }
 }
 
 impl Described {
-    /// Of a stream of this machine; none without a sender, for one that this version does not know, and for commands that
-    /// nobody takes.
+    /// Describes a stream of this machine. Returns `None` for a stream without a publisher, for one that this version
+    /// does not know, and for commands without a subscriber.
     pub(super) fn new(info: &StreamInfo) -> Option<Self> {
         let (kind, encoding) = (info.kind?, info.encoding?);
         let is_there = if is_command(kind) { info.subscribers > 0 } else { info.publishers > 0 };
@@ -147,7 +148,8 @@ impl Described {
         })
     }
 
-    /// What it is opened with on the other side; none for what this version does not know, or what cannot be.
+    /// Returns the specification with which the other side opens the stream, or `None` if it is unknown to this version
+    /// or invalid.
     pub(super) fn spec(&self) -> Option<StreamSpec> {
         let (kind, encoding): (Kind, Encoding) = (self.kind.parse().ok()?, self.encoding.parse().ok()?);
         let spec = match kind {
@@ -168,12 +170,12 @@ impl Described {
     }
 }
 
-/// That a message is where its sender wanted it.
+/// Checks that a message arrived at the key that its sender attached.
 pub(super) fn is_at(said: &str, key: &str) -> Result<(), Refusal> {
     if said == key { Ok(()) } else { Err(Refusal::Key(said.chars().take(300).collect())) }
 }
 
-/// A frame for the way.
+/// Returns a frame as a message.
 pub(super) fn frame(header: &FrameHeader, payload: &[u8]) -> Vec<u8> {
     let mut message = Vec::with_capacity(size_of::<FrameHeader>() + payload.len());
     message.extend_from_slice(bytemuck::bytes_of(header));
@@ -181,8 +183,8 @@ pub(super) fn frame(header: &FrameHeader, payload: &[u8]) -> Vec<u8> {
     message
 }
 
-/// The header of a message of so many bytes, checked against all that a reader of its payload relies on; the payload is
-/// what is left in `message`.
+/// Reads the header of a message of this many bytes, and checks everything that a reader of its payload relies on. The
+/// payload is then left in `message`.
 pub(super) fn header(mut message: impl Read, len: usize, spec: &StreamSpec) -> Result<FrameHeader, Refusal> {
     let mut header = FrameHeader::default();
     let Some(there) = len.checked_sub(size_of::<FrameHeader>()) else { return Err(Refusal::Short(len)) };
@@ -224,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_come_back() {
+    fn frames_are_read_back_unchanged() {
         let (spec, header, payload) = picture();
         let message = frame(&header, &payload);
         assert_eq!(bytemuck::bytes_of(&read(&message, &spec).unwrap()), bytemuck::bytes_of(&header));
@@ -232,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_frame_of_the_stream_is_refused() {
+    fn messages_that_are_not_frames_of_the_stream_are_refused() {
         let (spec, header, payload) = picture();
         let message = frame(&header, &payload);
         for len in [0, 1, 383, 384, 385, message.len() - 1] {
@@ -292,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_announcement_is_refused_in_words() {
+    fn invalid_announcements_are_refused_with_a_reason() {
         let good = Announcement::new(Vec::new()).to_bytes();
         for len in 0..good.len() {
             assert!(Announcement::read(&good[..len]).is_err());

@@ -1,16 +1,16 @@
-//! Random numbers that depend on nothing but what they are for.
+//! [`Draws`]: random numbers that depend only on their purpose.
 
 use super::Limits;
 use belvedere_sensors::noise::philox4x32;
 
-/// What a number is drawn for, by its index among those of its kind.
+/// The object that a number is drawn for, by its index among objects of its kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Thing {
-    /// All of it.
+    /// The whole world.
     World,
-    /// A lamp.
+    /// A light.
     Light(u32),
-    /// What moves as one.
+    /// A body (a link).
     Body(u32),
 }
 
@@ -22,17 +22,18 @@ pub struct Draws {
     place: u32,
 }
 
-/// Numbers of a thing that are kept for what may come.
+/// Number of slots that are reserved for each object.
 const SLOTS: u32 = 16;
 
 impl Draws {
-    /// Those of a seed and of the sample of this number in a world. Worlds are fewer than 2³⁰.
+    /// Returns the numbers for a seed and the sample with this number in a world. There must be fewer than 2³⁰ worlds.
     pub fn new(seed: u64, world: u32, number: u64) -> Self {
-        // The second highest bit of the third word keeps them apart from those that places are drawn with.
+        // The second highest bit of the third word distinguishes them from the numbers for random poses.
         Self { key: [seed as u32, (seed >> 32) as u32], number, place: world | 1 << 30 }
     }
 
-    /// A number of a thing, from 0 to 1 without 1. `slot`, below 16, says which: it is the same whatever else is drawn.
+    /// Returns a number for an object, from 0 up to but not including 1. `slot`, below 16, selects the number, which
+    /// does not depend on other draws.
     pub fn share(&self, thing: Thing, slot: u32) -> f64 {
         let index = match thing {
             Thing::World => 0,
@@ -45,7 +46,7 @@ impl Draws {
         f64::from(words[slot as usize % 4]) / 4_294_967_296.0
     }
 
-    /// A number of a thing between limits.
+    /// Returns a number for an object between limits.
     pub fn between(&self, [low, high]: Limits, thing: Thing, slot: u32) -> f64 {
         low + (high - low) * self.share(thing, slot)
     }

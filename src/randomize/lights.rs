@@ -1,46 +1,46 @@
-//! Lamps drawn at random.
+//! Random lights.
 
 use super::{Draws, Limits, Thing};
 use belvedere_sensors::scene::Light;
 use glam::DVec3;
 
-/// Between what limits lamps are drawn, each by itself.
+/// Limits for random lights, each drawn independently.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LightRanges {
     /// Factor of its light, 0 or more.
     pub intensity: Limits,
-    /// Factor of each of red, green and blue beside that, 0 or more, each by itself.
+    /// Additional factor of red, green and blue, 0 or more, drawn independently.
     pub color: Limits,
-    /// By how much a directional lamp or a spot is turned to any side, in radians.
+    /// Angle by which a directional light or a spot is tilted in a random direction, in radians.
     pub tilt: Limits,
-    /// By how much a point of light or a spot is moved along each axis of the world, in metres.
+    /// Distance by which a point light or a spot is moved along each axis of the world, in metres.
     pub offset_m: Limits,
 }
 
 impl Default for LightRanges {
-    /// As it is.
+    /// Leaves lights unchanged.
     fn default() -> Self {
         Self { intensity: [1.0; 2], color: [1.0; 2], tilt: [0.0; 2], offset_m: [0.0; 2] }
     }
 }
 
-/// What was drawn for a lamp.
+/// The values drawn for a light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrawnLight {
     /// Factor of its light.
     pub intensity: f64,
-    /// Factor of each of red, green and blue beside that.
+    /// Additional factor of red, green and blue.
     pub color: [f64; 3],
-    /// By how much it is turned, in radians.
+    /// Tilt angle, in radians.
     pub tilt: f64,
-    /// To which side, in radians.
+    /// Direction of the tilt, in radians.
     pub side: f64,
-    /// By how much it is moved, in metres along the axes of the world.
+    /// Offset along the axes of the world, in metres.
     pub offset_m: DVec3,
 }
 
 impl LightRanges {
-    /// What is drawn for the lamp of this index.
+    /// Draws the values for the light with this index.
     pub fn draw(&self, draws: &Draws, light: u32) -> DrawnLight {
         let thing = Thing::Light(light);
         let between = |limits, slot| draws.between(limits, thing, slot);
@@ -55,7 +55,7 @@ impl LightRanges {
 }
 
 impl DrawnLight {
-    /// A lamp as it was drawn. Its highlights follow its light.
+    /// Applies the drawn values to a light. Its highlights change with its colour.
     #[must_use]
     pub fn of(&self, light: &Light) -> Light {
         let mut drawn = light.times(self.color.map(|factor| (factor * self.intensity) as f32));

@@ -1,36 +1,36 @@
-//! Colours and pictures of bodies drawn at random.
+//! Random colours and textures of bodies.
 
 use super::{Draws, Limits, Thing};
 use belvedere_sensors::scene::Material;
 
-/// Between what limits the looks of bodies are drawn, each by itself.
+/// Limits for random materials of bodies, each drawn independently.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MaterialRanges {
-    /// Colours in the place of its own.
+    /// Colours that replace the body's own.
     pub colors: Colors,
-    /// By how much the hue is turned, in degrees.
+    /// Rotation of the hue, in degrees.
     pub hue_deg: Limits,
     /// Factor of the saturation, 0 or more.
     pub saturation: Limits,
-    /// Factor of the greatest of red, green and blue, 0 or more.
+    /// Factor of the brightness (the largest of red, green and blue), 0 or more.
     pub brightness: Limits,
-    /// How probable it is that pictures stay on the body, 0 to 1.
+    /// Probability that the body keeps its textures, 0 to 1.
     pub textured: f64,
 }
 
-/// What colours there are in the place of a body's own, parts from 0 to 1.
+/// Colours that replace a body's own, with components from 0 to 1.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Colors {
-    /// Its own.
+    /// The body's own colour.
     Own,
-    /// Between two, each of red, green and blue by itself.
+    /// Between two colours, drawn independently for red, green and blue.
     Between([[f64; 3]; 2]),
-    /// One of some, each as probable.
+    /// One of several, with equal probability.
     OneOf(Vec<[f64; 3]>),
 }
 
 impl Default for MaterialRanges {
-    /// As it is.
+    /// Leaves materials unchanged.
     fn default() -> Self {
         Self {
             colors: Colors::Own,
@@ -42,23 +42,23 @@ impl Default for MaterialRanges {
     }
 }
 
-/// What was drawn for a body.
+/// The values drawn for a body.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DrawnMaterial {
-    /// In the place of its own.
+    /// The colour that replaces its own.
     pub color: Option<[f64; 3]>,
-    /// By how much the hue is turned, in degrees.
+    /// Rotation of the hue, in degrees.
     pub hue_deg: f64,
     /// Factor of the saturation.
     pub saturation: f64,
-    /// Factor of the greatest of red, green and blue.
+    /// Factor of the brightness.
     pub brightness: f64,
-    /// Whether pictures stay on it.
+    /// Whether it keeps its textures.
     pub is_textured: bool,
 }
 
 impl MaterialRanges {
-    /// What is drawn for the body of this index.
+    /// Draws the values for the body with this index.
     pub fn draw(&self, draws: &Draws, body: u32) -> DrawnMaterial {
         let thing = Thing::Body(body);
         let color =
@@ -82,14 +82,14 @@ impl MaterialRanges {
 }
 
 impl DrawnMaterial {
-    /// A material as it was drawn.
+    /// Applies the drawn values to a material.
     #[must_use]
     pub fn of(&self, material: &Material) -> Material {
         let material = if self.is_textured { *material } else { material.without_texture() };
         material.recoloured(|own| self.color_of(own))
     }
 
-    /// A colour as it was drawn; parts from 0 to 1.
+    /// Applies the drawn values to a colour with components from 0 to 1.
     fn color_of(&self, own: [f32; 3]) -> [f32; 3] {
         let color = self.color.map_or(own, |color| color.map(|part| part as f32));
         if self.hue_deg == 0.0 && self.saturation == 1.0 && self.brightness == 1.0 {
@@ -101,7 +101,7 @@ impl DrawnMaterial {
     }
 }
 
-/// Hue in degrees, saturation and value of a colour: A. R. Smith, "Color gamut transform pairs", 1978,
+/// Converts a colour to hue in degrees, saturation and value: A. R. Smith, "Color gamut transform pairs", 1978,
 /// doi:10.1145/965139.807361.
 fn hsv([red, green, blue]: [f64; 3]) -> [f64; 3] {
     let value = red.max(green).max(blue);
@@ -119,9 +119,10 @@ fn hsv([red, green, blue]: [f64; 3]) -> [f64; 3] {
     [60.0 * sixth, spread / value, value]
 }
 
-/// The colour of hue in degrees, saturation and value.
+/// Converts hue in degrees, saturation and value to a colour.
 fn rgb([hue_deg, saturation, value]: [f64; 3]) -> [f64; 3] {
-    // How far the hue is from each primary's, in sixths of the circle: within one it is full, beyond two there is none.
+    // Distance of the hue from each primary's, in sixths of the circle: up to one the primary is full, beyond two it is
+    // zero.
     [0.0, 120.0, 240.0].map(|primary_deg: f64| {
         let turn = (hue_deg - primary_deg).rem_euclid(360.0);
         let sixths = turn.min(360.0 - turn) / 60.0;

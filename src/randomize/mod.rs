@@ -1,10 +1,11 @@
-//! Looks drawn at random between limits, for learning: lamps and materials, each a function of a seed, a sample and a thing.
+//! Random lights and materials between limits, for machine learning. Each value depends only on a seed, a sample and an
+//! object.
 //!
 //! | file | is |
 //! |---|---|
 //! | `draws` | the random numbers |
-//! | `lights` | lamps: brightness, colour, direction, place |
-//! | `materials` | colours and pictures of bodies |
+//! | `lights` | lights: brightness, colour, direction, position |
+//! | `materials` | colours and textures of bodies |
 
 mod draws;
 mod lights;
@@ -14,5 +15,5 @@ pub use draws::{Draws, Thing};
 pub use lights::{DrawnLight, LightRanges};
 pub use materials::{Colors, DrawnMaterial, MaterialRanges};
 
-/// The least and the greatest.
+/// Lower and upper limit.
 pub type Limits = [f64; 2];

@@ -1,12 +1,12 @@
-//! Files that are kept in a recording.
+//! Files that are stored in a recording.
 
-/// A file in a recording: the robot's description, the world.
+/// A file in a recording, such as a robot's description or the world.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Attachment {
-    /// What it is called, without a folder.
+    /// File name, without a folder.
     pub name: String,
-    /// Its type, as `application/xml`.
+    /// Media type, such as `application/xml`.
     pub media_type: String,
-    /// What is in it.
+    /// Contents of the file.
     pub data: Vec<u8>,
 }

@@ -1,5 +1,5 @@
-//! Whether the sizes that chunks of an MCAP file name can be true: memory for what is in a chunk is reserved before it is
-//! read, and damaged sizes ask for any amount.
+//! Checks whether the sizes that the chunks of an MCAP file state are possible. The reader reserves memory for a chunk
+//! before it reads it, and a damaged size may ask for any amount.
 
 use mcap::records::op;
 use std::io::{Error, ErrorKind, Read, Result};
@@ -10,35 +10,35 @@ const MAGIC: u64 = 8;
 const RECORD_HEAD: usize = 9;
 /// Bytes of a chunk before the name of its compression: two times, its size, its checksum, and the name's length.
 const BEFORE_NAME: usize = 32;
-/// Longest name of a compression that is looked at; there is none of more than four letters.
+/// Longest name of a compression that is read; all known ones have at most four letters.
 const LONGEST_NAME: usize = 32;
 
-/// Most bytes that a byte of LZ4 stands for.
+/// Highest compression ratio of LZ4.
 const LZ4_RATIO: u64 = 255;
-/// Most bytes that a byte of Zstandard stands for: a block of 128 KiB that repeats one byte takes four.
+/// Highest compression ratio of Zstandard: a block of 128 KiB that repeats one byte takes four bytes.
 const ZSTD_RATIO: u64 = 32 << 10;
-/// Bytes that a chunk may always have.
+/// Size that every chunk may have, in bytes.
 const SLACK: u64 = 64 << 10;
 
-/// A source of an MCAP file that fails where a chunk cannot have the size that it names.
+/// Reads an MCAP file and fails at a chunk that cannot have the size that it states.
 #[derive(Debug)]
 pub(super) struct CheckedChunks<R> {
     source: R,
-    /// Bytes of the whole file.
+    /// Size of the whole file, in bytes.
     file_len: u64,
-    /// Bytes until the next head of a record.
+    /// Number of bytes before the next record's head.
     skip: u64,
-    /// The beginning of a record, as far as it is needed.
+    /// The needed part of a record's beginning.
     head: Vec<u8>,
 }
 
 impl<R> CheckedChunks<R> {
-    /// Checks a file of at most so many bytes from its beginning.
+    /// Checks a file of at most `file_len` bytes from its beginning.
     pub(super) fn new(source: R, file_len: u64) -> Self {
         Self { source, file_len, skip: MAGIC, head: Vec::new() }
     }
 
-    /// Follows the records through these bytes.
+    /// Finds and checks the records in these bytes.
     fn follow(&mut self, mut bytes: &[u8]) -> Result<()> {
         while !bytes.is_empty() {
             if self.skip > 0 {
@@ -61,7 +61,7 @@ impl<R> CheckedChunks<R> {
         Ok(())
     }
 
-    /// Returns how many bytes of the record are needed, by those that are there.
+    /// Returns the number of the record's bytes that are needed, given those already read.
     fn wanted(&self) -> usize {
         let is_chunk = self.head.first() == Some(&op::CHUNK);
         if self.head.len() < RECORD_HEAD || !is_chunk || number(&self.head, 1) < BEFORE_NAME as u64 {
@@ -69,24 +69,24 @@ impl<R> CheckedChunks<R> {
         }
         let before_name = RECORD_HEAD + BEFORE_NAME;
         match self.name_len() {
-            // One that is too long is refused by the reader, before it asks for memory.
+            // A name that is too long is refused by the reader before it reserves memory.
             Some(len) if len <= LONGEST_NAME && self.has(before_name + len + 8) => before_name + len + 8,
             _ => before_name,
         }
     }
 
-    /// Whether the record has so many bytes, its head included.
+    /// Returns true if the record has this many bytes, including its head.
     fn has(&self, len: usize) -> bool {
         number(&self.head, 1) >= (len - RECORD_HEAD) as u64
     }
 
-    /// Returns the length of the name of a chunk's compression, once that is there.
+    /// Returns the length of the name of a chunk's compression, once it has been read.
     fn name_len(&self) -> Option<usize> {
         let len = self.head.get(RECORD_HEAD + BEFORE_NAME - 4..)?.first_chunk()?;
         Some(u32::from_le_bytes(*len) as usize)
     }
 
-    /// Checks a chunk whose sizes are there.
+    /// Checks a chunk whose sizes have been read.
     fn check(&self) -> Result<()> {
         let after_name = self.head.get(RECORD_HEAD + BEFORE_NAME..).unwrap_or_default();
         let Some((name, compressed)) = after_name.split_last_chunk::<8>() else { return Ok(()) };
@@ -101,7 +101,7 @@ impl<R> CheckedChunks<R> {
             return Err(Error::new(
                 ErrorKind::InvalidData,
                 format!(
-                    "a chunk names a size of {uncompressed} bytes, which its {compressed} bytes cannot hold"
+                    "a chunk states a size of {uncompressed} bytes, which its {compressed} bytes cannot hold"
                 ),
             ));
         }
@@ -109,7 +109,7 @@ impl<R> CheckedChunks<R> {
     }
 }
 
-/// Returns the number at this place, or 0 if it is cut.
+/// Returns the number at this place, or 0 if it is cut off.
 fn number(bytes: &[u8], at: usize) -> u64 {
     bytes.get(at..).and_then(<[u8]>::first_chunk).map_or(0, |bytes| u64::from_le_bytes(*bytes))
 }
@@ -145,7 +145,7 @@ mod tests {
         record(op::CHUNK, &body.concat())
     }
 
-    /// Reads a file of these records in pieces of so many bytes.
+    /// Reads a file of these records in pieces of this many bytes.
     fn read(records: &[Vec<u8>], piece: usize) -> Result<()> {
         let file = [&[0; MAGIC as usize][..], &records.concat()].concat();
         let mut checked = CheckedChunks::new(Cursor::new(file), u64::MAX);

@@ -1,64 +1,64 @@
-//! What can be wrong with a recording.
+//! Errors of recordings.
 
 use belvedere_bridge::FrameError;
 
-/// Why a recording cannot be written or read.
+/// The reason why a recording cannot be written or read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum RecordingError {
-    /// The system's words.
+    /// An error of the operating system.
     #[error("{0}")]
     Io(#[from] std::io::Error),
-    /// Another process writes it now.
-    #[error("another process is writing it; choose another name, or end that one")]
+    /// Another process is writing it.
+    #[error("another process is writing it; choose another name, or end that process")]
     BeingWritten,
-    /// What a process that was killed has left.
+    /// A killed process has left an unfinished recording.
     #[error(
-        "{} is there, from a recording that was not ended; it can be played under that name: rename it, or replace it \
+        "{} exists, from a recording that was not finished; it can be played under that name: rename it, or replace it \
          with --force",
         active.display()
     )]
     Unfinished {
-        /// Where it is.
+        /// Path of the unfinished recording.
         active: std::path::PathBuf,
     },
-    /// A replay was to begin after the end.
-    #[error("it lasts {lasts_s:.3} s only, and was to be played from {start_s:.3} s on")]
+    /// A replay was to start after the end of the recording.
+    #[error("it lasts only {lasts_s:.3} s, and was to be played from {start_s:.3} s")]
     TooShort {
         /// Seconds from its first frame to its last.
         lasts_s: f64,
-        /// Where it was to begin, seconds.
+        /// Requested start, seconds.
         start_s: f64,
     },
-    /// It does not begin as MCAP does.
-    #[error("it is no MCAP file")]
+    /// The file does not start like an MCAP file.
+    #[error("it is not an MCAP file")]
     NotMcap,
-    /// It is MCAP, and broken.
+    /// The MCAP file is damaged.
     #[error("it is broken: {0}")]
     Broken(String),
-    /// It ends before its end.
+    /// The file is cut off.
     #[error("it ends in the middle, as after a crash or while it is still being written")]
     Cut,
-    /// A frame that nobody could read.
-    #[error("a frame of /{topic} is wrong: {error}")]
+    /// A frame is invalid.
+    #[error("a frame of /{topic} is invalid: {error}")]
     Frame {
-        /// Without a leading slash.
+        /// Its topic, without a leading slash.
         topic: String,
-        /// What.
+        /// What is wrong with the frame.
         error: FrameError,
     },
-    /// MCAP, and not of ours.
+    /// An MCAP file that Belvedere has not written.
     #[error("it has no frames of Belvedere, which a replay needs; it was written by \"{library}\"")]
     Foreign {
-        /// What its header says.
+        /// The program that wrote it, according to its header.
         library: String,
     },
-    /// A consumer that is waited for has not come, or follows too few streams.
+    /// A consumer given with --wait-for has not connected, or subscribes to too few streams.
     #[error("\"{name}\" did not come within {:.1} s; start it within that time, or raise --patience", waited.as_secs_f64())]
     ConsumerMissing {
-        /// Which.
+        /// Name of the consumer.
         name: String,
-        /// How long was waited.
+        /// Time waited.
         waited: std::time::Duration,
     },
     /// A stream cannot be opened or sent to.
@@ -67,7 +67,7 @@ pub enum RecordingError {
 }
 
 impl RecordingError {
-    /// Whether shared memory has no room for a stream.
+    /// Returns true if shared memory has no room for a stream.
     pub(super) fn lacks_memory(&self) -> bool {
         matches!(self, Self::Bridge(belvedere_bridge::Error::SharedMemoryTooSmall { .. }))
     }

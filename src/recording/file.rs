@@ -1,11 +1,11 @@
-//! [`NewFile`]: nothing half-written under the final name.
+//! [`NewFile`]: a file that gets its final name only when it is complete.
 
 use super::RecordingError;
 use std::fs::{self, File, OpenOptions, TryLockError};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// A file that has its name only once it is complete: until then `.active` stands behind it.
+/// A file that gets its name only when it is complete. Until then `.active` is appended to the name.
 #[derive(Debug)]
 pub struct NewFile {
     file: File,
@@ -14,12 +14,12 @@ pub struct NewFile {
 }
 
 impl NewFile {
-    /// Begins a file. One that is there is replaced only with `replace`, and only when this one is complete; so is what
-    /// a killed process left under `.active`, which is lost at once.
+    /// Creates a file. An existing file is replaced only with `replace`, and only when this one is complete. An
+    /// `.active` file left by a killed process is also replaced only with `replace`, but at once.
     ///
     /// # Errors
-    /// [`io::ErrorKind::AlreadyExists`], [`RecordingError::Unfinished`], [`RecordingError::BeingWritten`], and the
-    /// system's.
+    /// [`io::ErrorKind::AlreadyExists`], [`RecordingError::Unfinished`], [`RecordingError::BeingWritten`], and those of
+    /// the system.
     pub fn create(path: &Path, replace: bool) -> Result<Self, RecordingError> {
         if !replace && path.exists() {
             return Err(io::Error::from(io::ErrorKind::AlreadyExists).into());
@@ -34,8 +34,8 @@ impl NewFile {
             }
             Err(error) => return Err(error.into()),
         };
-        // Whoever writes it holds the lock, and the system takes it from the dead. Where files cannot be locked, those
-        // that are there are taken to be finished.
+        // The process that writes the file holds the lock, and the system releases it when the process ends. Where
+        // files cannot be locked, existing files are assumed to be finished.
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
             return Err(RecordingError::BeingWritten);
         }
@@ -48,31 +48,31 @@ impl NewFile {
         Ok(Self { file, active, path: path.to_owned() })
     }
 
-    /// Nothing of worth was written: nothing is left of it.
+    /// Removes the file, because nothing useful was written.
     pub(super) fn discard(self) {
         if let Err(error) = fs::remove_file(&self.active) {
             tracing::warn!("{}: {error}", self.active.display());
         }
     }
 
-    /// Where it is until it is complete.
+    /// Returns the path of the file until it is complete.
     pub fn active(&self) -> &Path {
         &self.active
     }
 
-    /// Another handle of the same file, for who writes it.
+    /// Returns a second handle of the file, for writing.
     ///
     /// # Errors
-    /// The system's.
+    /// Errors of the system.
     pub fn writer(&self) -> io::Result<impl Write + Send + use<>> {
-        // A chunk comes whole; its index and its records' heads are small.
+        // A chunk is written at once; its index and the heads of records are small and need the buffer.
         Ok(io::BufWriter::with_capacity(1 << 18, self.file.try_clone()?))
     }
 
-    /// It is complete: gives it its name.
+    /// Completes the file and gives it its name.
     ///
     /// # Errors
-    /// The system's.
+    /// Errors of the system.
     pub fn complete(self) -> io::Result<()> {
         self.file.sync_all()?;
         fs::rename(&self.active, &self.path)

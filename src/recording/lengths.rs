@@ -1,5 +1,5 @@
-//! Whether the lengths in a record of MCAP are of what is there: a damaged one asks for up to 4 GiB before it is found to be
-//! wrong.
+//! Checks the lengths in MCAP records against the size of the record. A damaged length could otherwise reserve up to 4
+//! GiB before it is found to be wrong.
 
 use super::RecordingError;
 use mcap::records::op;
@@ -7,9 +7,9 @@ use mcap::records::op;
 /// Checks the lengths of the texts in a record.
 ///
 /// # Errors
-/// [`RecordingError::Broken`] for one that reaches beyond the record.
+/// [`RecordingError::Broken`] for a length that reaches beyond the record.
 pub(super) fn check(opcode: u8, body: &[u8]) -> Result<(), RecordingError> {
-    // Bytes before the texts, how many texts, and whether a map of texts follows.
+    // Bytes before the texts, number of texts, and whether a map of texts follows.
     let (before, texts, has_map) = match opcode {
         op::HEADER => (0, 2, false),
         op::SCHEMA => (2, 2, false),
@@ -31,20 +31,20 @@ pub(super) fn check(opcode: u8, body: &[u8]) -> Result<(), RecordingError> {
     rest.map(|_| ()).ok_or_else(broken)
 }
 
-/// Its text is behind a map of numbers, which has a length of its own.
+/// Checks a chunk index, whose text follows a map of numbers with a length of its own.
 fn check_chunk_index(body: &[u8]) -> Result<(), RecordingError> {
     let offsets = body.get(32..).and_then(after_text);
     let text = offsets.and_then(|rest| rest.get(8..)).and_then(after_text);
     text.map(|_| ()).ok_or_else(broken)
 }
 
-/// What follows a text, or anything else with its length in bytes before it.
+/// Returns the bytes after a text, or after any other field that starts with its length in bytes.
 fn after_text(bytes: &[u8]) -> Option<&[u8]> {
     let (len, rest) = bytes.split_first_chunk::<4>()?;
     rest.get(u32::from_le_bytes(*len) as usize..)
 }
 
-/// What follows a map of texts, all of which are within its length.
+/// Returns the bytes after a map of texts, if all texts are within its length.
 fn after_map(bytes: &[u8]) -> Option<&[u8]> {
     let after = after_text(bytes)?;
     let mut inside = &bytes[4..bytes.len() - after.len()];
@@ -67,7 +67,7 @@ mod tests {
     }
 
     #[test]
-    fn lengths_beyond_the_record_are_found_before_they_are_asked_for() {
+    fn lengths_beyond_the_record_are_found_before_memory_is_reserved() {
         let map = [text("key"), text("value")].concat();
         let map = [&(map.len() as u32).to_le_bytes()[..], &map].concat();
         let offsets = [&10_u32.to_le_bytes()[..], &[0; 10]].concat();
@@ -83,7 +83,7 @@ mod tests {
         ];
         for (opcode, whole) in records {
             check(opcode, &whole).unwrap();
-            // Any four bytes as large as they can be: a text's length among them is found.
+            // Any four bytes are set to the maximum: an error is found if they are a text's length.
             let is_found = |at: usize| {
                 let mut damaged = whole.clone();
                 damaged[at..at + 4].fill(0xff);

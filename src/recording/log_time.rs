@@ -1,23 +1,23 @@
-//! When a message was recorded, in simulated time.
+//! [`LogTime`]: the simulated time at which a message was recorded.
 
 use belvedere_bridge::Kind;
 
-/// What is stamped so much later than the clock is of a time before a reset.
+/// A frame whose timestamp is this much later than the clock dates from before a reset.
 const STALE_NS: u64 = 10_000_000_000;
 
-/// Makes times that never go back, from stamps: a picture comes after what is stamped later, commands have no stamps,
-/// and after a reset of the simulation stamps begin at 0 again.
+/// Converts timestamps to times that never go back. An image may follow frames with later timestamps, commands have no
+/// timestamps, and after a reset of the simulation timestamps start at 0 again.
 #[derive(Debug, Default)]
 #[allow(clippy::struct_field_names, reason = "the unit")]
 pub(super) struct LogTime {
-    /// The time at the last reset.
+    /// The recorded time of the last reset.
     base_ns: u64,
     clock_ns: u64,
     newest_ns: u64,
 }
 
 impl LogTime {
-    /// The time of the next message, nanoseconds.
+    /// Returns the time of the next message, nanoseconds.
     pub(super) fn next(&mut self, kind: Option<Kind>, stamp_ns: u64) -> u64 {
         if kind == Some(Kind::Clock) {
             if stamp_ns < self.clock_ns {
@@ -44,7 +44,7 @@ mod tests {
             (Kind::Image, 90, 100),
             (Kind::VelocityCommand, 0, 100),
             (Kind::Odometry, 110, 110),
-            // A reset, and a picture that was on its way.
+            // A reset, and an image that was sent before it.
             (Kind::Clock, 0, 110),
             (Kind::Clock, 10, 120),
             (Kind::Image, STALE_NS + 11, 120),

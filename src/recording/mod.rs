@@ -1,18 +1,19 @@
-//! Runs kept in MCAP files, and played again.
+//! Recording of runs to MCAP files, and their replay.
 //!
 //! | part | is |
 //! |---|---|
-//! | [`RecordingWriter`] | frames into a file: ROS 1's message of each, and beside it what that leaves out |
-//! | [`RecordingReader`] | what is in a file, in order |
-//! | [`Recorder`] | all streams of a domain into a file |
-//! | [`Player`] | a file into a domain, as if it were the simulator |
-//! | [`Timeline`] | where it is, and where somebody wants it to be |
+//! | [`RecordingWriter`] | writes frames to a file: a ROS 1 message of each, and the data that the message lacks |
+//! | [`RecordingReader`] | reads the contents of a file in order |
+//! | [`Recorder`] | records all streams of a domain to a file |
+//! | [`Player`] | plays a file in a domain, in place of the simulator |
+//! | [`Timeline`] | the position in a recording, and requests to seek |
 //!
-//! A file is of MCAP's profile `ros1`. It has for each stream that ROS has a message for a channel with ROS's topic, type and
-//! definition, and for each stream a channel `/belvedere/frames/TOPIC` of the type `belvedere/Frame`: the header of each
-//! frame, and its payload unless the message before has it byte by byte, as those of pictures and clouds do. Times are
-//! simulated: `publish_time` is the stamp, `log_time` never goes back. Metadata: `belvedere` on how it came about,
-//! `belvedere.stream` for each stream, `belvedere.hashes` at the end. Attachments: the robots and the world as they were read.
+//! Files have MCAP's profile `ros1`. Each stream that has a ROS message gets a channel with ROS's topic, type and
+//! definition. In addition each stream gets a channel `/belvedere/frames/TOPIC` of the type `belvedere/Frame`: the
+//! header of each frame, and its payload unless the previous message contains it byte by byte, as messages of images
+//! and clouds do. Times are simulated: `publish_time` is the timestamp, and `log_time` never goes back. Metadata:
+//! `belvedere` describes how the recording was made, `belvedere.stream` describes each stream, and `belvedere.hashes`
+//! is at the end. Attachments: the robots and the world as they were read.
 
 mod attachment;
 mod chunk_sizes;

@@ -1,13 +1,13 @@
-//! [`PlayClock`]: recorded times as times of day.
+//! [`PlayClock`]: converts recorded times to wall-clock times.
 
 use std::time::{Duration, Instant};
 
-/// When recorded times are due.
+/// Determines when recorded times are due.
 pub(super) struct PlayClock {
     pub(super) first_ns: u64,
-    /// Whether a frame was reached that is to be played.
+    /// True once a frame that is to be played has been reached.
     pub(super) has_begun: bool,
-    /// A recorded time, and when it was.
+    /// The last recorded time that was reached; `last_at` is the moment when it was reached.
     last_ns: u64,
     last_at: Instant,
 }
@@ -17,21 +17,21 @@ impl PlayClock {
         Self { first_ns, has_begun: false, last_ns: first_ns, last_at: Instant::now() }
     }
 
-    /// Time does not pass.
+    /// Keeps the clock at its recorded time, while paused.
     pub(super) fn stand(&mut self) {
         self.last_at = Instant::now();
     }
 
-    /// This recorded time is now.
+    /// Sets the clock to this recorded time.
     pub(super) fn skip_to(&mut self, time_ns: u64) {
         self.last_ns = time_ns;
         self.stand();
     }
 
-    /// How long it is to a recorded time; it becomes the last one when that is nothing.
+    /// Returns the wait until a recorded time. When the wait is over, moves the clock to that time.
     pub(super) fn left(&mut self, time_ns: u64, rate: f64) -> Duration {
         let recorded = time_ns.saturating_sub(self.last_ns) as f64 * 1e-9;
-        // More than a year is for ever.
+        // Waits are limited to about a year.
         let due = Duration::from_secs_f64((recorded / rate).min(3e7));
         let left = due.saturating_sub(self.last_at.elapsed());
         if left.is_zero() {

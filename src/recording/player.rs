@@ -1,4 +1,4 @@
-//! [`Player`]: a recording as if the simulator ran.
+//! [`Player`]: plays a recording in place of the simulator.
 
 use super::play_clock::PlayClock;
 use super::player_options::{Pace, PlayerOptions};
@@ -15,31 +15,31 @@ use std::io::Read;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// How often those who have come late are given the last frame of streams that are sent seldom.
+/// Interval at which new subscribers get the last frame of latched streams.
 const UPDATE_INTERVAL: Duration = Duration::from_millis(100);
-/// Longest sleep before the caller is asked whether to go on.
+/// Longest sleep between two calls of `go_on`.
 pub(super) const NAP: Duration = Duration::from_millis(20);
 
-/// Plays recordings into a domain: the same streams with the same frames, in the order and at the distances of the
-/// recording. Of a header only the counter, the session and the time of sending are the replay's own, and
-/// [`FrameHeader::REPLAYED`] is set. Commands pause, resume and step it as they do a simulator.
+/// Plays recordings in a domain: the same streams with the same frames, in the order and at the intervals of the
+/// recording. In a header only the counter, the session and the send time are the replay's own, and
+/// [`FrameHeader::REPLAYED`] is set. Commands pause, resume and step a replay like a simulator.
 pub struct Player {
     node: Node,
     inbox: Inbox,
     pub(super) options: PlayerOptions,
     streams: HashMap<String, Publisher>,
     specs: BTreeMap<String, RecordedStream>,
-    /// How large the pools of streams may be, and what those that are open were made with.
+    /// The limit of pools; `made` has the specification of each open stream.
     room: Room,
     made: HashMap<String, StreamSpec>,
-    /// Whether a stream is described that is not open yet.
+    /// True if a described stream is not open yet.
     has_new: bool,
     pub(super) paused: bool,
-    /// Whoever seeks, and sees where it is.
+    /// Shared with other threads that seek and read the position.
     pub(super) timeline: Option<Arc<Timeline>>,
-    /// The last frame of each stream before the start, for those who seek.
+    /// The last frame of each stream before the start, sent after seeking.
     pub(super) before: BTreeMap<String, RecordedFrame>,
-    /// Steps to go, and who is told when they are done.
+    /// Number of steps left, and the command that is answered when they are done.
     steps: Option<(u64, SimulationCommand)>,
     next_update: Instant,
     time_ns: u64,
@@ -47,20 +47,20 @@ pub struct Player {
     frames: u64,
 }
 
-/// Whether there is more to play.
+/// The reason why playing ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ending {
-    /// The recording has ended, or what was asked for of it.
+    /// The recording, or the requested part of it, has ended.
     Played,
-    /// The caller did not want more.
+    /// The caller stopped it.
     Stopped,
 }
 
 impl Player {
-    /// Takes the simulator's place in a domain.
+    /// Creates a player in place of the simulator in a domain.
     ///
     /// # Errors
-    /// When a simulator, or another replay, is there.
+    /// If the domain has a simulator or another replay.
     pub fn open(node: Node, options: PlayerOptions) -> Result<Self, RecordingError> {
         let inbox = Inbox::open(&node)?;
         Ok(Self {
@@ -83,22 +83,22 @@ impl Player {
         })
     }
 
-    /// Simulated time, nanoseconds: that of the clock that was sent last.
+    /// Returns the simulated time in nanoseconds, according to the last clock message.
     pub fn time_ns(&self) -> u64 {
         self.time_ns
     }
 
-    /// Frames sent.
+    /// Returns the number of frames sent.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// Plays a recording once. `go_on` is asked some fifty times a second.
+    /// Plays a recording once. `go_on` is called about fifty times a second.
     ///
     /// # Errors
-    /// [`RecordingError::Foreign`] when no frame is in it; [`RecordingError::TooShort`] when it ends before the time at
-    /// which it was to begin; [`RecordingError::Cut`] at the end of one that is cut, all
-    /// of which was played; those of the streams.
+    /// [`RecordingError::Foreign`] if the recording has no frames; [`RecordingError::TooShort`] if it ends before the
+    /// requested start; [`RecordingError::Cut`] at the end of a recording that is cut off, once everything before the
+    /// cut was played; errors of the streams.
     pub fn play<R: Read>(
         &mut self,
         mut recording: RecordingReader<R>,
@@ -124,7 +124,7 @@ impl Player {
             let since_start = Duration::from_nanos(frame.log_time_ns.saturating_sub(clock.first_ns));
             if since_start < self.options.start {
                 clock.skip_to(frame.log_time_ns);
-                // What is told once is wanted by those who begin later, too.
+                // Latched messages are sent even if they were recorded before the start.
                 if self.timeline.is_some() {
                     self.before.insert(frame.topic.clone(), frame);
                 } else if matches!(frame.header.kind(), Some(Kind::StaticTransforms | Kind::SensorSettings)) {
@@ -149,7 +149,7 @@ impl Player {
             }
             self.send(&frame)?;
             self.count_step(&frame);
-            self.tell(since_start);
+            self.show_position(since_start);
         };
         match (&ending, clock) {
             (Ok(_), None) => Err(RecordingError::Foreign { library: recording.library().to_owned() }),
@@ -170,8 +170,8 @@ impl Player {
         frames.iter().try_for_each(|frame| self.send(frame))
     }
 
-    /// Publishes the position on the timeline.
-    pub(super) fn tell(&self, position: Duration) {
+    /// Publishes the position and the pause on the timeline.
+    pub(super) fn show_position(&self, position: Duration) {
         if let Some(timeline) = &self.timeline {
             timeline.set_position(position, self.paused);
         }
@@ -182,7 +182,7 @@ impl Player {
         self.timeline.as_ref().is_some_and(|timeline| timeline.is_sought())
     }
 
-    /// Takes over the rate that was set on the timeline.
+    /// Applies the rate that was set on the timeline.
     pub(super) fn take_rate(&mut self) {
         if let Some(timeline) = &self.timeline {
             self.options.pace = Pace::Rate(timeline.now().rate);
@@ -190,7 +190,8 @@ impl Player {
         }
     }
 
-    /// Whether the caller wants more; asked from time to time, when late consumers are given their frames, too.
+    /// Returns true if the caller wants to continue. From time to time this calls `go_on`, and sends latched frames to
+    /// new subscribers.
     fn is_wanted(
         &mut self,
         now: Instant,
@@ -204,8 +205,8 @@ impl Player {
         Ok(go_on(self))
     }
 
-    /// Takes note of a stream, which is opened before the next frame: those that are described together share the room that
-    /// there is.
+    /// Adds a stream, which is opened before the next frame, so that streams that are described together share the
+    /// memory.
     fn add(&mut self, stream: RecordedStream) {
         if !self.specs.contains_key(&stream.topic) {
             self.specs.insert(stream.topic.clone(), stream);
@@ -213,8 +214,8 @@ impl Player {
         }
     }
 
-    /// Opens the streams that are not open yet, with pools as large as fit beside each other. Where there is too little
-    /// room beside those that are open, these are opened again with smaller pools: consumers see another publisher.
+    /// Opens the streams that are not open yet, with pools as large as all of them fit. If the memory is too small with
+    /// those already open, all are opened again with smaller pools: consumers then see new publishers.
     fn open_new(&mut self) -> Result<(), RecordingError> {
         if !std::mem::take(&mut self.has_new) {
             return Ok(());
@@ -225,10 +226,10 @@ impl Player {
         opened
     }
 
-    /// Opens all streams with what there is room for; those that have that already stay as they are.
+    /// Opens all streams within the limit of `room`. Streams that already have the right size stay open.
     fn open_within(&mut self, room: &Room) -> Result<(), RecordingError> {
         let wanted: Vec<_> = self.specs.values().map(|stream| room.cut(&stream.spec())).collect();
-        // First, as they make room for others.
+        // Closed first, to make room for others.
         for spec in &wanted {
             if self.made.get(&spec.topic).is_some_and(|made| made != spec) {
                 self.made.remove(&spec.topic);
@@ -252,13 +253,13 @@ impl Player {
         Ok(self.node.publisher(&StreamSpec { lossless, ..spec.clone() })?)
     }
 
-    /// Makes room for a larger frame than the stream was described with: the simulator was started again, with another
-    /// robot or world, while it was recorded. Consumers see what they see then, another publisher.
+    /// Opens a stream again for a frame that is larger than its description. This happens if the simulator was
+    /// restarted with another robot or world during the recording. Consumers see a new publisher, as they did then.
     fn enlarge(&mut self, topic: &str, len: usize) -> Result<(), RecordingError> {
         let Some(stream) = self.specs.get_mut(topic) else { return Ok(()) };
         stream.max_payload_len = len;
         self.made.remove(topic);
-        // One publisher a stream: the old one goes first, and consumers let go of it.
+        // A stream has one publisher: the old one is closed first, and consumers disconnect from it.
         let awaited = |name: &String| self.options.wait_for.iter().any(|awaited| awaited.name == *name);
         let old = self.streams.remove(topic);
         let names = old.iter().flat_map(Publisher::consumers).map(|consumer| consumer.name);
@@ -280,12 +281,12 @@ impl Player {
         })
     }
 
-    /// How long a frame waits for a consumer.
+    /// Returns the longest wait of a frame for a consumer.
     fn patience(&self) -> Duration {
         self.options.patience.unwrap_or(Lossless::PATIENCE)
     }
 
-    /// Waits until something holds, or patience ends.
+    /// Waits until a condition holds, or the time for waiting is over.
     fn until(&self, holds: impl Fn() -> Result<bool, RecordingError>) -> Result<(), RecordingError> {
         let deadline = Instant::now() + self.patience();
         while !holds()? && Instant::now() < deadline {
@@ -294,7 +295,7 @@ impl Player {
         Ok(())
     }
 
-    /// Waits until all consumers that are waited for follow as many streams as they should; false if `go_on` ends it.
+    /// Waits until all awaited consumers subscribe to as many streams as required. Returns false if `go_on` stops it.
     fn gather(&mut self, go_on: &mut impl FnMut(&Self) -> bool) -> Result<bool, RecordingError> {
         let since = Instant::now();
         loop {
@@ -318,7 +319,7 @@ impl Player {
         }
     }
 
-    /// Waits until a frame is due, through all pauses; false if `go_on` ends it.
+    /// Waits until a frame is due, including pauses. Returns false if `go_on` stops it.
     fn wait_until_due(
         &mut self,
         clock: &mut PlayClock,
@@ -342,7 +343,7 @@ impl Player {
             }
             let left = match self.options.pace {
                 Pace::Rate(rate) if self.steps.is_none() => clock.left(log_time_ns, rate),
-                // Steps are done at once, and time goes on from where they end.
+                // Steps are done at once, and time continues where they end.
                 _ => {
                     clock.skip_to(log_time_ns);
                     Duration::ZERO
@@ -373,7 +374,7 @@ impl Player {
         }
     }
 
-    /// What became of a command; nothing yet for one that takes time.
+    /// Executes a command and returns its result, or `None` for a step, which is answered later.
     fn obey(&mut self, request: &Request) -> Option<Result<(), String>> {
         match request.operation() {
             Some(Operation::Pause) => self.paused = true,
@@ -381,24 +382,24 @@ impl Player {
             Some(Operation::Step) if request.command.steps > 0 => {
                 self.paused = true;
                 if let Some((_, before)) = self.steps.replace((request.command.steps, request.command)) {
-                    self.inbox.answer(&before, self.time_ns, &Err("another step was asked for".into()));
+                    self.inbox.answer(&before, self.time_ns, &Err("another step was requested".into()));
                 }
                 return None;
             }
             Some(Operation::Step) => {}
-            _ => return Some(Err("this is a replay, which can be paused, resumed and stepped".into())),
+            _ => return Some(Err("this is a replay, which can only be paused, resumed and stepped".into())),
         }
         Some(Ok(()))
     }
 
-    /// Ends steps that cannot be done.
+    /// Refuses steps that cannot be done.
     pub(super) fn refuse_steps(&mut self, why: &str) {
         if let Some((_, command)) = self.steps.take() {
             self.inbox.answer(&command, self.time_ns, &Err(why.to_owned()));
         }
     }
 
-    /// A step is from one message of the clock to the next.
+    /// Counts a step, which goes from one message of the clock to the next.
     fn count_step(&mut self, frame: &RecordedFrame) {
         if frame.header.kind() != Some(Kind::Clock) {
             return;
@@ -420,7 +421,7 @@ impl Player {
         }
         let Some(publisher) = self.streams.get(&frame.topic) else {
             return Err(RecordingError::Broken(format!(
-                "a frame is of /{}, which is nowhere described",
+                "a frame belongs to /{}, which the recording does not describe",
                 frame.topic
             )));
         };
@@ -429,8 +430,8 @@ impl Player {
         let flags = frame.header.flags | FrameHeader::REPLAYED;
         *loaned.header_mut() = FrameHeader { flags, payload_len: len as u64, ..*frame.header };
         loaned.send()?;
-        // Streams are recorded side by side, so that some are ahead of the clock by a message; a recording of others'
-        // streams may have none.
+        // Streams are recorded in parallel, so some are ahead of the clock by a message. A recording of other streams
+        // may have no clock.
         if frame.header.kind() == Some(Kind::Clock) {
             (self.has_clock, self.time_ns) = (true, frame.header.stamp_ns);
         } else if !self.has_clock {

@@ -1,37 +1,36 @@
-//! [`PlayerOptions`]: how a recording is played.
+//! [`PlayerOptions`]: options for playing a recording.
 
 use crate::server::attendance::Awaited;
 use std::time::Duration;
 
-/// How fast a recording is played.
+/// The speed at which a recording is played.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Pace {
-    /// So many recorded seconds in a second; greater than 0.
+    /// Factor of real time; greater than 0.
     Rate(f64),
-    /// As fast as it can.
+    /// As fast as possible.
     Max,
 }
 
-/// How a recording is played.
+/// Options for playing a recording.
 #[derive(Debug, Clone)]
 pub struct PlayerOptions {
-    /// How fast.
+    /// The speed.
     pub pace: Pace,
-    /// Where to begin: seconds after the beginning of the recording.
+    /// Where to start, counted from the beginning of the recording.
     pub start: Duration,
-    /// How much of it; all if there is none.
+    /// Recorded time to play; everything if there is none.
     pub duration: Option<Duration>,
-    /// Whether to begin standing, until a command resumes or steps it.
+    /// Whether to start paused, until a command resumes or steps it.
     pub paused: bool,
-    /// Consumers that lose no frame and are waited for before the first.
+    /// Consumers that lose no frame, and that must connect before the first frame.
     pub wait_for: Vec<Awaited>,
-    /// How long a frame, and the first of all, waits for one of them; if nothing is asked for, as long as a simulation
-    /// does.
+    /// Longest wait of a frame, and of the start, for one of these consumers; the defaults are those of a simulation.
     pub patience: Option<Duration>,
 }
 
 impl Default for PlayerOptions {
-    /// All of it, as it was.
+    /// Plays everything at the original speed.
     fn default() -> Self {
         Self {
             pace: Pace::Rate(1.0),

@@ -1,4 +1,4 @@
-//! [`RecordingReader`]: what is in an MCAP file, in the order in which it was written.
+//! [`RecordingReader`]: reads the contents of an MCAP file in the order in which they were written.
 
 use super::chunk_sizes::CheckedChunks;
 use super::lengths;
@@ -16,38 +16,38 @@ use std::io::{ErrorKind, Read, Seek, SeekFrom};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// The largest record or chunk that is taken into memory, bytes; larger ones are no chunks of ours.
+/// The largest record or chunk that is loaded into memory, bytes. Belvedere writes no larger ones.
 const LARGEST: usize = 1 << 30;
 
-/// As much is read at a time, bytes.
+/// Most bytes that are read at a time.
 const PIECE: usize = 1 << 22;
 
-/// A piece of a recording.
+/// An item of a recording.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
 pub enum Item {
-    /// Words on how the recording came about.
+    /// Describes how the recording was made.
     About(BTreeMap<String, String>),
-    /// A file that is kept in it.
+    /// A file that is stored in it.
     Attachment(Attachment),
     /// The hash of each stream, by topics without a leading slash, as `belvedere run --hash` prints it.
     Hashes(BTreeMap<String, String>),
-    /// A stream; before its first frame.
+    /// The description of a stream, before its first frame.
     Stream(RecordedStream),
-    /// A message of a type that others read. If it is of a stream of ours, its frame follows.
+    /// A message of a standard type. If it belongs to a stream of Belvedere, its frame follows.
     Message(Message),
-    /// A frame as it was.
+    /// A frame as it was sent.
     Frame(RecordedFrame),
 }
 
-/// A message by its channel.
+/// A message of a channel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Message {
-    /// As the file has it.
+    /// The topic as in the file.
     pub topic: String,
-    /// The name of its type; empty without a schema.
+    /// Name of its type; empty without a schema.
     pub type_name: String,
-    /// When it was recorded, nanoseconds.
+    /// Time of recording, nanoseconds.
     pub log_time_ns: u64,
     /// The message.
     pub data: Arc<Vec<u8>>,
@@ -56,13 +56,13 @@ pub struct Message {
 /// A frame of a stream.
 #[derive(Debug, Clone)]
 pub struct RecordedFrame {
-    /// Without a leading slash.
+    /// The topic, without a leading slash.
     pub topic: String,
-    /// When it was recorded: simulated time that never goes back, nanoseconds.
+    /// Time of recording: simulated time that never goes back, nanoseconds.
     pub log_time_ns: u64,
-    /// As it was sent.
+    /// The header as it was sent.
     pub header: Box<FrameHeader>,
-    /// As it was sent.
+    /// The payload as it was sent.
     pub payload: Vec<u8>,
 }
 
@@ -80,9 +80,9 @@ pub struct RecordingReader<R: Read> {
     library: String,
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Channel>,
-    /// The message before the next frame.
+    /// The last message, which may contain the payload of the next frame.
     last: Option<Arc<Vec<u8>>>,
-    /// Time of the first message, if chunks are left out.
+    /// Time of the first message, if chunks are skipped.
     begins_ns: Option<u64>,
     ended: bool,
 }
@@ -94,19 +94,21 @@ struct Channel {
 }
 
 impl<R: Read + Seek> RecordingReader<Skipping<R>> {
-    /// Reads what there is from so long after the beginning on, and before that at least what is told once, as static
-    /// transforms. By the index most of what is before is not read; a file that has none is read from its beginning.
+    /// Reads everything from `start` after the beginning, and of the time before it at least latched messages such as
+    /// static transforms. The index is used to skip most of the earlier chunks; a file without an index is read from
+    /// its beginning.
     ///
     /// # Errors
-    /// When the file cannot be read.
+    /// If the file cannot be read.
     pub fn starting_at(source: R, start: Duration) -> Result<Self, RecordingError> {
-        Self::without(source, start, Before::ToldOnce)
+        Self::without(source, start, Before::Latched)
     }
 
-    /// Reads what there is from so long after the beginning on, and before that at least the last frame of each stream.
+    /// Reads everything from `start` after the beginning, and of the time before it at least the last frame of each
+    /// stream.
     ///
     /// # Errors
-    /// When the file cannot be read.
+    /// If the file cannot be read.
     pub(super) fn resuming_at(source: R, start: Duration) -> Result<Self, RecordingError> {
         Self::without(source, start, Before::LastOfEach)
     }
@@ -118,7 +120,7 @@ impl<R: Read + Seek> RecordingReader<Skipping<R>> {
         let file_len = source.seek(SeekFrom::End(0))?;
         let mut reader = Self::checking(Skipping::new(source, left_out)?, file_len, is_whole);
         if let Some(index) = index.filter(|_| !is_whole) {
-            // Their descriptions may be in what is left out.
+            // The descriptions of channels may be in the skipped chunks.
             for channel in index.channels.values() {
                 let type_name =
                     channel.schema.as_ref().map_or_else(String::new, |schema| schema.name.clone());
@@ -131,21 +133,21 @@ impl<R: Read + Seek> RecordingReader<Skipping<R>> {
 }
 
 impl<R: Read> RecordingReader<R> {
-    /// Reads from here.
+    /// Reads from the source's current position.
     pub fn new(source: R) -> Self {
         Self::checking(source, u64::MAX, true)
     }
 
-    /// Reads a file of at most so many bytes, with the sum over all that is before the index, or without.
+    /// Reads a file of at most `file_len` bytes. If `is_whole`, verifies the checksum of everything before the index.
     fn checking(source: R, file_len: u64, is_whole: bool) -> Self {
-        // Checked before anything of a chunk is given: what is given is whole.
+        // Chunks are checked before any of their contents are returned.
         let options = LinearReaderOptions::default()
             .with_prevalidate_chunk_crcs(true)
             .with_validate_data_section_crc(is_whole)
             .with_validate_summary_section_crc(true)
             .with_record_length_limit(LARGEST);
         let mut reader = LinearReader::new_with_options(options);
-        // Refused would be one without a name.
+        // This fails only for a decompressor without a name.
         let _ = reader.add_decompressor(Zstd::new());
         Self {
             source: CheckedChunks::new(source, file_len),
@@ -159,21 +161,21 @@ impl<R: Read> RecordingReader<R> {
         }
     }
 
-    /// Time of the file's first message, nanoseconds, where its index told it.
+    /// Returns the time of the file's first message in nanoseconds, if it was read from the index.
     pub(super) fn begins_ns(&self) -> Option<u64> {
         self.begins_ns
     }
 
-    /// Who wrote the file, as it says.
+    /// Returns the program that wrote the file, according to its header.
     pub fn library(&self) -> &str {
         &self.library
     }
 
-    /// The next piece; none at the end of a file that is complete.
+    /// Returns the next item, or `None` at the end of a complete file.
     ///
     /// # Errors
-    /// [`RecordingError::Cut`] at the end of one that is not, once all that is whole has been given;
-    /// [`RecordingError::NotMcap`], [`RecordingError::Broken`]. After an error there is nothing more.
+    /// [`RecordingError::Cut`] at the end of an incomplete file, once all complete items have been returned;
+    /// [`RecordingError::NotMcap`], [`RecordingError::Broken`]. After an error there are no more items.
     pub fn next_item(&mut self) -> Result<Option<Item>, RecordingError> {
         while !self.ended {
             match self.step() {
@@ -195,7 +197,7 @@ impl<R: Read> RecordingReader<R> {
             Some(Err(error)) => return Err(error.into()),
             Some(Ok(LinearReadEvent::ReadRequest(need))) => {
                 let read = loop {
-                    // Piece by piece: what a damaged length asks for is not there.
+                    // Read in pieces, because a damaged length may ask for more than there is.
                     match self.source.read(self.reader.insert(need.min(PIECE))) {
                         Err(error) if error.kind() == ErrorKind::Interrupted => {}
                         Err(error) if error.kind() == ErrorKind::InvalidData => {
@@ -233,7 +235,7 @@ impl<R: Read> RecordingReader<R> {
                     Some(stream) => Step::Item(Item::Stream(stream)),
                     None => {
                         return Err(RecordingError::Broken(format!(
-                            "a stream is described as {:?}, which this version does not understand",
+                            "a stream has the description {:?}, which this version does not understand",
                             metadata.metadata
                         )));
                     }
@@ -248,13 +250,13 @@ impl<R: Read> RecordingReader<R> {
             Record::Message { header, data } => {
                 let Some(channel) = self.channels.get(&header.channel_id) else {
                     return Err(RecordingError::Broken(format!(
-                        "a message is of channel {}, which is nowhere described",
+                        "a message belongs to channel {}, which the recording does not describe",
                         header.channel_id
                     )));
                 };
                 let (channel, data) = (channel.clone(), data.into_owned());
                 match self.message(channel, header.log_time, data) {
-                    // Of the first frame after a gap the message may be in the gap.
+                    // The message of the first frame after skipped chunks may be in them.
                     Err(RecordingError::Broken(_)) if self.begins_ns.is_some() => Step::Nothing,
                     item => Step::Item(item?),
                 }
@@ -272,7 +274,7 @@ impl<R: Read> RecordingReader<R> {
         };
         let wrong = |what: &str| RecordingError::Broken(format!("a frame of /{topic} {what}"));
         let (header, offset, payload) =
-            ros1::read_frame(&data).ok_or_else(|| wrong("has not the form of one"))?;
+            ros1::read_frame(&data).ok_or_else(|| wrong("has an invalid form"))?;
         let len = usize::try_from(header.payload_len).unwrap_or(usize::MAX);
         let payload = if payload.is_empty() && len > 0 {
             let last = self.last.take().unwrap_or_default();
@@ -280,7 +282,7 @@ impl<R: Read> RecordingReader<R> {
                 usize::try_from(offset).ok().and_then(|offset| Some(offset..offset.checked_add(len)?));
             range
                 .and_then(|range| last.get(range))
-                .ok_or_else(|| wrong("has its payload in the message before, which does not have it"))?
+                .ok_or_else(|| wrong("has its payload in the previous message, which does not contain it"))?
                 .to_vec()
         } else {
             payload.to_vec()

@@ -1,4 +1,4 @@
-//! [`Recorder`]: all streams of a domain into a file.
+//! [`Recorder`]: records all streams of a domain to a file.
 
 use super::send_order::SendOrder;
 use super::stream::RecordedStream;
@@ -14,58 +14,59 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// What is lost at most when the process is killed.
+/// Interval between flushes: at most this much is lost when the process is killed.
 const FLUSH_INTERVAL: Duration = Duration::from_secs(1);
-/// How long a frame waits for those that were sent before it and are taken by other threads.
+/// Time for which a frame is held back, so that earlier frames from other threads can arrive.
 const ORDER_NS: u64 = 250_000_000;
-/// How long a stream's thread sleeps before it looks whether it is to end.
+/// Longest sleep of a stream's thread between two checks of the stop flag.
 const NAP: Duration = Duration::from_millis(50);
-/// The topic that is always recorded: by it a reset is known.
+/// The topic that is always recorded, because it shows resets.
 const CLOCK: &str = "clock";
-/// Memory of at most so many frames is kept for those to come, if it is large.
+/// Number of large buffers that are kept for reuse.
 const MOST_SPARE: usize = 16;
 const LARGE: usize = 1 << 16;
-/// Bytes of frames that may wait for the disk; then streams wait, and those that are not lossless lose frames.
+/// Most bytes of frames that may wait for the disk. Beyond it no frames are read, and streams that are not lossless
+/// lose frames.
 const MOST_WAITING: u64 = 1 << 29;
 
-/// What is recorded, and how.
+/// Options for recording.
 #[derive(Debug, Clone, Default)]
 pub struct RecorderOptions {
-    /// Topics, with or without a leading slash; all if there are none. The clock is always recorded.
+    /// Topics, with or without a leading slash; all if the list is empty. The clock is always recorded.
     pub topics: Vec<String>,
-    /// How the file is compressed.
+    /// Compression of the file.
     pub compression: Compression,
-    /// Whether a file of that name is replaced.
+    /// Whether an existing file is replaced.
     pub replace: bool,
-    /// Words on how the recording came about.
+    /// Describes how the recording was made.
     pub about: BTreeMap<String, String>,
-    /// Files that are kept in it.
+    /// Files that are stored in it.
     pub attachments: Vec<Attachment>,
 }
 
-/// How far a recording is.
+/// The progress of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Progress {
-    /// Streams that are followed.
+    /// Number of recorded streams.
     pub streams: usize,
-    /// Of them, those that have a publisher now.
+    /// Number of these that have a publisher now.
     pub publishers: usize,
-    /// Frames taken.
+    /// Frames received.
     pub frames: u64,
-    /// Frames that were sent and could not be taken in time.
+    /// Frames that were sent but not received in time.
     pub missed: u64,
     /// Bytes of messages written, before compression.
     pub bytes: u64,
 }
 
-/// Records the streams of a domain, a thread each, until it is [finished](Self::finish).
+/// Records the streams of a domain, with a thread for each, until it is [finished](Self::finish).
 ///
-/// As its node has a name, a simulation that waits for that name loses it no frame.
+/// A simulation that waits for the name of its node loses no frame to it.
 pub struct Recorder {
     node: Node,
     file: NewFile,
     wanted: BTreeSet<String>,
-    /// Topics that have been looked at.
+    /// Topics that are recorded.
     known: BTreeSet<String>,
     shared: Arc<Shared>,
     sender: SyncSender<Note>,
@@ -73,7 +74,7 @@ pub struct Recorder {
     writer: JoinHandle<Result<Vec<StreamTally>, RecordingError>>,
 }
 
-/// What threads tell the one that writes.
+/// A message to the thread that writes.
 enum Note {
     Stream(RecordedStream, usize),
     Frame(usize, Box<FrameHeader>, Vec<u8>),
@@ -82,14 +83,14 @@ enum Note {
 #[derive(Default)]
 struct Shared {
     stop: AtomicBool,
-    /// The file cannot be written any more.
+    /// Set when the file cannot be written any more.
     failed: AtomicBool,
     publishers: AtomicUsize,
     frames: AtomicU64,
     missed: AtomicU64,
     written: AtomicU64,
-    /// Memory of frames that were written, for those to come: what is got from the system and given back for each
-    /// picture is cleared page by page.
+    /// Buffers of frames that were written, for reuse: memory that is allocated and freed for each image would be
+    /// cleared page by page.
     spare: Mutex<Vec<Vec<u8>>>,
     waiting: Mutex<u64>,
     room: Condvar,
@@ -97,10 +98,10 @@ struct Shared {
 }
 
 impl Recorder {
-    /// Begins to record what there is in the domain, and what comes.
+    /// Starts to record the streams of the domain, including those that appear later with [`look`](Self::look).
     ///
     /// # Errors
-    /// When the file cannot be made, or the domain cannot be joined.
+    /// If the file cannot be created, or the domain cannot be joined.
     pub fn start(node: Node, path: &Path, options: &RecorderOptions) -> Result<Self, RecordingError> {
         let file = NewFile::create(path, options.replace)?;
         let (shared, sender, writer) = match start_to_write(&file, options) {
@@ -130,17 +131,17 @@ impl Recorder {
         }
     }
 
-    /// Follows streams that have come since the last look.
+    /// Subscribes to streams that have appeared since the last call.
     ///
     /// # Errors
-    /// When they cannot be listed or followed.
+    /// If streams cannot be listed or subscribed to.
     pub fn look(&mut self) -> Result<(), RecordingError> {
         let mut new = Vec::new();
         let mut failed = None;
         for info in self.node.streams()? {
             let is_wanted =
                 self.wanted.is_empty() || self.wanted.contains(&info.topic) || info.topic == CLOCK;
-            // One that has no publisher yet does not tell its size.
+            // The size of a stream without a publisher is not known yet.
             let is_open = info.publishers > 0 || is_command(&info);
             if !is_wanted || !is_open || self.known.contains(&info.topic) {
                 continue;
@@ -148,14 +149,14 @@ impl Recorder {
             let Some(stream) = RecordedStream::new(&info) else { continue };
             match self.subscribe(&info.topic) {
                 Ok(subscriber) => new.push((stream, subscriber)),
-                // It is tried again at the next look; the others do not wait for it.
+                // The next call tries again; the other streams do not wait for this one.
                 Err(error) => failed = Some(error),
             }
         }
         let first = self.followers.len();
-        // All of them are described before the first frame of any, so that a replay opens them together.
+        // All streams are described before the first frame of any, so that a replay opens them together.
         for (number, (stream, _)) in (first..).zip(&new) {
-            // The writer has ended when it could not write: it is asked at the end.
+            // This fails only if the writer has ended with an error, which `finish` reports.
             let _ = self.sender.send(Note::Stream(stream.clone(), number));
         }
         for (number, (stream, subscriber)) in (first..).zip(new) {
@@ -171,12 +172,12 @@ impl Recorder {
 
     fn subscribe(&self, topic: &str) -> Result<Subscriber, RecordingError> {
         let mut subscriber = self.node.subscriber(topic)?;
-        // Connected from here on: who waits for this consumer sees it.
+        // This connects, so that a simulation that waits for this consumer sees it.
         subscriber.wait(Duration::ZERO)?;
         Ok(subscriber)
     }
 
-    /// How far it is.
+    /// Returns the progress.
     pub fn progress(&self) -> Progress {
         let shared = &self.shared;
         Progress {
@@ -188,25 +189,25 @@ impl Recorder {
         }
     }
 
-    /// Whether the file cannot be written any more; [`finish`](Self::finish) says why.
+    /// Returns true if the file cannot be written any more; [`finish`](Self::finish) returns the reason.
     pub fn has_failed(&self) -> bool {
         self.shared.failed.load(Ordering::Relaxed)
     }
 
-    /// Frames that were lost of each topic.
+    /// Returns the number of lost frames per topic.
     pub fn missed(&self) -> BTreeMap<String, u64> {
         self.shared.missed_by_topic.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 
-    /// Where the file is until it is complete.
+    /// Returns the path of the file until it is complete.
     pub fn active(&self) -> &Path {
         self.file.active()
     }
 
-    /// Takes what still waits, ends the file and gives it its name.
+    /// Records the frames that still wait, completes the file and gives it its name.
     ///
     /// # Errors
-    /// When the file could not be written; what was written stays under [`active`](Self::active).
+    /// If the file could not be written; the written part remains under [`active`](Self::active).
     pub fn finish(self) -> Result<Vec<StreamTally>, RecordingError> {
         let (file, tallies) = self.end();
         let tallies = tallies?;
@@ -214,7 +215,7 @@ impl Recorder {
         Ok(tallies)
     }
 
-    /// Ends it and leaves nothing of it.
+    /// Stops the recorder and removes the file.
     fn discard(self) {
         self.end().0.discard();
     }
@@ -232,7 +233,7 @@ impl Recorder {
     }
 }
 
-/// What the writer shares with others, how it is told of frames, and itself.
+/// The writer's shared state, the sender of its messages, and its thread.
 type Writing = (Arc<Shared>, SyncSender<Note>, JoinHandle<Result<Vec<StreamTally>, RecordingError>>);
 
 fn start_to_write(file: &NewFile, options: &RecorderOptions) -> Result<Writing, RecordingError> {
@@ -247,13 +248,13 @@ fn start_to_write(file: &NewFile, options: &RecorderOptions) -> Result<Writing, 
     Ok((shared, sender, writer))
 }
 
-/// Streams towards a robot, which exist before anybody sends.
+/// Returns true for commands to a robot, whose streams exist before there is a publisher.
 fn is_command(info: &StreamInfo) -> bool {
     use belvedere_bridge::Kind::{MotorPower, ResetOdometry, VelocityCommand};
     matches!(info.kind, Some(VelocityCommand | ResetOdometry | MotorPower))
 }
 
-/// Hands a stream's frames to the writer until it is to end.
+/// Passes a stream's frames on to the writer until the recorder stops.
 fn follow(mut subscriber: Subscriber, number: usize, sender: &SyncSender<Note>, shared: &Shared) {
     let mut is_there = false;
     loop {
@@ -283,7 +284,7 @@ fn follow(mut subscriber: Subscriber, number: usize, sender: &SyncSender<Note>, 
                     let mut missed = shared.missed_by_topic.lock().unwrap_or_else(PoisonError::into_inner);
                     *missed.entry(subscriber.topic().to_owned()).or_default() += frame.missed();
                 }
-                // Copied, so that the stream has its memory back at once.
+                // Copied, so that the stream's memory is free again at once.
                 let (header, payload) = (Box::new(*frame.header()), shared.copied(frame.payload()));
                 drop(frame);
                 shared.wait_for_room(payload.len() as u64);
@@ -299,7 +300,7 @@ fn follow(mut subscriber: Subscriber, number: usize, sender: &SyncSender<Note>, 
     count(false, is_there, &shared.publishers);
 }
 
-/// Counts a change, and gives what is now.
+/// Updates `total` if the state has changed, and returns the new state.
 fn count(now: bool, before: bool, total: &AtomicUsize) -> bool {
     match (before, now) {
         (false, true) => {
@@ -332,7 +333,7 @@ impl Shared {
         }
     }
 
-    /// Waits while too much waits to be written.
+    /// Waits while too many bytes wait to be written.
     fn wait_for_room(&self, bytes: u64) {
         let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
         while *waiting > MOST_WAITING && !self.failed.load(Ordering::Relaxed) {
@@ -348,7 +349,7 @@ impl Shared {
     }
 }
 
-/// Writes until all who send have ended.
+/// Writes until all senders have ended.
 fn write<W: io::Write>(
     mut writer: RecordingWriter<W>,
     notes: &mpsc::Receiver<Note>,
@@ -397,7 +398,7 @@ fn write_all<W: io::Write>(
     Ok(())
 }
 
-/// The words of every recording: version, command line, domain.
+/// Returns the description that every recording has: version, command line, domain.
 pub fn about(domain: &Domain) -> BTreeMap<String, String> {
     let command_line: Vec<String> =
         std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();

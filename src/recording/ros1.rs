@@ -1,4 +1,4 @@
-//! Streams as the messages of ROS 1 that the bridge's node publishes of them.
+//! Converts streams to the ROS 1 messages that the ROS node publishes for them.
 
 mod bytes;
 mod encode;
@@ -8,19 +8,20 @@ use belvedere_bridge::{FrameHeader, FrameView, Kind};
 use bytes::Bytes;
 pub use types::MessageType;
 
-/// What a stream is for ROS.
+/// The ROS topic of a stream.
 #[derive(Debug, Clone)]
 pub struct RosStream {
-    /// With a leading slash. That of transforms, of the clock and of states of models is always ROS's own, whatever
-    /// namespace the stream has.
+    /// With a leading slash. Transforms, the clock and states of models always have ROS's own topic, regardless of the
+    /// stream's namespace.
     pub topic: String,
-    /// What its messages are.
+    /// The type of its messages.
     pub message_type: &'static MessageType,
     encode: encode::Encode,
 }
 
 impl RosStream {
-    /// What ROS calls a stream of this kind and topic (without a leading slash); none if it has no message for it.
+    /// Returns the ROS topic for a stream of this kind and topic (without a leading slash), or `None` if ROS has no
+    /// message for it.
     pub fn new(kind: Kind, topic: &str, layers: Option<u32>) -> Option<Self> {
         let last = topic.rsplit('/').next().unwrap_or(topic);
         let (message_type, encode): (&'static MessageType, encode::Encode) = match kind {
@@ -67,29 +68,29 @@ impl RosStream {
         Some(Self { topic, message_type, encode })
     }
 
-    /// Writes a frame's message over what `out` holds, and gives the place of the payload in it if the message has all
-    /// of it as it is. None if ROS's message cannot hold the frame.
+    /// Writes a frame's message to `out`, replacing its contents, and returns the place of the payload in it if the
+    /// message contains all of it unchanged. Returns `None` if the message cannot represent the frame.
     pub fn write(&self, frame: &FrameView<'_>, out: &mut Vec<u8>) -> Option<Payload> {
         out.clear();
         (self.encode)(frame, &mut Bytes(out))
     }
 }
 
-/// What of a frame's payload its message has.
+/// Whether a message contains a frame's payload.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Payload {
-    /// All of it, from this byte on.
+    /// The message contains all of it, starting at this byte.
     Within(usize),
-    /// Not byte by byte.
+    /// The message does not contain it byte by byte.
     Elsewhere,
 }
 
-/// The type of [`write_frame`]'s message.
+/// Returns the type of the message that [`write_frame`] writes.
 pub fn frame_type() -> &'static MessageType {
     &types::FRAME
 }
 
-/// Writes a frame whole over what `out` holds, without the payload if the message before has it.
+/// Writes a complete frame to `out`, replacing its contents, without the payload if the previous message contains it.
 pub fn write_frame(header: &FrameHeader, payload: &[u8], within: Payload, out: &mut Vec<u8>) {
     out.clear();
     let mut bytes = Bytes(out);
@@ -106,7 +107,7 @@ pub fn write_frame(header: &FrameHeader, payload: &[u8], within: Payload, out: &
     }
 }
 
-/// The parts of a message of [`write_frame`]: header, offset, payload. None if it is not one.
+/// Returns header, offset and payload of a message written by [`write_frame`], or `None` if it is not one.
 pub fn read_frame(message: &[u8]) -> Option<(FrameHeader, u64, &[u8])> {
     const HEADER: usize = size_of::<FrameHeader>();
     let (count, rest) = message.split_first_chunk::<4>()?;

@@ -1,4 +1,4 @@
-//! [`SendOrder`]: frames that different threads took, in the order in which they were sent.
+//! [`SendOrder`]: sorts frames from different threads by the order in which they were sent.
 
 use belvedere_bridge::{FrameHeader, clock};
 use std::collections::BTreeMap;
@@ -6,24 +6,24 @@ use std::collections::BTreeMap;
 /// A frame with the number of its stream.
 type Taken = (usize, Box<FrameHeader>, Vec<u8>);
 
-/// Frames that wait until those that were sent before them have come, too.
+/// Frames that wait until all frames sent before them have arrived.
 #[derive(Default)]
 pub(super) struct SendOrder {
-    /// By the time of sending, and the order of arrival.
+    /// Ordered by send time, then by arrival.
     frames: BTreeMap<(u64, u64), Taken>,
     arrived: u64,
 }
 
 impl SendOrder {
-    /// Takes a frame of a stream.
+    /// Adds a frame of a stream.
     pub(super) fn add(&mut self, number: usize, header: Box<FrameHeader>, payload: Vec<u8>) {
         self.arrived += 1;
-        // A time that is yet to come would hold it, and its memory, for ever.
+        // A send time in the future would hold the frame, and its memory, for ever.
         let sent = header.publish_mono_ns.min(clock::mono_ns());
         self.frames.insert((sent, self.arrived), (number, header, payload));
     }
 
-    /// The first of the frames that were sent before this time.
+    /// Takes the first of the frames that were sent before this time.
     pub(super) fn next_sent_before(&mut self, mono_ns: u64) -> Option<Taken> {
         let first = self.frames.first_entry()?;
         (first.key().0 < mono_ns).then(|| first.remove())
@@ -36,7 +36,7 @@ mod tests {
     use belvedere_bridge::{Encoding, Kind};
 
     #[test]
-    fn frames_come_as_they_were_sent_and_a_wrong_time_holds_none() {
+    fn frames_come_in_send_order_and_a_wrong_time_holds_none_back() {
         let mut order = SendOrder::default();
         let now = clock::mono_ns();
         for (number, sent) in

@@ -1,4 +1,4 @@
-//! A recording without the chunks that end before a time, by its index: what is left out is not even read.
+//! Skips the chunks of a recording that end before a given time, using its index.
 
 use super::lengths;
 use super::writer::FRAMES;
@@ -9,20 +9,20 @@ use std::io::{Read, Result, Seek, SeekFrom};
 use std::ops::Range;
 use std::time::Duration;
 
-/// Bytes of the footer and the magic bytes that end a file: opcode, length, three numbers, the magic.
+/// Bytes of the footer and the magic bytes at the end of a file: opcode, length, three numbers, the magic.
 const FOOTER: u64 = 1 + 8 + 20 + 8;
 
-/// A file of which some ranges are left out.
+/// Reads a file without some ranges.
 #[derive(Debug)]
 pub struct Skipping<R> {
     source: R,
     at: u64,
-    /// Bytes, in their order.
+    /// The ranges of bytes that are skipped, in ascending order.
     left_out: VecDeque<Range<u64>>,
 }
 
 impl<R: Seek> Skipping<R> {
-    /// From the beginning, without these.
+    /// Reads from the beginning, without these ranges.
     pub(super) fn new(mut source: R, left_out: Vec<Range<u64>>) -> Result<Self> {
         source.rewind()?;
         Ok(Self { source, at: 0, left_out: left_out.into() })
@@ -46,7 +46,7 @@ impl<R: Read + Seek> Read for Skipping<R> {
     }
 }
 
-/// The index at the end of a file; none of a file that is not whole.
+/// Returns the index at the end of a file, or `None` if the file is incomplete.
 pub(super) fn summary(source: &mut (impl Read + Seek)) -> Option<Summary> {
     check_lengths(source)?;
     let mut reader = SummaryReader::new();
@@ -62,7 +62,8 @@ pub(super) fn summary(source: &mut (impl Read + Seek)) -> Option<Summary> {
     reader.finish()
 }
 
-/// Checks the lengths of all texts of the index, before the library asks for so much memory; none if one is wrong.
+/// Checks the lengths of all texts in the index, before the library reserves memory for them. Returns `None` if one is
+/// wrong.
 fn check_lengths(source: &mut (impl Read + Seek)) -> Option<()> {
     let size = source.seek(SeekFrom::End(0)).ok()?;
     let footer = size.checked_sub(FOOTER)?;
@@ -86,17 +87,18 @@ fn check_lengths(source: &mut (impl Read + Seek)) -> Option<()> {
     source.rewind().ok()
 }
 
-/// What is wanted of the time before a reader's start.
+/// The frames from before a reader's start that are needed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Before {
-    /// What is told once, as static transforms.
-    ToldOnce,
-    /// The last frame of each stream, too: what a consumer would have seen last if all had been played.
+    /// Latched messages, such as static transforms.
+    Latched,
+    /// The last frame of each stream as well, which a consumer would have seen last if everything had been played.
     LastOfEach,
 }
 
-/// The chunks that a replay does without which begins so long after the first message: all that end before, but for the
-/// last of them, as a frame's payload may be in the message before it, and for those with what is wanted of them.
+/// Returns the chunks that can be skipped if reading starts `start` after the first message: all that end before,
+/// except the last of them, because a frame's payload may be in the previous message, and except those with needed
+/// frames.
 pub(super) fn chunks_before(summary: &Summary, start: Duration, wanted: Before) -> Vec<Range<u64>> {
     let Some(stats) = &summary.stats else { return Vec::new() };
     let start_ns =
@@ -109,7 +111,7 @@ pub(super) fn chunks_before(summary: &Summary, start: Duration, wanted: Before) 
     let mut last_of_each = HashMap::new();
     for (number, chunk) in chunks[..before].iter().enumerate() {
         for channel in chunk.message_index_offsets.keys() {
-            is_kept[number] |= is_told_once(topic(channel));
+            is_kept[number] |= is_latched(topic(channel));
             last_of_each.insert(channel, number);
         }
     }
@@ -119,7 +121,7 @@ pub(super) fn chunks_before(summary: &Summary, start: Duration, wanted: Before) 
     if wanted == Before::LastOfEach {
         for (_, number) in last_of_each.into_iter().filter(|(channel, _)| topic(channel).starts_with(FRAMES))
         {
-            // Its payload may be in the chunk before.
+            // The frame's payload may be in the previous chunk.
             is_kept[number.saturating_sub(1)..=number].fill(true);
         }
     }
@@ -132,8 +134,9 @@ pub(super) fn chunks_before(summary: &Summary, start: Duration, wanted: Before) 
         .collect()
 }
 
-/// Whether frames of a channel are wanted by those who begin later, too: static transforms, settings of sensors.
-fn is_told_once(topic: &str) -> bool {
+/// Returns true if a channel's frames are latched, so that they are needed by later readers: static transforms and
+/// sensor settings.
+fn is_latched(topic: &str) -> bool {
     let stream = topic.strip_prefix(FRAMES).and_then(|topic| topic.rsplit('/').next());
     matches!(stream, Some("tf_static" | "sensor_settings"))
 }

@@ -1,4 +1,4 @@
-//! What a recording keeps of a stream, so that a replay can open it as it was.
+//! [`RecordedStream`]: the description of a stream in a recording, with which a replay opens it again.
 
 use belvedere_bridge::{Encoding, Kind, StreamInfo, StreamSpec};
 use std::collections::BTreeMap;
@@ -6,28 +6,29 @@ use std::collections::BTreeMap;
 /// A stream of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedStream {
-    /// Without a leading slash.
+    /// The topic, without a leading slash.
     pub topic: String,
-    /// What it carries.
+    /// Kind of its frames.
     pub kind: Kind,
-    /// How it is coded.
+    /// Encoding of its frames.
     pub encoding: Encoding,
-    /// The frame that the data are given in.
+    /// Coordinate frame of the data.
     pub frame_id: String,
-    /// Frames per second that were intended.
+    /// Intended rate, frames per second.
     pub rate_hz: Option<f64>,
-    /// Layers of a lidar.
+    /// Number of a lidar's layers.
     pub layers: Option<u32>,
     /// Largest payload in bytes; 0 if that was not known.
     pub max_payload_len: usize,
 }
 
-/// Streams that a recording leaves out: commands to the simulator and its answers, which are about the run that was,
-/// and which a replay has of its own.
+/// Streams that are not recorded: commands to the simulator and its results. They concern the recorded run, and a
+/// replay has its own.
 const LEFT_OUT: [Kind; 2] = [Kind::SimulationCommand, Kind::SimulationResult];
 
 impl RecordedStream {
-    /// Of a stream of a domain; none for one that is not recorded, or of a kind that this version does not know.
+    /// Describes a stream of a domain. Returns `None` if it is not recorded, or of a kind that this version does not
+    /// know.
     pub fn new(info: &StreamInfo) -> Option<Self> {
         let (kind, encoding) = (info.kind?, info.encoding?);
         (!LEFT_OUT.contains(&kind)).then(|| Self {
@@ -41,7 +42,7 @@ impl RecordedStream {
         })
     }
 
-    /// As words of a metadata record.
+    /// Converts the description to the fields of a metadata record.
     pub(super) fn to_metadata(&self) -> BTreeMap<String, String> {
         let mut words = BTreeMap::from([
             ("topic", self.topic.clone()),
@@ -59,7 +60,7 @@ impl RecordedStream {
         words.into_iter().map(|(name, word)| (name.to_owned(), word)).collect()
     }
 
-    /// The other way; none if a word is missing or wrong.
+    /// Converts a metadata record back. Returns `None` if a field is missing or wrong.
     pub(super) fn from_metadata(words: &BTreeMap<String, String>) -> Option<Self> {
         Some(Self {
             topic: words.get("topic")?.clone(),
@@ -72,7 +73,7 @@ impl RecordedStream {
         })
     }
 
-    /// What a replay opens it with.
+    /// Returns the specification with which a replay opens the stream.
     pub(super) fn spec(&self) -> StreamSpec {
         let is_command = matches!(self.kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
         let spec = if is_command {
@@ -93,7 +94,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn metadata_come_back() {
+    fn metadata_are_read_back_unchanged() {
         let full = RecordedStream {
             topic: "robot1/scan".into(),
             kind: Kind::LaserScan,

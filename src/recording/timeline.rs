@@ -1,4 +1,4 @@
-//! [`Timeline`]: where a replay is in its recording, and where somebody wants it to be.
+//! [`Timeline`]: the position of a replay in its recording, and requests to seek.
 
 use super::RecordingError;
 use super::reader::{Item, RecordingReader};
@@ -7,10 +7,10 @@ use std::io::{Read, Seek};
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
 
-/// Recorded seconds in a second that may be asked for.
+/// Allowed rates, as factors of real time.
 const RATES: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
-/// Between whoever plays a recording and whoever looks at it.
+/// Shared by the thread that plays a recording and the threads that show it.
 #[derive(Debug)]
 pub struct Timeline {
     duration: Duration,
@@ -20,26 +20,26 @@ pub struct Timeline {
 #[derive(Debug)]
 struct State {
     now: Playhead,
-    /// Where to go on.
+    /// The requested position.
     sought: Option<Duration>,
 }
 
-/// Where a replay is.
+/// The state of a replay.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Playhead {
-    /// After the recording's first message.
+    /// Time after the recording's first message.
     pub position: Duration,
-    /// Recorded seconds in a second.
+    /// Speed as a factor of real time.
     pub rate: f64,
-    /// Whether it stands.
+    /// Whether it is paused.
     pub is_paused: bool,
 }
 
 impl Timeline {
-    /// Of a recording: by its index, or if it has none, by all that is whole in it.
+    /// Creates the timeline of a recording from its index, or, if it has none, from its complete messages.
     ///
     /// # Errors
-    /// [`RecordingError::Foreign`] when nothing is in it, and those of reading.
+    /// [`RecordingError::Foreign`] if the recording is empty, and errors of reading.
     pub fn of<R: Read + Seek>(mut source: R) -> Result<Self, RecordingError> {
         let stats = summary(&mut source).and_then(|summary| summary.stats);
         let [first_ns, last_ns] = if let Some(stats) = stats {
@@ -52,22 +52,23 @@ impl Timeline {
         Ok(Self { duration, state: Mutex::new(State { now, sought: None }) })
     }
 
-    /// From the first message to the last.
+    /// Returns the time from the first message to the last.
     pub fn duration(&self) -> Duration {
         self.duration
     }
 
-    /// Where it is.
+    /// Returns the current state.
     pub fn now(&self) -> Playhead {
         self.with(|state| state.now)
     }
 
-    /// Has it go on from here, in the order in which messages were recorded; what was sought before and has not been reached is forgotten.
+    /// Requests to continue at this position, in the order in which messages were recorded. It replaces an earlier
+    /// request that has not been carried out.
     pub fn seek(&self, position: Duration) {
         self.with(|state| state.sought = Some(position.min(self.duration)));
     }
 
-    /// Has the last frame of each stream sent again while it stands: for who has come late.
+    /// Requests that, while the replay is paused, the last frame of each stream is sent again, for a new subscriber.
     pub fn refresh(&self) {
         self.with(|state| {
             if state.now.is_paused && state.sought.is_none() {
@@ -76,29 +77,29 @@ impl Timeline {
         });
     }
 
-    /// Recorded seconds in a second from now on.
+    /// Sets the speed as a factor of real time.
     ///
     /// # Errors
-    /// In words, for what is no rate.
+    /// A message, if the rate is not allowed.
     pub fn set_rate(&self, rate: f64) -> Result<(), String> {
         if !RATES.contains(&rate) {
-            return Err(format!("a rate is from {} to {}, and not {rate}", RATES.start(), RATES.end()));
+            return Err(format!("a rate must be from {} to {}, not {rate}", RATES.start(), RATES.end()));
         }
         self.with(|state| state.now.rate = rate);
         Ok(())
     }
 
-    /// Takes the position that was sought, if one was.
+    /// Takes the requested position, if there is one.
     pub(super) fn take_sought(&self) -> Option<Duration> {
         self.with(|state| state.sought.take())
     }
 
-    /// Returns true if a position was sought that playing has not gone to yet.
+    /// Returns true if there is a requested position that has not been taken yet.
     pub(super) fn is_sought(&self) -> bool {
         self.with(|state| state.sought.is_some())
     }
 
-    /// Publishes how far playing has come.
+    /// Publishes the position of the replay.
     pub(super) fn set_position(&self, position: Duration, is_paused: bool) {
         self.with(|state| state.now = Playhead { position, is_paused, ..state.now });
     }
@@ -113,7 +114,7 @@ impl Timeline {
     }
 }
 
-/// Times of the first and the last message, nanoseconds.
+/// Returns the times of the first and the last message, nanoseconds.
 fn times<R: Read>(mut recording: RecordingReader<R>) -> Result<[u64; 2], RecordingError> {
     let mut times: Option<[u64; 2]> = None;
     loop {
@@ -122,7 +123,7 @@ fn times<R: Read>(mut recording: RecordingReader<R>) -> Result<[u64; 2], Recordi
             Ok(Some(Item::Frame(frame))) => frame.log_time_ns,
             Ok(Some(_)) => continue,
             Ok(None) => break,
-            // All that is whole can be played, if anything is.
+            // Everything up to the cut can be played, if there is anything.
             Err(RecordingError::Cut) if times.is_some() => break,
             Err(error) => return Err(error),
         };

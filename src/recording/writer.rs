@@ -1,4 +1,4 @@
-//! [`RecordingWriter`]: frames into MCAP.
+//! [`RecordingWriter`]: writes frames to MCAP.
 
 use super::log_time::LogTime;
 use super::ros1::{self, MessageType, Payload, RosStream};
@@ -12,49 +12,49 @@ use std::collections::BTreeMap;
 use std::io::Write;
 use xxhash_rust::xxh3::Xxh3;
 
-/// Bytes after which a chunk ends: what a reader has to take at once.
+/// Size of a chunk in bytes, which a reader has to load at once.
 const CHUNK_BYTES: u64 = 4 << 20;
 
-/// Before the topics of the frames beside ROS's messages.
+/// Prefix of the topics of frames, in addition to those of ROS messages.
 pub(super) const FRAMES: &str = "/belvedere/frames/";
 
-/// Name of the metadata record that is about the recording.
+/// Name of the metadata record that describes the recording.
 pub(super) const ABOUT: &str = "belvedere";
-/// Name of those that are about a stream, each.
+/// Name of the metadata records that describe one stream each.
 pub(super) const STREAM: &str = "belvedere.stream";
-/// Name of the one with the hash of each stream, at the end.
+/// Name of the metadata record with the hash of each stream, at the end.
 pub(super) const HASHES: &str = "belvedere.hashes";
 
-/// How chunks are compressed.
+/// Compression of chunks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Compression {
-    /// Not at all: the least work.
+    /// No compression, which needs the least work.
     None,
-    /// LZ4: a third of the size for some milliseconds a picture.
+    /// LZ4: a third of the size, for some milliseconds per image.
     #[default]
     Lz4,
 }
 
-/// A stream by its place in a [`RecordingWriter`].
+/// Identifies a stream in a [`RecordingWriter`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamId(usize);
 
-/// What was recorded of a stream.
+/// Counts the recorded frames of a stream.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StreamTally {
-    /// Without a leading slash.
+    /// The topic, without a leading slash.
     pub topic: String,
-    /// Frames.
+    /// Number of frames.
     pub frames: u64,
-    /// Hash of their stamps and payloads: that of `belvedere run --hash`, if all of them are here.
+    /// Hash of their timestamps and payloads. It equals that of `belvedere run --hash` if no frame is missing.
     pub hash: u128,
 }
 
 /// Writes a recording.
 ///
-/// Each frame of a stream that ROS has a message for becomes that message, on ROS's topic; beside it, on a topic of its
-/// own, is what the message leaves out, so that a replay has every byte. A recording that is not
+/// Each frame of a stream that has a ROS message is written as that message on its ROS topic. The data that the message
+/// lacks are written in addition on a separate topic, so that a replay has every byte. A recording that is not
 /// [finished](Self::finish) has no index; it can be read up to the last [`flush`](Self::flush).
 pub struct RecordingWriter<W: Write> {
     file: mcap::Writer<NoSeek<W>>,
@@ -68,17 +68,17 @@ pub struct RecordingWriter<W: Write> {
 struct Stream {
     topic: String,
     ros: Option<RosStream>,
-    /// Of ROS's messages, and of the frames beside them; made at the first frame.
+    /// The channels of ROS messages and of frames, created at the first frame.
     channels: Option<(Option<u16>, u16)>,
     frames: u64,
     hash: Xxh3,
 }
 
 impl<W: Write> RecordingWriter<W> {
-    /// Begins a recording; `about` are words on how it came about.
+    /// Starts a recording; `about` describes how it was made.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If it cannot be written.
     pub fn new(
         output: W,
         compression: Compression,
@@ -88,7 +88,7 @@ impl<W: Write> RecordingWriter<W> {
             Compression::None => None,
             Compression::Lz4 => Some(mcap::Compression::Lz4),
         };
-        // Without seeking a chunk is written when it is whole: nothing is cut in two by a kill.
+        // Without seeking, a chunk is written only when it is complete, so that a kill does not leave part of one.
         let options = WriteOptions::new()
             .profile("ros1")
             .library(format!("belvedere {}", env!("CARGO_PKG_VERSION")))
@@ -107,10 +107,10 @@ impl<W: Write> RecordingWriter<W> {
         })
     }
 
-    /// Keeps a file in the recording.
+    /// Stores a file in the recording.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If it cannot be written.
     pub fn attach(&mut self, attachment: &Attachment) -> Result<(), RecordingError> {
         let Attachment { name, media_type, data } = attachment;
         Ok(self.file.attach(&mcap::Attachment {
@@ -125,7 +125,7 @@ impl<W: Write> RecordingWriter<W> {
     /// Adds a stream.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn add(&mut self, stream: &RecordedStream) -> Result<StreamId, RecordingError> {
         self.file.write_metadata(&Metadata { name: STREAM.into(), metadata: stream.to_metadata() })?;
         self.streams.push(Stream {
@@ -141,7 +141,7 @@ impl<W: Write> RecordingWriter<W> {
     /// Records a frame.
     ///
     /// # Errors
-    /// When its header is wrong, or the file cannot be written.
+    /// If its header is invalid, or the file cannot be written.
     pub fn write(
         &mut self,
         stream: StreamId,
@@ -180,12 +180,12 @@ impl<W: Write> RecordingWriter<W> {
         Ok(())
     }
 
-    /// Bytes of messages so far, before compression.
+    /// Returns the bytes of messages so far, before compression.
     pub fn bytes(&self) -> u64 {
         self.bytes
     }
 
-    /// What has been recorded so far.
+    /// Returns the counts of what has been recorded so far.
     pub fn tallies(&self) -> Vec<StreamTally> {
         let tally = |stream: &Stream| StreamTally {
             topic: stream.topic.clone(),
@@ -195,18 +195,18 @@ impl<W: Write> RecordingWriter<W> {
         self.streams.iter().map(tally).collect()
     }
 
-    /// Writes what is kept back: it can be read whatever happens to this process then.
+    /// Writes all buffered data, which can then be read even if this process is killed.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordingError> {
         Ok(self.file.flush()?)
     }
 
-    /// Ends the recording with its hashes and its index.
+    /// Completes the recording with its hashes and its index.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn finish(mut self) -> Result<Vec<StreamTally>, RecordingError> {
         let tallies = self.tallies();
         let metadata =

@@ -1,4 +1,4 @@
-//! Chunks that others compressed by Zstandard, for reading; ours are LZ4.
+//! [`Zstd`]: reads chunks that other programs compressed with Zstandard. Belvedere writes LZ4.
 
 use mcap::sans_io::decompressor::{DecompressResult, Decompressor};
 use mcap::{McapError, McapResult};
@@ -6,21 +6,21 @@ use ruzstd::decoding::errors::{FrameDecoderError, ReadFrameHeaderError};
 use ruzstd::decoding::{BlockDecodingStrategy, FrameDecoder};
 use std::io::Read as _;
 
-/// Longest head of a frame, and length of a skippable one's (RFC 8878, 3.1.1 and 3.1.2).
+/// Longest head of a frame, and head of a skippable frame, in bytes (RFC 8878, 3.1.1 and 3.1.2).
 const LONGEST_HEAD: usize = 18;
 const SKIPPABLE_HEAD: usize = 8;
-/// The bit of a frame's descriptor, its fifth byte, that says that a checksum ends it.
+/// The bit of a frame's descriptor, its fifth byte, that announces a checksum at the end.
 const HAS_CHECKSUM: u8 = 4;
 
-/// Decodes a block at a time, so that a chunk that grows beyond all measure takes no more memory than its window.
+/// Decodes one block at a time, so that a chunk that expands enormously takes no more memory than its window.
 pub(super) struct Zstd {
     decoder: FrameDecoder,
-    /// A frame has begun, and not all of it was given.
+    /// True between the head of a frame and its last byte.
     is_within: bool,
     has_checksum: bool,
-    /// Bytes that are left of what is to be skipped.
+    /// Number of bytes that are still to be skipped.
     skipped: usize,
-    /// What the next piece needs.
+    /// Number of bytes needed for the next piece.
     need: usize,
 }
 
@@ -29,7 +29,7 @@ impl Zstd {
         Self { decoder: FrameDecoder::new(), is_within: false, has_checksum: false, skipped: 0, need: 0 }
     }
 
-    /// Takes the head of a frame; 0 bytes of it if there are not enough.
+    /// Reads the head of a frame. Returns the number of bytes consumed, 0 if there are not enough.
     fn begin(&mut self, src: &[u8]) -> McapResult<usize> {
         let mut rest = src;
         match self.decoder.reset(&mut rest) {
@@ -52,7 +52,7 @@ impl Zstd {
         }
     }
 
-    /// Takes the next block; 0 bytes of it if it is not whole.
+    /// Decodes the next block. Returns the number of bytes consumed, 0 if the block is incomplete.
     fn take_block(&mut self, src: &[u8]) -> McapResult<usize> {
         let Some(&[low, middle, high]) = src.first_chunk::<3>() else {
             self.need = 3;
@@ -95,7 +95,7 @@ impl Decompressor for Zstd {
     }
 
     fn reset(&mut self) -> McapResult<()> {
-        // What was allocated is used again by the next frame.
+        // The next frame uses the allocated memory again.
         (self.is_within, self.skipped, self.need) = (false, 0, 0);
         Ok(())
     }
@@ -114,7 +114,8 @@ mod tests {
     use super::*;
     use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 
-    /// Decompresses in pieces of at most so many bytes, and writes in others, as the reader asks for them.
+    /// Decompresses in pieces of at most `piece` bytes, and writes at most `room` bytes at a time, as the reader asks
+    /// for them.
     fn decode(src: &[u8], piece: usize, room: usize, len: usize) -> McapResult<Vec<u8>> {
         let mut decoder = Zstd::new();
         let (mut out, mut at, mut have) = (Vec::new(), 0, 0);
@@ -136,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_come_whole_in_pieces_of_any_size() {
+    fn frames_are_decoded_in_pieces_of_any_size() {
         let mut seed = 17_u32;
         let mut next = move || {
             seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -144,7 +145,7 @@ mod tests {
         };
         let first: Vec<u8> = (0..300_000).map(|_| (next() % 5) as u8).collect();
         let second = vec![7_u8; 200_000];
-        // Two frames, and one between them that is to be skipped.
+        // Two frames with a skippable one between them.
         let mut src = compress_to_vec(&first[..], CompressionLevel::Fastest);
         src.extend_from_slice(&[0x50, 0x2a, 0x4d, 0x18, 5, 0, 0, 0, 1, 2, 3, 4, 5]);
         src.extend(compress_to_vec(&second[..], CompressionLevel::Uncompressed));
@@ -154,7 +155,7 @@ mod tests {
             let decoded = decode(&src, piece, room, whole.len()).unwrap();
             assert!(decoded == whole, "pieces of {piece} into {room}");
         }
-        // Cut, or other bytes: an error, and no panic.
+        // Truncated or damaged data give an error instead of a panic.
         for _ in 0..60 {
             let mut wrong = src.clone();
             let place = next() as usize % 2000;

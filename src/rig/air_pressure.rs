@@ -1,4 +1,4 @@
-//! A barometer and its stream.
+//! A barometer with its stream.
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;

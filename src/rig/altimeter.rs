@@ -1,4 +1,4 @@
-//! An altimeter and its stream.
+//! An altimeter with its stream.
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
@@ -37,7 +37,7 @@ impl Behaviour for model::Altimeter {
 /// A running altimeter.
 struct AltimeterChannel {
     mount: Mount,
-    /// As described; the height of the first frame if it is none.
+    /// The reference in the description; `None` for the height at the first frame.
     reference_m: Option<f64>,
     first_m: Option<f64>,
     position: Running<1>,

@@ -1,5 +1,5 @@
-//! What is true of the things in a camera's picture: boxes around all that is seen, and corners of tags, in two streams
-//! beside the sensor's own, filled while somebody follows them.
+//! Annotations of a camera's images: bounding boxes of all visible objects, and corners of tags, in two streams in
+//! addition to the sensor's own. They are computed only while they have subscribers.
 
 use super::mount::Mount;
 use super::outlet::Outlet;
@@ -16,12 +16,12 @@ use belvedere_sensors::{Pose, Shutter};
 use glam::{DMat3, DQuat, DVec3};
 use std::time::Instant;
 
-/// What may be seen of things that are spawned later, beside those of the start.
+/// Room for boxes of objects that are spawned later, in addition to those at the start.
 const SPAWNED_THINGS: usize = 256;
-/// Tags that these may have.
+/// Room for tags of such objects.
 const SPAWNED_TAGS: usize = 64;
 
-/// How many things and tags there are in a world at its start.
+/// Numbers of objects (visuals) and tags in a world at its start.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Census {
     things: usize,
@@ -36,12 +36,12 @@ impl Census {
     }
 }
 
-/// The streams of a camera's boxes and tags; none unless truth is asked for.
+/// The streams of a camera's boxes and tags; not opened unless ground truth is requested.
 pub(super) struct Annotations {
     boxes: Option<Stream<BoundingBox>>,
     tags: Option<Stream<TagDetection>>,
     width: usize,
-    /// The picture of instances, while nobody else asks for it.
+    /// The instance image, used while its own stream has no subscribers.
     instance: Vec<u32>,
     seen: Vec<SeenBox>,
     landmarks: Vec<Landmark>,
@@ -49,7 +49,7 @@ pub(super) struct Annotations {
 }
 
 impl Annotations {
-    /// Opens `<topic>/truth/boxes` and `<topic>/truth/tags` for a camera of so many pixels across and down.
+    /// Opens `<topic>/truth/boxes` and `<topic>/truth/tags` for a camera with this width and height in pixels.
     pub(super) fn open(
         topic: &str,
         frame_id: &str,
@@ -75,12 +75,12 @@ impl Annotations {
         boxes.chain(self.tags.iter().map(|stream| &stream.outlet))
     }
 
-    /// Whether somebody wants them, so that the moments of the frame have to be known.
+    /// Returns true if one of the streams has subscribers, so that the moments of the frame are needed.
     pub(super) fn is_wanted(&self) -> bool {
         self.outlets().any(Outlet::is_wanted)
     }
 
-    /// Asks for the picture of instances, which boxes are made from, unless it is asked for already.
+    /// Requests the instance image, from which boxes are made, unless it is requested already.
     pub(super) fn ask<'a>(&'a mut self, truth: &mut Option<Truth<'a>>) {
         if self.boxes.as_ref().is_some_and(|stream| stream.outlet.is_wanted()) {
             let truth = truth.get_or_insert_with(Truth::new);
@@ -88,8 +88,8 @@ impl Annotations {
         }
     }
 
-    /// Sends those of a frame that is taken `at` its moments, as far as somebody follows. `instance` is its picture of
-    /// instances if others have asked for it, and none if nobody has it.
+    /// Sends the annotations of a frame that is taken `at` its moments, if they have subscribers. `instance` is its
+    /// instance image if its own stream has it, else `None`.
     pub(super) fn send(
         &mut self,
         context: &mut RigContext<'_>,
@@ -148,7 +148,7 @@ impl Annotations {
         let (landmarks, sightings) = (&self.landmarks, &mut self.sightings);
         if let Err(error) = see_landmarks(&scene, at, &config.optics, range, workspace, landmarks, sightings)
         {
-            tracing::warn!(%error, stamp_ns = context.stamp_ns, "the tags of a frame are left out");
+            tracing::warn!(%error, stamp_ns = context.stamp_ns, "the tags of a frame were dropped");
             return;
         }
         let optical_from_world = optical_from_world(world_from_sensor);
@@ -173,7 +173,8 @@ impl Annotations {
     }
 }
 
-/// Top left, top right, bottom right and bottom left of a tag as one reads it: the order of OpenCV's `ArUco`.
+/// Returns top left, top right, bottom right and bottom left of a tag as one reads it, which is the order of OpenCV's
+/// `ArUco`.
 fn corners(tag: &PlacedFiducial) -> [Landmark; 4] {
     let (pose, half) = (&tag.instance_from_fiducial, tag.size_m / 2.0);
     [(-1.0, 1.0), (1.0, 1.0), (1.0, -1.0), (-1.0, -1.0)].map(|(right, up)| Landmark {
@@ -183,21 +184,22 @@ fn corners(tag: &PlacedFiducial) -> [Landmark; 4] {
     })
 }
 
-/// To x right, y down, z forward of a sensor that looks along its x, z up.
+/// Returns the transform to the optical frame (x right, y down, z forward) of a sensor that looks along its x with z
+/// up.
 fn optical_from_world(world_from_sensor: &Pose) -> Pose {
     let axes = DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
     Pose::new(DVec3::ZERO, DQuat::from_mat3(&axes)) * world_from_sensor.inverse()
 }
 
-/// A stream of structs that is filled while somebody follows it.
+/// A stream of structs that is computed while it has subscribers.
 struct Stream<T> {
     outlet: Outlet,
-    /// Of the next frame.
+    /// Messages of the next frame.
     messages: Vec<T>,
-    /// As many as a frame has room for.
+    /// Most messages that fit into a frame.
     most: usize,
-    /// Whether it was told that there were more.
-    has_told: bool,
+    /// Whether a warning about dropped messages was logged.
+    has_warned: bool,
 }
 
 impl<T: Message> Stream<T> {
@@ -211,17 +213,17 @@ impl<T: Message> Stream<T> {
         let kind = if name == "boxes" { Kind::BoundingBoxes } else { Kind::TagDetections };
         let spec = StreamSpec::structs(format!("{topic}/truth/{name}"), kind, most);
         let spec = StreamSpec { buffer: 4, ..spec.frame_id(frame_id).rate_hz(opening.rate.hz()) };
-        Ok(Self { outlet: opening.open_rendered(spec)?, messages: Vec::new(), most, has_told: false })
+        Ok(Self { outlet: opening.open_rendered(spec)?, messages: Vec::new(), most, has_warned: false })
     }
 
-    /// Sends the messages that there are; of more than there is room for the first, which is told once.
+    /// Sends the messages. If there are too many, sends the first ones and logs one warning.
     fn send(&mut self, stamp_ns: u64, world_from_sensor: &Pose, started: Instant) {
         let count = self.messages.len();
-        if count > self.most && !std::mem::replace(&mut self.has_told, true) {
+        if count > self.most && !std::mem::replace(&mut self.has_warned, true) {
             let (topic, most) = (self.outlet.topic(), self.most);
             tracing::warn!(
                 %topic, count, most,
-                "more is seen than a frame has room for, as much was spawned: the rest is left out"
+                "more objects are visible than a frame has room for, because many were spawned: the rest is dropped"
             );
         }
         let messages = &self.messages[..count.min(self.most)];

@@ -1,5 +1,5 @@
-//! What a Kobuki's driver publishes besides odometry, under the names that it has on the robot and in Gazebo:
-//! inertial measurements, events, the core sensors; and what it is told, besides velocities.
+//! The streams of a Kobuki's driver in addition to odometry, under the names that they have on the robot and in Gazebo:
+//! inertial measurements, events, and the core sensors.
 
 use super::channel::Channel;
 use super::outlet::Outlet;
@@ -12,21 +12,21 @@ use crate::robot::{Kobuki, Robot};
 use belvedere_bridge::payload::{CoreSensors, Imu, RobotEvent};
 use belvedere_bridge::{Kind, StreamSpec};
 
-/// Inertial measurements.
+/// Topic of the inertial measurements.
 pub const IMU_TOPIC: &str = "/mobile_base/sensors/imu_data";
-/// The core sensors.
+/// Topic of the core sensors.
 pub const CORE_TOPIC: &str = "/mobile_base/sensors/core";
-/// Bumpers.
+/// Topic of the bumper events.
 pub const BUMPER_TOPIC: &str = "/mobile_base/events/bumper";
-/// Cliff sensors.
+/// Topic of the cliff events.
 pub const CLIFF_TOPIC: &str = "/mobile_base/events/cliff";
-/// Wheels that hang.
+/// Topic of the wheel-drop events.
 pub const WHEEL_DROP_TOPIC: &str = "/mobile_base/events/wheel_drop";
 
-/// A full battery in tenths of a volt: the 16.5 V that Kobuki's driver takes as full.
+/// A full battery in tenths of a volt: Kobuki's driver regards 16.5 V as full.
 const BATTERY_FULL: u8 = 165;
 
-/// The streams of the base. Its reports come at this channel's rate, so that no change escapes it.
+/// The streams of the base. The base reports at this channel's rate, so no change is missed.
 pub(super) struct BaseChannel {
     id: EntityId,
     imu: Outlet,
@@ -34,7 +34,8 @@ pub(super) struct BaseChannel {
     bumper: Outlet,
     cliff: Outlet,
     wheel_drop: Outlet,
-    /// What the events sent so far have told, in a simulation that has begun again, too: its consumers know no other.
+    /// The state according to the events sent so far. It is kept after a reset, because it is the state that consumers
+    /// know.
     reported: Contact,
 }
 
@@ -55,8 +56,8 @@ impl BaseChannel {
         })
     }
 
-    /// Sends an event for whatever has changed, and to whom has come since the last one that.
-    fn tell(&mut self, stamp_ns: u64, contact: &Contact) {
+    /// Sends an event for each change, and the last event to new subscribers.
+    fn send_events(&mut self, stamp_ns: u64, contact: &Contact) {
         use RobotEvent as E;
         let sides = [E::LEFT, E::CENTRE, E::RIGHT];
         let event = |source, index, state: bool, value: u16| E {
@@ -105,7 +106,7 @@ impl Channel for BaseChannel {
         let stamp_ns = report.odometry.stamp_ns;
         self.imu.send_structs(stamp_ns, &[imu(&report.imu)]);
         self.core.send_structs(stamp_ns, &[core_sensors(report)]);
-        self.tell(stamp_ns, &report.contact);
+        self.send_events(stamp_ns, &report.contact);
     }
 }
 

@@ -1,29 +1,29 @@
-//! The registry of sensors: what each kind is when it runs. How files write it is in `description/sensor`.
+//! The registry of sensors: the running behaviour of each kind. How files describe them is in `description/sensor`.
 
 use super::channel::Channel;
 use super::report::Say;
 use super::{Opening, RigError, Settings};
 use crate::description::model::{Sensor, SensorKind};
 
-/// A kind of sensor, as its description makes it. To add one: a row below, and this in a file of its own.
+/// The behaviour of a kind of sensor. To add a kind, implement this trait in a new file and add a row below.
 pub(super) trait Behaviour {
-    /// What people call it.
+    /// Returns the kind's name for reports.
     fn name(&self) -> &'static str;
 
-    /// Opens its streams; none if nothing publishes it.
+    /// Opens its streams. Returns `None` if the sensor has no plugin that publishes it.
     ///
     /// # Errors
-    /// When the sink cannot, or the description cannot be used.
+    /// If the sink cannot open a stream, or the description cannot be used.
     fn open(&self, sensor: &Sensor, opening: &Opening<'_>) -> Result<Option<Box<dyn Channel>>, RigError>;
 
-    /// What of it can be changed while it runs, at this rate.
+    /// Returns the settings that can be changed while it runs, with this rate.
     fn settings(&self, rate_hz: f64) -> Settings;
 
-    /// Tells its parameters, but for place and rate.
+    /// Reports its parameters, except pose and rate.
     fn report(&self, gazebo_compat: bool, say: Say<'_>);
 }
 
-/// The kinds, a row each.
+/// Returns the behaviour of a sensor; each kind has a row here.
 pub(super) fn behaviour(sensor: &Sensor) -> &dyn Behaviour {
     match &sensor.kind {
         SensorKind::Camera(camera) => camera,

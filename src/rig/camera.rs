@@ -1,4 +1,4 @@
-//! A colour camera and its two streams.
+//! A colour camera with its two streams.
 
 use super::annotations::Annotations;
 use super::behaviour::Behaviour;
@@ -49,7 +49,7 @@ pub(super) struct CameraChannel {
     truth: TruthOutlets,
     annotations: Annotations,
     moments: Moments,
-    /// A picture that is only metered.
+    /// An image that is only used for exposure metering.
     unseen: Vec<u8>,
 }
 

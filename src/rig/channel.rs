@@ -1,4 +1,4 @@
-//! A channel: a sensor, or what a robot says of itself, with its streams. What all kinds of them have in common.
+//! [`Channel`]: a sensor, or the state of a robot, with its streams. This file has the parts common to all kinds.
 
 use super::RigError;
 use super::annotations::Census;
@@ -21,7 +21,7 @@ use std::error::Error;
 use std::io;
 use std::time::{Duration, Instant};
 
-/// What a channel needs to open.
+/// Everything that a channel needs to open its streams.
 #[derive(Clone)]
 pub(super) struct Opening<'a> {
     pub(super) sink: &'a dyn Sink,
@@ -31,41 +31,41 @@ pub(super) struct Opening<'a> {
     pub(super) id: EntityId,
     pub(super) rate: Rate,
     pub(super) seed: u64,
-    /// Number of the sensor, by which its noise differs from others'.
+    /// Number of the sensor, which distinguishes its noise from others'.
     pub(super) sensor: u32,
     pub(super) gazebo_compat: bool,
-    /// Whether sensors tell the truth, too.
+    /// Whether sensors publish ground truth as well.
     pub(super) truth: bool,
-    /// How much of it there may be.
+    /// The numbers of objects and tags for annotations.
     pub(super) census: Census,
     pub(super) hashed: bool,
-    /// What publishes what is opened.
+    /// The owner of the streams that are opened.
     pub(super) owner: Owner,
-    /// Topics of streams that are open.
+    /// Topics of open streams.
     pub(super) names: &'a Names,
-    /// Optical frames of the model's cameras; none where Gazebo's habits are asked for.
+    /// Optical frames of the model's cameras; empty with `gazebo_compat`.
     pub(super) optical: &'a [OpticalFrame],
 }
 
 impl Opening<'_> {
-    /// The same for what another part of the model publishes.
+    /// Returns the same for streams of another part of the model.
     pub(super) fn of(&self, owner: Owner) -> Self {
         Self { owner, ..self.clone() }
     }
 
-    /// A stream of small messages, which are sent whether or not anybody follows: late consumers get the last one. Its
-    /// topic and its frame are in the namespace of the entity.
+    /// Opens a stream of small messages, which are sent even without subscribers, so that later subscribers get the
+    /// last one. Its topic and its frame are in the namespace of the entity.
     pub(super) fn open(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
         self.open_named(self.in_namespace(spec), None)
     }
 
-    /// The same, its frame nobody's own.
+    /// Like `open`, but the frame is not in the namespace.
     pub(super) fn open_in_world(&self, spec: &StreamSpec) -> Result<Outlet, RigError> {
         let topic = self.entity.topic(&spec.topic);
         self.open_named(StreamSpec { topic, ..spec.clone() }, None)
     }
 
-    /// The `CameraInfo` of a picture, which may lie beside that.
+    /// Opens the `CameraInfo` stream of an image. If its topic is taken, it may get one next to the image's.
     pub(super) fn open_info(&self, topic: &str, picture: &str, frame: &str) -> Result<Outlet, RigError> {
         let spec = StreamSpec::structs(topic, Kind::CameraInfo, 1).frame_id(frame).rate_hz(self.rate.hz());
         self.open_named(self.in_namespace(&spec), Some(&self.entity.topic(picture)))
@@ -81,14 +81,14 @@ impl Opening<'_> {
         Ok(Outlet::open(self.sink, &spec, self.owner.clone(), self.hashed)?)
     }
 
-    /// A stream that is rendered while somebody follows it. It keeps no frame for late consumers: the last one may be
-    /// of long ago.
+    /// Opens a stream that is rendered while it has subscribers. It keeps no frame for later subscribers, because the
+    /// last one may be old.
     pub(super) fn open_rendered(&self, spec: StreamSpec) -> Result<Outlet, RigError> {
         self.open(&StreamSpec { history: 0, ..spec })
     }
 
-    /// The frame that a sensor's messages name: the plugin's, or its link; for pictures an optical one beside it, unless
-    /// Gazebo's habits are asked for.
+    /// Returns the frame of a sensor's messages: the plugin's, or its link. For images it is an optical frame next to
+    /// that, unless `gazebo_compat` is set.
     pub(super) fn frame_id(&self, sensor: &DescribedSensor, frame_name: &str) -> String {
         let is_of_it =
             |frame: &&OpticalFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
@@ -100,7 +100,7 @@ impl Opening<'_> {
     }
 }
 
-/// What a channel needs to publish a frame.
+/// Everything that a channel needs to publish a frame.
 pub(super) struct RigContext<'a> {
     pub(super) stamp_ns: u64,
     pub(super) physics: &'a Physics,
@@ -112,7 +112,8 @@ pub(super) struct RigContext<'a> {
 }
 
 impl RigContext<'_> {
-    /// Takes a frame of a sensor; false, with a warning, if there is none to be had: of a body that physics has lost.
+    /// Renders a frame of a sensor. Returns false, with a warning, if that is not possible, for example because physics
+    /// has lost the sensor's body.
     pub(super) fn take<T: Sensor>(
         &mut self,
         sensor: &T,
@@ -124,52 +125,52 @@ impl RigContext<'_> {
         let taken = sensor.sense_in(self.workspace, &scene, capture, output);
         self.rendering += started.elapsed();
         taken
-            .inspect_err(|error| tracing::warn!(%error, capture.frame, "a frame of a sensor is left out"))
+            .inspect_err(|error| tracing::warn!(%error, capture.frame, "a frame of a sensor was dropped"))
             .is_ok()
     }
 }
 
-/// A sensor, or what somebody says of himself, with its streams.
+/// A sensor, or the state of a robot, with its streams.
 pub(super) trait Channel {
-    /// Its streams.
+    /// Returns its streams.
     fn outlets(&self) -> Vec<&Outlet>;
 
-    /// Sends its frame of this number.
+    /// Publishes its frame with this number.
     fn publish(&mut self, context: &mut RigContext<'_>, frame: u64);
 
-    /// Whether its next frame shows the scene to somebody.
+    /// Returns true if its next frame has to be rendered.
     fn is_rendered(&self) -> bool {
         false
     }
 
-    /// How long before its stamp a frame of it begins, at most, in ns.
+    /// Returns the longest time in ns by which a frame begins before its timestamp.
     fn window_ns(&self) -> u64 {
         0
     }
 
-    /// Forgets what its frames so far have left to the next.
+    /// Resets all state that is carried over from frame to frame.
     fn restart(&mut self) {}
 
-    /// Takes other settings from its next frame on, if it has any.
+    /// Applies other settings from its next frame on, if it has any.
     ///
     /// # Errors
-    /// When one of them is out of range.
+    /// If one of them is out of range.
     fn configure(&mut self, _settings: &Settings) -> Result<(), Box<dyn Error>> {
         Ok(())
     }
 
-    /// Sends the data packets of its device to somebody as well.
+    /// Also sends the data packets of its device to a target.
     ///
     /// # Errors
-    /// When it has none, or they cannot go there.
+    /// If it has no packets, or the target cannot be opened.
     fn send_packets(&mut self, _target: &PacketTarget) -> io::Result<()> {
         Err(io::Error::other(
-            "this sensor has none; lidars with presets of Velodyne and Ouster have, and inertial units with <udp_profile_imu>",
+            "this sensor has no packets; lidars with Velodyne or Ouster presets have, and inertial units with <udp_profile_imu>",
         ))
     }
 }
 
-/// Whether somebody wants a frame of one of these streams.
+/// Returns true if one of these streams needs a frame.
 pub(super) fn is_any_wanted<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> bool {
     outlets.into_iter().any(Outlet::is_wanted)
 }

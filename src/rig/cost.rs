@@ -1,21 +1,21 @@
-//! How long something takes that is done again and again.
+//! [`Cost`]: estimates the time that a repeated task takes.
 
 use std::time::Duration;
 
-/// Part of the difference by which the expectation follows when it takes less time: 1 / 16.
+/// Divisor of the difference by which the estimate decreases when the task takes less time.
 const FORGETTING: u32 = 16;
 
-/// The time that it may take next: the longest lately.
+/// The time that a task may take next: the longest recent one.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Cost(Duration);
 
 impl Cost {
-    /// It took so long this time.
+    /// Adds a measured time.
     pub fn add(&mut self, took: Duration) {
         self.0 = took.max(self.0.saturating_sub(self.0.saturating_sub(took) / FORGETTING));
     }
 
-    /// The time that it may take next.
+    /// Returns the time that the task may take next.
     pub fn expected(&self) -> Duration {
         self.0
     }

@@ -1,4 +1,4 @@
-//! A Kinect: depth, colour and cloud from one look, and the infos.
+//! A depth camera such as a Kinect: depth, colour and cloud rendered together, and their camera infos.
 
 use super::annotations::Annotations;
 use super::behaviour::Behaviour;
@@ -55,7 +55,7 @@ impl Behaviour for model::DepthCamera {
     }
 }
 
-/// The noise of depths at both ends of their range.
+/// Describes the noise of depths at both ends of their range.
 fn depth_noise(noise: &DepthNoise, range_m: [f64; 2]) -> String {
     let stddev_m = |depth_m: f64| match noise {
         DepthNoise::Gaussian(noise) => Some(f64::from(noise.stddev())),
@@ -71,7 +71,8 @@ fn depth_noise(noise: &DepthNoise, range_m: [f64; 2]) -> String {
     format!("stddev {near}, {far}, of surfaces that face it")
 }
 
-/// Wider pictures have no one focal length; their disparities are counted as in one of this angle.
+/// Widest angle for which a focal length is computed. Wider images have no single focal length; their disparities are
+/// computed as for this angle.
 const WIDEST_RAD: f64 = 2.0;
 
 /// A running depth camera.
@@ -91,7 +92,7 @@ pub(super) struct DepthChannel {
     truth: TruthOutlets,
     annotations: Annotations,
     moments: Moments,
-    /// A picture that is only metered.
+    /// An image that is only used for exposure metering.
     unseen: Vec<u8>,
 }
 
@@ -273,7 +274,7 @@ impl Channel for DepthChannel {
     }
 }
 
-/// Which depths there are, what the device makes of them, and what stands for the others.
+/// The range of depths, the model of the device, and the values for depths out of range.
 struct Limits {
     range_m: [f64; 2],
     model: DepthModel,
@@ -281,7 +282,7 @@ struct Limits {
     too_near: TooNear,
 }
 
-/// How the device of a depth camera measures, through a lens of this focal length in pixels.
+/// Returns the model of a depth camera's device, with a lens of this focal length in pixels.
 fn device_model(described: &model::DepthCamera, focal_px: f64) -> DepthModel {
     described.preset.map_or(DepthModel::new(), |preset| {
         let model = preset.model(focal_px);
@@ -289,7 +290,8 @@ fn device_model(described: &model::DepthCamera, focal_px: f64) -> DepthModel {
     })
 }
 
-/// Focal length of a picture in pixels, through other lenses than a pinhole that of its angle of view.
+/// Returns the focal length of an image in pixels. For lenses other than pinholes it is computed from the angle of
+/// view.
 fn focal_px(camera: &CameraSensor, lens: &Lens) -> f64 {
     if is_pinhole(lens) {
         lens.intrinsics.fx
@@ -298,7 +300,8 @@ fn focal_px(camera: &CameraSensor, lens: &Lens) -> f64 {
     }
 }
 
-/// SDF's `<noise>` is the colour picture's; Gazebo classic knows none for depth. Back faces are not seen, as in Gazebo.
+/// Returns the depth camera. SDF's `<noise>` applies to the colour image; Gazebo classic has none for depth. Back faces
+/// are invisible, as in Gazebo.
 fn depth_camera<'a>(eye: &'a Eye, limits: &Limits) -> Result<DepthCamera<'a>, ParameterError> {
     let [min_m, max_m] = limits.range_m;
     let config = DepthCameraConfig::new(eye.config()).min_depth_m(min_m).max_depth_m(max_m);

@@ -1,11 +1,11 @@
-//! Why the sensors cannot be started.
+//! Errors of starting the sensors.
 
 use super::owner::Owner;
 use crate::description::model::Sensor;
 use crate::description::{Problem, Severity};
 use belvedere_bridge::Error as BridgeError;
 
-/// Why the sensors cannot be started.
+/// The reason why the sensors cannot be started.
 #[derive(Debug, thiserror::Error)]
 pub enum RigError {
     /// The bridge cannot open a stream.
@@ -22,18 +22,18 @@ pub enum RigError {
         /// What is wrong with it.
         reason: String,
     },
-    /// The stream of the settings of sensors has no room.
+    /// The stream of sensor settings has no room for more sensors.
     #[error(
-        "there are more than {most} sensors, which the simulation has no room for; delete robots that are not needed, or start with all of them"
+        "there are more than {most} sensors, which is the limit of this simulation; delete robots that are not needed, or start with all of them"
     )]
     TooManySensors {
-        /// How many there may be.
+        /// The highest number of sensors.
         most: usize,
     },
 }
 
 impl RigError {
-    /// Whether shared memory has no room for a stream.
+    /// Returns true if shared memory has no room for a stream.
     #[cfg(feature = "server")]
     pub(crate) fn lacks_memory(&self) -> bool {
         matches!(self, Self::Bridge(BridgeError::SharedMemoryTooSmall { .. }))
@@ -48,7 +48,7 @@ impl RigError {
         })
     }
 
-    /// Two streams of one topic, the second of which cannot be opened.
+    /// Returns the error about a second stream on the same topic.
     pub(super) fn topic_taken(topic: &str, first: &Owner, second: &Owner) -> Self {
         let remedy = if first.entity == second.entity {
             "give one of them another topic"

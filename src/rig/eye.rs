@@ -1,4 +1,4 @@
-//! What takes the pictures of a camera or depth camera: its optics, and the settings that may change while it runs.
+//! [`Eye`]: the optics of a camera or depth camera, and the settings that may change while it runs.
 
 pub(super) mod report;
 
@@ -26,26 +26,26 @@ pub(super) struct Eye {
     exposure: f32,
     edges: Edges,
     noise: GaussianNoise,
-    /// With the exposure of the next frame.
+    /// The device, with the exposure of the next frame.
     device: Option<CameraDevice>,
     automatic: Option<AutoExposure>,
-    /// What that was before the first frame.
+    /// The state of `automatic` before the first frame.
     first: Option<AutoExposure>,
     seed: u64,
     sensor: u32,
 }
 
-/// Where the rays of the pixels go.
+/// The rays of the pixels.
 enum EyeOptics {
     Pinhole(PinholeGrid),
     Table(Box<RayTableBuf>),
 }
 
 impl Eye {
-    /// Of a description.
+    /// Creates an eye from a description.
     ///
     /// # Errors
-    /// When a parameter of the lens or of the noise is out of range, or the lens maps no pixel.
+    /// If a parameter of the lens or the noise is out of range, or the lens maps no pixel.
     pub(super) fn new(
         camera: &CameraSensor,
         lens: &Lens,
@@ -63,7 +63,7 @@ impl Eye {
             near_m: camera.near_m,
             far_m: camera.far_m,
             exposure: 1.0,
-            // Gazebo classic draws every picture with sharp edges, whatever the file says.
+            // Gazebo classic draws every image with sharp edges, whatever the file says.
             edges: if camera.anti_aliasing > 1 && !opening.gazebo_compat {
                 Edges::Smooth
             } else {
@@ -80,12 +80,12 @@ impl Eye {
         Ok(eye)
     }
 
-    /// The camera as it is set now.
+    /// Returns the camera with its current settings.
     pub(super) fn camera(&self) -> Camera<'_> {
         Camera::new(self.config()).expect("checked when it was made and when it is changed")
     }
 
-    /// What a camera is made from.
+    /// Returns the current configuration of the camera.
     pub(super) fn config(&self) -> CameraConfig<'_> {
         CameraConfig::new(self.optics.lend())
             .format(self.format)
@@ -99,35 +99,36 @@ impl Eye {
             .sensor(self.sensor)
     }
 
-    /// What it is behind the lens, if its frames are of more than one moment.
+    /// Returns the device, if its frames are composed of several moments.
     pub(super) fn shutter(&self) -> Option<&CameraDevice> {
         self.device.as_ref().filter(|device| !device.is_of_one_moment())
     }
 
-    /// How long before its stamp a frame begins, at most, in ns.
+    /// Returns the longest time in ns by which a frame begins before its timestamp.
     pub(super) fn window_ns(&self) -> u64 {
         self.shutter().map_or(0, |device| (device.window_s() * 1e9).ceil() as u64)
     }
 
-    /// Whether the exposure of a frame depends on those before it, so that each has to be taken whoever looks.
+    /// Returns true if the exposure depends on earlier frames, so that every frame has to be rendered even without
+    /// subscribers.
     pub(super) fn is_automatic(&self) -> bool {
         self.automatic.is_some()
     }
 
-    /// How bright a picture of it is, if its exposure is automatic.
+    /// Measures the brightness of an image, if the exposure is automatic.
     pub(super) fn meter(&self, picture: &[u8]) -> Option<FrameStatistics> {
         let metering = self.device?.auto_exposure?.metering;
         self.camera().meter(picture, metering).ok()
     }
 
-    /// Chooses the exposure of the next frame after one that was so bright.
+    /// Chooses the exposure of the next frame from the brightness of the last one.
     pub(super) fn expose_next(&mut self, seen: Option<FrameStatistics>) {
         if let (Some(automatic), Some(device), Some(seen)) = (&mut self.automatic, &mut self.device, seen) {
             device.config.exposure = automatic.next(&seen);
         }
     }
 
-    /// Begins again with the exposure of the first frame.
+    /// Restarts with the exposure of the first frame.
     pub(super) fn restart(&mut self) {
         if let (Some(device), Some(first)) = (&mut self.device, self.first) {
             self.automatic = Some(first);
@@ -135,7 +136,7 @@ impl Eye {
         }
     }
 
-    /// Takes other settings from the next frame on, if they are within their limits.
+    /// Applies other settings from the next frame on, if they are within their limits.
     pub(super) fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn Error>> {
         let (noise, exposure) = (settings.noise(&self.noise)?, settings.exposure());
         Camera::new(self.config().noise(noise).exposure(exposure))?;
@@ -144,8 +145,8 @@ impl Eye {
     }
 }
 
-/// The lens that is drawn: what `camera_info` tells is what is seen. Gazebo's plugin tells of its own coefficients, focal
-/// length and principal point and draws without them, and so does `gazebo_compat`.
+/// Returns the lens that is drawn, which matches `camera_info`. Gazebo's plugin reports its own coefficients, focal
+/// length and principal point but draws without them, and `gazebo_compat` does the same.
 pub(super) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_compat: bool) -> Lens {
     let mut lens = camera.lens.clone();
     if gazebo_compat {
@@ -165,7 +166,7 @@ pub(super) fn drawn_lens(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_co
     lens
 }
 
-/// The model of a lens; none for a pinhole whose columns and rows are straight, which is a rule and no table.
+/// Returns the model of a lens, or `None` for a pinhole without distortion and skew, which needs no table.
 fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, ParameterError> {
     let LensIntrinsics { fx, fy, cx, cy, skew } = lens.intrinsics;
     let intrinsics = Intrinsics { fx, fy, cx, cy, skew };
@@ -188,22 +189,22 @@ fn lens_model(lens: &Lens) -> Result<Option<Box<dyn optics::Lens>>, ParameterErr
                 AngleFunction::Tangent => Function::Tan,
                 AngleFunction::Identity => Function::Identity,
             };
-            // The map's focal length is in pixels already.
+            // The map's focal length is already in pixels.
             let in_pixels = Intrinsics { fx: 1.0, fy: 1.0, cx, cy, skew: 0.0 };
             Box::new(WideAngle::new(in_pixels, Mapping { c1, c2, c3, f, fun }, *cutoff_angle_rad)?)
         }
     }))
 }
 
-/// Whether a lens is a rule and no table.
+/// Returns true if a lens needs no table.
 pub(super) fn is_pinhole(lens: &Lens) -> bool {
     matches!(lens_model(lens), Ok(None))
 }
 
-/// Which share of a picture's pixels its lens maps: the others are black.
+/// Returns the share of an image's pixels that its lens maps; the others are black.
 ///
 /// # Errors
-/// When a parameter of the lens is out of range.
+/// If a parameter of the lens is out of range.
 pub(super) fn mapped_share(camera: &CameraSensor, lens: &Lens) -> Result<f64, ParameterError> {
     let Some(model) = lens_model(lens)? else { return Ok(1.0) };
     let pixels = (0..camera.height).flat_map(|row| (0..camera.width).map(move |column| [column, row]));

@@ -1,5 +1,5 @@
-//! An inertial measurement unit and its stream: rate of turn and specific force (a − g, which is +g upwards at rest:
-//! REP-145) with the errors of its gyros and accelerometers, and its orientation.
+//! An inertial measurement unit with its stream: angular velocity and specific force (a − g, which is +g upwards at
+//! rest: REP-145) with the errors of its gyros and accelerometers, and its orientation.
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
@@ -64,7 +64,7 @@ impl Behaviour for model::Imu {
 /// A running unit.
 struct ImuChannel {
     id: EntityId,
-    /// Which of its model's units it is.
+    /// Its index among the model's units.
     number: usize,
     unit: imu::Imu,
     state: ImuState,
@@ -76,9 +76,9 @@ struct ImuChannel {
     seed: u64,
     sensor: u32,
     imu: Outlet,
-    /// If it is an Ouster's.
+    /// Present if it is part of an Ouster.
     packets: Option<ImuPackets>,
-    /// Time of the last frame, and what the unit had felt until then.
+    /// Time of the last frame, and the integral of acceleration until then.
     last: (u64, DVec3),
     /// The unit's axes at its first frame.
     world_from_start: Option<DQuat>,
@@ -109,7 +109,7 @@ impl ImuChannel {
             enu_from_world: enu_from_world(opening.earth, opening.gazebo_compat && opening.earth.is_given),
             offset: unit.orientation_offset,
             orientation_stddev: unit.orientation_stddev,
-            // Gyro and accelerometer are 0 and 1.
+            // Gyro and accelerometer have the numbers 0 and 1.
             heading: Running::new(sensor, &unit.heading, 2, opening)?,
             seed: opening.seed,
             sensor: opening.sensor,
@@ -120,7 +120,7 @@ impl ImuChannel {
         })
     }
 
-    /// The orientation that it tells.
+    /// Returns the orientation that it reports.
     fn orientation(&mut self, world_from_unit: DQuat, frame: u64, stamp_ns: u64) -> DQuat {
         let [error] = self.heading.read([0.0], frame, stamp_ns);
         let world_from_start = *self.world_from_start.get_or_insert(world_from_unit);
@@ -131,13 +131,13 @@ impl ImuChannel {
             None => return DQuat::IDENTITY,
         };
         let turned = DQuat::from_rotation_z(error) * world_from_unit;
-        let told = self.offset * (world_from_reference.inverse() * turned);
+        let reported = self.offset * (world_from_reference.inverse() * turned);
         if self.orientation_stddev == 0.0 {
-            return told;
+            return reported;
         }
         let stream = Stream { seed: self.seed, sensor: self.sensor, frame, channel: ORIENTATION_CHANNEL };
         let noise = [0, 1, 2, 3].map(|part| f64::from(standard_normal(&stream, part)));
-        (told + DQuat::from_array(noise) * self.orientation_stddev).normalize()
+        (reported + DQuat::from_array(noise) * self.orientation_stddev).normalize()
     }
 }
 
@@ -153,7 +153,7 @@ impl Channel for ImuChannel {
         let felt_m_s = unit.felt_at(physics, stamp_ns);
         let (last_ns, last_m_s) = self.last;
         let period_s = stamp_ns.saturating_sub(last_ns) as f64 * 1e-9;
-        // The mean since the last frame: no bump falls between two.
+        // The mean since the last frame, so that no bump between two frames is lost.
         let acceleration = if period_s > 0.0 { (felt_m_s - last_m_s) / period_s } else { DVec3::ZERO };
         self.last = (stamp_ns, felt_m_s);
         let world_from_unit = unit.world_from_unit_at(physics, stamp_ns);
@@ -161,7 +161,7 @@ impl Channel for ImuChannel {
             angular_velocity: unit.turn_at(physics, stamp_ns),
             specific_force: world_from_unit.inverse().transform_vector(acceleration - physics.gravity()),
         };
-        // A bias drifts, whoever looks.
+        // Measured even without subscribers, because the bias drifts.
         let read = self.unit.measure(&truth, frame, period_s, &mut self.state);
         let covariance = |stddev: [f64; 3]| covariance(stddev.map(|stddev| stddev * stddev));
         let config = self.unit.config();
@@ -169,7 +169,7 @@ impl Channel for ImuChannel {
         let [heading] = self.heading.variance(stamp_ns);
         orientation_covariance[8] += heading;
         if self.reference.is_none() {
-            // As ROS's message says that it has none.
+            // In the ROS message, −1 means that there is no orientation.
             orientation_covariance[0] = -1.0;
         }
         let message = Imu {
@@ -199,7 +199,9 @@ impl Channel for ImuChannel {
     fn send_packets(&mut self, target: &PacketTarget) -> io::Result<()> {
         match &mut self.packets {
             Some(packets) => packets.open(target),
-            None => Err(io::Error::other("an inertial unit has some with <udp_profile_imu>, as an Ouster's")),
+            None => Err(io::Error::other(
+                "this inertial unit has no packets; Ouster's have, with <udp_profile_imu>",
+            )),
         }
     }
 }

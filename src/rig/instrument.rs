@@ -1,4 +1,4 @@
-//! A running instrument: what it makes of the truth, frame by frame.
+//! [`Running`]: a running instrument, which turns true values into readings.
 
 use super::{Opening, RigError};
 use crate::description::model::{InstrumentPlugin, Sensor};
@@ -13,7 +13,7 @@ pub(super) struct Running<const N: usize> {
 }
 
 impl<const N: usize> Running<N> {
-    /// The sensor's instrument of that number.
+    /// Creates the sensor's instrument with this number.
     pub(super) fn new(
         sensor: &Sensor,
         config: &InstrumentConfig<N>,
@@ -26,14 +26,15 @@ impl<const N: usize> Running<N> {
         Ok(Self { state: instrument.start(&stream), instrument, stream, last_ns: None })
     }
 
-    /// What it reads of the truth.
+    /// Returns the reading for a true value.
     pub(super) fn read(&mut self, truth: [f64; N], frame: u64, stamp_ns: u64) -> [f64; N] {
         let period_s = self.period_s(stamp_ns);
         self.last_ns = Some(stamp_ns);
         self.instrument.measure(truth, period_s, &Stream { frame, ..self.stream }, &mut self.state)
     }
 
-    /// Variance of what it will read then: of white noise, of the bias of a run, and of one that drifts and forgets.
+    /// Returns the variance of a reading: of white noise, of the constant bias, and of a drifting bias with a
+    /// correlation time.
     pub(super) fn variance(&self, stamp_ns: u64) -> [f64; N] {
         let InstrumentConfig { bias_stddev, drift, drift_time_s, .. } = self.instrument.config();
         let white = self.instrument.config().white_stddev(self.period_s(stamp_ns));
@@ -48,19 +49,19 @@ impl<const N: usize> Running<N> {
         self.last_ns.map_or(0.0, |last_ns| stamp_ns.saturating_sub(last_ns) as f64 * 1e-9)
     }
 
-    /// Forgets its frames so far.
+    /// Restarts the instrument.
     pub(super) fn restart(&mut self) {
         (self.state, self.last_ns) = (self.instrument.start(&self.stream), None);
     }
 }
 
-/// Row by row, of variances along the axes.
+/// Returns the covariance matrix, row by row, of these variances along the axes.
 pub(super) fn covariance([x, y, z]: [f64; 3]) -> [f64; 9] {
     [x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z]
 }
 
 impl Opening<'_> {
-    /// Topic and frame of an instrument's messages.
+    /// Returns topic and frame of an instrument's messages.
     pub(super) fn names(&self, sensor: &Sensor, plugin: &InstrumentPlugin) -> (String, String) {
         let is_free = plugin.topic.starts_with('/') || !self.entity.namespace.is_empty();
         let topic =

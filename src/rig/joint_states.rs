@@ -1,4 +1,4 @@
-//! Joint states under a topic of one's own: `libgazebo_ros_joint_state_publisher.so`.
+//! Joint states on a separate topic: `libgazebo_ros_joint_state_publisher.so`.
 
 use super::channel::Channel;
 use super::outlet::Outlet;
@@ -8,7 +8,7 @@ use crate::entities::EntityId;
 use belvedere_bridge::payload::JointState;
 use belvedere_bridge::{Kind, StreamSpec, Text};
 
-/// A reporter of joints.
+/// The channel of a joint state publisher.
 pub(super) struct JointStatesChannel {
     id: EntityId,
     joints: Vec<(JointIndex, Text<64>)>,

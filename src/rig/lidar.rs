@@ -1,4 +1,4 @@
-//! A lidar and its stream.
+//! A lidar with its stream.
 
 pub(super) mod report;
 
@@ -65,20 +65,20 @@ impl LidarChannel {
         let lidar = Lidar::new(config).map_err(|error| refused(&error))?;
         let frame = opening.frame_id(sensor, &plugin.frame_name);
         let rate = opening.rate.hz();
-        // Ranges, and a plane of intensities after them.
+        // Ranges, followed by a plane of intensities.
         let bytes = lidar.beams() * size_of::<f32>() * 2;
         let spec = StreamSpec::new(&plugin.topic, Kind::LaserScan, Encoding::RangesF32, bytes)
             .frame_id(&frame)
             .layers(vertical.samples)
             .rate_hz(rate);
-        // As deep as that of messages: scans are small, come at 40 Hz, and mapping wants each of them.
+        // As deep as for messages: scans are small, come at up to 40 Hz, and mapping needs each of them.
         let spec = StreamSpec { buffer: 16, ..spec };
         Ok(Self {
             scan: opening.open_rendered(spec)?,
             geometry: ScanGeometry {
                 angle_min: horizontal.min_angle_rad,
                 angle_increment: horizontal.increment(),
-                // All beams are taken at the stamp. Gazebo's plugin gives 0 for the time of a scan as well.
+                // All beams are measured at the timestamp. Gazebo's plugin reports 0 for the time of a scan as well.
                 time_increment: 0.0,
                 scan_time: if opening.gazebo_compat { 0.0 } else { 1.0 / rate },
                 range_min: ray.range_min_m as f32,
@@ -148,7 +148,7 @@ impl Channel for LidarChannel {
     fn configure(&mut self, settings: &Settings) -> Result<(), Box<dyn std::error::Error>> {
         let config = self.lidar.config();
         self.lidar = Lidar::new(config.noise(settings.noise(&config.noise)?))?;
-        // Gazebo's plugin gives 0 at any rate.
+        // Gazebo's plugin reports 0 at any rate.
         if self.geometry.scan_time != 0.0 {
             self.geometry.scan_time = 1.0 / settings.update_rate_hz();
         }
@@ -156,7 +156,7 @@ impl Channel for LidarChannel {
     }
 }
 
-/// The lidar of a description.
+/// Returns the configuration of a described lidar.
 pub(super) fn lidar_config(ray: &RaySensor, opening: &Opening<'_>) -> Result<LidarConfig, ParameterError> {
     let (sees, faces) = sight(ray);
     Ok(LidarConfig::new(beams(&ray.horizontal))
@@ -171,7 +171,7 @@ pub(super) fn lidar_config(ray: &RaySensor, opening: &Opening<'_>) -> Result<Lid
         .sensor(opening.sensor))
 }
 
-/// The beams of an axis.
+/// Returns the beams of an axis.
 pub(super) fn beams(axis: &ScanAxis) -> Beams {
     Beams { samples: axis.samples, min_angle_rad: axis.min_angle_rad, max_angle_rad: axis.max_angle_rad }
 }

@@ -1,4 +1,4 @@
-//! A magnetometer and its stream.
+//! A magnetometer with its stream.
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;

@@ -1,8 +1,9 @@
-//! The sensors of the robots on their schedule: each sensor with its streams is a *channel*, and each channel has
-//! its own exact rate.
+//! Runs the robots' sensors on their schedules. Each sensor with its streams is a *channel*, and each channel has its
+//! own exact rate.
 //!
-//! A frame is rendered straight into the memory where it is read: the [sink](sink::Sink) lends it, the sensor fills it,
-//! the sink takes it. What nobody follows is not rendered, unless a camera's exposure depends on it.
+//! A frame is rendered directly into the memory from which it is read: the [sink](sink::Sink) lends the memory, the
+//! sensor fills it, and the sink sends it. Streams without subscribers are not rendered, unless a camera's exposure
+//! depends on it.
 
 mod air_pressure;
 mod altimeter;
@@ -80,22 +81,22 @@ use std::time::Duration;
 use true_pose::TruePoseChannel;
 use tuning::Tuning;
 
-/// Rate of the clock in Hz: a consumer's timers get within 10 ms of simulated time.
+/// Rate of the clock in Hz. A consumer's timers are exact to 10 ms of simulated time.
 const CLOCK_HZ: f64 = 100.0;
 /// Rate of transforms and joint states of a robot without a base, and of a Kobuki's sensors.
 const STATE_HZ: f64 = 50.0;
 
-/// Sensors that may come while it runs, beside those of the start.
+/// Room for sensors that are spawned later, in addition to those at the start.
 const MORE_SENSORS: usize = 64;
 
-/// How the rig is to run.
+/// Options of a rig.
 #[derive(Debug, Clone, Copy)]
 pub struct RigOptions {
     /// Seed of all noise.
     pub seed: u64,
-    /// Gazebo's measured habits instead of what is right.
+    /// Reproduce Gazebo's deviations from correct behaviour.
     pub gazebo_compat: bool,
-    /// Publish what is true of every pixel and beam, too, in streams of its own.
+    /// Also publish ground truth for every pixel and beam, in separate streams.
     pub truth: bool,
     /// Hash every byte that is published.
     pub hashed: bool,
@@ -103,37 +104,37 @@ pub struct RigOptions {
     pub execution: Execution,
 }
 
-/// What there is to be sensed.
+/// The state that is sensed.
 #[derive(Clone, Copy)]
 pub struct Stage<'a> {
-    /// Everybody who is there.
+    /// All models.
     pub entities: &'a Entities,
-    /// Where they are.
+    /// Their motion.
     pub physics: &'a Physics,
-    /// Where that is on the earth.
+    /// The world's position on the earth.
     pub earth: &'a Earth,
 }
 
-/// A channel and when it is due.
+/// A channel with its schedule.
 struct Scheduled {
-    /// Whose it is; the clock's is nobody's.
+    /// The model that it belongs to; `None` for the clock.
     entity: Option<EntityId>,
-    /// The number by which its noise differs; 0 if it draws none.
+    /// The number that distinguishes its noise; 0 if it has none.
     number: u32,
-    /// As described.
+    /// The rate in the description.
     rate: Rate,
     schedule: Schedule,
     channel: Box<dyn Channel>,
-    /// Of what can be changed while it runs.
+    /// The settings that can be changed while it runs.
     tuning: Option<Tuning>,
-    /// Of rendering a frame.
+    /// The cost of rendering a frame.
     cost: Cost,
-    /// What its sensor looks through: shapes of its own model.
+    /// Shapes of its own model that its sensor looks through.
     housing: Vec<ShapeIndex>,
 }
 
-/// What is known of the streams of all models while some are opened: made once for all of them, since it takes a look at
-/// each.
+/// Knowledge about the streams of all models while further ones are opened. It is collected once for all of them,
+/// because that reads each stream.
 struct Mounting {
     names: Names,
     numbers: Numbers,
@@ -144,24 +145,23 @@ struct Mounting {
 pub struct Rig {
     options: RigOptions,
     channels: Vec<Scheduled>,
-    /// What was decided for the user since they were taken.
+    /// Notes on decisions made for the user that have not been taken yet.
     notes: Vec<Problem>,
-    /// The stream of the settings of sensors, and how many it has room for.
+    /// The stream of sensor settings; `most_sensors` is the number that it has room for.
     settings: Outlet,
     most_sensors: usize,
     workspace: WorkspaceBuf,
-    /// Changes when streams come or go.
+    /// Changes when streams are opened or closed.
     edition: u64,
-    /// The work of streams that are gone.
+    /// The tally of closed streams.
     gone: Tally,
 }
 
 impl Rig {
-    /// Opens the streams that are nobody's own (the clock, the settings of sensors), then all streams of everybody who is
-    /// there.
+    /// Opens the streams of the simulation itself (the clock, the sensor settings), then those of all models.
     ///
     /// # Errors
-    /// When the sink cannot open a stream, or a sensor's description cannot be used.
+    /// If the sink cannot open a stream, or a sensor's description cannot be used.
     pub fn open(sink: &dyn Sink, stage: Stage<'_>, options: RigOptions) -> Result<Self, RigError> {
         let mut workspace = WorkspaceBuf::default();
         workspace.execution = options.execution;
@@ -200,14 +200,14 @@ impl Rig {
             rig.open_channels(sink, stage, id, &mut mounting)?;
         }
         rig.notes.extend(mounting.names.into_notes());
-        rig.tell_settings(stage.physics.time_ns());
+        rig.send_settings(stage.physics.time_ns());
         Ok(rig)
     }
 
-    /// Opens all streams of one who has come, which send from now on: all or none.
+    /// Opens all streams of a new model, or none if one fails.
     ///
     /// # Errors
-    /// As [`Rig::open`].
+    /// The errors of [`Rig::open`].
     pub fn mount(&mut self, sink: &dyn Sink, stage: Stage<'_>, id: EntityId) -> Result<(), RigError> {
         let before = self.channels.len();
         let mut mounting = self.mounting(stage);
@@ -219,12 +219,12 @@ impl Rig {
         self.notes.extend(mounting.names.into_notes());
         self.edition += 1;
         if self.channels[before..].iter().any(|channel| channel.tuning.is_some()) {
-            self.tell_settings(stage.physics.time_ns());
+            self.send_settings(stage.physics.time_ns());
         }
         mounted
     }
 
-    /// Closes all streams of one who goes.
+    /// Closes all streams of a model.
     pub fn unmount(&mut self, id: EntityId, now_ns: u64) {
         let closed: Vec<_> = self.channels.extract_if(.., |scheduled| scheduled.entity == Some(id)).collect();
         if closed.is_empty() {
@@ -234,10 +234,10 @@ impl Rig {
         self.gone = outlets.fold(self.gone, |sum, outlet| sum + outlet.tally());
         drop(closed);
         self.edition += 1;
-        self.tell_settings(now_ns);
+        self.send_settings(now_ns);
     }
 
-    /// Returns what streams that are opened now have to know of those that are open.
+    /// Returns what is needed about open streams to open further ones.
     fn mounting(&self, stage: Stage<'_>) -> Mounting {
         Mounting {
             names: Names::of(self.outlets()),
@@ -320,7 +320,7 @@ impl Rig {
         }
         for (index, sensor) in entity.sensors().iter().enumerate() {
             let rate = sensor_rate(sensor, physics);
-            // A name is a sensor's own on its link.
+            // A sensor's name is unique on its link.
             let link = &entity.model.links[sensor.link].name;
             let number = numbers.take([&entity.noise_name, link, &sensor.name]);
             let owner = Owner::sensor(id, entity, index, sensor);
@@ -346,28 +346,28 @@ impl Rig {
         Ok(())
     }
 
-    /// What was decided for the user since this was asked for last: topics that had to be changed, sensors that publish
-    /// nothing.
+    /// Returns notes on decisions made for the user since the last call: topics that had to be changed, sensors that
+    /// publish nothing.
     pub fn take_notes(&mut self) -> Vec<Problem> {
         std::mem::take(&mut self.notes)
     }
 
-    /// Stamp in ns of the frame that is due next.
+    /// Returns the timestamp in ns of the next frame.
     pub fn next_stamp_ns(&self) -> u64 {
         self.channels.iter().map(|channel| channel.schedule.next_ns()).min().unwrap_or(u64::MAX)
     }
 
-    /// How long before its stamp a frame begins, at most, in ns: for so long physics has to remember where things were.
+    /// Returns the longest time in ns by which a frame begins before its timestamp, which physics' history must cover.
     pub fn window_ns(&self) -> u64 {
         self.channels.iter().map(|scheduled| scheduled.channel.window_ns()).max().unwrap_or(0)
     }
 
-    /// How long it may take to render a frame of each sensor, by what the last ones took.
+    /// Estimates the time to render a frame of each sensor, from their previous costs.
     pub fn cost(&self) -> Duration {
         self.channels.iter().map(|channel| channel.cost.expected()).sum()
     }
 
-    /// Publishes every frame that is due at `stamp_ns`, for which physics must have arrived there.
+    /// Publishes every frame that is due at `stamp_ns`, which physics must have reached.
     pub fn publish(&mut self, stamp_ns: u64, stage: Stage<'_>, scene: &mut WorldScene) {
         for scheduled in &mut self.channels {
             if scheduled.schedule.next_ns() != stamp_ns {
@@ -375,17 +375,17 @@ impl Rig {
             }
             scheduled.take(stamp_ns, stage, scene, &mut self.workspace);
             if scheduled.entity.is_none() {
-                // Whoever has come since the last change gets the settings now.
+                // Subscribers that connected since the last change get the settings now.
                 self.settings.update();
             }
         }
     }
 
-    /// Begins every channel's schedule again at time 0, with the noise of its first frame and the settings of its
+    /// Restarts every channel's schedule at time 0, with the noise of its first frame and the settings in its
     /// description.
     ///
     /// # Errors
-    /// Never in practice: these settings held before.
+    /// None in practice, because these settings were valid before.
     pub fn restart(&mut self) -> Result<(), String> {
         for scheduled in &mut self.channels {
             if let Some(Tuning { described, .. }) = scheduled.tuning {
@@ -394,31 +394,32 @@ impl Rig {
             scheduled.channel.restart();
             scheduled.schedule = Schedule::new(scheduled.rate);
         }
-        self.tell_settings(0);
+        self.send_settings(0);
         Ok(())
     }
 
-    /// Gives late subscribers the last message of every stream that keeps one: while nothing is published.
+    /// Sends the last message of every latched stream to new subscribers, for use while nothing is published.
     pub fn update(&self) {
         self.outlets().into_iter().for_each(Outlet::update);
     }
 
-    /// The first time that a consumer was waited for in vain, if there was one.
+    /// Returns the first error about a consumer that was waited for in vain, if there was one.
     pub fn held_up(&self) -> Option<&BridgeError> {
         self.outlets().into_iter().find_map(Outlet::held_up)
     }
 
-    /// A number that changes when streams come or go: as long as it is the same, so are [`Rig::outlets`] and their order.
+    /// Returns a number that changes when streams are opened or closed. While it is the same, so are [`Rig::outlets`]
+    /// and their order.
     pub fn edition(&self) -> u64 {
         self.edition
     }
 
-    /// The work of all streams together, with that of streams that are gone.
+    /// Returns the tally of all streams together, including closed ones.
     pub fn tally(&self) -> Tally {
         self.outlets().into_iter().fold(self.gone, |sum, outlet| sum + outlet.tally())
     }
 
-    /// Every stream, in the order in which they were opened.
+    /// Returns every stream, in the order in which they were opened.
     pub fn outlets(&self) -> Vec<&Outlet> {
         let of_channels = self.channels.iter().flat_map(|scheduled| scheduled.channel.outlets());
         of_channels.chain([&self.settings]).collect()
@@ -426,7 +427,7 @@ impl Rig {
 }
 
 impl Scheduled {
-    /// Takes its next frame, stamped so.
+    /// Publishes its next frame with this timestamp.
     fn take(
         &mut self,
         stamp_ns: u64,
@@ -438,7 +439,7 @@ impl Scheduled {
         self.schedule.advance();
     }
 
-    /// Takes its frame of this number, whatever its schedule says.
+    /// Publishes its frame with this number, regardless of its schedule.
     fn publish(
         &mut self,
         frame: u64,
@@ -465,17 +466,17 @@ impl Scheduled {
     }
 }
 
-/// A fixed rate; each step of physics if it is none.
+/// Returns a fixed rate, or one frame per physics step if it is invalid.
 fn fixed_rate(hz: f64, physics: &Physics) -> Rate {
     Rate::from_hz(hz).unwrap_or(Rate::from_period_ns(physics.step_ns()))
 }
 
-/// A plugin's rate; each step of physics if it has none.
+/// Returns a plugin's rate, or one frame per physics step if it has none.
 fn plugin_rate(hz: Option<f64>, physics: &Physics) -> Rate {
     fixed_rate(hz.unwrap_or(0.0), physics)
 }
 
-/// The lower of the sensor's rate and its plugin's; every physics step if neither gives one.
+/// Returns the lower of the sensor's rate and its plugin's, or one frame per physics step if neither has one.
 fn sensor_rate(sensor: &Sensor, physics: &Physics) -> Rate {
     sensor.effective_rate_hz().and_then(Rate::from_hz).unwrap_or(Rate::from_period_ns(physics.step_ns()))
 }

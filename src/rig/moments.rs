@@ -1,8 +1,8 @@
-//! The moments of a camera's frame: one, or those of a rolling shutter's rows and of an exposure that blurs.
+//! [`Moments`]: the moments of a camera's frame: one, or those of a rolling shutter's rows and of motion blur.
 //!
-//! A frame's stamp is the time at which its last row is read. Rows are read one after the other in the time of readout,
-//! and what a row shows is that moment, or with motion blur the mean of some of its exposure, which ends then. So all
-//! moments lie at or before the stamp, and physics remembers where everything was.
+//! A frame's timestamp is the time at which its last row is read. Rows are read one after the other during the readout
+//! time. A row shows the moment at which it is read, or with motion blur the mean of several moments of its exposure,
+//! which ends then. So all moments are at or before the timestamp, and physics' history provides the poses.
 
 use super::RigContext;
 use super::mount::Mount;
@@ -10,21 +10,21 @@ use crate::description::model::CameraDevice;
 use belvedere_sensors::{Capture, Moment, Pose, Shutter, Slice};
 use std::ops::Range;
 
-/// Rows that share their moment: as few as the tables of lenses can be cut into.
+/// Number of rows that share a moment: the smallest number into which lens tables can be divided.
 const ROWS: u32 = 4;
 
-/// The lines of a frame with their moments, in the order of [`Shutter::Slices`].
+/// The rows of a frame with their moments, in the order of [`Shutter::Slices`].
 #[derive(Debug, Default)]
 pub(super) struct Moments {
     lines: Vec<Range<u32>>,
     world_from_sensor: Vec<Pose>,
-    /// As many of each moment as the scene has instances.
+    /// For each moment, the poses of all instances of the scene.
     world_from_instance: Vec<Pose>,
 }
 
 impl Moments {
-    /// Those of a frame of so many rows that is stamped with the context's time; none without a device that has more than
-    /// one.
+    /// Fills in the moments of a frame with this number of rows at the context's timestamp; none without a device that
+    /// has several moments.
     pub(super) fn fill(
         &mut self,
         device: Option<&CameraDevice>,
@@ -40,7 +40,7 @@ impl Moments {
         let rows = if device.readout_time_s > 0.0 { ROWS } else { height };
         for first in (0..height).step_by(rows as usize) {
             let lines = first..(first + rows).min(height);
-            // Of the middle of these rows; a picture of one row is read at its stamp.
+            // The moment of the middle of these rows; an image of one row is read at its timestamp.
             let middle = 0.5 * f64::from(lines.start + lines.end - 1);
             let rows_to_come = f64::from(height - 1) - middle;
             let read_before_s = device.readout_time_s * rows_to_come / f64::from((height - 1).max(1));
@@ -54,7 +54,7 @@ impl Moments {
         }
     }
 
-    /// The first moment of each line, by which its truth is told.
+    /// Returns the first moment of each row, at which its ground truth is computed.
     pub(super) fn of_truth(shutter: &Shutter<'_>) -> Self {
         let mut moments = Self::default();
         let mut add = |lines: Range<u32>, at: &Moment<'_>| {
@@ -63,9 +63,9 @@ impl Moments {
             moments.world_from_instance.extend_from_slice(at.world_from_instance);
         };
         match shutter {
-            // The lines of a single moment are not looked at.
+            // The rows of a single moment are not used.
             Shutter::Global(moment) => add(0..1, moment),
-            // A picture has none.
+            // Cameras do not use this shutter.
             Shutter::Moving(_) => {}
             Shutter::Slices(slices) => {
                 let mut end = 0;
@@ -80,7 +80,7 @@ impl Moments {
         moments
     }
 
-    /// As slices, of which [`shutter`] makes a shutter.
+    /// Returns the moments as slices for [`shutter`].
     pub(super) fn slices(&self) -> Vec<Slice<'_>> {
         let instances = self.world_from_instance.len() / self.lines.len().max(1);
         let slice = |(index, lines): (usize, &Range<u32>)| Slice {
@@ -94,7 +94,7 @@ impl Moments {
     }
 }
 
-/// The shutter of slices, if there are any; one alone is of all lines.
+/// Returns the shutter of these slices, if there are any. A single slice covers all rows.
 pub(super) fn shutter<'a>(slices: &'a [Slice<'a>]) -> Option<Shutter<'a>> {
     match slices {
         [] => None,
@@ -103,14 +103,14 @@ pub(super) fn shutter<'a>(slices: &'a [Slice<'a>]) -> Option<Shutter<'a>> {
     }
 }
 
-/// A frame to be taken `at` its moments, for the flow back to those `before`, if there are any.
+/// Returns the capture of a frame `at` its moments, with optical flow back to the moments `before`, if there are any.
 pub(super) fn capture<'a>(frame: u64, at: Shutter<'a>, before: &'a [Slice<'a>]) -> Capture<'a> {
     let capture = Capture::new(frame, at);
     shutter(before).map_or(capture, |before| capture.before(before))
 }
 
-/// How long before a row is read each of its moments lies, as shares of the exposure: the middles of equal parts, that in
-/// the middle of the exposure first, as truth is that of the first.
+/// Returns how long before a row's readout each of its moments is, as shares of the exposure: the middles of equal
+/// parts. The middle of the exposure comes first, because ground truth uses the first moment.
 fn shares(samples: u32) -> impl Iterator<Item = f64> {
     let middle = samples / 2;
     (0..samples).map(move |number| {
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_exposure_is_cut_into_equal_parts_whose_middles_are_taken() {
+    fn an_exposure_is_divided_into_equal_parts_at_their_middles() {
         let of = |samples| shares(samples).collect::<Vec<_>>();
         assert_eq!((of(1), of(2), of(3)), (vec![0.0], vec![0.75, 0.25], vec![0.5, 5.0 / 6.0, 1.0 / 6.0]));
     }

@@ -1,7 +1,7 @@
-//! Where everything was during a frame whose rays each have a time of their own.
+//! [`Motion`]: the poses during a frame in which each ray has its own time.
 //!
-//! A frame's stamp is the time at which it ends. Physics remembers where everything was after each of its steps, and
-//! between two of them things go as it says; so its steps are the keyframes.
+//! A frame's timestamp is the time at which it ends. Physics' history has the poses after each step and interpolates
+//! between them, so its steps are the keyframes.
 
 use super::RigContext;
 use super::mount::Mount;
@@ -12,12 +12,12 @@ use belvedere_sensors::{Keyframe, Moment, Pose};
 pub(super) struct Motion {
     times_s: Vec<f64>,
     world_from_sensor: Vec<Pose>,
-    /// As many at each time as the scene has instances.
+    /// For each time, the poses of all instances of the scene.
     world_from_instance: Vec<Pose>,
 }
 
 impl Motion {
-    /// Those of a frame of so much time that ends now. What was before the beginning of all is as it was then.
+    /// Fills in the keyframes of a frame of this duration that ends now. Before time 0 the poses are those at time 0.
     pub(super) fn fill(&mut self, context: &RigContext<'_>, mount: &Mount, frame_time_ns: u64) {
         self.times_s.clear();
         self.world_from_sensor.clear();
@@ -40,7 +40,7 @@ impl Motion {
         add(end_ns, 0);
     }
 
-    /// As a [shutter](belvedere_sensors::Shutter::Moving) takes them.
+    /// Returns the keyframes for a [moving shutter](belvedere_sensors::Shutter::Moving).
     pub(super) fn keyframes(&self) -> Vec<Keyframe<'_>> {
         let instances = self.world_from_instance.len() / self.times_s.len().max(1);
         let keyframe = |(index, &time_s): (usize, &f64)| Keyframe {

@@ -1,4 +1,4 @@
-//! Where on its robot a sensor sits.
+//! [`Mount`]: the pose of a sensor on its robot.
 
 use super::{Opening, RigContext};
 use crate::description::diagnostics::Severity;
@@ -10,7 +10,7 @@ use belvedere_bridge::FrameHeader;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// A place on a link.
+/// A pose on a link.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Mount {
     model: ModelIndex,
@@ -19,14 +19,14 @@ pub(super) struct Mount {
 }
 
 impl Mount {
-    /// The sensor's own place.
+    /// Returns the sensor's own pose.
     pub(super) fn new(sensor: &Sensor, opening: &Opening<'_>) -> Self {
         Self { model: opening.id.index(), link: sensor.link, link_from_sensor: sensor.link_from_sensor }
     }
 
-    /// The place of a camera. If its pictures name the optical frame of another link that looks the same way,
-    /// the sensor sits there instead, so that what it publishes is true of the frame that it names; Gazebo's
-    /// Kinect is off by (31, 12.5, 16) mm there, and stays so with `gazebo_compat`.
+    /// Returns the pose of a camera. If its images name the optical frame of another link that faces the same way, the
+    /// sensor is moved there, so that its images are correct in the frame that they name. Gazebo's Kinect is off by
+    /// (31, 12.5, 16) mm there, and stays so with `gazebo_compat`.
     pub(super) fn of_picture(sensor: &Sensor, opening: &Opening<'_>, frame: &str) -> Self {
         let own = Self::new(sensor, opening);
         if opening.gazebo_compat {
@@ -39,27 +39,27 @@ impl Mount {
             if offset.length() > 1e-9 {
                 let away = vector(offset);
                 let what = format!(
-                    "sensor '{}' is put into the frame '{frame}' that its pictures name, {away} m from its own place",
+                    "sensor '{}' is moved to the frame '{frame}' that its images name, {away} m from its own pose",
                     sensor.name
                 );
-                let remedy = "give the sensor the frame's pose; --gazebo-compat leaves it in its own place";
+                let remedy = "give the sensor the frame's pose; --gazebo-compat leaves it at its own pose";
                 opening.names.note(Severity::Note, &sensor.source, what, remedy);
             }
         }
         moved.unwrap_or(own)
     }
 
-    /// Pose of the sensor (x forward, z up) at the stamp of the context.
+    /// Returns the pose of the sensor (x forward, z up) at the context's timestamp.
     pub(super) fn pose(&self, context: &RigContext<'_>) -> Pose {
         self.pose_at(context.physics, context.stamp_ns)
     }
 
-    /// The same at an earlier time, as far back as physics remembers.
+    /// Returns the pose at an earlier time, which must be within physics' history.
     pub(super) fn pose_at(&self, physics: &Physics, time_ns: u64) -> Pose {
         physics.world_from_link_at(self.model, self.link, time_ns) * self.link_from_sensor
     }
 
-    /// Velocity of the sensor in the world now, in m/s.
+    /// Returns the current velocity of the sensor in the world, in m/s.
     pub(super) fn velocity(&self, physics: &Physics) -> DVec3 {
         let (linear, turn) = physics.link_velocity(self.model, self.link);
         let world_from_link = physics.world_from_link(self.model, self.link);
@@ -73,7 +73,8 @@ impl Mount {
     }
 }
 
-/// The sensor's pose in its link if it sits in the optical frame `frame` and looks as it does now.
+/// Returns the sensor's pose in its link if it is moved to the optical frame `frame`, provided that it faces the same
+/// way.
 fn optical_mount(sensor: &Sensor, model: &Model, frame: &str) -> Option<Pose> {
     let named = model.link_named(frame)?;
     if named == sensor.link || model.rigid_root(named) != model.rigid_root(sensor.link) {

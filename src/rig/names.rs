@@ -1,4 +1,4 @@
-//! Which topics are taken, by what, and what becomes of a second stream of one topic.
+//! [`Names`]: the topics that are taken, with their owners, and the rules for a second stream on the same topic.
 
 use super::RigError;
 use super::outlet::Outlet;
@@ -8,17 +8,17 @@ use belvedere_bridge::{Error, Kind, StreamSpec};
 use std::cell::RefCell;
 use std::collections::HashMap;
 
-/// The topics of a rig while streams are opened, and what was decided about them.
+/// The topics of a rig while streams are opened, and notes on decisions about them.
 pub(super) struct Names {
     taken: RefCell<HashMap<String, (Kind, Owner)>>,
-    /// By topics that several streams have asked for: the number that the next of them gets, unless that topic is taken, so
-    /// that numbers which were given are not tried again.
+    /// For topics that several streams have asked for: the next number to try, so that numbers which were given are not
+    /// tried again.
     next: RefCell<HashMap<String, u32>>,
     notes: RefCell<Vec<Problem>>,
 }
 
 impl Names {
-    /// Those of streams that are open.
+    /// Returns the names of open streams.
     pub(super) fn of<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> Self {
         let taken = outlets.into_iter().map(|outlet| {
             let owner = outlet.owner().clone();
@@ -27,22 +27,23 @@ impl Names {
         Self { taken: RefCell::new(taken.collect()), next: RefCell::default(), notes: RefCell::default() }
     }
 
-    /// Notes a decision.
+    /// Adds a note on a decision.
     pub(super) fn note(&self, severity: Severity, source: &Source, what: String, remedy: &str) {
         let source = source.clone();
         self.notes.borrow_mut().push(Problem { severity, source, what, remedy: remedy.into() });
     }
 
-    /// What was decided.
+    /// Returns the notes.
     pub(super) fn into_notes(self) -> Vec<Problem> {
         self.notes.into_inner()
     }
 
-    /// Gives a stream its topic: the one that it asks for, unless another stream has that.
+    /// Assigns a stream its topic: the one that it asks for, unless another stream has it.
     ///
-    /// Gazebo publishes both then, which one stream of shared memory cannot. So the second `CameraInfo` of a topic goes
-    /// beside its picture, with a warning: gz-sim derives one topic for all cameras of a folder. Any other second stream is
-    /// an error, and with `gazebo_compat` is published under a numbered topic, with a warning.
+    /// Gazebo then publishes both, which is not possible in one stream of shared memory. So the second `CameraInfo` on
+    /// a topic gets a topic next to its image, with a warning, because gz-sim derives one topic for all cameras of a
+    /// folder. Any other second stream is an error, or with `gazebo_compat` is published on a numbered topic, with a
+    /// warning.
     pub(super) fn settle(
         &self,
         spec: StreamSpec,
@@ -97,7 +98,7 @@ fn with_slash(spec: &StreamSpec) -> Result<String, Error> {
 mod tests {
     use super::*;
 
-    /// The topics of so many streams that ask for the same one, and how many numbers were tried for them.
+    /// Returns the topics of `count` streams that ask for the same one, and the number of attempts.
     fn settled(count: usize) -> (Vec<String>, u32) {
         let names = Names::of([]);
         let asked = StreamSpec::structs("/scan", Kind::Clock, 1);

@@ -1,4 +1,4 @@
-//! A receiver of satellite navigation and its streams.
+//! A satellite navigation receiver with its streams.
 
 use super::behaviour::Behaviour;
 use super::channel::Channel;
@@ -72,7 +72,7 @@ impl NavSatChannel {
             opening.open(&StreamSpec::structs(topic, kind, 1).frame_id(&frame).rate_hz(rate_hz))
         };
         let (earth, enu_from_world) = match receiver.origin {
-            // Of its plugin, whose axes are never exchanged.
+            // The plugin's own origin, whose axes are never rotated by half a turn.
             Some([latitude_deg, longitude_deg, elevation_m, heading_rad]) => {
                 let own = Earth { latitude_deg, longitude_deg, elevation_m, heading_rad, ..Earth::default() };
                 (own, enu_from_world(&own, false))
@@ -81,7 +81,7 @@ impl NavSatChannel {
         };
         if receiver.origin.is_none() && !earth.is_given {
             let what = format!(
-                "the world has no <spherical_coordinates>: for sensor '{}' it lies at latitude 0, longitude 0",
+                "the world has no <spherical_coordinates>: sensor '{}' assumes latitude 0, longitude 0",
                 sensor.name
             );
             let remedy = "give the world <spherical_coordinates>, or the sensor's plugin its reference";
@@ -109,7 +109,7 @@ impl Channel for NavSatChannel {
 
     fn publish(&mut self, context: &mut RigContext<'_>, frame: u64) {
         let stamp_ns = context.stamp_ns;
-        // Errors are along the world's axes, as Gazebo's and Team Hector's.
+        // Errors are along the world's axes, as in Gazebo's plugins and Team Hector's.
         let position = self.mount.pose(context).translation();
         let velocity = self.mount.velocity(context.physics);
         let position_covariance = turned(self.enu_from_world, self.position.variance(stamp_ns));
@@ -139,7 +139,7 @@ impl Channel for NavSatChannel {
     }
 }
 
-/// Variances along the axes east, north and up, of those along the world's.
+/// Converts variances along the world's axes to a covariance along east, north and up.
 fn turned(enu_from_world: DQuat, variances: [f64; 3]) -> [f64; 9] {
     let rotation = DMat3::from_quat(enu_from_world);
     let squares = [rotation.x_axis, rotation.y_axis, rotation.z_axis].map(|axis| axis * axis);

@@ -1,25 +1,25 @@
-//! The numbers by which the noises of sensors differ.
+//! [`Numbers`]: the numbers that distinguish the noise of sensors.
 
 use std::collections::{HashMap, HashSet};
 use xxhash_rust::xxh3::xxh3_64_with_seed;
 
-/// Numbers that are taken: no two sensors have the same.
+/// The numbers in use; no two sensors have the same number.
 pub(super) struct Numbers {
     taken: HashSet<u32>,
-    /// By hashes of names: the attempts that gave numbers which are taken, and are not made again for the same name.
+    /// By hash of the name: number of attempts that gave numbers in use, which are not repeated for the same name.
     attempts: HashMap<u64, u64>,
 }
 
 impl Numbers {
-    /// Those of the sensors that are there.
+    /// Creates it with the numbers of existing sensors.
     pub(super) fn of(taken: impl IntoIterator<Item = u32>) -> Self {
         Self { taken: taken.into_iter().collect(), attempts: HashMap::new() }
     }
 
-    /// A number for what has this name, part by part. It is a hash of the name, so that it does not depend on what else
-    /// there is; only a name whose number is taken gets the next one.
+    /// Returns a number for a name given in parts. It is a hash of the name, so that it does not depend on other
+    /// sensors; only a name whose number is in use gets the next one.
     pub(super) fn take(&mut self, name: [&str; 3]) -> u32 {
-        // No part has a zero byte: XML has none.
+        // No part contains a zero byte, because XML allows none.
         let name = name.join("\0");
         let first = xxh3_64_with_seed(name.as_bytes(), 0);
         let attempt = self.attempts.entry(first).or_default();
@@ -38,14 +38,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_go_by_names_and_are_never_the_same() {
+    fn numbers_depend_on_names_and_are_never_the_same() {
         let mut alone = Numbers::of([]);
         let eye = alone.take(["", "base", "eye"]);
         let mut both = Numbers::of([]);
         let other = both.take(["", "base", "other"]);
         assert_eq!(both.take(["", "base", "eye"]), eye);
         assert_ne!(other, eye);
-        // Parts are parts.
+        // The boundaries of the parts matter.
         assert_ne!(both.take(["", "bas", "eeye"]), eye);
         let again: Vec<u32> = (0..100).map(|_| both.take(["", "base", "eye"])).collect();
         let all: HashSet<u32> = again.iter().copied().chain([eye]).collect();
@@ -58,10 +58,10 @@ mod tests {
         for _ in 0..5000 {
             numbers.take(["", "base", "eye"]);
         }
-        // A few more than there are numbers, where hashes happen to be alike.
+        // A few more attempts than numbers, because some hashes collide.
         let made: u64 = numbers.attempts.values().sum();
         assert!((5000..5010).contains(&made), "{made}");
-        // What they are does not depend on that: a later start finds the next one, too.
+        // The numbers do not depend on the stored attempts: a later start finds the next one as well.
         let mut later = Numbers::of(numbers.taken.iter().copied());
         assert_eq!(later.take(["", "base", "eye"]), numbers.take(["", "base", "eye"]));
     }

@@ -1,15 +1,16 @@
-//! Frames that are taken when somebody asks, whatever is due.
+//! Frames that are rendered on demand, regardless of schedules.
 
 use super::{Rig, Scheduled, Stage};
 use crate::world::scene::WorldScene;
 
 impl Rig {
-    /// Whether some channel has a stream of this topic.
+    /// Returns true if a channel has a stream on this topic.
     pub fn has(&self, topic: &str) -> bool {
         self.channels.iter().any(|scheduled| scheduled.has(topic))
     }
 
-    /// Takes the next frame of each channel that has a stream of one of these topics now, whenever it is due.
+    /// Publishes the next frame of each channel that has a stream on one of these topics now, regardless of its
+    /// schedule.
     pub fn take(&mut self, topics: &[String], stage: Stage<'_>, scene: &mut WorldScene) {
         for scheduled in &mut self.channels {
             if topics.iter().any(|topic| scheduled.has(topic)) {
@@ -18,8 +19,9 @@ impl Rig {
         }
     }
 
-    /// Takes the frame of this number of the channel that has a stream of this topic; false if there is none. It depends on
-    /// no frame before, as if it was the first that is taken; unless it goes on from one, to which flow leads back.
+    /// Publishes the frame with this number of the channel that has a stream on this topic; returns false if there is
+    /// none. The frame does not depend on earlier frames, as if it were the first, unless `goes_on` is set: then
+    /// optical flow leads back to the previous one.
     pub fn take_numbered(
         &mut self,
         (topic, frame): (&str, u64),
@@ -38,7 +40,7 @@ impl Rig {
 }
 
 impl Scheduled {
-    /// Whether it has a stream of this topic.
+    /// Returns true if it has a stream on this topic.
     fn has(&self, topic: &str) -> bool {
         self.channel.outlets().iter().any(|outlet| outlet.topic() == topic)
     }

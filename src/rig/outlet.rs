@@ -1,4 +1,4 @@
-//! One stream: where its frames go, what they have cost, and a hash of what went through it.
+//! [`Outlet`]: one stream, with its port, its cost, and a hash of everything sent.
 
 use super::owner::Owner;
 use super::sink::{Frame, Port, Sink};
@@ -12,7 +12,7 @@ use xxhash_rust::xxh3::Xxh3;
 /// A stream of the rig.
 pub struct Outlet {
     port: Box<dyn Port>,
-    /// With a leading slash.
+    /// The topic, with a leading slash.
     topic: String,
     kind: Kind,
     encoding: Encoding,
@@ -21,13 +21,13 @@ pub struct Outlet {
     rate_hz: Cell<Option<f64>>,
     hash: Option<Xxh3>,
     tally: Tally,
-    /// The first time that a consumer was waited for in vain.
+    /// The first error about a consumer that was waited for in vain.
     held_up: OnceCell<Error>,
-    /// Whether the frame of the moment was not asked for by anybody.
+    /// Whether the current frame has no subscribers.
     unwanted: Cell<bool>,
 }
 
-/// What a stream has done so far.
+/// The counts of a stream.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Tally {
     /// Frames sent.
@@ -54,7 +54,7 @@ impl Outlet {
     /// Opens the stream of an owner; with `hashed`, every byte sent is hashed.
     ///
     /// # Errors
-    /// When the sink cannot.
+    /// If the sink cannot open the stream.
     pub fn open(sink: &dyn Sink, spec: &StreamSpec, owner: Owner, hashed: bool) -> Result<Self, Error> {
         Ok(Self {
             port: sink.open(spec)?,
@@ -71,72 +71,72 @@ impl Outlet {
         })
     }
 
-    /// Topic with its leading slash.
+    /// Returns the topic with its leading slash.
     pub fn topic(&self) -> &str {
         &self.topic
     }
 
-    /// What it carries.
+    /// Returns the kind of its frames.
     pub fn kind(&self) -> Kind {
         self.kind
     }
 
-    /// How that is coded.
+    /// Returns the encoding of its frames.
     pub fn encoding(&self) -> Encoding {
         self.encoding
     }
 
-    /// The frame that its data are given in; empty for none.
+    /// Returns the coordinate frame of its data; empty for none.
     pub fn frame_id(&self) -> &str {
         &self.frame_id
     }
 
-    /// What publishes it.
+    /// Returns the owner that publishes it.
     pub fn owner(&self) -> &Owner {
         &self.owner
     }
 
-    /// The rate that was asked for.
+    /// Returns the intended rate.
     pub fn rate_hz(&self) -> Option<f64> {
         self.rate_hz.get()
     }
 
-    /// Another rate is asked for now.
+    /// Sets the intended rate.
     pub fn set_rate_hz(&self, rate_hz: f64) {
         self.rate_hz.set(Some(rate_hz));
     }
 
-    /// Subscribers now.
+    /// Returns the current number of subscribers.
     pub fn subscribers(&self) -> usize {
         self.port.subscribers()
     }
 
-    /// Who follows it now; slower than their number.
+    /// Returns the current consumers, which is slower than their number.
     pub fn consumers(&self) -> Vec<Consumer> {
         self.port.consumers()
     }
 
-    /// The first time that a consumer was waited for in vain, if there was one.
+    /// Returns the first error about a consumer that was waited for in vain, if there was one.
     pub fn held_up(&self) -> Option<&Error> {
         self.held_up.get()
     }
 
-    /// What it has done so far.
+    /// Returns its counts so far.
     pub fn tally(&self) -> Tally {
         Tally { dropped: self.tally.dropped + self.port.failed(), ..self.tally }
     }
 
-    /// Hash of everything sent so far, if it is hashed.
+    /// Returns the hash of everything sent so far, if it is hashed.
     pub fn hash(&self) -> Option<u128> {
         self.hash.as_ref().map(Xxh3::digest128)
     }
 
-    /// Whether somebody follows the stream, so that its next frame has to be made.
+    /// Returns true if the next frame has to be made, because the stream has subscribers or is hashed.
     pub fn is_wanted(&self) -> bool {
         self.hash.is_some() || self.port.is_wanted()
     }
 
-    /// Memory for the next frame; none when nobody wants it, or there is no free piece.
+    /// Returns memory for the next frame, or `None` if it is not needed or no memory is free.
     pub fn loan(&self, len: usize) -> Option<Frame> {
         self.unwanted.set(!self.is_wanted());
         if self.unwanted.get() {
@@ -145,7 +145,7 @@ impl Outlet {
         self.port.loan(len).map_err(|error| self.report(&error)).ok()
     }
 
-    /// Sends a frame loaned from here. [`Outlet::record`] the outcome.
+    /// Sends a frame that was loaned here. The outcome must be passed to [`Outlet::record`].
     pub fn send(&self, frame: Option<Frame>) -> Outcome {
         let Some(frame) = frame else {
             return if self.unwanted.get() { Outcome::Unwanted } else { Outcome::Dropped };
@@ -172,7 +172,7 @@ impl Outlet {
         }
     }
 
-    /// Sends structs that belong to `stamp_ns`, and counts them.
+    /// Sends structs with the timestamp `stamp_ns`, and counts the frame.
     pub fn send_structs<T: Message>(&mut self, stamp_ns: u64, structs: &[T]) {
         if !self.is_wanted() && !self.port.keeps_messages() {
             return;
@@ -187,7 +187,7 @@ impl Outlet {
         self.record(outcome, Duration::ZERO);
     }
 
-    /// Gives the last frame to subscribers that have come since.
+    /// Sends the last frame to new subscribers.
     pub fn update(&self) {
         if let Err(error) = self.port.update() {
             self.report(&error);
@@ -207,14 +207,14 @@ impl Outlet {
     }
 }
 
-/// What became of a frame.
+/// The fate of a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
-    /// It went out; with its hash if the stream is hashed.
+    /// It was sent; with its hash if the stream is hashed.
     Sent(Option<u128>),
-    /// There was no memory for it, or no way out.
+    /// There was no memory for it, or it could not be sent.
     Dropped,
-    /// Nobody follows the stream: it was not made.
+    /// It was not made, because the stream has no subscribers.
     Unwanted,
 }
 

@@ -1,4 +1,4 @@
-//! What a stream comes from, so that messages can name it.
+//! [`Owner`]: the source of a stream, which messages name.
 
 use crate::description::diagnostics::Source;
 use crate::description::model::{BasePlugin, ModelPlugin, Sensor};
@@ -7,11 +7,11 @@ use crate::entities::{Entity, EntityId};
 /// The part of a model that publishes a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
-    /// The simulation, which is no model.
+    /// The simulation itself.
     Simulation,
     /// The model as a robot: its transforms and joint states.
     Robot,
-    /// What drives it.
+    /// The base.
     Base,
     /// Another plugin, by its number in `Model::plugins`.
     Plugin(usize),
@@ -19,16 +19,16 @@ pub enum Part {
     Sensor(usize),
 }
 
-/// What a stream comes from.
+/// The source of a stream.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Owner {
-    /// The model; none of the simulation's own streams.
+    /// The model; `None` for the simulation's own streams.
     pub entity: Option<EntityId>,
     /// The part of it.
     pub part: Part,
     /// As messages name it: `sensor 'front' of model 'car'`.
     pub name: String,
-    /// Where it stands.
+    /// Its place in the files.
     pub source: Source,
 }
 

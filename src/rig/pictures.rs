@@ -1,4 +1,4 @@
-//! What camera and depth streams say about their pictures: names, encodings, intrinsics.
+//! The metadata of images in camera and depth streams: names, encodings, intrinsics.
 
 use crate::description::model::{
     AngleFunction, AngleMap, CameraPlugin, CameraSensor, LensIntrinsics, LensModel, LensProjection, Mosaic,
@@ -10,10 +10,10 @@ use belvedere_sensors::ParameterError;
 use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use bytemuck::Zeroable;
 
-/// The noise of a description.
+/// Returns the noise of a description.
 ///
 /// # Errors
-/// When a parameter is out of range.
+/// If a parameter is out of range.
 pub fn noise(noise: &Noise) -> Result<GaussianNoise, ParameterError> {
     GaussianNoise::new(
         GaussianNoiseConfig::default()
@@ -25,7 +25,7 @@ pub fn noise(noise: &Noise) -> Result<GaussianNoise, ParameterError> {
     )
 }
 
-/// The encoding of a pixel layout.
+/// Returns the encoding of a pixel layout.
 pub fn encoding(format: PixelFormat) -> Encoding {
     match format {
         PixelFormat::Rgb8 => Encoding::Rgb8,
@@ -44,12 +44,12 @@ pub fn encoding(format: PixelFormat) -> Encoding {
     }
 }
 
-/// What a camera says of its own geometry; it may differ from what it does, as Gazebo's does.
+/// The geometry that a camera reports, which may differ from its actual one, as Gazebo's does.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Calibration {
-    /// K.
+    /// The matrix K.
     pub lens: LensIntrinsics,
-    /// P.
+    /// The matrix P.
     pub projection: LensProjection,
     /// The lens's model.
     pub model: DistortionModel,
@@ -58,17 +58,18 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// The principal point is that of the lens, or with `gazebo_compat` Gazebo's, which is a pixel farther right and
-    /// down, unless the plugin gives one. The model is that of the lens, unless the plugin gives coefficients; with
-    /// `gazebo_compat` they are always the plugin's, where the lens is one that the plugin knows.
+    /// Returns the calibration of a camera. The principal point is the plugin's if it has one, else that of the lens,
+    /// or with `gazebo_compat` Gazebo's, which is a pixel farther right and down. The model is that of the lens, unless
+    /// the plugin has coefficients. With `gazebo_compat` the coefficients are always the plugin's, if the plugin
+    /// supports the lens.
     pub fn of(camera: &CameraSensor, plugin: &CameraPlugin, gazebo_compat: bool) -> Self {
         let shift = if gazebo_compat { 1.0 } else { 0.0 };
         let mut lens = camera.lens.intrinsics;
         let (mut model, mut parameters, scale) = named(&camera.lens.model);
         let is_pinhole = matches!(camera.lens.model, LensModel::Pinhole | LensModel::BrownConrady { .. });
         let [k1, k2, k3, t1, t2] = plugin.distortion;
-        let is_told = plugin.distortion != [0.0; 5] || gazebo_compat;
-        if is_pinhole && is_told && !plugin.auto_distortion {
+        let has_coefficients = plugin.distortion != [0.0; 5] || gazebo_compat;
+        if is_pinhole && has_coefficients && !plugin.auto_distortion {
             (model, parameters) = (DistortionModel::PlumbBob, vec![k1, k2, t1, t2, k3]);
         }
         lens.cx = plugin.principal_point[0].unwrap_or(lens.cx + shift);
@@ -81,14 +82,14 @@ impl Calibration {
             fy: lens.fy * scale,
             cx: lens.cx,
             cy: lens.cy,
-            // + 0.0: a baseline of 0 gives 0, not −0.
+            // + 0.0 turns −0, from a baseline of 0, into 0.
             tx: -(lens.fx * scale) * plugin.hack_baseline_m + 0.0,
             ty: 0.0,
         });
         Self { lens, projection, model, parameters }
     }
 
-    /// The block of a frame's header.
+    /// Returns the intrinsics for a frame's header.
     pub fn intrinsics(&self, near_m: f64, far_m: f64) -> Intrinsics {
         let LensIntrinsics { fx, fy, cx, cy, skew } = self.lens;
         let mut intrinsics = Intrinsics {
@@ -106,10 +107,10 @@ impl Calibration {
         intrinsics
     }
 
-    /// `sensor_msgs/CameraInfo`.
+    /// Returns the `sensor_msgs/CameraInfo`.
     ///
     /// # Errors
-    /// Never in practice: the model's name fits.
+    /// None in practice, because the model's name fits.
     pub fn camera_info(&self, width: u32, height: u32) -> Result<CameraInfo, TextError> {
         let LensIntrinsics { fx, fy, cx, cy, skew } = self.lens;
         let p = &self.projection;
@@ -128,7 +129,8 @@ impl Calibration {
     }
 }
 
-/// The wire's name and parameters of a lens, and the scale of its picture in the middle for a focal length of 1.
+/// Returns the wire format's name and parameters of a lens, and the scale at the image's centre for a focal length of
+/// 1.
 fn named(model: &LensModel) -> (DistortionModel, Vec<f64>, f64) {
     match model {
         LensModel::Pinhole => (DistortionModel::PlumbBob, vec![0.0; 5], 1.0),
@@ -148,7 +150,7 @@ fn named(model: &LensModel) -> (DistortionModel, Vec<f64>, f64) {
         }
         LensModel::Equirectangular => (DistortionModel::Equirectangular, Vec::new(), 1.0),
         LensModel::WideAngle { map, cutoff_angle_rad, .. } => match map.function {
-            // What ROS has a name for; K is the scale in the middle.
+            // Models that ROS has a name for; K is the scale at the centre.
             AngleFunction::Identity if map.c3 == 0.0 => (DistortionModel::Equidistant, vec![0.0; 4], 1.0),
             AngleFunction::Tangent if map.c3 == 0.0 && map.c2 == 1.0 => {
                 (DistortionModel::PlumbBob, vec![0.0; 5], 1.0)
@@ -244,7 +246,7 @@ mod tests {
     }
 
     #[test]
-    fn the_plugins_coefficients_are_told_and_gazebos_even_where_they_are_0() {
+    fn the_plugins_coefficients_are_reported_and_gazebos_even_if_they_are_0() {
         let bent = camera(LensModel::BrownConrady { coefficients: vec![0.1, 0.2, 0.3, 0.4, 0.5] });
         let calibrated = |plugin: &CameraPlugin, compat| Calibration::of(&bent, plugin, compat).parameters;
         assert_eq!(calibrated(&PLUGIN, false), [0.1, 0.2, 0.3, 0.4, 0.5]);

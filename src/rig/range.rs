@@ -1,4 +1,4 @@
-//! A rangefinder and its stream: the nearest of the beams that fill its cone.
+//! A rangefinder with its stream: the nearest of the beams that fill its cone.
 
 use super::behaviour::Behaviour;
 use super::channel::{Channel, is_any_wanted};
@@ -17,7 +17,7 @@ use belvedere_sensors::noise::{GaussianNoise, Stream, standard_normal};
 use belvedere_sensors::{Capture, Pose, Shutter};
 use glam::DVec3;
 
-/// Noise channel of the range; that of the ranges of a lidar, which draws none here.
+/// Noise channel of the range. It is the channel of a lidar's ranges, which have no noise here.
 const RANGE_CHANNEL: u16 = 2;
 
 impl Behaviour for model::Rangefinder {
@@ -47,16 +47,16 @@ impl Behaviour for model::Rangefinder {
 
 /// A running rangefinder.
 pub(super) struct RangeChannel {
-    /// Without noise: that of the nearest beam is the sensor's.
+    /// Without noise, because the sensor's noise is added to the nearest range.
     lidar: Lidar,
     noise: GaussianNoise,
-    /// Gazebo says the largest range where there is nothing, REP-117 +∞.
+    /// Without a return, Gazebo reports the largest range instead of +∞ (REP-117).
     gazebo_compat: bool,
     mount: Mount,
     range: Outlet,
     message: Range,
     ranges: Vec<f32>,
-    /// Which of them are in the cone; all if it is none.
+    /// Which of the ranges are in the cone; `None` for all.
     counts: Option<Vec<bool>>,
     sensor_from_beams: Pose,
 }
@@ -97,7 +97,7 @@ impl RangeChannel {
         })
     }
 
-    /// With noise, which leaves neither limit, where there is a range.
+    /// Adds noise to a range, if there is one, and clamps it to the limits.
     fn measured(&self, nearest: f32, frame: u64) -> f32 {
         let Range { min_range, max_range, .. } = self.message;
         if !nearest.is_finite() {
@@ -128,7 +128,7 @@ impl Channel for RangeChannel {
         if !context.take(&self.lidar, &Capture::new(frame_number, at), Scan::new().ranges(&mut self.ranges)) {
             return;
         }
-        // −∞, of something too near, is the nearest of all.
+        // −∞, for an object that is too near, is the nearest of all.
         let ranges = self.ranges.iter().copied().enumerate();
         let counts = |index: usize| self.counts.as_ref().is_none_or(|counts| counts[index]);
         let nearest =
@@ -147,7 +147,7 @@ impl Channel for RangeChannel {
     }
 }
 
-/// Which beams are within so much of the middle, layer by layer.
+/// Returns for each beam, layer by layer, whether it is within `half_rad` of the middle.
 fn beams_within(ray: &RaySensor, half_rad: f64) -> Vec<bool> {
     let angle = |axis: &ScanAxis, sample: u32| {
         let steps = f64::from(axis.samples.saturating_sub(1).max(1));

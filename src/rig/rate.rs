@@ -1,6 +1,6 @@
-//! Rates as exact fractions, so that no stamp drifts.
+//! [`Rate`]: rates as exact fractions, so that no timestamp drifts.
 
-/// Frames per second as a fraction: frame k is stamped at ⌊k · 10⁹ · `denominator` / `numerator`⌋ ns.
+/// Frames per second as a fraction. The timestamp of frame k is ⌊k · 10⁹ · `denominator` / `numerator`⌋ ns.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Rate {
     numerator: u64,
@@ -8,8 +8,8 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// The simplest fraction that is the given frequency to within 1e-9 of it; none if it is not positive, above
-    /// 1 MHz or below 1 µHz.
+    /// Returns the simplest fraction within 1e-9 of the given frequency, relatively, or `None` if it is not positive,
+    /// above 1 MHz or below 1 µHz.
     pub fn from_hz(hz: f64) -> Option<Self> {
         if !(1e-6..=1e6).contains(&hz) {
             return None;
@@ -28,17 +28,17 @@ impl Rate {
         }
     }
 
-    /// One frame per period.
+    /// Returns the rate of one frame per period.
     pub fn from_period_ns(period_ns: u64) -> Self {
         Self { numerator: 1_000_000_000, denominator: period_ns.max(1) }
     }
 
-    /// The rate in frames per second.
+    /// Returns the rate in frames per second.
     pub fn hz(&self) -> f64 {
         self.numerator as f64 / self.denominator as f64
     }
 
-    /// Stamp of frame `k` in ns.
+    /// Returns the timestamp of frame `k` in ns.
     pub fn stamp_ns(&self, k: u64) -> u64 {
         let exact = u128::from(k) * 1_000_000_000 * u128::from(self.denominator) / u128::from(self.numerator);
         u64::try_from(exact).unwrap_or(u64::MAX)

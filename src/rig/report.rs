@@ -1,4 +1,4 @@
-//! Parameters of sensors and streams in words, for `check`.
+//! Describes parameters of sensors and streams in words, for `check`.
 
 use super::outlet::Outlet;
 use crate::description::model::Noise;
@@ -6,10 +6,10 @@ use crate::description::text::number;
 use belvedere_bridge::Encoding;
 use belvedere_sensors::noise::InstrumentConfig;
 
-/// Takes what is told: what it is, and its value.
+/// Receives the name and the value of a parameter.
 pub(super) type Say<'a> = &'a mut dyn FnMut(&str, String);
 
-/// The streams of a part of a model, a line each.
+/// Describes the streams of a part of a model, one line each.
 pub fn stream_lines<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> Vec<String> {
     let lines = outlets.into_iter().map(|outlet| {
         let coded = match outlet.encoding() {
@@ -27,7 +27,7 @@ pub fn stream_lines<'a>(outlets: impl IntoIterator<Item = &'a Outlet>) -> Vec<St
     if lines.is_empty() { vec!["  publishes    nothing".into()] } else { lines }
 }
 
-/// Of a value in this unit.
+/// Describes the noise of a value in this unit.
 pub(super) fn noise(noise: &Noise, unit: &str) -> String {
     if *noise == Noise::default() {
         return "none".into();
@@ -47,7 +47,7 @@ pub(super) fn noise(noise: &Noise, unit: &str) -> String {
     parts.join(", ")
 }
 
-/// What an instrument makes of values in this unit: what it does not err in is not told.
+/// Describes the errors of an instrument for values in this unit; errors that it does not have are omitted.
 pub(super) fn instrument<const N: usize>(errors: &InstrumentConfig<N>, unit: &str) -> String {
     let axes = |values: &[f64; N]| {
         let is_one = values.iter().all(|value| *value == values[0]);
@@ -55,21 +55,21 @@ pub(super) fn instrument<const N: usize>(errors: &InstrumentConfig<N>, unit: &st
         shown.iter().map(|value| number(*value)).collect::<Vec<_>>().join(" ")
     };
     let mut parts = Vec::new();
-    let mut tell = |values: &[f64; N], name: &str, unit: &str| {
+    let mut add = |values: &[f64; N], name: &str, unit: &str| {
         if values.iter().any(|value| *value != 0.0) {
             parts.push(format!("{name} {} {unit}", axes(values)).trim_end().to_owned());
         }
     };
-    tell(&errors.mean, "mean", unit);
-    tell(&errors.stddev, "stddev", unit);
-    tell(&errors.density, "density", &format!("{unit}/√Hz"));
-    tell(&errors.bias_mean, "bias mean", unit);
-    tell(&errors.bias_stddev, "bias stddev", unit);
-    tell(&errors.drift, "bias walk", &format!("{unit}/s/√Hz"));
+    add(&errors.mean, "mean", unit);
+    add(&errors.stddev, "stddev", unit);
+    add(&errors.density, "density", &format!("{unit}/√Hz"));
+    add(&errors.bias_mean, "bias mean", unit);
+    add(&errors.bias_stddev, "bias stddev", unit);
+    add(&errors.drift, "bias walk", &format!("{unit}/s/√Hz"));
     if errors.drift.iter().any(|drift| *drift > 0.0) {
-        tell(&errors.drift_time_s, "forgotten in", "s");
+        add(&errors.drift_time_s, "forgotten in", "s");
     }
-    tell(&errors.precision, "steps of", unit);
+    add(&errors.precision, "steps of", unit);
     for (row, sensitivities) in errors.sensitivity.iter().enumerate() {
         let plain: [f64; N] = std::array::from_fn(|column| f64::from(u8::from(column == row)));
         if *sensitivities != plain {

@@ -1,4 +1,5 @@
-//! A lidar whose beams each have a time of their own. Its cloud is as its driver of ROS sends it; the scan of a single beam is stamped with its first ray, as `sensor_msgs/LaserScan` has it.
+//! A lidar in which each beam has its own time. Its cloud has the layout of its ROS driver. The scan of a single beam
+//! has the timestamp of its first ray, as specified for `sensor_msgs/LaserScan`.
 
 mod cloud;
 mod head;
@@ -26,30 +27,30 @@ use std::time::Instant;
 
 /// A running scanner.
 pub(super) struct ScannerChannel {
-    /// All but its pattern.
+    /// The configuration without its pattern.
     config: ScannerConfig<'static>,
     head: Head,
-    /// How many firings belong together: one of each laser.
+    /// Number of firings that belong together: one of each laser.
     lasers: usize,
     form: Form,
-    /// Gazebo's, and flashes, take all beams at the stamp.
+    /// Gazebo's lidars and flash lidars measure all beams at the timestamp.
     is_still: bool,
     mount: Mount,
     outlet: Outlet,
-    /// Of a driver that has a stream for each return but the first.
+    /// Further streams, if the driver has one for each return.
     others: Vec<Outlet>,
     truth: TruthOutlets,
     motion: Motion,
     found: Found,
-    /// Of a preset whose packets are known.
+    /// Present for presets whose packets are supported.
     packets: Option<Packets>,
 }
 
-/// What it sends.
+/// The form of its output.
 enum Form {
-    /// Points.
+    /// A cloud of points.
     Cloud(CloudLayout, Box<dyn CloudForm>),
-    /// Ranges, all but the times of its angles.
+    /// A scan of ranges; the geometry lacks the times.
     Scan(Box<ScanGeometry>),
 }
 
@@ -117,7 +118,7 @@ impl ScannerChannel {
         self.config.frame_time_ns as f64 * 1e-9
     }
 
-    /// Puts what was found into a frame of one of its streams.
+    /// Writes the results to a frame of one of its streams.
     fn write(
         &self,
         (number, outlet): (usize, &Outlet),
@@ -164,14 +165,14 @@ impl ScannerChannel {
         self.packets.as_ref().is_some_and(Packets::is_wanted)
     }
 
-    /// Sends what was found in packets, if somebody wants them; what would have been before time 0 is left out.
+    /// Sends the results as packets, if there is a target. Columns before time 0 are skipped.
     fn send_columns(&mut self, firings: usize, frame: u64, stamp_ns: u64) {
         let Some(packets) = self.packets.as_mut().filter(|packets| packets.is_wanted()) else { return };
         let (period_ns, lasers, returns) =
             (self.config.frame_time_ns, self.lasers, self.config.returns.count());
         let Found { ranges, intensities, times, .. } = &self.found;
         for (number, first) in (0..firings).step_by(lasers).enumerate() {
-            // As clouds tell it: of two as near, the even one.
+            // Rounded as in clouds: half to even.
             let after_ns = rounded(times[first] * 1e9) as u64;
             let Some(time_ns) = (stamp_ns + after_ns).checked_sub(period_ns) else { continue };
             packets.push(&Column {

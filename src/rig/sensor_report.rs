@@ -1,4 +1,4 @@
-//! A sensor with all its parameters after defaults and plugins, for people.
+//! Describes a sensor with all its parameters after defaults and plugins, for people.
 
 use super::behaviour::behaviour;
 use crate::description::model::{Model, Sensor};

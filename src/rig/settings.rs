@@ -1,4 +1,5 @@
-//! What of a sensor can be changed while it runs: the values, their limits, and the words that change them.
+//! [`Settings`]: the settings of a sensor that can be changed while it runs, their limits, and the text that changes
+//! them.
 
 use crate::description::model::{Noise, RaySensor};
 use belvedere_bridge::Text;
@@ -6,18 +7,19 @@ use belvedere_bridge::payload::{SensorSettings, Setting};
 use belvedere_sensors::ParameterError;
 use belvedere_sensors::noise::GaussianNoise;
 
-/// Least and most frames per second. A period of 100 s is longer than any sensor's, one of 1 ms shorter than a camera's.
+/// Lowest and highest number of frames per second. A period of 100 s is longer than any sensor's, one of 1 ms shorter
+/// than a camera's.
 const RATES_HZ: [f64; 2] = [0.01, 1000.0];
-/// Least and most of the light: six and a half stops either way.
+/// Lowest and highest factor of the light: six and a half stops in each direction.
 const EXPOSURES: [f64; 2] = [0.01, 100.0];
-/// Most noise of a range in metres, where ranges have no end.
+/// Highest noise of a range in metres, if ranges are unlimited.
 const MOST_RANGE_NOISE_M: f64 = 1000.0;
 
-/// The settings, by the place of their names in [`NAMES`].
+/// The settings, in the order of their names in [`NAMES`].
 #[derive(Debug, Clone, Copy)]
 pub struct Settings([Setting; 4]);
 
-/// What they are called.
+/// Names of the settings.
 pub const NAMES: [&str; 4] = ["update_rate", "noise_mean", "noise_stddev", "exposure"];
 const UPDATE_RATE: usize = 0;
 const NOISE_MEAN: usize = 1;
@@ -25,14 +27,14 @@ const NOISE_STDDEV: usize = 2;
 const EXPOSURE: usize = 3;
 
 impl Settings {
-    /// Of a sensor of which nothing but its rate can be changed.
+    /// Creates the settings of a sensor of which only the rate can be changed.
     pub(super) fn new(rate_hz: f64) -> Self {
         let mut settings = [Setting::NONE; 4];
         settings[UPDATE_RATE] = setting(rate_hz, RATES_HZ);
         Self(settings)
     }
 
-    /// With a noise of at most so much.
+    /// Adds noise with this upper limit.
     #[must_use]
     pub(super) fn noise_of(mut self, noise: &Noise, most: f64) -> Self {
         self.0[NOISE_MEAN] = setting(noise.mean, [-most, most]);
@@ -40,55 +42,55 @@ impl Settings {
         self
     }
 
-    /// With that of ranges.
+    /// Adds the noise of ranges.
     #[must_use]
     pub(super) fn noise_of_ranges(self, ray: &RaySensor) -> Self {
         self.noise_of(&ray.noise, ray.range_max_m.min(MOST_RANGE_NOISE_M))
     }
 
-    /// With an exposure.
+    /// Adds an exposure.
     #[must_use]
     pub(super) fn with_exposure(mut self) -> Self {
         self.0[EXPOSURE] = setting(1.0, EXPOSURES);
         self
     }
 
-    /// Frames per second.
+    /// Returns the number of frames per second.
     pub fn update_rate_hz(&self) -> f64 {
         self.0[UPDATE_RATE].value
     }
 
-    /// The sensor's noise with this mean and deviation.
+    /// Returns the sensor's noise with these settings.
     ///
     /// # Errors
-    /// When one of them is out of range.
+    /// If one of the settings is out of range.
     pub fn noise(&self, sensor: &GaussianNoise) -> Result<GaussianNoise, ParameterError> {
         let [mean, stddev] = [NOISE_MEAN, NOISE_STDDEV].map(|name| self.0[name].value as f32);
         GaussianNoise::new(sensor.config().mean(mean).stddev(stddev))
     }
 
-    /// Factor of the light.
+    /// Returns the factor of the light.
     pub fn exposure(&self) -> f32 {
         self.0[EXPOSURE].value as f32
     }
 
-    /// Whether every value is the same.
+    /// Returns true if every value is the same.
     pub fn is_same(&self, other: &Self) -> bool {
-        // By bits: NaN, of what a sensor has not, is the same as itself.
+        // Compared by bits, so that NaN, for settings that a sensor does not have, equals itself.
         self.0.iter().zip(&other.0).all(|(one, other)| one.value.to_bits() == other.value.to_bits())
     }
 
-    /// These with the changes of a text: words `name=value`, apart by white space.
+    /// Returns the settings with the changes in a text: words `name=value`, separated by white space.
     ///
     /// # Errors
-    /// In words: what is wrong with the first wrong one, and what is allowed.
+    /// A message about the first invalid word, with the allowed values.
     pub fn changed(&self, text: &str) -> Result<Self, String> {
         let mut changed = *self;
         let mut seen = [false; NAMES.len()];
         for word in text.split_whitespace() {
-            let (name, value) = word
-                .split_once('=')
-                .ok_or_else(|| format!("'{word}' is no setting; write NAME=VALUE, as {}", self.in_words()))?;
+            let (name, value) = word.split_once('=').ok_or_else(|| {
+                format!("'{word}' is not a setting; write NAME=VALUE for one of {}", self.in_words())
+            })?;
             let index = self.find(name)?;
             if std::mem::replace(&mut seen[index], true) {
                 return Err(format!("{name} is given twice; give it once"));
@@ -101,7 +103,7 @@ impl Settings {
                 .ok_or_else(|| format!("{name} is '{value}'; it must be a number from {min} to {max}"))?;
         }
         if !seen.contains(&true) {
-            return Err(format!("no setting is given; write NAME=VALUE, as {}", self.in_words()));
+            return Err(format!("no setting is given; write NAME=VALUE for one of {}", self.in_words()));
         }
         Ok(changed)
     }
@@ -110,7 +112,7 @@ impl Settings {
         let index = NAMES
             .iter()
             .position(|known| *known == name)
-            .ok_or_else(|| format!("{name} is no setting; this sensor has {}", self.in_words()))?;
+            .ok_or_else(|| format!("{name} is not a setting; this sensor has {}", self.in_words()))?;
         if self.0[index].value.is_nan() {
             return Err(format!("this sensor has no {name}; it has {}", self.in_words()));
         }
@@ -124,7 +126,7 @@ impl Settings {
         NAMES.iter().zip(&self.0).filter_map(word).collect::<Vec<_>>().join(", ")
     }
 
-    /// As other processes are told.
+    /// Returns the settings as a message.
     pub fn message(&self, sensor: &str, topics: &[String]) -> SensorSettings {
         let mut message = SensorSettings {
             name: Text::cut(sensor),
@@ -135,14 +137,14 @@ impl Settings {
             exposure: self.0[EXPOSURE],
         };
         for (place, topic) in message.topics.iter_mut().zip(topics) {
-            // A stream's name is shorter, or it could not have been opened.
+            // A stream's name fits, because it could not have been opened otherwise.
             *place = Text::cut(topic.trim_start_matches('/'));
         }
         message
     }
 }
 
-/// What is described is always allowed.
+/// Creates a setting whose limits include the described value.
 fn setting(value: f64, [min, max]: [f64; 2]) -> Setting {
     Setting { value, min: min.min(value), max: max.max(value) }
 }
@@ -159,7 +161,7 @@ mod tests {
     ]);
 
     #[test]
-    fn words_change_what_they_name() {
+    fn words_change_the_settings_that_they_name() {
         let changed = LIDAR.changed(" update_rate=10\tnoise_mean=-0.5\n").unwrap();
         assert_eq!([changed.update_rate_hz(), changed.0[1].value, changed.0[2].value], [10.0, -0.5, 0.01]);
         assert!(LIDAR.is_same(&LIDAR) && !changed.is_same(&LIDAR));
@@ -167,15 +169,15 @@ mod tests {
     }
 
     #[test]
-    fn each_bad_word_is_refused_in_words() {
+    fn each_invalid_word_is_refused_with_a_reason() {
         for (text, says) in [
             (
                 "",
                 "no setting is given; write NAME=VALUE, as update_rate (0.01 to 1000), noise_mean (-6 to 6)",
             ),
-            ("update_rate", "'update_rate' is no setting; write NAME=VALUE"),
-            ("updaterate=3", "updaterate is no setting; this sensor has update_rate"),
-            ("iso=3", "iso is no setting; this sensor has update_rate (0.01 to 1000), "),
+            ("update_rate", "'update_rate' is not a setting; write NAME=VALUE"),
+            ("updaterate=3", "updaterate is not a setting; this sensor has update_rate"),
+            ("iso=3", "iso is not a setting; this sensor has update_rate (0.01 to 1000), "),
             ("exposure=2", "this sensor has no exposure; it has update_rate"),
             ("update_rate=0", "update_rate is '0'; it must be a number from 0.01 to 1000"),
             ("update_rate=fast", "update_rate is 'fast'; it must be a number from 0.01 to 1000"),

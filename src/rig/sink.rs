@@ -1,4 +1,4 @@
-//! Where the frames of streams go: shared memory, or the memory of a caller.
+//! [`Sink`]: the destination of streams, which is shared memory or a caller's memory.
 
 #[cfg(feature = "server")]
 use belvedere_bridge::LoanedFrame;
@@ -6,60 +6,60 @@ use belvedere_bridge::payload::Message;
 use belvedere_bridge::{Consumer, Error, FrameHeader, FrameView, StreamSpec};
 use bytemuck::{Pod, Zeroable};
 
-/// What streams are opened at.
+/// The destination at which streams are opened.
 pub trait Sink {
     /// Opens a stream.
     ///
     /// # Errors
-    /// When there can be no such stream: its topic is no name, or somebody else's.
+    /// If the stream is not possible, because its topic is invalid or taken.
     fn open(&self, spec: &StreamSpec) -> Result<Box<dyn Port>, Error>;
 }
 
-/// The end of a stream that frames are handed to.
+/// The end of a stream that accepts frames.
 pub trait Port {
-    /// Whether somebody wants the next frame, so that it has to be made.
+    /// Returns true if the next frame has to be made.
     fn is_wanted(&self) -> bool;
 
-    /// Whether messages are taken that nobody wants now: for those who come later.
+    /// Returns true if messages are accepted without subscribers, for later subscribers.
     fn keeps_messages(&self) -> bool;
 
-    /// Memory for the next frame of `len` bytes, with the stream's header before it.
+    /// Returns memory for the next frame of `len` bytes, with the stream's header.
     ///
     /// # Errors
-    /// When there is none.
+    /// If there is none.
     fn loan(&self, len: usize) -> Result<Frame, Error>;
 
-    /// Takes a frame that was loaned here.
+    /// Sends a frame that was loaned here.
     ///
     /// # Errors
-    /// When it does not go out.
+    /// If it cannot be sent.
     fn send(&self, frame: Frame) -> Result<(), Error>;
 
-    /// Gives the last frame to those who have come since.
+    /// Sends the last frame to new subscribers.
     ///
     /// # Errors
-    /// When it does not go out.
+    /// If it cannot be sent.
     fn update(&self) -> Result<(), Error> {
         Ok(())
     }
 
-    /// How many follow the stream.
+    /// Returns the number of subscribers.
     fn subscribers(&self) -> usize {
         0
     }
 
-    /// Who follows the stream.
+    /// Returns the consumers of the stream.
     fn consumers(&self) -> Vec<Consumer> {
         Vec::new()
     }
 
-    /// Frames that were taken and could not go out later.
+    /// Returns the number of frames that were accepted but could not be sent later.
     fn failed(&self) -> u64 {
         0
     }
 }
 
-/// A frame to be filled.
+/// A frame that is to be filled.
 #[derive(Debug)]
 pub enum Frame {
     /// In shared memory.
@@ -70,7 +70,7 @@ pub enum Frame {
 }
 
 impl Frame {
-    /// What the payload is.
+    /// Returns the header, which describes the payload.
     pub fn header(&self) -> &FrameHeader {
         match self {
             #[cfg(feature = "server")]
@@ -79,7 +79,7 @@ impl Frame {
         }
     }
 
-    /// The same, to be filled in.
+    /// Returns the header, to be filled in.
     pub fn header_mut(&mut self) -> &mut FrameHeader {
         match self {
             #[cfg(feature = "server")]
@@ -88,7 +88,7 @@ impl Frame {
         }
     }
 
-    /// The data.
+    /// Returns the data.
     pub fn payload(&self) -> &[u8] {
         match self {
             #[cfg(feature = "server")]
@@ -97,7 +97,7 @@ impl Frame {
         }
     }
 
-    /// The same, to be written: all of it, aligned to 64 bytes.
+    /// Returns the data, all of which must be written, aligned to 64 bytes.
     pub fn payload_mut(&mut self) -> &mut [u8] {
         match self {
             #[cfg(feature = "server")]
@@ -106,7 +106,7 @@ impl Frame {
         }
     }
 
-    /// Writes structs into it, one a row, and says so in the header.
+    /// Writes structs, one per row, and describes them in the header.
     pub(super) fn fill<T: Message>(&mut self, stamp_ns: u64, structs: &[T]) {
         self.payload_mut().copy_from_slice(bytemuck::cast_slice(structs));
         let header = self.header_mut();
@@ -118,7 +118,7 @@ impl Frame {
     }
 }
 
-/// A frame in memory of one's own, which is used again for the next one.
+/// A frame in the caller's memory, which is used again for the next frame.
 ///
 /// ```
 /// use belvedere::rig::FrameBuf;
@@ -132,31 +132,31 @@ pub struct FrameBuf {
     len: usize,
 }
 
-/// 64 bytes: payloads are read as numbers of every size, and by SIMD.
+/// 64 bytes with their alignment, because payloads are read as numbers of every size and by SIMD.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 struct Line([u8; 64]);
 
 impl FrameBuf {
-    /// What the payload is: its kind, stamp, size, and where the sensor was.
+    /// Returns the header, which describes the payload: kind, timestamp, size, and the sensor's pose.
     pub fn header(&self) -> &FrameHeader {
         &self.header
     }
 
-    /// The data.
+    /// Returns the data.
     pub fn payload(&self) -> &[u8] {
         &bytemuck::cast_slice(&self.lines)[..self.len]
     }
 
-    /// Header and payload, to look at by rows or structs.
+    /// Returns a view of header and payload, by rows or structs.
     ///
     /// # Panics
-    /// Never: what is rendered is as its header says.
+    /// Never, because rendered frames match their headers.
     pub fn view(&self) -> FrameView<'_> {
         FrameView::new(&self.header, self.payload()).expect("a frame is as its header says")
     }
 
-    /// Another frame of `len` bytes: zeros, or what was there before.
+    /// Prepares the memory for a frame of `len` bytes, which contains zeros or earlier data.
     pub(crate) fn reset(&mut self, header: &FrameHeader, len: usize) {
         self.lines.resize(len.div_ceil(size_of::<Line>()), Line::zeroed());
         (self.header, self.len) = (*header, len);

@@ -1,4 +1,4 @@
-//! What the robot says of itself: odometry, transforms, joint states; and the clock.
+//! The state of a robot: odometry, transforms, joint states; and the simulation's clock.
 
 use super::channel::Channel;
 use super::outlet::Outlet;
@@ -13,16 +13,16 @@ use crate::robot::{Robot, RobotState};
 use belvedere_bridge::payload::{Clock, JointState, Odometry, Transform};
 use belvedere_bridge::{Kind, StreamSpec, Text};
 
-/// Positions of joints.
+/// Topic of joint states.
 const JOINT_STATES_TOPIC: &str = "/joint_states";
 
-/// The frames of a robot; not of a thing of the world, which is in nobody's tree.
+/// The transforms of a robot. Models of the world publish none.
 struct FrameOutlets {
     moving: Outlet,
     fixed: Outlet,
 }
 
-/// That of a base.
+/// The odometry of a base.
 struct OdometryOutlet {
     outlet: Outlet,
     child: Text<64>,
@@ -64,7 +64,7 @@ impl StateChannel {
                 ))?,
             })
         });
-        // A plugin may tell them at the same place.
+        // A plugin may publish joint states on the same topic.
         let is_published = model
             .plugins
             .iter()
@@ -84,7 +84,7 @@ impl StateChannel {
         if let Some(frames) = &mut channel.frames {
             frames.fixed.send_structs(opening.physics.time_ns(), &fixed);
         }
-        // The names are checked here once; after this they are known to fit.
+        // The names are checked here once, so that they are known to fit later.
         for transform in &channel.state.transforms {
             message(transform)?;
         }
@@ -118,7 +118,7 @@ impl Channel for StateChannel {
             self.transform_messages
                 .extend(self.state.transforms.iter().filter_map(|transform| message(transform).ok()));
             frames.moving.send_structs(context.stamp_ns, &self.transform_messages);
-            // Whoever has come since the start gets the static transforms now.
+            // Subscribers that connected since the start get the static transforms now.
             frames.fixed.update();
         }
         if let Some(outlet) = &mut self.joint_states {
@@ -151,7 +151,7 @@ impl OdometryOutlet {
     }
 }
 
-/// Those of the frames that cameras' pictures are in, where the robot's file has none.
+/// Returns the transforms of cameras' optical frames that the robot's file lacks.
 fn optical_transforms(opening: &Opening<'_>) -> Vec<RobotTransform> {
     if opening.gazebo_compat {
         return Vec::new();
@@ -183,7 +183,7 @@ fn odometry(report: &OdometryReport, to: &OdometryOutlet) -> Odometry {
         linear: [report.linear_m_s, report.lateral_m_s, 0.0],
         angular: [0.0, 0.0, report.angular_rad_s],
         pose_covariance: to.covariance,
-        // Gazebo's plugins leave it unset.
+        // Gazebo's plugins leave this unset.
         twist_covariance: [0.0; 36],
     }
 }

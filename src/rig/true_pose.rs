@@ -1,4 +1,4 @@
-//! The true pose and velocity of a link and their stream: `libgazebo_ros_p3d.so`.
+//! The true pose and velocity of a link with their stream: `libgazebo_ros_p3d.so`.
 
 use super::channel::Channel;
 use super::outlet::Outlet;
@@ -13,7 +13,7 @@ use glam::DVec3;
 /// Noise channel of its velocities.
 const POSE_CHANNEL: u16 = 17;
 
-/// A reporter of where a link is.
+/// The channel that publishes a link's true pose.
 pub(super) struct TruePoseChannel {
     id: EntityId,
     plugin: PosePlugin,
@@ -27,7 +27,7 @@ impl TruePoseChannel {
     pub(super) fn open(plugin: &PosePlugin, opening: &Opening<'_>) -> Result<Self, RigError> {
         let link = &opening.entity.model.links[plugin.link].name;
         let child = opening.entity.frame(link);
-        // The world is everybody's.
+        // The world's frame is shared by all models.
         let is_shared = matches!(plugin.frame.as_str(), "world" | "map");
         let spec = StreamSpec::structs(&plugin.topic, Kind::Odometry, 1).rate_hz(opening.rate.hz());
         Ok(Self {
@@ -55,7 +55,8 @@ impl Channel for TruePoseChannel {
         let PosePlugin { link, offset, stddev, .. } = self.plugin;
         let model = self.id.index();
         let world_from_link = physics.world_from_link_at(model, link, stamp_ns);
-        // As the plugin: the offset is added along the axes of the frame, and turns what is turned already.
+        // As in the plugin, the offset is added along the axes of the frame, and its rotation is applied after the
+        // link's.
         let pose = belvedere_sensors::Pose::new(
             world_from_link.translation() + offset.translation(),
             offset.rotation() * world_from_link.rotation(),

@@ -1,4 +1,4 @@
-//! What is true of each pixel of a camera and of each beam of a lidar, in streams beside the sensor's own.
+//! Ground truth for each pixel of a camera and each beam of a lidar, in streams in addition to the sensor's own.
 
 use super::moments::{Moments, shutter};
 use super::mount::Mount;
@@ -11,7 +11,7 @@ use belvedere_sensors::trace::Truth;
 use belvedere_sensors::{Capture, Pose, Sensor, Shutter, Slice};
 use std::time::{Duration, Instant};
 
-/// A channel of truth.
+/// A truth channel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Channel {
     Depth,
@@ -20,7 +20,7 @@ enum Channel {
     Instance,
     Class,
     Incidence,
-    /// To the sensor's frame before.
+    /// Optical flow to the sensor's previous frame.
     FlowBack,
 }
 
@@ -35,7 +35,7 @@ impl Channel {
         Self::FlowBack,
     ];
 
-    /// The last part of its topic, and what it is on the wire.
+    /// Returns the last part of its topic, and its kind and encoding.
     const fn stream(self) -> (&'static str, Kind, Encoding) {
         match self {
             Self::Depth => ("depth", Kind::DepthImage, Encoding::F32C1),
@@ -49,31 +49,31 @@ impl Channel {
     }
 }
 
-/// The flow to the sensor's next frame.
+/// Optical flow to the sensor's next frame.
 const FLOW_FORWARD: (&str, Kind, Encoding) = ("flow_forward", Kind::Image, Encoding::F32C2);
 
-/// The streams of a sensor's truth; none unless truth is asked for.
+/// The streams of a sensor's ground truth; not opened unless ground truth is requested.
 pub(super) struct TruthOutlets {
     outlets: Vec<Outlet>,
-    /// The flow to the next frame, which is known when that is taken.
+    /// Optical flow to the next frame, which is known when that frame is rendered.
     forward: Option<Outlet>,
     size: [u32; 2],
-    /// The frame before, while somebody follows the flow.
+    /// The previous frame, while optical flow has subscribers.
     before: Option<Before>,
 }
 
-/// What is kept of a frame until the next.
+/// The data of a frame that are kept until the next.
 struct Before {
     moments: Moments,
     frame: u64,
     stamp_ns: u64,
     world_from_sensor: Pose,
-    /// Of the scene.
+    /// The scene's edition.
     edition: u64,
 }
 
 impl TruthOutlets {
-    /// Opens `<topic>/truth/…` for a sensor of so many rays across and down.
+    /// Opens `<topic>/truth/…` for a sensor with this number of rays across and down.
     pub(super) fn open(
         topic: &str,
         frame_id: &str,
@@ -90,7 +90,7 @@ impl TruthOutlets {
         Ok(Self { outlets, forward: Some(open(FLOW_FORWARD)?), ..made })
     }
 
-    /// The same for one of whose rays no flow is known.
+    /// Like `open`, for a sensor without optical flow.
     pub(super) fn open_without_flow(
         topic: &str,
         frame_id: &str,
@@ -115,17 +115,17 @@ impl TruthOutlets {
         opening.open_rendered(spec.frame_id(frame_id).rate_hz(opening.rate.hz()))
     }
 
-    /// All of them.
+    /// Returns all streams.
     pub(super) fn outlets(&self) -> impl Iterator<Item = &Outlet> {
         self.outlets.iter().chain(&self.forward)
     }
 
-    /// Forgets the frame before if the scene had other things in it.
+    /// Forgets the previous frame if the scene's instances have changed since.
     pub(super) fn look_at(&mut self, scene: &WorldScene) {
         self.before.take_if(|before| before.edition != scene.edition());
     }
 
-    /// Where the truth of a frame at `world_from_sensor` goes, as far as somebody follows it.
+    /// Returns memory for the ground truth of a frame at `world_from_sensor`, for the channels with subscribers.
     pub(super) fn loan(
         &self,
         stamp_ns: u64,
@@ -133,7 +133,7 @@ impl TruthOutlets {
         write: impl Fn(&mut FrameHeader),
     ) -> TruthFrames {
         let loans = self.outlets.iter().zip(Channel::ALL).map(|(outlet, channel)| {
-            // There is no flow without a frame before.
+            // There is no optical flow without a previous frame.
             let is_ready = channel != Channel::FlowBack || self.before.is_some();
             let mut frame = outlet.loan(self.bytes(channel.stream().2)).filter(|_| is_ready);
             if let Some(frame) = &mut frame {
@@ -161,19 +161,20 @@ impl TruthOutlets {
         Mount::write(world_from_sensor, header);
     }
 
-    /// Whether somebody follows the flow, so that a frame's moments have to be known in the next.
+    /// Returns true if optical flow has subscribers, so that a frame's moments are needed for the next frame.
     pub(super) fn wants_flow(&self) -> bool {
         let back = self.outlets.get(Channel::FlowBack as usize);
         back.into_iter().chain(&self.forward).any(Outlet::is_wanted)
     }
 
-    /// The moments of the frame before, if the flow back to it is wanted; none if there was none.
+    /// Returns the moments of the previous frame, if optical flow back to it is needed; empty if there was none.
     pub(super) fn before(&self) -> Vec<Slice<'_>> {
         self.before.as_ref().map(|before| before.moments.slices()).unwrap_or_default()
     }
 
-    /// Sends the flow from the frame before to this one, which is taken `at` these moments: what is true then is traced
-    /// once more. It is stamped as that frame was. `output` makes the sensor's output of truth alone.
+    /// Sends the optical flow from the previous frame to this one, which is taken `at` these moments. For that, the
+    /// previous frame's ground truth is traced again. It has the previous frame's timestamp. `output` creates the
+    /// sensor's output with ground truth only.
     pub(super) fn send_forward<T: Sensor>(
         &mut self,
         context: &mut RigContext<'_>,
@@ -197,7 +198,7 @@ impl TruthOutlets {
         }
     }
 
-    /// Keeps the moments of this frame for the next, if its flow is wanted then.
+    /// Keeps the moments of this frame for the next, if optical flow has subscribers.
     pub(super) fn keep(
         &mut self,
         context: &RigContext<'_>,
@@ -214,12 +215,12 @@ impl TruthOutlets {
         });
     }
 
-    /// Begins again, as if there had been no frame before.
+    /// Restarts, as if there had been no previous frame.
     pub(super) fn restart(&mut self) {
         self.before = None;
     }
 
-    /// Counts what became of the frames.
+    /// Counts the outcomes of the frames.
     pub(super) fn record(&mut self, outcomes: Vec<Outcome>, busy: Duration) {
         for (outlet, outcome) in self.outlets.iter_mut().zip(outcomes) {
             outlet.record(outcome, busy);
@@ -231,7 +232,7 @@ impl TruthOutlets {
 pub(super) struct TruthFrames(Vec<Option<Frame>>);
 
 impl TruthFrames {
-    /// The memory of the frames that are wanted; none if none is.
+    /// Returns the memory of the frames that are needed, or `None` if there are none.
     pub(super) fn truth(&mut self) -> Option<Truth<'_>> {
         if self.0.iter().all(Option::is_none) {
             return None;
@@ -244,7 +245,7 @@ impl TruthFrames {
                 Channel::Depth => truth.depth = Some(bytemuck::cast_slice_mut(bytes)),
                 Channel::Range => truth.range = Some(bytemuck::cast_slice_mut(bytes)),
                 Channel::Normal => truth.normal = Some(bytemuck::cast_slice_mut(bytes)),
-                // As signed numbers nothing, u32::MAX, is −1.
+                // As a signed number, u32::MAX (nothing) is −1.
                 Channel::Instance => truth.instance = Some(bytemuck::cast_slice_mut(bytes)),
                 Channel::Class => truth.class = Some(bytemuck::cast_slice_mut(bytes)),
                 Channel::Incidence => truth.incidence = Some(bytemuck::cast_slice_mut(bytes)),
@@ -254,13 +255,13 @@ impl TruthFrames {
         Some(truth)
     }
 
-    /// The picture of instances, if it is wanted.
+    /// Returns the instance image, if it has subscribers.
     pub(super) fn instance(&self) -> Option<&[u32]> {
         let frame = self.0.get(Channel::Instance as usize)?.as_ref()?;
         Some(bytemuck::cast_slice(frame.payload()))
     }
 
-    /// Sends them, if they were taken.
+    /// Sends the frames, if they were rendered.
     pub(super) fn send(self, outlets: &TruthOutlets, taken: bool) -> Vec<Outcome> {
         let frames = self.0.into_iter().zip(&outlets.outlets);
         frames.map(|(frame, outlet)| outlet.send(frame.filter(|_| taken))).collect()

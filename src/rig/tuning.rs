@@ -1,9 +1,9 @@
-//! Changing a sensor's settings while it runs, and telling what they are.
+//! Changes a sensor's settings while it runs, and publishes them.
 
 use super::{Rate, Rig, Scheduled, Settings};
 use crate::description::suggestion::did_you_mean_or;
 
-/// A sensor's settings, described and as they are.
+/// A sensor's settings, as described and as they are now.
 pub(super) struct Tuning {
     pub(super) sensor: String,
     pub(super) described: Settings,
@@ -11,11 +11,11 @@ pub(super) struct Tuning {
 }
 
 impl Scheduled {
-    /// Takes other settings from the next frame on.
+    /// Applies other settings from the next frame on.
     pub(super) fn configure(&mut self, settings: Settings, now_ns: u64) -> Result<(), String> {
         let Some(tuning) = &mut self.tuning else { return Ok(()) };
         let rate_hz = settings.update_rate_hz();
-        let rate = Rate::from_hz(rate_hz).ok_or_else(|| format!("{rate_hz} Hz is no rate"))?;
+        let rate = Rate::from_hz(rate_hz).ok_or_else(|| format!("{rate_hz} Hz is not a valid rate"))?;
         self.channel.configure(&settings).map_err(|error| error.to_string())?;
         if rate_hz.to_bits() != tuning.now.update_rate_hz().to_bits() {
             self.schedule.change_rate(rate, now_ns);
@@ -31,21 +31,21 @@ impl Scheduled {
 }
 
 impl Rig {
-    /// Changes settings of a sensor, named or told by a topic that it sends: all that the text says, or nothing.
+    /// Changes settings of a sensor, given by its name or one of its topics: all changes in the text, or none.
     ///
     /// # Errors
-    /// In words: there is no such sensor, or several of the name; what is wrong with the text.
+    /// A message, if there is no such sensor or several with this name, or the text is invalid.
     pub fn configure(&mut self, sensor: &str, text: &str, now_ns: u64) -> Result<(), String> {
         let scheduled = self.find(sensor)?;
         if let Some(Tuning { now, .. }) = &scheduled.tuning {
             let changed = now.changed(text)?;
             scheduled.configure(changed, now_ns)?;
         }
-        self.tell_settings(now_ns);
+        self.send_settings(now_ns);
         Ok(())
     }
 
-    /// A sensor by its name, or by a topic that it sends.
+    /// Finds a sensor by its name or one of its topics.
     pub(super) fn find(&mut self, sensor: &str) -> Result<&mut Scheduled, String> {
         let topic = format!("/{}", sensor.trim_start_matches('/'));
         let is_meant = |scheduled: &Scheduled| {
@@ -61,17 +61,17 @@ impl Rig {
                 let names: Vec<&str> = sensors().map(|tuning| tuning.sensor.as_str()).collect();
                 let there = if names.is_empty() { "none".into() } else { names.join(", ") };
                 let there = did_you_mean_or(sensor, names.iter().copied(), &format!("there are: {there}"));
-                Err(format!("there is no sensor '{sensor}', and none sends such a topic; {there}"))
+                Err(format!("there is no sensor '{sensor}', and no sensor with such a topic; {there}"))
             }
             _ => Err(format!(
-                "there are {} sensors '{sensor}'; name the one that is meant by a topic that it sends",
+                "there are {} sensors '{sensor}'; choose one of them by one of its topics",
                 meant.len()
             )),
         }
     }
 
-    /// Sends what can be changed, and what it is from `stamp_ns` on.
-    pub(super) fn tell_settings(&mut self, stamp_ns: u64) {
+    /// Publishes the settings of all sensors and their limits at `stamp_ns`.
+    pub(super) fn send_settings(&mut self, stamp_ns: u64) {
         let message = |scheduled: &Scheduled| {
             let tuning = scheduled.tuning.as_ref()?;
             Some(tuning.now.message(&tuning.sensor, &scheduled.topics()))

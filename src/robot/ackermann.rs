@@ -1,7 +1,7 @@
-//! Cars: wheels behind that drive, wheels in front that steer.
+//! Cars: the rear wheels drive, the front wheels steer.
 //!
-//! The middle of the rear axle moves along the car, and the car turns about a point on the rear axle's line: that where
-//! the lines of both steered wheels meet it, each at its own angle (Ackermann's condition).
+//! The middle of the rear axle moves along the car, and the car turns about a point on the line of the rear axle. The
+//! lines of both steered wheels, each at its own angle, meet in that point (Ackermann's condition).
 
 use super::base::Base;
 use super::command::Command;
@@ -14,22 +14,22 @@ use crate::description::model::{AckermannDrive, BasePlugin, JointIndex, LinkInde
 use crate::world::physics::{ModelIndex, Physics};
 use glam::DVec3;
 
-/// The parts of a car that steer.
+/// The steering of a car.
 #[derive(Debug, Clone)]
 pub(super) struct Steering {
     rear: Axle,
     front: Option<Axle>,
-    /// A steering joint; +1 if a positive turn of it is to the left, −1 if to the right; its place to the left of the
-    /// middle, in m.
+    /// A steering joint; +1 if a positive angle turns it to the left, −1 if to the right; its distance to the left of
+    /// the middle, in m.
     joints: [(JointIndex, f64, f64); 2],
     wheel_base_m: f64,
 }
 
 impl Steering {
-    /// Finds them in a model.
+    /// Finds the steering in a model.
     ///
     /// # Errors
-    /// A warning if they cannot drive.
+    /// A warning if the car cannot drive.
     pub(super) fn of(model: &Model, plugin: &BasePlugin, drive: &AckermannDrive) -> Result<Self, Problem> {
         let mut rear = Axle::of(model, plugin, &drive.rear)?;
         let front = drive.front.as_ref().map(|wheels| Axle::of(model, plugin, wheels)).transpose()?;
@@ -64,7 +64,7 @@ impl Steering {
                 "put them at a greater x",
             ));
         }
-        // The front wheels hold the turn.
+        // The front wheels hold the car's heading.
         rear.yaw_arm_m = wheel_base_m;
         Ok(Self { rear, front, joints, wheel_base_m })
     }
@@ -119,11 +119,11 @@ impl Ackermann {
         })
     }
 
-    /// The mean steering angle that a command wants.
+    /// Returns the mean steering angle for a command.
     fn wanted_angle_rad(&self, command: Command) -> f64 {
         let limit = self.drive.steering_limit_rad;
         let angle = if self.drive.is_told_angle {
-            // As Gazebo's plugin: the sign is that of the turn, so that in reverse the wheels steer the other way.
+            // As in Gazebo's plugin, the sign is that of the turn, so in reverse the wheels steer the other way.
             command.angular_rad_s * 1.0_f64.copysign(command.linear_m_s)
         } else if command.linear_m_s == 0.0 {
             // A car does not turn on the spot.
@@ -152,7 +152,7 @@ impl Base for Ackermann {
         let turn_rad_s = speed_m_s * curvature;
         let rims = [-0.5, 0.5].map(|side| speed_m_s + side * rear.separation_m * turn_rad_s);
         rear.grip(physics, self.model, self.base, Command::new(speed_m_s, turn_rad_s), rims);
-        // A wheel's line goes through the point that the car turns about, though that be between the wheels.
+        // A wheel's line goes through the point that the car turns about, even if that is between the wheels.
         let steered_rad = |left_m: f64| libm::atan2(wheel_base_m * curvature, 1.0 - left_m * curvature);
         for (joint, sign, left_m) in *joints {
             let wanted_rad = steered_rad(left_m);
@@ -162,7 +162,7 @@ impl Base for Ackermann {
         let world_from_base = physics.world_from_link(self.model, self.base);
         let (origin_m_s, turn) = physics.link_velocity(self.model, self.base);
         for wheel in front.iter().flat_map(|front| &front.wheels) {
-            // A steered wheel rolls with the ground under it.
+            // A steered wheel rolls with the ground.
             let world_from_wheel = physics.world_from_link(self.model, wheel.link);
             let arm = world_from_wheel.translation() - world_from_base.translation();
             let velocity = origin_m_s + turn.cross(arm);

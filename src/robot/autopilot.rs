@@ -1,15 +1,15 @@
-//! Drivers of a robot that nobody else drives.
+//! Autopilots for robots that receive no commands.
 
 use super::Command;
 use belvedere_sensors::Pose;
 use glam::{DVec2, DVec3};
 use std::f64::consts::FRAC_PI_2;
 
-/// What drives a robot while nobody commands it.
+/// The autopilot that drives a robot while no command arrives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 pub enum Autopilot {
-    /// Round and round a rounded rectangle of 4.0 m × 2.4 m about the world's origin.
+    /// Drive round a rounded rectangle of 4.0 m × 2.4 m about the world's origin.
     #[default]
     Loop,
     /// Turn on the spot.
@@ -22,7 +22,7 @@ pub enum Autopilot {
 pub const SPIN_RAD_S: f64 = 0.6;
 
 impl Autopilot {
-    /// Where a robot is to start: on the path of [`Autopilot::Loop`], else at the origin, looking along x.
+    /// Returns the start pose of a robot: on the path of [`Autopilot::Loop`], else at the origin, facing along x.
     pub fn start_pose(self) -> Pose {
         match self {
             Self::Loop => LoopPath::DEFAULT.start_pose(),
@@ -30,7 +30,7 @@ impl Autopilot {
         }
     }
 
-    /// The command for a robot that stands at a true pose.
+    /// Returns the command for a robot at this true pose.
     pub fn command(self, world_from_base: &Pose) -> Command {
         match self {
             Self::Loop => LoopPath::DEFAULT.pursue(world_from_base),
@@ -51,7 +51,7 @@ pub struct LoopPath {
     pub corner_radius_m: f64,
     /// Speed along it in m/s.
     pub speed_m_s: f64,
-    /// How far ahead on the path the robot aims, in m.
+    /// Distance along the path to the point that the robot aims at, in m.
     pub look_ahead_m: f64,
 }
 
@@ -65,28 +65,28 @@ impl LoopPath {
         look_ahead_m: 0.35,
     };
 
-    /// In the middle of the side at negative y, looking along x.
+    /// Returns the pose in the middle of the side at negative y, facing along x.
     pub fn start_pose(&self) -> Pose {
         Pose::from_translation(DVec3::new(self.centre.x, self.centre.y - 0.5 * self.size.y, 0.0))
     }
 
-    /// Straight lengths along x and y.
+    /// Returns the lengths of the straights along x and y.
     fn straights(&self) -> [f64; 2] {
         [self.size.x, self.size.y].map(|extent| (extent - 2.0 * self.corner_radius_m).max(0.0))
     }
 
-    /// Length of one round in m.
+    /// Returns the length of one round in m.
     pub fn length_m(&self) -> f64 {
         let [along_x, along_y] = self.straights();
         2.0 * (along_x + along_y) + 4.0 * FRAC_PI_2 * self.corner_radius_m
     }
 
-    /// The point at a way along the path from the start of the side at negative y (its corner arc behind it).
+    /// Returns the point at a distance along the path, counted from the start of the straight at negative y.
     pub fn point_at(&self, way_m: f64) -> DVec2 {
         let length = self.length_m();
         let mut rest = way_m - length * libm::floor(way_m / length);
         let (straights, arc) = (self.straights(), FRAC_PI_2 * self.corner_radius_m);
-        // Each side is a straight and the arc after it, in the side's own axes: along it and inward.
+        // Each side is a straight and the arc after it. The side's own axes point along it and inward.
         for side in 0..4 {
             let straight = straights[side % 2];
             if rest <= straight + arc {
@@ -103,7 +103,7 @@ impl LoopPath {
         self.side_origin(0)
     }
 
-    /// Where the straight part of a side begins: side 0 at negative y, then counter-clockwise.
+    /// Returns the start of a side's straight: side 0 is at negative y, the others follow counter-clockwise.
     fn side_origin(&self, side: usize) -> DVec2 {
         let [along_x, along_y] = self.straights();
         let half = self.size * 0.5;
@@ -116,7 +116,7 @@ impl LoopPath {
             }
     }
 
-    /// The way along the path to its point nearest to `point`, and that point's distance.
+    /// Returns the distance along the path to its point nearest to `point`, and the distance between the two points.
     pub fn nearest(&self, point: DVec2) -> (f64, f64) {
         let (straights, radius) = (self.straights(), self.corner_radius_m);
         let arc = FRAC_PI_2 * radius;
@@ -127,7 +127,7 @@ impl LoopPath {
             let local = rotate(point - self.side_origin(side), 4 - side);
             let on_straight = local.x.clamp(0.0, straight);
             let from_centre = local - DVec2::new(straight, radius);
-            // Angle on the arc from where the straight ends.
+            // Angle on the arc, counted from the end of the straight.
             let angle = libm::atan2(from_centre.x, -from_centre.y).clamp(0.0, FRAC_PI_2);
             for candidate in [way + on_straight, way + straight + angle * radius] {
                 let distance = self.point_at(candidate).distance(point);
@@ -140,9 +140,9 @@ impl LoopPath {
         best
     }
 
-    /// Pure pursuit: a circle through the robot, along its x, and through the point `look_ahead_m` further on
-    /// the path. Its curvature is 2·y/d² for that point at (x, y), d away, in the robot's frame (Coulter,
-    /// Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992).
+    /// Returns the command of pure pursuit: a circle through the robot, along its x, and through the point
+    /// `look_ahead_m` further on the path. Its curvature is 2·y/d² for that point at (x, y), d away, in the robot's
+    /// frame (Coulter, Implementation of the Pure Pursuit Path Tracking Algorithm, CMU-RI-TR-92-01, 1992).
     pub fn pursue(&self, world_from_base: &Pose) -> Command {
         let position = world_from_base.translation();
         let (way, _) = self.nearest(DVec2::new(position.x, position.y));
@@ -152,7 +152,7 @@ impl LoopPath {
         let heading = DVec2::new(ahead.x, ahead.y).normalize_or(DVec2::X);
         let (along, across) = (heading.dot(offset), heading.perp_dot(offset));
         if along < 0.0 {
-            // The path runs the other way: turn to it on the spot.
+            // The path runs in the other direction: turn on the spot.
             return Command::new(0.0, SPIN_RAD_S.copysign(across));
         }
         let curvature = 2.0 * across / offset.length_squared().max(1e-6);

@@ -1,11 +1,11 @@
 //! Velocity commands.
 
-/// What a base is to do: what of a `geometry_msgs/Twist` is in the plane.
+/// A velocity command for a base: the planar part of a `geometry_msgs/Twist`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Command {
     /// Speed along the base's x in m/s.
     pub linear_m_s: f64,
-    /// Speed along its y, to the left, in m/s: of bases that can.
+    /// Speed along its y, to the left, in m/s, for bases that can move sideways.
     pub lateral_m_s: f64,
     /// Rate of turn about the base's z in rad/s, positive to the left.
     pub angular_rad_s: f64,
@@ -15,12 +15,12 @@ impl Command {
     /// Stand still.
     pub const STOP: Self = Self::new(0.0, 0.0);
 
-    /// Along the base's x in m/s, and turning to the left in rad/s.
+    /// Creates a command with a speed along the base's x in m/s, and a turn to the left in rad/s.
     pub const fn new(linear_m_s: f64, angular_rad_s: f64) -> Self {
         Self { linear_m_s, lateral_m_s: 0.0, angular_rad_s }
     }
 
-    /// Itself, or a stop if a number is not finite.
+    /// Returns the command, or a stop if a number is not finite.
     #[must_use]
     pub fn or_stop(self) -> Self {
         let is_finite =
@@ -28,8 +28,9 @@ impl Command {
         if is_finite { self } else { Self::STOP }
     }
 
-    /// The command within the limits of a base on two wheels. If a wheel would have to be faster than `max_speed_m_s`, speed
-    /// and turn are both scaled down, so that the path stays the same. A command that is not finite is a stop.
+    /// Returns the command within the limits of a base on two wheels. If a wheel would have to be faster than
+    /// `max_speed_m_s`, speed and turn are both scaled down, so that the path stays the same. A command that is not
+    /// finite becomes a stop.
     #[must_use]
     pub fn limited(self, max_speed_m_s: f64, max_turn_rad_s: f64, separation_m: f64) -> Self {
         let command = self.or_stop();

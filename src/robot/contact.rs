@@ -1,14 +1,15 @@
-//! What a Kobuki feels: three bumpers, three cliff sensors, two wheels that may hang.
+//! A Kobuki's contact sensors: three bumpers, three cliff sensors, two wheel-drop sensors.
 //!
-//! - **Bumpers** are pressed by what touches the base's body at a height of 0.01 to 0.13 m, in sectors of 60° by the
-//!   direction of the contact: left +90…+30°, centre ±30°, right −30…−90° (Kobuki's Gazebo plugin). A touch between
+//! - **Bumpers** are pressed by contacts with the base's body at a height of 0.01 to 0.13 m, in sectors of 60° by the
+//!   direction of the contact: left +90…+30°, centre ±30°, right −30…−90° (Kobuki's Gazebo plugin). A contact between
 //!   two reports counts for the later one.
-//! - **Cliff sensors** look down at three places and see a cliff where the floor is [`CLIFF_M`] away or more: on the
-//!   floor it is 0.0316. One ray along the axis each (the plugin takes the first beam of a fan of ±2.5°).
-//! - **A wheel** has dropped when it touches nothing, and there is nothing under its axle within its radius and
-//!   [`WHEEL_TRAVEL_M`]. The plugin never says so. The wheels of our base do not move down; no data sheet gives their
-//!   travel, so it is a value of ours: more than the 12 mm that a Kobuki climbs, and farther down than a cliff begins, so
-//!   that over an edge the cliff sensors are the first.
+//! - **Cliff sensors** look down at three places and report a cliff where the floor is [`CLIFF_M`] away or more; on the
+//!   floor the distance is 0.0316. Each casts one ray along its axis (the plugin uses the first beam of a fan of
+//!   ±2.5°).
+//! - **A wheel** has dropped if it touches nothing, and there is nothing under its axle within its radius and
+//!   [`WHEEL_TRAVEL_M`]. The plugin never reports that. The wheels of our base do not move down. No data sheet gives
+//!   their travel, so we chose a value: more than the 12 mm that a Kobuki climbs, and more than the distance at which a
+//!   cliff begins, so that at an edge the cliff sensors react first.
 
 use super::transforms::base_link;
 use crate::description::model::{LinkIndex, Model};
@@ -18,19 +19,19 @@ use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_6};
 use std::ops::RangeInclusive;
 
-/// Heights over the floor that the bumpers feel, in m.
+/// Heights above the floor at which bumpers detect contacts, in m.
 const BUMPER_HEIGHTS_M: RangeInclusive<f64> = 0.01..=0.13;
-/// What is nearer than this touches, in m: physics holds a body that pushes a hair before a wall.
+/// Objects nearer than this count as touching, in m, because physics keeps a small gap between a body and a wall.
 const BUMPER_GAP_M: f64 = 5e-4;
-/// Distance of the floor at which there is a cliff, in m.
+/// Distance of the floor from which a cliff is reported, in m.
 pub const CLIFF_M: f64 = 0.04;
 /// Distance of the floor that the base stands on, in m.
 const ON_FLOOR_M: f64 = 0.0316;
-/// What the cliff sensors can measure, in m.
+/// Measuring range of the cliff sensors, in m.
 const CLIFF_RANGE_M: [f64; 2] = [0.01, 0.15];
-/// How far down a wheel hangs when nothing holds it, in m.
+/// Distance by which an unsupported wheel hangs down, in m.
 pub const WHEEL_TRAVEL_M: f64 = 0.02;
-/// Places of the cliff sensors left, centre, right on `base_link`, in m, for a model that has no links for them.
+/// Positions of the cliff sensors left, centre, right on `base_link`, in m, for a model that has no links for them.
 const CLIFF_PLACES_M: [DVec3; 3] = [
     DVec3::new(0.087_34, 0.136_01, 0.0214),
     DVec3::new(0.156, 0.0, 0.0214),
@@ -39,32 +40,32 @@ const CLIFF_PLACES_M: [DVec3; 3] = [
 const CLIFF_LINKS: [&str; 3] =
     ["cliff_sensor_left_link", "cliff_sensor_front_link", "cliff_sensor_right_link"];
 
-/// What the base feels; left, centre, right each, and left and right wheel.
+/// The state of the contact sensors: left, centre and right, and left and right wheel.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Contact {
     /// Whether the bumpers are pressed.
     pub bumper: [bool; 3],
-    /// Whether there is no floor.
+    /// Whether the cliff sensors report a cliff.
     pub cliff: [bool; 3],
     /// The cliff sensors' readings; see [`cliff_reading`].
     pub bottom: [u16; 3],
-    /// Whether the wheels hang.
+    /// Whether the wheels have dropped.
     pub wheel_drop: [bool; 2],
 }
 
-/// What the converter of a cliff sensor (12 bits) says of a distance in m: 76123 · atan2(0.995, distance in mm), the
-/// formula of Kobuki's Gazebo plugin, which puts in metres and overflows.
+/// Returns a cliff sensor's reading (12 bits) at a distance in m: 76123 · atan2(0.995, distance in mm). This is the
+/// formula of Kobuki's Gazebo plugin, which inserts metres and overflows.
 pub fn cliff_reading(distance_m: f64) -> u16 {
     (76_123.0 * libm::atan2(0.995, distance_m * 1e3)).clamp(0.0, 4095.0) as u16
 }
 
-/// The sensors on their base.
+/// The contact sensors of a base.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ContactSensors {
     model: ModelIndex,
     base: LinkIndex,
     body: LinkIndex,
-    /// A link, and in it the sensor, which looks along its x.
+    /// The link, and the pose of the sensor in it, which looks along its x.
     cliff: [(LinkIndex, Pose); 3],
     wheels: [LinkIndex; 2],
     wheel_radius_m: f64,
@@ -83,13 +84,13 @@ impl ContactSensors {
         Self { model: index, base, body, cliff, wheels, wheel_radius_m, touched: [false; 3] }
     }
 
-    /// What it feels before the first step, when physics has not looked around yet: the floor.
+    /// Returns the state before the first step, when physics has detected no contacts yet: on the floor.
     pub(super) fn at_start() -> Contact {
         let bottom = [cliff_reading(ON_FLOOR_M); 3];
         Contact { bottom, ..Contact::default() }
     }
 
-    /// Notices what touches the bumpers after a step.
+    /// Records contacts with the bumpers after a step.
     pub(super) fn notice(&mut self, physics: &Physics) {
         let base_from_world = physics.world_from_link(self.model, self.base).inverse();
         for touch in physics.touches(self.model, self.body, BUMPER_GAP_M) {
@@ -105,7 +106,7 @@ impl ContactSensors {
         }
     }
 
-    /// What the base feels now, and felt of bumps since the last report.
+    /// Returns the current state, with all bumps since the last report.
     pub(super) fn report(&mut self, physics: &Physics) -> Contact {
         let distances_m = self.cliff.map(|(link, link_from_sensor)| {
             let world_from_sensor = physics.world_from_link(self.model, link) * link_from_sensor;
@@ -131,7 +132,7 @@ impl ContactSensors {
     }
 }
 
-/// The bumper in a direction in rad to the left of ahead: 0 left, 1 centre, 2 right; none behind.
+/// Returns the bumper in a direction, in rad to the left of ahead: 0 left, 1 centre, 2 right, `None` behind.
 fn bumper_at(direction_rad: f64) -> Option<usize> {
     match direction_rad {
         angle if angle.abs() <= FRAC_PI_6 => Some(1),

@@ -1,9 +1,9 @@
-//! Bases whose left wheels turn alike, and whose right ones do.
+//! Differential drive: all left wheels turn at one speed, all right wheels at another.
 //!
-//! Commands become speeds of the wheels by the radius and the distance that the plugin is told; what the base does of them
-//! is a matter of the wheels that the model has, as in Gazebo. On two wheels the base turns by where they are. On four or
-//! more they slip sideways when it turns, by as much as nobody knows: such a base turns as it is told, which is what the
-//! distance in its plugin is tuned for.
+//! Commands are converted to wheel speeds with the radius and separation given in the plugin. As in Gazebo, the
+//! resulting motion depends on the wheels in the model. A base with two wheels turns according to their actual
+//! separation. With four or more wheels the wheels slip sideways in turns, which is not modelled: such a base turns
+//! exactly as commanded, because the plugin's separation is tuned for that.
 
 use super::base::Base;
 use super::command::Command;
@@ -15,7 +15,7 @@ use crate::description::diagnostics::Problem;
 use crate::description::model::{BasePlugin, DifferentialDrive, LinkIndex, Model};
 use crate::world::physics::{ModelIndex, Physics};
 
-/// A base on the wheels of two sides.
+/// A base with wheels on two sides.
 #[derive(Debug)]
 pub(super) struct Differential {
     model: ModelIndex,
@@ -24,11 +24,11 @@ pub(super) struct Differential {
     radius_m: f64,
     separation_m: f64,
     acceleration_m_s2: f64,
-    turns_as_told: bool,
+    turns_as_commanded: bool,
     timeout_ns: u64,
     command: Command,
     command_ns: u64,
-    /// Speeds of the left and the right wheels' rims, on their way to those of the command.
+    /// Current speeds of the left and right wheels' rims, which approach those of the command.
     rims_m_s: [f64; 2],
     tracker: Tracker,
 }
@@ -51,7 +51,7 @@ impl Differential {
             radius_m,
             separation_m,
             acceleration_m_s2: drive.acceleration_m_s2.unwrap_or(f64::INFINITY),
-            turns_as_told: drive.skids || axle.wheels.len() > 2,
+            turns_as_commanded: drive.skids || axle.wheels.len() > 2,
             timeout_ns: plugin.command_timeout_s.map_or(u64::MAX, |time_s| (time_s * 1e9) as u64),
             command: Command::STOP,
             command_ns: 0,
@@ -75,9 +75,9 @@ impl Base for Differential {
             let wanted = linear_m_s + side * self.separation_m * angular_rad_s;
             *rim += (wanted - *rim).clamp(-change_m_s, change_m_s);
         }
-        // The wheels turn by the radius that is told, and roll by that which they have.
+        // The wheels turn according to the plugin's radius, and roll with their actual radius.
         let [left, right] = self.rims_m_s.map(|rim| rim / self.radius_m * self.axle.radius_m);
-        let apart_m = if self.turns_as_told { self.separation_m } else { self.axle.separation_m };
+        let apart_m = if self.turns_as_commanded { self.separation_m } else { self.axle.separation_m };
         let motion = Command::new(0.5 * (left + right), (right - left) / apart_m);
         self.axle.grip(physics, self.model, self.base, motion, [left, right]);
     }

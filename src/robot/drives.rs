@@ -1,4 +1,4 @@
-//! The registry of bases: one implementation of [`Base`] for each way to drive, found by the model's plugin.
+//! The registry of bases: one implementation of [`Base`] for each kind of drive, selected by the model's plugin.
 
 use super::ackermann::Ackermann;
 use super::base::Base;
@@ -10,10 +10,10 @@ use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::{BasePlugin, Drive, JointIndex, Model};
 use crate::world::physics::{ModelIndex, Physics};
 
-/// Makes the base of a model that is in `physics`.
+/// Creates the base of a model that is in `physics`.
 ///
 /// # Errors
-/// If the model has none, a note; if it cannot drive, a warning.
+/// A note if the model has no base, a warning if it cannot drive.
 pub(super) fn of_model(
     model: &Model,
     index: ModelIndex,
@@ -28,7 +28,7 @@ pub(super) fn of_model(
     })
 }
 
-/// Returns the joints that the base turns itself, instead of the physics; none if it cannot drive.
+/// Returns the joints that the base turns itself, instead of physics; empty if it cannot drive.
 pub(super) fn carried_joints(model: &Model) -> Vec<JointIndex> {
     match model.base() {
         Some(plugin) if can_drive(model, plugin).is_err() => Vec::new(),
@@ -41,7 +41,7 @@ pub(super) fn carried_joints(model: &Model) -> Vec<JointIndex> {
 /// Returns the plugin of the base, if the model has one that can drive.
 ///
 /// # Errors
-/// A note if it has none, a warning if it cannot drive.
+/// A note if the model has no base, a warning if it cannot drive.
 pub fn check(model: &Model) -> Result<&BasePlugin, Problem> {
     let plugin = model.base().ok_or_else(|| no_base(model))?;
     can_drive(model, plugin).map(|()| plugin)

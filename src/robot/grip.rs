@@ -1,15 +1,18 @@
-//! How wheels move the body that they are part of.
+//! [`Axle`]: the forces with which wheels move the body that they are part of.
 //!
-//! **Wheels are not bodies of their own**: one of 10 g would have to carry the whole base, and an iterative solver cannot
-//! balance 1 : 240 — with hinged, motorised wheels a Kobuki sank 1 mm into the ground and turned 9 % short at a step of
-//! 1 ms, and threw itself over at 10 ms; stiffer contacts made it worse. Instead the base is one rigid body on frictionless
-//! wheels, and their grip is computed here: in each step the base gets the force that gives its axle the velocity that the
-//! wheels command, forward, sideways (none) and in yaw, at most what friction (μ of the wheels × weight) and the motors can
-//! give, and only while wheels touch something. So it drives exactly at any step, stands on a slope, is stopped by walls and
-//! pushes what is light enough, slips beyond its grip, and does nothing in the air. The force goes through the centre of
-//! mass: the base does not nod when it brakes. The wheels' joints turn at the commanded rate (a motor is stronger than the
-//! grip), or with the ground where the motors are the weaker part; encoders count that, so a base that pushes against a
-//! wall loses its odometry as a real one does.
+//! **Wheels are not separate bodies.** A wheel of 10 g would have to carry the whole base, and an iterative solver
+//! cannot balance 1 : 240. With hinged, motorised wheels a Kobuki sank 1 mm into the ground, turned 9 % short at a step
+//! of 1 ms, and overturned at 10 ms; stiffer contacts made it worse.
+//!
+//! Instead the base is one rigid body on frictionless wheels, and their grip is computed here. In each step the base
+//! gets the force that gives its axle the commanded velocity, forward, sideways (zero) and in yaw. The force is limited
+//! by friction (μ of the wheels × weight) and by the motors, and acts only while wheels touch something. So the base
+//! drives exactly at any step size, stands on slopes, is stopped by walls, pushes light objects, slips beyond its grip,
+//! and does nothing in the air. The force acts on the centre of mass, so the base does not pitch when it brakes.
+//!
+//! The wheels' joints turn at the commanded rate if the motor is stronger than the grip, or with the ground if the
+//! motor is the weaker part. Encoders count these turns, so a base that pushes against a wall loses its odometry like a
+//! real one.
 
 use super::command::Command;
 use super::transforms::base_link;
@@ -20,7 +23,7 @@ use crate::description::model::{
 use crate::world::physics::{ModelIndex, Physics};
 use glam::DVec3;
 
-/// The radius of a wheel whose model gives it no shape, in m: a Kobuki's.
+/// Radius of a wheel without a shape in the model, in m: that of a Kobuki.
 const DEFAULT_RADIUS_M: f64 = 0.035;
 
 /// A wheel of an axle.
@@ -34,27 +37,27 @@ pub(super) struct Wheel {
     pub(super) side: usize,
 }
 
-/// Driven wheels, as a model has them: those on the left turn alike, and those on the right.
+/// The driven wheels of a model. All left wheels turn at the same speed, and all right ones.
 #[derive(Debug, Clone)]
 pub(super) struct Axle {
     pub(super) wheels: Vec<Wheel>,
-    /// Between the left wheels and the right ones.
+    /// Distance between the left and the right wheels.
     pub(super) separation_m: f64,
-    /// By their shapes.
+    /// Radius of the wheels, from their shapes.
     pub(super) radius_m: f64,
     friction: f64,
     torque_n_m: f64,
     /// The point between the wheels in the base's frame.
     pub(super) centre: DVec3,
-    /// Half the length in m over which they hold the base's turn.
+    /// Lever arm in m with which the wheels turn the base.
     pub(super) yaw_arm_m: f64,
 }
 
 impl Axle {
-    /// Finds the wheels in a model. Which are left is told by where they are.
+    /// Finds the wheels in a model. Their positions decide which are on the left.
     ///
     /// # Errors
-    /// A warning if they cannot drive.
+    /// A warning if the wheels cannot drive.
     pub(super) fn of(model: &Model, plugin: &BasePlugin, wheels: &Wheels) -> Result<Self, Problem> {
         let problem = |source: &Source, what: String, remedy: &str| Problem {
             severity: Severity::Warning,
@@ -93,7 +96,7 @@ impl Axle {
             for wheel in &mut found {
                 wheel.side = 1 - wheel.side;
             }
-            // Left ones first.
+            // The left wheels come first.
             found.sort_by_key(|wheel| wheel.side);
         }
         let separation_m = centres[0].y - centres[1].y;
@@ -121,15 +124,15 @@ impl Axle {
         })
     }
 
-    /// Makes the wheels slide: their grip is computed here.
+    /// Makes the wheels frictionless, because their grip is computed here.
     pub(super) fn release(&self, physics: &mut Physics, model: ModelIndex) {
         for wheel in &self.wheels {
             physics.set_link_friction(model, wheel.link, 0.0);
         }
     }
 
-    /// Lets the wheels grip the ground for one step, so that the base moves as the command says, while the rims of its left
-    /// and its right wheels are to run at `rims_m_s`.
+    /// Applies the grip of the wheels for one step, so that the base moves as commanded. `rims_m_s` are the intended
+    /// rim speeds of its left and right wheels.
     pub(super) fn grip(
         &self,
         physics: &mut Physics,
@@ -141,7 +144,7 @@ impl Axle {
         let step_s = physics.step_s();
         let world_from_base = physics.world_from_link(model, base);
         let [base_ahead, base_up] = [DVec3::X, DVec3::Z].map(|axis| world_from_base.transform_vector(axis));
-        // The ground's own axes: gravity has no part along a level floor, however the base leans on its casters.
+        // The axes of the ground: gravity has no component along a level floor, however the base leans on its casters.
         let mut normals = DVec3::ZERO;
         let mut touching = 0.0;
         for wheel in &self.wheels {
@@ -154,14 +157,14 @@ impl Axle {
         let ahead = base_ahead.reject_from_normalized(up).normalize_or(base_ahead);
         let left = up.cross(ahead);
         let Some((mass_kg, centre, inertia)) = physics.body_mass(model, base, up) else { return };
-        // What one wheel can take: its part of the weight.
+        // The limit of one wheel's friction, from its part of the weight.
         let count = self.wheels.len() as f64;
         let gravity = physics.gravity();
         let friction_n = self.friction / count * physics.model_mass(model) * (-gravity.dot(up)).max(0.0);
         let motor_n = self.torque_n_m / self.radius_m;
 
-        // The force and torque that would give the base the commanded motion within this step, at its centre of
-        // mass and about it, its weight held.
+        // The force and torque at the centre of mass that would give the base the commanded motion within this step,
+        // while holding its weight.
         let axle = world_from_base.transform_point(self.centre);
         let (origin_m_s, turn) = physics.link_velocity(model, base);
         let velocity = |point: DVec3| origin_m_s + turn.cross(point - world_from_base.translation());
@@ -169,7 +172,7 @@ impl Axle {
         let force = ((wanted - velocity(centre)) / step_s - gravity) * mass_kg;
         let torque = (command.angular_rad_s - turn.dot(up)) / step_s * inertia;
 
-        // Forward the motors push, sideways the tyres hold.
+        // Forward the force comes from the motors, sideways from the tyres.
         let grip_n = friction_n * touching;
         let push_n = motor_n.min(friction_n) * touching;
         let forward_n = force.dot(ahead).clamp(-push_n, push_n);
@@ -189,7 +192,7 @@ impl Axle {
         }
     }
 
-    /// How far the left and the right wheels have turned forward at a time between the last two steps, in rad.
+    /// Returns the forward rotation of the left and right wheels at a time between the last two steps, in rad.
     pub(super) fn turned_rad(&self, physics: &Physics, model: ModelIndex, stamp_ns: u64) -> [f64; 2] {
         [0, 1].map(|side| {
             let wheels = self.wheels.iter().filter(|wheel| wheel.side == side);
@@ -202,7 +205,7 @@ impl Axle {
     }
 }
 
-/// How far the shape of a wheel reaches from the wheel's axis; none for a shape that is no wheel.
+/// Returns the radius of a wheel's shape about the wheel's axis, or `None` for a shape that cannot be a wheel.
 fn radius_about(axis: DVec3, pivot: DVec3, shape: &Collision) -> Option<f64> {
     match &shape.geometry {
         Geometry::Cylinder { radius, .. } | Geometry::Sphere { radius } => Some(*radius),

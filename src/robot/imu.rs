@@ -1,9 +1,9 @@
 //! The inertial measurement unit of a Kobuki: its gyro chip, and the accelerometer that Gazebo's plugin adds.
 //!
-//! It measures at the place of the link `gyro_link`: the rate of turn, in the chip's steps, and the specific force,
-//! a − g, which is +g upwards at rest (REP-145). The force is the mean over the time since the last report: the change
-//! of velocity, so that no bump falls between two reports. The orientation is the heading of odometry, about z only,
-//! as the base's driver has it (Gazebo's plugin gives the true orientation, of which a Kobuki knows nothing).
+//! It measures at the link `gyro_link`: the rate of turn, in steps of the chip, and the specific force, a − g, which is
+//! +g upwards at rest (REP-145). The force is the mean since the last report, computed from the change of velocity, so
+//! that no bump between two reports is lost. The orientation is the heading of odometry, about z only, as in the base's
+//! driver (Gazebo's plugin gives the true orientation, which a Kobuki does not know).
 
 use super::odometry::{Odometry, gyro_reading};
 use super::transforms::base_link;
@@ -12,17 +12,17 @@ use crate::world::physics::{ModelIndex, Physics};
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 
-/// The link that the gyro is mounted at; a model without it has its gyro in the base's origin.
+/// The link that the gyro is mounted on. In a model without it, the gyro is at the base's origin.
 const GYRO_LINK: &str = "gyro_link";
 
-/// Variance of what a gyro about z does not know.
+/// Variance of the angles that a gyro about z does not measure.
 const UNKNOWN: f64 = 1e6;
 
-/// Steps of the acceleration per m/s². Physics keeps velocities in single precision: at rest they tremble so that the
-/// change over a report is uncertain by some 1e-6 m/s².
+/// Steps of the acceleration per m/s². Physics stores velocities in single precision: at rest they fluctuate, so the
+/// change between two reports is uncertain by about 1e-6 m/s².
 const STEPS_PER_M_S2: f64 = 1e5;
 
-/// What the unit reports (`sensor_msgs/Imu`).
+/// The unit's report (`sensor_msgs/Imu`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ImuReading {
     /// The heading of odometry, as a rotation about z.
@@ -36,11 +36,11 @@ pub struct ImuReading {
 impl ImuReading {
     /// Row-major 3×3 covariance of orientation and of rate of turn, as Kobuki's plugin gives it.
     pub const TURN_COVARIANCE: [f64; 9] = [UNKNOWN, 0.0, 0.0, 0.0, UNKNOWN, 0.0, 0.0, 0.0, 0.05];
-    /// Row-major 3×3 covariance of the acceleration: the plugin leaves it unset, which is "not known".
+    /// Row-major 3×3 covariance of the acceleration: the plugin leaves it unset, which means "not known".
     pub const ACCELERATION_COVARIANCE: [f64; 9] = [0.0; 9];
 }
 
-/// The unit on its base.
+/// The unit of a base.
 #[derive(Debug, Clone, Copy)]
 pub struct Imu {
     model: ModelIndex,
@@ -64,12 +64,12 @@ impl Imu {
         }
     }
 
-    /// The link whose frame the readings are in.
+    /// Returns the link whose frame the readings are in.
     pub fn mount(model: &Model) -> LinkIndex {
         model.link_named(GYRO_LINK).unwrap_or_else(|| base_link(model))
     }
 
-    /// A report together with odometry, whose stamp is within the last step or at its ends.
+    /// Returns the report for an odometry report, whose timestamp is within the last step or at its ends.
     pub(super) fn report(&mut self, physics: &Physics, odometry: &Odometry) -> ImuReading {
         let stamp_ns = odometry.stamp_ns;
         let (after_m_s, turn) = physics.link_velocity(self.model, self.link);
@@ -90,20 +90,20 @@ impl Imu {
         }
     }
 
-    /// Notices that it was moved by hand, in the world by `moved`: a velocity that was given or taken is no force.
+    /// Handles a move by hand, by `moved` in the world. The change of velocity does not count as a force.
     pub(super) fn carried(&mut self, physics: &Physics, moved: &Pose) {
         let (velocity_m_s, _) = physics.link_velocity(self.model, self.link);
         let changed_m_s = moved.transform_vector(self.velocity_m_s - self.reported_m_s);
         (self.velocity_m_s, self.reported_m_s) = (velocity_m_s, velocity_m_s - changed_m_s);
     }
 
-    /// Keeps the velocity for the next step's reports.
+    /// Stores the velocity for the next step's reports.
     pub(super) fn end_step(&mut self, physics: &Physics) {
         (self.velocity_m_s, _) = physics.link_velocity(self.model, self.link);
     }
 }
 
-/// An acceleration without what is below physics' precision.
+/// Rounds an acceleration to the precision of physics.
 fn whole_steps(acceleration_m_s2: DVec3) -> DVec3 {
     let steps =
         acceleration_m_s2.to_array().map(|value| libm::round(value * STEPS_PER_M_S2) / STEPS_PER_M_S2);

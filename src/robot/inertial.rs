@@ -1,11 +1,11 @@
-//! What an inertial measurement unit on a link feels: no velocity that a hand gave it.
+//! [`InertialUnit`]: the accelerations of a link, without changes of velocity by hand.
 
 use crate::description::model::{Model, Sensor, SensorKind};
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// A unit on its link.
+/// An inertial measurement unit on its link.
 #[derive(Debug, Clone, Copy)]
 pub struct InertialUnit {
     model: ModelIndex,
@@ -13,12 +13,12 @@ pub struct InertialUnit {
     link_from_unit: Pose,
     /// Velocity in the world after the last step.
     velocity_m_s: DVec3,
-    /// The same without what was given or taken by hand, after the last step but one and after the last.
+    /// Velocity without changes by hand, after the last step but one and after the last.
     felt_m_s: [DVec3; 2],
 }
 
 impl InertialUnit {
-    /// Those of a model, in the order of its sensors.
+    /// Returns the units of a model, in the order of its sensors.
     pub(crate) fn all(model: &Model, index: ModelIndex) -> Vec<Self> {
         let is_unit = |sensor: &&Sensor| matches!(sensor.kind, SensorKind::Imu(_));
         let unit = |sensor: &Sensor| Self {
@@ -48,18 +48,19 @@ impl InertialUnit {
         self.velocity_m_s = self.velocity(physics);
     }
 
-    /// The sum of all accelerations until a time between the last two steps, in m/s and the world's axes.
+    /// Returns the integral of all accelerations until a time between the last two steps, in m/s along the world's
+    /// axes.
     pub fn felt_at(&self, physics: &Physics, stamp_ns: u64) -> DVec3 {
         let left = physics.time_ns().saturating_sub(stamp_ns) as f64 / physics.step_ns() as f64;
         self.felt_m_s[1] + (self.felt_m_s[0] - self.felt_m_s[1]) * left.min(1.0)
     }
 
-    /// Its pose in the world at a time between the last two steps.
+    /// Returns its pose in the world at a time between the last two steps.
     pub fn world_from_unit_at(&self, physics: &Physics, stamp_ns: u64) -> Pose {
         physics.world_from_link_at(self.model, self.link, stamp_ns) * self.link_from_unit
     }
 
-    /// Rate of turn in rad/s, in its own axes.
+    /// Returns the angular velocity in rad/s along its own axes.
     pub fn turn_at(&self, physics: &Physics, stamp_ns: u64) -> DVec3 {
         let (_, turn) = physics.link_velocity(self.model, self.link);
         self.world_from_unit_at(physics, stamp_ns).inverse().transform_vector(turn)

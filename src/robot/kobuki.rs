@@ -1,9 +1,9 @@
 //! The Kobuki base: two driven wheels, two casters, encoders and a gyro.
 //!
-//! Its wheels grip the ground (`grip.rs`) with what their motors and the friction give.
+//! The grip of its wheels (`grip.rs`) is limited by their motors and by friction.
 //!
-//! Commands are followed with [`MAX_ACCELERATION_M_S2`] and [`MAX_ANGULAR_ACCELERATION_RAD_S2`], as the base's own
-//! controller and the velocity smoothers in front of it do; the plugin lets the torque alone limit it.
+//! Commands are followed with [`MAX_ACCELERATION_M_S2`] and [`MAX_ANGULAR_ACCELERATION_RAD_S2`], like the base's own
+//! controller and the velocity smoothers in front of it; in Gazebo's plugin only the torque limits the acceleration.
 
 use super::base::Base;
 use super::command::Command;
@@ -17,29 +17,30 @@ use crate::description::model::{BasePlugin, LinkIndex, Model, Wheels};
 use crate::world::physics::{ModelIndex, Physics};
 use belvedere_sensors::Pose;
 
-/// A command is followed for so long if the plugin says nothing else, in ns; then the base stops.
+/// Default time for which a command is followed, in ns; then the base stops.
 pub const COMMAND_TIMEOUT_NS: u64 = 600_000_000;
-/// Top speed of the data sheet, of the base and of each wheel on the ground, in m/s.
+/// Top speed in the data sheet, for the base and for each wheel on the ground, in m/s.
 pub const MAX_SPEED_M_S: f64 = 0.7;
-/// Top rate of turn of the data sheet, in rad/s: 180 °/s.
+/// Top rate of turn in the data sheet, in rad/s: 180 °/s.
 pub const MAX_TURN_RAD_S: f64 = std::f64::consts::PI;
-/// How fast the speed changes, in m/s².
+/// Acceleration, in m/s².
 pub const MAX_ACCELERATION_M_S2: f64 = 1.0;
-/// How fast the rate of turn changes, in rad/s².
+/// Angular acceleration, in rad/s².
 pub const MAX_ANGULAR_ACCELERATION_RAD_S2: f64 = 4.0;
-/// Reports within one step of physics of at most 0.1 s, both ends included, and a few before.
+/// Number of reports that are kept: those within one physics step of at most 0.1 s, including both ends, and a few
+/// earlier ones.
 const REPORTS_KEPT: usize = 8;
 
-/// What the base reports 50 times a second.
+/// The base's report, 50 times a second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Report {
-    /// With the stamp of them all.
+    /// Odometry, with the timestamp of the whole report.
     pub odometry: Odometry,
-    /// What the gyro and the accelerometer measured.
+    /// Readings of the gyro and the accelerometer.
     pub imu: ImuReading,
-    /// Ticks of the left and the right wheel.
+    /// Encoder ticks of the left and the right wheel.
     pub encoders: [u16; 2],
-    /// What the bumpers, cliff sensors and wheels felt.
+    /// State of the bumpers, cliff sensors and wheel-drop sensors.
     pub contact: Contact,
 }
 
@@ -52,7 +53,7 @@ pub struct Kobuki {
     timeout_ns: u64,
     command: Command,
     command_ns: u64,
-    /// What the motors are told, on its way to the command.
+    /// The velocity set for the motors, which approaches the command.
     followed: Command,
     gyro_heading_rad: f64,
     /// Whether commands are followed.
@@ -66,7 +67,7 @@ pub struct Kobuki {
 }
 
 impl Kobuki {
-    /// Takes the base of a robot that is in `physics`.
+    /// Creates the base of a robot that is in `physics`.
     ///
     /// # Errors
     /// If its wheels cannot drive.
@@ -108,22 +109,22 @@ impl Kobuki {
         })
     }
 
-    /// Distance between the wheels in m.
+    /// Returns the distance between the wheels in m.
     pub fn separation_m(&self) -> f64 {
         self.axle.separation_m
     }
 
-    /// Radius of the wheels in m.
+    /// Returns the radius of the wheels in m.
     pub fn radius_m(&self) -> f64 {
         self.axle.radius_m
     }
 
-    /// The counts of the left and the right encoder at a time between the last two steps.
+    /// Returns the counts of the left and right encoder at a time between the last two steps.
     fn encoders_at(&self, physics: &Physics, stamp_ns: u64) -> [u16; 2] {
         self.axle.turned_rad(physics, self.model, stamp_ns).map(encoder_count)
     }
 
-    /// The newest report at or before a time between the last two steps.
+    /// Returns the newest report at or before a time between the last two steps.
     pub fn report_at(&self, stamp_ns: u64) -> &Report {
         (0..REPORTS_KEPT)
             .map(|age| &self.reports[(self.newest + REPORTS_KEPT - age) % REPORTS_KEPT])
@@ -133,7 +134,7 @@ impl Kobuki {
 }
 
 impl Base for Kobuki {
-    /// Without motor power a command is lost.
+    /// Ignores commands while the motors have no power.
     fn command(&mut self, command: Command, stamp_ns: u64) {
         if !self.powered {
             return;
@@ -142,8 +143,8 @@ impl Base for Kobuki {
         self.command_ns = stamp_ns;
     }
 
-    /// Turns the motors' power on or off. As the base's driver and Kobuki's plugin do it, off is a stop that no command
-    /// ends: the wheels hold. On again it waits for the next command.
+    /// Turns the motors' power on or off. As in the base's driver and Kobuki's plugin, off is a stop that no command
+    /// ends: the wheels hold. When power is on again, the base waits for the next command.
     fn set_motor_power(&mut self, on: bool) {
         if on != self.powered {
             self.powered = on;
@@ -151,14 +152,14 @@ impl Base for Kobuki {
         }
     }
 
-    /// Lets odometry begin at zero here and now, the heading of the IMU with it, as the base's driver does. Encoders
-    /// count on.
+    /// Resets odometry and the heading of the IMU to zero at the current pose, as the base's driver does. Encoders
+    /// continue to count.
     fn reset_odometry(&mut self, physics: &Physics) {
         self.gyro_heading_rad = 0.0;
         self.odometer.reset(physics.time_ns(), self.encoders_at(physics, physics.time_ns()));
     }
 
-    /// Sets the motors for the step to come.
+    /// Sets the motors for the next step.
     fn control(&mut self, physics: &mut Physics) {
         let expired = physics.time_ns().saturating_sub(self.command_ns) >= self.timeout_ns;
         let wanted = if expired { Command::STOP } else { self.command };
@@ -179,13 +180,13 @@ impl Base for Kobuki {
         self.axle.grip(physics, self.model, self.base, self.followed, rims_m_s);
     }
 
-    /// Notices that the base was moved by hand from where it was: what changed by that was no motion.
+    /// Handles a move by hand, which does not count as motion.
     fn carried(&mut self, physics: &Physics, world_from_before: &Pose) {
         let moved = physics.world_from_link(self.model, self.base) * world_from_before.inverse();
         self.imu.carried(physics, &moved);
     }
 
-    /// Reads the sensors after a step, and reports as often as the base does.
+    /// Reads the sensors after a step, and makes reports at the base's rate.
     fn observe(&mut self, physics: &Physics) {
         self.contact.notice(physics);
         let (_, turn_in_world) = physics.link_velocity(self.model, self.base);
@@ -194,7 +195,7 @@ impl Base for Kobuki {
         let (before_ns, before_rad) = (physics.time_ns() - physics.step_ns(), self.gyro_heading_rad);
         self.gyro_heading_rad += rate * physics.step_s();
         let mut stamp_ns = (before_ns / ODOMETRY_PERIOD_NS + 1) * ODOMETRY_PERIOD_NS;
-        // Where one step takes in several reports, they all feel what there is at its end.
+        // If one step includes several reports, they all have the contacts at its end.
         let mut felt = None;
         while stamp_ns <= physics.time_ns() {
             let heading_rad = before_rad + rate * (stamp_ns - before_ns) as f64 * 1e-9;

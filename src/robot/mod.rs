@@ -1,8 +1,7 @@
-//! A robot's base and what it tells of itself: drive, odometry, inertial measurements, contacts, transforms, joint
-//! states.
+//! A robot's base and its state: drive, odometry, inertial measurements, contacts, transforms, joint states.
 //!
-//! A [`Robot`] goes along with a model in [`Physics`]: call [`Robot::control`] before each step and
-//! [`Robot::observe`] after it, then [`Robot::state_at`] for any stamp between the last two steps.
+//! A [`Robot`] accompanies a model in [`Physics`]: call [`Robot::control`] before each step and [`Robot::observe`]
+//! after it, then [`Robot::state_at`] for any timestamp between the last two steps.
 
 mod ackermann;
 pub mod autopilot;
@@ -34,12 +33,13 @@ use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
 use transforms::{Transform, Transforms};
 
-/// Whether a model has a base that drives.
+/// Returns true if a model has a base that drives.
 pub fn has_base(model: &Model) -> bool {
     drives::check(model).is_ok()
 }
 
-/// How a robot takes part in physics, its model's frame at a pose: the wheels of its base are carried, and it stays awake.
+/// Returns the placement of a robot in physics, with its model's frame at a pose: the wheels are part of its body, and
+/// it stays awake.
 pub fn placement(model: &Model, world_from_model: Pose) -> Placement<'_> {
     Placement { model, world_from_model, carried: drives::carried_joints(model), stays_awake: true }
 }
@@ -52,13 +52,13 @@ pub struct Robot {
     transforms: Transforms,
     base: Option<Box<dyn Base>>,
     autopilot: Option<Autopilot>,
-    /// When the last command came.
+    /// Time of the last command.
     commanded_ns: Option<u64>,
 }
 
 impl Robot {
-    /// Takes the model of that index as a robot. Of a model without a base it makes a passive one, which senses but does
-    /// not drive; the problem says why. Its frames are in the namespace, if there is one.
+    /// Creates a robot from the model with this index. A model without a base becomes a passive robot, which senses but
+    /// does not drive; the problem states why. Its frames are in the namespace, if there is one.
     pub fn new(
         model: &Model,
         namespace: &str,
@@ -74,7 +74,7 @@ impl Robot {
         (Self { model: index, base_link, transforms, base, autopilot: None, commanded_ns: None }, problem)
     }
 
-    /// Gives a velocity command; a passive robot ignores it. It holds for as long as its base says.
+    /// Sends a velocity command, which holds until the base's timeout. A passive robot ignores it.
     pub fn command(&mut self, command: Command, stamp_ns: u64) {
         self.commanded_ns = Some(stamp_ns);
         if let Some(base) = &mut self.base {
@@ -82,12 +82,12 @@ impl Robot {
         }
     }
 
-    /// Lets an autopilot drive it while it gets no commands.
+    /// Sets the autopilot that drives the robot while it receives no commands.
     pub fn set_autopilot(&mut self, autopilot: Option<Autopilot>) {
         self.autopilot = autopilot;
     }
 
-    /// What drives it while it gets no commands.
+    /// Returns the autopilot that drives the robot while it receives no commands.
     pub fn autopilot(&self) -> Option<Autopilot> {
         self.autopilot
     }
@@ -99,14 +99,14 @@ impl Robot {
         }
     }
 
-    /// Lets odometry begin at zero; see [`Base::reset_odometry`].
+    /// Resets odometry to zero; see [`Base::reset_odometry`].
     pub fn reset_odometry(&mut self, physics: &Physics) {
         if let Some(base) = &mut self.base {
             base.reset_odometry(physics);
         }
     }
 
-    /// Sets the motors for the step to come.
+    /// Sets the motors for the next step.
     pub fn control(&mut self, physics: &mut Physics) {
         let now_ns = physics.time_ns();
         let is_commanded = self.commanded_ns.is_some_and(|at_ns| now_ns < at_ns + kobuki::COMMAND_TIMEOUT_NS);
@@ -120,7 +120,7 @@ impl Robot {
         }
     }
 
-    /// Notices that the robot was moved by hand, its base from `world_from_before`.
+    /// Handles a move of the robot by hand, before which its base was at `world_from_before`.
     pub fn carried(&mut self, physics: &Physics, world_from_before: &Pose) {
         if let Some(base) = &mut self.base {
             base.carried(physics, world_from_before);
@@ -134,33 +134,32 @@ impl Robot {
         }
     }
 
-    /// True pose of the robot's `base_footprint` (or root link) now.
+    /// Returns the current true pose of the robot's `base_footprint` (or root link).
     pub fn world_from_base(&self, physics: &Physics) -> Pose {
         physics.world_from_link(self.model, self.base_link)
     }
 
-    /// Index of the robot's model.
+    /// Returns the index of the robot's model.
     pub fn model(&self) -> ModelIndex {
         self.model
     }
 
-    /// The base that drives, if there is one.
+    /// Returns the base that drives, if there is one.
     pub fn base(&self) -> Option<&dyn Base> {
         self.base.as_deref()
     }
 
-    /// Transforms that never change.
+    /// Returns the transforms that never change.
     pub fn static_transforms(&self) -> &[Transform] {
         self.transforms.fixed()
     }
 
-    /// Everything to publish at a time between the last two steps. For a schedule's sake the state is written
-    /// into `state`, whose memory is used again.
+    /// Writes everything to publish at a time between the last two steps into `state`, whose memory is used again.
     pub fn state_into(&self, physics: &Physics, stamp_ns: u64, state: &mut RobotState) {
         state.fill(stamp_ns, self.model, &self.transforms, self.base.as_deref(), physics);
     }
 
-    /// Everything to publish at a time between the last two steps.
+    /// Returns everything to publish at a time between the last two steps.
     pub fn state_at(&self, physics: &Physics, stamp_ns: u64) -> RobotState {
         let mut state = RobotState::default();
         self.state_into(physics, stamp_ns, &mut state);

@@ -1,10 +1,10 @@
-//! Odometry as a Kobuki does it: distance from the wheels' encoders, heading from the gyro.
+//! Odometry of a Kobuki: distance from the wheels' encoders, heading from the gyro.
 //!
-//! The base reports 50 times a second ([`ODOMETRY_PERIOD_NS`], stamps exact). At each report the encoders are
-//! read as counters of 16 bits that wrap, and the heading is the integral of the gyro's rate, which comes in
-//! whole steps of the L3G4200D chip. (Gazebo's plugin publishes at every physics step instead, takes the
-//! wheels' velocity without the encoders' steps, and integrates the IMU's rate. The rate of the real base is
-//! taken here since a consumer written for the robot expects it.)
+//! The base reports 50 times a second ([`ODOMETRY_PERIOD_NS`], with exact timestamps). At each report the encoders are
+//! read as 16-bit counters that wrap, and the heading is the integral of the gyro's rate, which comes in whole steps of
+//! the L3G4200D chip. (Gazebo's plugin publishes at every physics step instead, uses the wheels' velocity without the
+//! encoders' steps, and integrates the IMU's rate. The rate of the real base is used here, because consumers written
+//! for the robot expect it.)
 
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
@@ -19,32 +19,32 @@ pub const RAD_PER_TICK: f64 = 0.002_436_916_871_363_93;
 /// Rate of turn per step of the gyro (L3G4200D at ±250 °/s), in rad/s.
 pub const GYRO_STEP_RAD_S: f64 = 0.008_75 * PI / 180.0;
 
-/// What the base reports (`nav_msgs/Odometry`).
+/// The base's report (`nav_msgs/Odometry`).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Odometry {
     /// Time of the report in ns.
     pub stamp_ns: u64,
-    /// Pose of the base in `odom`: the frame that it stood in at the start.
+    /// Pose of the base in `odom`, its frame at the start.
     pub odom_from_base: Pose,
     /// Speed along the base's x in m/s, from the ticks since the last report.
     pub linear_m_s: f64,
     /// Speed along its y in m/s.
     pub lateral_m_s: f64,
-    /// Rate of turn about the base's z in rad/s, by the gyro.
+    /// Rate of turn about the base's z in rad/s, from the gyro.
     pub angular_rad_s: f64,
 }
 
-/// The count of an encoder on a wheel that has turned by an angle: 16 bits that wrap.
+/// Returns the 16-bit count, which wraps, of an encoder on a wheel that has turned by an angle.
 pub fn encoder_count(wheel_rad: f64) -> u16 {
     libm::floor(wheel_rad / RAD_PER_TICK) as i64 as u16
 }
 
-/// A rate of turn as the gyro gives it.
+/// Rounds a rate of turn to the gyro's steps.
 pub fn gyro_reading(rate_rad_s: f64) -> f64 {
     libm::round(rate_rad_s / GYRO_STEP_RAD_S) * GYRO_STEP_RAD_S
 }
 
-/// Adds up the reports.
+/// Integrates the reports.
 #[derive(Debug, Clone)]
 pub struct Odometer {
     wheel_radius_m: f64,
@@ -68,16 +68,16 @@ impl Odometer {
         Self { wheel_radius_m, counts: [0; 2], heading_rad: 0.0, x_m: 0.0, y_m: 0.0, latest }
     }
 
-    /// Begins at the origin again, at a time and with the counts of that time.
+    /// Restarts at the origin, at a time and with the counts at that time.
     pub fn reset(&mut self, stamp_ns: u64, counts: [u16; 2]) {
         (self.x_m, self.y_m, self.heading_rad) = (0.0, 0.0, 0.0);
         (self.counts, self.latest.stamp_ns) = (counts, stamp_ns);
     }
 
-    /// Takes in one report: the counts of the left and the right encoder, and the gyro's heading in rad.
+    /// Processes one report: the counts of the left and right encoder, and the gyro's heading in rad.
     ///
-    /// The way since the last one is taken as straight along the mean of both headings, which is wrong by
-    /// less than d·Δ²/24 for a way d and a turn Δ.
+    /// The path since the last report is approximated as straight along the mean of both headings. For a distance d and
+    /// a turn Δ the error is less than d·Δ²/24.
     pub fn update(&mut self, stamp_ns: u64, counts: [u16; 2], heading_rad: f64) -> Odometry {
         let turned = [0, 1].map(|wheel| {
             let ticks = counts[wheel].wrapping_sub(self.counts[wheel]) as i16;
@@ -110,7 +110,7 @@ impl Odometer {
 mod tests {
     use super::*;
 
-    /// 60 m straight is 700 000 ticks: the counter wraps ten times.
+    /// 60 m straight are 700 000 ticks: the counter wraps ten times.
     #[test]
     fn counters_wrap() {
         let mut odometer = Odometer::new(0.035);

@@ -1,7 +1,7 @@
-//! A base that moves in the plane as it is told, as if by hand: Gazebo's plugin sets its velocity in each step.
+//! A base that moves in the plane exactly as commanded. Gazebo's plugin sets its velocity in each step.
 //!
-//! Here a force does, so that it falls and is stopped by walls. Its shapes slide, so that nothing drags on it, and its wheels
-//! are part of its body, which so does not rock on them; they do not turn.
+//! Here a force moves it instead, so that it falls and is stopped by walls. Its shapes are frictionless, so that
+//! nothing slows it down. Its wheels are part of its body, so that it does not rock on them; they do not turn.
 
 use super::base::Base;
 use super::command::Command;
@@ -12,10 +12,10 @@ use crate::description::model::{BasePlugin, JointIndex, JointKind, LinkIndex, Mo
 use crate::world::physics::{ModelIndex, Physics};
 use glam::DVec3;
 
-/// Greatest speed in m/s along each axis, and rate of turn in rad/s: physics loses what is faster.
+/// Highest speed in m/s along each axis, and rate of turn in rad/s. Physics cannot handle higher ones.
 const MOST: f64 = 1e3;
 
-/// The joints of its wheels: what turns without end, touches, and carries nothing.
+/// Returns the joints of its wheels: continuous joints whose link has a collision shape and no children.
 pub(super) fn wheels(model: &Model) -> Vec<JointIndex> {
     let is_wheel = |joint: &JointIndex| {
         let joint = &model.joints[*joint];
@@ -26,7 +26,7 @@ pub(super) fn wheels(model: &Model) -> Vec<JointIndex> {
     (0..model.joints.len()).filter(is_wheel).collect()
 }
 
-/// A base without wheels that count.
+/// A base that moves in the plane without driven wheels.
 #[derive(Debug)]
 pub(super) struct Planar {
     model: ModelIndex,
@@ -66,7 +66,7 @@ impl Base for Planar {
         let expired = physics.time_ns().saturating_sub(self.command_ns) >= self.timeout_ns;
         let command = if expired { Command::STOP } else { self.command };
         let world_from_base = physics.world_from_link(self.model, self.base);
-        // The plane is the world's own, whatever the base leans on.
+        // The plane is horizontal in the world, however the base leans.
         let up = -physics.gravity().try_normalize().unwrap_or(DVec3::NEG_Z);
         let along = world_from_base.transform_vector(DVec3::X).reject_from_normalized(up);
         let Some(ahead) = along.try_normalize() else { return };

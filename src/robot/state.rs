@@ -1,4 +1,4 @@
-//! A snapshot of what a robot publishes.
+//! [`RobotState`]: a snapshot of the state that a robot publishes.
 
 use super::base::Base;
 use super::odometry::Odometry;
@@ -6,18 +6,18 @@ use super::transforms::{Transform, Transforms};
 use crate::world::physics::{JointState, ModelIndex, Physics};
 use std::sync::Arc;
 
-/// What a robot tells of itself at one time.
+/// The state that a robot publishes at one time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct RobotState {
     /// Simulated time in ns.
     pub stamp_ns: u64,
-    /// The newest odometry at or before that time (it has its own stamp); none for a robot without a base.
+    /// The newest odometry at or before that time (which has its own timestamp); `None` for a robot without a base.
     pub odometry: Option<Odometry>,
     /// Names of the joints that move, in the order of the file.
     pub joint_names: Vec<Arc<str>>,
     /// Their states, in the same order.
     pub joints: Vec<JointState>,
-    /// The transforms that move: `odom` to the base first if odometry is told as one, then one per joint.
+    /// The moving transforms: first `odom` to the base if odometry is published as a transform, then one per joint.
     pub transforms: Vec<Transform>,
 }
 
@@ -40,7 +40,7 @@ impl RobotState {
             self.transforms.extend(transforms.odom(odometry.odom_from_base));
         }
         for joint in transforms.moving() {
-            // A joint that holds still for want of mass stays at zero.
+            // A joint that is fixed for lack of mass stays at zero.
             let state = physics.joint_state_at(model, joint.joint, stamp_ns).unwrap_or_default();
             self.joint_names.push(joint.name.clone());
             self.joints.push(state);

@@ -1,4 +1,5 @@
-//! Odometry of bases other than a Kobuki: of what the wheels have turned, or the true pose, as their plugins have it.
+//! [`Tracker`]: odometry of bases other than a Kobuki, from the turns of the wheels or the true pose, as their plugins
+//! specify.
 
 use super::grip::Axle;
 use super::odometry::Odometry;
@@ -7,18 +8,18 @@ use crate::world::physics::{ModelIndex, Physics};
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 
-/// Follows a base.
+/// Computes the odometry of a base.
 #[derive(Debug)]
 pub(super) struct Tracker {
     model: ModelIndex,
     link: LinkIndex,
-    /// Of encoders; none for the truth.
+    /// State of odometry from encoders; `None` for the true pose.
     wheels: Option<WheelTrack>,
-    /// Where odometry began, of the truth: the world's own frame, until it is told to begin anew.
+    /// Origin of odometry from the true pose: the world's frame until odometry is reset.
     odom_from_world: Pose,
 }
 
-/// What is added up of the turns of wheels.
+/// Odometry integrated from the turns of the wheels.
 #[derive(Debug)]
 struct WheelTrack {
     axle: Axle,
@@ -32,12 +33,12 @@ struct WheelTrack {
 }
 
 impl Tracker {
-    /// Of the truth.
+    /// Creates odometry from the true pose.
     pub(super) fn of_truth(model: ModelIndex, plugin: &OdometryPlugin) -> Self {
         Self { model, link: plugin.link, wheels: None, odom_from_world: Pose::IDENTITY }
     }
 
-    /// As the plugin says, with wheels of this radius and distance in m.
+    /// Creates odometry as the plugin specifies, with wheels of this radius and separation in m.
     pub(super) fn of_axle(
         model: ModelIndex,
         plugin: &OdometryPlugin,
@@ -56,7 +57,7 @@ impl Tracker {
         Self { wheels, ..Self::of_truth(model, plugin) }
     }
 
-    /// Takes in a step.
+    /// Processes a step.
     pub(super) fn observe(&mut self, physics: &Physics) {
         let Some(track) = &mut self.wheels else { return };
         let turned_rad = track.axle.turned_rad(physics, self.model, physics.time_ns());
@@ -70,7 +71,7 @@ impl Tracker {
         track.now = [x + way_m * cos, y + way_m * sin, heading + turn];
     }
 
-    /// Begins at zero here and now.
+    /// Resets odometry to zero at the current pose.
     pub(super) fn reset(&mut self, physics: &Physics) {
         self.odom_from_world = physics.world_from_link(self.model, self.link).inverse();
         if let Some(track) = &mut self.wheels {
@@ -78,7 +79,7 @@ impl Tracker {
         }
     }
 
-    /// Odometry at a time between the last two steps. Speeds are those of the last step.
+    /// Returns odometry at a time between the last two steps. Speeds are those of the last step.
     pub(super) fn odometry_at(&self, physics: &Physics, stamp_ns: u64) -> Odometry {
         let Some(track) = &self.wheels else {
             let world_from_base = physics.world_from_link_at(self.model, self.link, stamp_ns);

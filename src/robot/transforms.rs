@@ -31,7 +31,7 @@ pub struct JointTransform {
 }
 
 impl JointTransform {
-    /// The transform with the joint at a position in radians or metres.
+    /// Returns the transform with the joint at a position in radians or metres.
     pub fn at(&self, position: f64) -> Transform {
         let motion = if self.slides {
             Pose::from_translation(self.axis * position)
@@ -51,13 +51,13 @@ impl JointTransform {
 pub struct Transforms {
     fixed: Vec<Transform>,
     moving: Vec<JointTransform>,
-    /// Names of odometry's frame and of the base in it, if its base tells that as a transform.
+    /// Names of odometry's frame and of the base's frame, if odometry is published as a transform.
     odometry: Option<[Arc<str>; 2]>,
 }
 
 impl Transforms {
-    /// Sorts the joints of a model into fixed transforms and moving ones. A ball or floating joint gives
-    /// neither: no joint state describes it. Names are in the namespace, if there is one.
+    /// Sorts the joints of a model into fixed and moving transforms. Ball and floating joints are omitted, because no
+    /// joint state describes them. Names are in the namespace, if there is one.
     pub fn of(model: &Model, namespace: &str) -> Self {
         let name = |name: &str| -> Arc<str> {
             if namespace.is_empty() { name.into() } else { format!("{namespace}/{name}").into() }
@@ -93,24 +93,24 @@ impl Transforms {
         Self { fixed, moving, odometry }
     }
 
-    /// Those that never change.
+    /// Returns the transforms that never change.
     pub fn fixed(&self) -> &[Transform] {
         &self.fixed
     }
 
-    /// Those of joints that move, in the order of the file.
+    /// Returns the transforms of moving joints, in the order of the file.
     pub fn moving(&self) -> &[JointTransform] {
         &self.moving
     }
 
-    /// The transform from odometry's frame to the base, if it is told.
+    /// Returns the transform from odometry's frame to the base, if it is published.
     pub fn odom(&self, odom_from_base: Pose) -> Option<Transform> {
         let [parent, child] = self.odometry.clone()?;
         Some(Transform { parent, child, parent_from_child: odom_from_base })
     }
 }
 
-/// The link that odometry speaks of: `base_footprint`, or the root of a model that has none.
+/// Returns the link that odometry describes: `base_footprint`, or the root of a model without it.
 pub fn base_link(model: &Model) -> LinkIndex {
     model
         .link_named("base_footprint")

@@ -1,4 +1,4 @@
-//! Consumers that the simulation waits for: at the start, and whenever one of them is gone.
+//! [`Attendance`]: the consumers that the simulation waits for, at the start and whenever one of them disconnects.
 
 use crate::rig::Rig;
 use std::collections::{HashMap, HashSet};
@@ -6,25 +6,24 @@ use std::fmt;
 use std::str::FromStr;
 use std::time::Duration;
 
-/// How long consumers are waited for at the start, if nothing else is asked for: other programs may have to be started
-/// first, by hand perhaps.
+/// Default time to wait for consumers at the start, when other programs may have to be started first, perhaps by hand.
 pub const START_PATIENCE: Duration = Duration::from_secs(60);
 
-/// A consumer that is waited for, by the name of its node.
+/// A consumer that the simulation waits for.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Awaited {
-    /// What the consumer calls itself.
+    /// Name of the consumer's node.
     pub name: String,
-    /// Streams that it must follow for the simulation to go on, or [`Awaited::ALL`].
+    /// Number of streams that it must subscribe to before the simulation continues, or [`Awaited::ALL`].
     pub streams: usize,
 }
 
 impl Awaited {
-    /// As many streams as there are.
+    /// All streams.
     pub const ALL: usize = usize::MAX;
 }
 
-/// `NAME` or `NAME=STREAMS`.
+/// Parses `NAME` or `NAME=STREAMS`.
 impl FromStr for Awaited {
     type Err = String;
 
@@ -33,24 +32,24 @@ impl FromStr for Awaited {
             None => (text, 1),
             Some((name, count)) => match count.parse() {
                 Ok(streams) if streams > 0 => (name, streams),
-                _ => return Err(format!("after = a number of streams is wanted, not \"{count}\"")),
+                _ => return Err(format!("expected a number of streams after =, not \"{count}\"")),
             },
         };
         if name.is_empty() {
-            return Err("a name is wanted, such as recorder or recorder=3".into());
+            return Err("expected a name, such as recorder or recorder=3".into());
         }
         Ok(Self { name: name.into(), streams })
     }
 }
 
-/// One that is not there, or not yet completely.
+/// A consumer that is missing, or lacks subscriptions.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Missing {
-    /// Its name.
+    /// Name of the consumer's node.
     pub name: String,
-    /// Streams that it follows now.
+    /// Number of streams that it subscribes to now.
     pub following: usize,
-    /// Streams that it must follow.
+    /// Number of streams that it must subscribe to.
     pub needed: usize,
 }
 
@@ -64,31 +63,33 @@ impl fmt::Display for Missing {
     }
 }
 
-/// Which of the consumers that are waited for are there.
+/// Keeps track of which awaited consumers are connected.
 #[derive(Debug)]
 pub struct Attendance {
     awaited: Vec<Roll>,
-    /// The rig's edition and the subscribers of every stream, when they were last looked at closely.
+    /// The rig's edition and the number of subscribers of every stream at the last full check.
     seen: Option<(u64, Vec<usize>)>,
     missing: Vec<Missing>,
 }
 
-/// What is known of one that is waited for.
+/// State of one awaited consumer.
 #[derive(Debug)]
 struct Roll {
     awaited: Awaited,
-    /// Topics that it follows, and those that it followed until the simulation closed them: of those it owes nothing.
+    /// Topics that it subscribes to, and those that it subscribed to until the simulation closed them, which still
+    /// count.
     followed: HashSet<String>,
 }
 
 impl Attendance {
-    /// Of these; of nobody if there are none.
+    /// Creates it for these consumers, of which there may be none.
     pub fn new(awaited: &[Awaited]) -> Self {
         let roll = |awaited: &Awaited| Roll { awaited: awaited.clone(), followed: HashSet::new() };
         Self { awaited: awaited.iter().map(roll).collect(), seen: None, missing: Vec::new() }
     }
 
-    /// Who is missing. Costs a read of shared memory for each stream unless somebody has come or gone.
+    /// Returns the missing consumers. While no subscriber comes or goes, this only reads shared memory once for each
+    /// stream.
     pub fn missing(&mut self, rig: &Rig) -> &[Missing] {
         if self.awaited.is_empty() {
             return &[];
@@ -112,7 +113,7 @@ impl Attendance {
 }
 
 impl Roll {
-    /// What is missing of it, where these topics are open, and consumers follow these.
+    /// Returns what the consumer lacks, given the open topics and the topics that each consumer subscribes to.
     fn call(
         &mut self,
         open: &HashSet<&str>,
@@ -143,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn streams_that_are_closed_are_not_owed() {
+    fn streams_that_were_closed_still_count() {
         let topics = |topics: &[&str]| topics.iter().map(|topic| (*topic).to_owned()).collect();
         let missing = |roll: &mut Roll, open: &[&str], followed: &[&str]| {
             let following = HashMap::from([("recorder".to_owned(), topics(followed))]);
@@ -156,7 +157,7 @@ mod tests {
         let mut two = roll(2);
         assert_eq!(missing(&mut two, &["/a", "/b", "/c"], &["/a"]).unwrap(), "\"recorder\" (1 of 2 streams)");
         assert_eq!(missing(&mut two, &["/a", "/b", "/c"], &["/a", "/b"]), None);
-        // The simulation closes one, and opens it again.
+        // The simulation closes a stream and opens it again.
         assert_eq!(missing(&mut two, &["/b", "/c"], &["/b"]), None);
         assert_eq!(missing(&mut two, &["/b", "/c"], &[]).unwrap(), "\"recorder\"");
         assert_eq!(missing(&mut two, &["/a", "/b", "/c"], &["/b"]).unwrap(), "\"recorder\" (1 of 2 streams)");

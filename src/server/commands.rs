@@ -1,4 +1,4 @@
-//! What a robot is told: velocities, and what a Kobuki's driver takes besides.
+//! The commands that a robot receives: velocities, and those of a Kobuki's driver.
 
 use crate::entities::{Entity, EntityId};
 use crate::robot::{Command, Kobuki, Robot};
@@ -6,20 +6,20 @@ use crate::world::physics::Physics;
 use belvedere_bridge::payload::{Message, MotorPower, ResetOdometry, VelocityCommand};
 use belvedere_bridge::{Error, Kind, Node, StreamSpec, Subscriber};
 
-/// Odometry is to begin at zero.
+/// Topic of the command that sets odometry to zero.
 pub const RESET_ODOMETRY_TOPIC: &str = "/mobile_base/commands/reset_odometry";
-/// Whether the motors follow commands.
+/// Topic of the command that switches the motors on or off.
 pub const MOTOR_POWER_TOPIC: &str = "/mobile_base/commands/motor_power";
 
-/// The receiving side of what a robot is told.
+/// The subscribers for one robot's commands.
 pub(super) struct RobotCommands {
     id: EntityId,
-    /// None for what does not drive.
+    /// `None` if the robot has no base.
     velocity: Option<Subscriber>,
     base: Option<BaseCommands>,
 }
 
-/// That of what a base is told besides velocities.
+/// The subscribers for a Kobuki's other commands.
 struct BaseCommands {
     reset_odometry: Subscriber,
     motor_power: Subscriber,
@@ -43,12 +43,12 @@ impl RobotCommands {
         Ok(Self { id, velocity, base: base.transpose()? })
     }
 
-    /// Who is told.
+    /// Returns the robot.
     pub(super) fn id(&self) -> EntityId {
         self.id
     }
 
-    /// Hands what has come since to the robot, the newest of each.
+    /// Passes the newest command of each kind on to the robot.
     pub(super) fn apply(&mut self, robot: &mut Robot, physics: &Physics) {
         if let Some(base) = &mut self.base {
             if let Some(MotorPower { state }) = newest(&mut base.motor_power) {

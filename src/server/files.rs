@@ -1,4 +1,4 @@
-//! Models out of commands' texts.
+//! [`ModelFiles`]: loads models from the texts of commands.
 
 use crate::description::load::load_model_text;
 use crate::description::model::Model;
@@ -8,27 +8,27 @@ use crate::description::xml::{Element, Node};
 use crate::description::{Diagnostics, Rules};
 use std::path::Path;
 
-/// Where the files are that spawned models name, and how these are read.
+/// The places of the files that spawned models refer to, and the rules for reading models.
 #[derive(Debug, Clone)]
 pub struct ModelFiles {
-    /// Where packages and `model://` files are found.
+    /// The folders that are searched for packages and `model://` files.
     pub packages: PackagePath,
-    /// As for the world's own models.
+    /// The rules for reading models, as for the world's own models.
     pub rules: Rules,
 }
 
 impl Default for ModelFiles {
-    /// Our own models alone.
+    /// Only the shipped models are found.
     fn default() -> Self {
         Self { packages: package_path([], None), rules: Rules::default() }
     }
 }
 
 impl ModelFiles {
-    /// Reads a model to be spawned.
+    /// Reads a model that is to be spawned.
     ///
     /// # Errors
-    /// In words: what is wrong with the text, with its lines.
+    /// A message with the line and the problem in the text.
     pub fn load(&self, text: &str, name: &str) -> Result<Model, String> {
         let name = if name.is_empty() { "text" } else { name };
         let mut diagnostics = Diagnostics::default();
@@ -43,8 +43,8 @@ impl ModelFiles {
         Ok(model)
     }
 
-    /// Returns the text of a URDF with the files of packages by their paths, as the description of the robot; none of a text
-    /// that is no URDF.
+    /// Returns a URDF's text as the description of the robot, with the paths of files in place of their packages.
+    /// Returns `None` if the text is not a URDF.
     pub fn description(&self, text: &str) -> Option<String> {
         let mut robot = Element::parse(text, Path::new("text")).ok()?;
         (robot.name == "robot").then(|| {

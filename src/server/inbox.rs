@@ -1,18 +1,18 @@
-//! The streams of commands and results.
+//! [`Inbox`]: receives commands to the simulation and sends their results.
 
 use belvedere_bridge::payload::{SimulationCommand, SimulationResult};
 use belvedere_bridge::{Error, Frame, Node, Operation, Publisher, StreamSpec, Subscriber, Text};
 use std::time::Duration;
 
-/// Longest text that a command may bring, in bytes: meshes are files of their own, so that descriptions are short.
+/// Longest text of a command, in bytes. Descriptions are short because meshes are separate files.
 pub(crate) const MAX_TEXT_BYTES: usize = 4 << 20;
 
-/// A command as it came.
+/// A command as it was received.
 #[derive(Debug, Clone)]
 pub(crate) struct Request {
     /// Its fixed part.
     pub(crate) command: SimulationCommand,
-    /// Its text, or why there is none to be had.
+    /// Its text, or the reason why it cannot be read.
     pub(crate) text: Result<String, String>,
 }
 
@@ -21,27 +21,27 @@ impl Request {
         let command: SimulationCommand = match frame.message() {
             Ok(command) => command,
             Err(error) => {
-                tracing::warn!(%error, "what came as a simulation command is none");
+                tracing::warn!(%error, "received a frame that is not a simulation command");
                 return None;
             }
         };
         let len = command.text_len as usize;
         let bytes = frame.payload().get(size_of::<SimulationCommand>()..).unwrap_or_default();
         let text = if len > MAX_TEXT_BYTES {
-            Err(format!("its text is {len} bytes long, at most {MAX_TEXT_BYTES} are taken"))
+            Err(format!("its text is {len} bytes long, the limit is {MAX_TEXT_BYTES}"))
         } else {
             match bytes.get(..len) {
-                // Copied first: what is in shared memory may still be written by its sender.
+                // Copied before it is checked, because the sender may still write to the shared memory.
                 Some(text) => String::from_utf8(text.to_vec()).map_err(|error| {
                     format!("its text is not UTF-8 from byte {} on", error.utf8_error().valid_up_to())
                 }),
-                None => Err(format!("its text is cut off: {len} bytes announced, {} came", bytes.len())),
+                None => Err(format!("its text is cut off: {len} bytes announced, {} received", bytes.len())),
             }
         };
         Some(Self { command, text })
     }
 
-    /// What is to be done, if this version knows it.
+    /// Returns the operation, if this version knows it.
     pub(crate) fn operation(&self) -> Option<Operation> {
         Operation::from_wire(self.command.operation)
     }
@@ -55,18 +55,18 @@ pub(crate) struct Inbox {
 }
 
 impl Inbox {
-    /// Makes both streams.
+    /// Opens both streams.
     ///
     /// # Errors
-    /// When the bridge cannot.
+    /// Errors of the bridge.
     pub(crate) fn open(node: &Node) -> Result<Self, Error> {
-        // Commands first: who sees the stream of results knows that commands are heard.
+        // Commands first: a client that sees the stream of results can rely on its commands being received.
         let commands = node.command_subscriber(&StreamSpec::simulation_command(0))?;
         let results = node.publisher(&StreamSpec::simulation_result())?;
         Ok(Self { commands, results })
     }
 
-    /// The oldest command that waits. One that cannot be read is dropped with a warning.
+    /// Takes the oldest waiting command. A command that cannot be read is dropped with a warning.
     pub(crate) fn take(&mut self) -> Option<Request> {
         loop {
             match self.commands.take() {
@@ -87,7 +87,7 @@ impl Inbox {
         }
     }
 
-    /// Sleeps until a command comes, at most so long.
+    /// Sleeps until a command arrives, for at most this long.
     pub(crate) fn wait(&mut self, at_most: Duration) {
         if let Err(error) = self.commands.wait(at_most) {
             tracing::warn!(%error, "simulation commands cannot be read");
@@ -95,7 +95,7 @@ impl Inbox {
         }
     }
 
-    /// Answers a command at a simulated time.
+    /// Sends a command's result at a simulated time.
     pub(crate) fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
         let result = SimulationResult {
             id: command.id,

@@ -1,20 +1,19 @@
-//! A simulation for other processes: what it publishes, how it is controlled.
+//! Serves a simulation to other processes: publishes its streams and accepts commands.
 //!
 //! | file | is |
 //! |---|---|
 //! | `shared_memory` | the sink of all streams |
-//! | `room` | how large their pools are where there is little shared memory |
-//! | `post` | frames that are made ahead of their time, sent when they are due |
-//! | `commands` | what robots are told |
-//! | `inbox` | the streams of commands to the simulation, and of their results |
-//! | `operations` | what these commands do |
-//! | `files` | models out of commands' texts |
-//! | `states` | the streams of the poses and velocities of all models and links |
-//! | `values` | poses and velocities of commands, checked |
-//! | `attendance` | consumers that are waited for |
+//! | `room` | limits the streams' pools to the available shared memory |
+//! | `post` | sends frames that were made ahead of time when they are due |
+//! | `commands` | commands to robots |
+//! | `inbox` | commands to the simulation, and their results |
+//! | `operations` | executes these commands |
+//! | `files` | loads models from the texts of commands |
+//! | `states` | streams of the poses and velocities of all models and links |
+//! | `values` | checks the poses and velocities in commands |
+//! | `attendance` | consumers that the simulation waits for |
 //!
-//! Commands are applied between two frames, at the next boundary, so that the same commands at the same simulated times
-//! give the same bytes.
+//! Commands are applied between two frames, so that the same commands at the same simulated times give the same bytes.
 
 pub mod attendance;
 pub mod commands;
@@ -44,18 +43,18 @@ use states::StateStreams;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-/// How a simulation is served.
+/// Options for serving a simulation.
 #[derive(Debug, Clone, Default)]
 pub struct ServerOptions {
-    /// Publish what is true of every pixel and beam, too, in streams of its own.
+    /// Also publish ground truth for every pixel and beam, in separate streams.
     pub truth: bool,
     /// Hash every byte that is published.
     pub hashed: bool,
-    /// Where the files are that models name which other processes spawn.
+    /// The places of the files that spawned models refer to.
     pub files: ModelFiles,
 }
 
-/// What publishes a simulation and lets other processes control it, as `belvedere run` does.
+/// Publishes a simulation and lets other processes control it, as `belvedere run` does.
 pub struct Server<'a> {
     simulation: &'a mut Simulation,
     sink: SharedMemory,
@@ -64,24 +63,24 @@ pub struct Server<'a> {
     inbox: Inbox,
     states: StateStreams,
     files: ModelFiles,
-    /// Of robots that were spawned by a URDF.
+    /// URDFs of robots that were spawned from one.
     descriptions: HashMap<EntityId, String>,
     paused: bool,
     steps: Option<Steps>,
-    /// Of a physics step.
+    /// The cost of a physics step.
     step_cost: Cost,
     epoch: u64,
 }
 
-/// A step command that is being followed.
+/// A step command in progress.
 struct Steps {
     command: SimulationCommand,
     until_ns: u64,
 }
 
 impl<'a> Server<'a> {
-    /// Opens all streams of everybody who is in the simulation, and those by which it is controlled. Whoever is spawned by
-    /// a command comes with streams of its own, and goes with them.
+    /// Opens all streams of the models in the simulation, and the streams that control it. A model that is spawned by a
+    /// command later adds streams of its own, which are closed when it is deleted.
     ///
     /// ```
     /// use belvedere::{description::model::World, server::{Server, ServerOptions}, simulation::Simulation};
@@ -96,7 +95,7 @@ impl<'a> Server<'a> {
     /// ```
     ///
     /// # Errors
-    /// When a stream cannot be opened, or a sensor cannot be made.
+    /// If a stream cannot be opened, or a sensor cannot be created.
     pub fn attach(
         simulation: &'a mut Simulation,
         node: &Node,
@@ -105,10 +104,10 @@ impl<'a> Server<'a> {
         Self::attach_to(simulation, SharedMemory::new(node.clone()), options)
     }
 
-    /// The same with a sink that waits for consumers, or has a post.
+    /// Like [`Server::attach`], with a sink that may wait for consumers or have a post.
     ///
     /// # Errors
-    /// As [`Server::attach`].
+    /// The errors of [`Server::attach`].
     pub fn attach_to(
         simulation: &'a mut Simulation,
         sink: SharedMemory,
@@ -125,7 +124,7 @@ impl<'a> Server<'a> {
             let rig = Rig::open(&sink, simulation.stage().0, options)?;
             Ok((rig, StateStreams::open(&sink, simulation.entities(), simulation.physics())?))
         })?;
-        tell(&mut rig);
+        log_notes(&mut rig);
         simulation.remember(rig.window_ns());
         Ok(Self {
             inbox: Inbox::open(&sink.node)?,
@@ -143,38 +142,38 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// The simulation.
+    /// Returns the simulation.
     pub fn simulation(&self) -> &Simulation {
         self.simulation
     }
 
-    /// Returns the URDF of a model that was spawned by one.
+    /// Returns the URDF of a model that was spawned from one.
     pub fn description(&self, id: EntityId) -> Option<&str> {
         self.descriptions.get(&id).map(String::as_str)
     }
 
-    /// Sends the data packets of a lidar, named or told by a topic that it sends, to somebody as well.
+    /// Also sends the data packets of a lidar, given by its name or one of its topics, to a target.
     ///
     /// # Errors
-    /// In words: there is no such sensor, it has no packets, or they cannot go there.
+    /// A message, if there is no such sensor, it has no packets, or the target cannot be opened.
     pub fn send_packets(&mut self, sensor: &str, target: &PacketTarget) -> Result<(), String> {
         self.rig.send_packets(sensor, target)
     }
 
-    /// Opens the streams of one who has come.
+    /// Opens the streams of a new model.
     fn mount(&mut self, id: EntityId) -> Result<(), RigError> {
         let commands = robot_commands(self.simulation, &self.sink.node, id)?;
         let (rig, simulation, sink) = (&mut self.rig, &mut self.simulation, &self.sink);
         sink.room.fit(RigError::lacks_memory, || rig.mount(sink, simulation.stage().0, id))?;
-        tell(&mut self.rig);
+        log_notes(&mut self.rig);
         self.commands.extend(commands);
         self.simulation.remember(self.rig.window_ns());
         Ok(())
     }
 
-    /// Closes the streams of one who goes.
+    /// Closes the streams of a model that is to be deleted.
     fn unmount(&mut self, id: EntityId) {
-        // What is on its way belongs to streams that are closed now.
+        // Frames that wait in the post belong to streams that are closed now.
         if let Some(post) = &self.sink.post {
             post.flush();
         }
@@ -183,18 +182,19 @@ impl<'a> Server<'a> {
         self.rig.unmount(id, self.simulation.time_ns());
     }
 
-    /// Stamp in ns of the frame that is due next.
+    /// Returns the timestamp in ns of the next frame.
     pub fn next_stamp_ns(&self) -> u64 {
         self.rig.next_stamp_ns()
     }
 
-    /// Simulated time in ns to which [`Server::advance`] goes: that frame's stamp, or the end of a step command.
+    /// Returns the simulated time in ns to which [`Server::advance`] runs: the next frame's timestamp, or the end of a
+    /// step command.
     pub fn next_ns(&self) -> u64 {
         self.next_stamp_ns().min(self.steps.as_ref().map_or(u64::MAX, |steps| steps.until_ns))
     }
 
-    /// How long it may take to make a frame of each sensor, and to bring physics there from the frame before, by what
-    /// that took before.
+    /// Estimates the time to make a frame of each sensor and to advance physics to the next frame, from their previous
+    /// costs.
     pub fn cost(&self) -> Duration {
         let physics = self.simulation.physics();
         let steps = self.next_ns().saturating_sub(physics.time_ns()).div_ceil(physics.step_ns());
@@ -202,8 +202,8 @@ impl<'a> Server<'a> {
         physics.saturating_add(self.rig.cost())
     }
 
-    /// Brings physics to the next frame's stamp and publishes all that is due then; stops before it where a step
-    /// command ends.
+    /// Advances physics to the next frame's timestamp and publishes everything that is due then. If a step command ends
+    /// earlier, stops there.
     pub fn advance(&mut self) {
         let (stamp_ns, until_ns) = (self.next_stamp_ns(), self.next_ns());
         self.take_commands();
@@ -222,37 +222,37 @@ impl<'a> Server<'a> {
         }
     }
 
-    /// Hands the newest commands from outside to the robots.
+    /// Passes the newest commands from other processes on to the robots.
     fn take_commands(&mut self) {
         for commands in &mut self.commands {
             self.simulation.with_robot(commands.id(), |robot, physics| commands.apply(robot, physics));
         }
     }
 
-    /// The sensors and their streams.
+    /// Returns the sensors and their streams.
     pub fn rig(&self) -> &Rig {
         &self.rig
     }
 
-    /// Simulated time in ns that physics has reached.
+    /// Returns the simulated time in ns that physics has reached.
     pub fn time_ns(&self) -> u64 {
         self.simulation.time_ns()
     }
 
-    /// Simulated time in ns since the start at which the next frame is due, not set back by resets.
+    /// Returns the simulated time in ns since the start at which the next frame is due. Resets do not set it back.
     pub fn next_simulated_ns(&self) -> u64 {
         let before_resets_ns = self.simulated_ns() - self.time_ns();
         before_resets_ns.saturating_add(self.next_stamp_ns())
     }
 
-    /// Simulated time in ns since the start, not set back by resets.
+    /// Returns the simulated time in ns since the start. Resets do not set it back.
     pub fn simulated_ns(&self) -> u64 {
         self.simulation.simulated_ns()
     }
 }
 
-/// Tells what was decided for the user when streams were opened.
-fn tell(rig: &mut Rig) {
+/// Logs the decisions that were made for the user when streams were opened.
+fn log_notes(rig: &mut Rig) {
     for note in rig.take_notes() {
         if note.severity == Severity::Note {
             tracing::debug!("{note}");

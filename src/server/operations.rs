@@ -1,4 +1,4 @@
-//! What commands from other processes do to a simulation.
+//! Executes commands from other processes.
 
 use super::inbox::Request;
 use super::states::{MAX_SPAWNED_LINKS, MAX_SPAWNED_MODELS};
@@ -10,26 +10,27 @@ use belvedere_bridge::Operation;
 use belvedere_bridge::payload::SimulationCommand;
 use std::time::Duration;
 
-/// Commands applied between two frames.
+/// Most commands that are applied between two frames.
 const COMMANDS_AT_ONCE: usize = 16;
 
 impl Server<'_> {
-    /// Whether simulated time stands.
+    /// Returns true if simulated time is paused.
     pub fn is_paused(&self) -> bool {
         self.paused && self.steps.is_none()
     }
 
-    /// Lets simulated time stand until a command resumes it.
+    /// Pauses simulated time until a command resumes it.
     pub fn pause(&mut self) {
         self.paused = true;
     }
 
-    /// A number that is another one after time was paused, stepped or set back: the wall clock has to be matched anew.
+    /// Returns a number that changes when time is stepped, resumed or reset. The wall clock must then be matched again.
     pub fn epoch(&self) -> u64 {
         self.epoch
     }
 
-    /// Applies commands that wait, between two frames: at most a few, so that a flood of them does not stop time.
+    /// Applies waiting commands between two frames: only a few, so that a flood of commands does not stop simulated
+    /// time.
     pub fn serve(&mut self) {
         for _ in 0..COMMANDS_AT_ONCE {
             let Some(request) = self.inbox.take() else { break };
@@ -37,7 +38,8 @@ impl Server<'_> {
         }
     }
 
-    /// While time stands: waits at most so long for a command, applies what comes, and serves who came late.
+    /// While simulated time is paused: waits for a command for at most this long, applies it, and serves new
+    /// subscribers.
     pub fn idle(&mut self, at_most: Duration) {
         self.inbox.wait(at_most);
         self.serve();
@@ -62,7 +64,7 @@ impl Server<'_> {
                     .join(", ")
             )),
             Some(Operation::Step) => match self.step_for(command) {
-                // Answered when they are done.
+                // Answered when the steps are done.
                 Ok(()) => {
                     tracing::debug!(time_ns, id = command.id, steps = command.steps, "step begins");
                     return;
@@ -88,8 +90,8 @@ impl Server<'_> {
         }
     }
 
-    /// Answers a command. What was published before it is out before the answer: who has that knows that what comes next
-    /// is of the time after the command.
+    /// Sends a command's result. Everything published earlier is sent first, so a client that has the result knows that
+    /// all later frames were made after the command.
     fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
         if let Some(post) = &self.sink.post {
             post.flush();
@@ -121,7 +123,7 @@ impl Server<'_> {
                 let text = request.text.as_deref().map_err(Clone::clone)?;
                 let window_ns = self.rig.window_ns();
                 self.rig.configure(command.name.as_str(), text, self.simulation.time_ns())?;
-                // A lidar that turns slower looks back farther.
+                // A lidar that turns more slowly needs a longer history.
                 if self.rig.window_ns() > window_ns {
                     self.simulation.remember(self.rig.window_ns());
                 }
@@ -130,7 +132,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Begins to run some steps, after which time stands.
+    /// Starts to run some steps, after which time is paused.
     fn step_for(&mut self, command: &SimulationCommand) -> Result<(), String> {
         let length_ns = command.steps.checked_mul(self.simulation.physics().step_ns());
         let until_ns = length_ns.and_then(|length_ns| self.simulation.time_ns().checked_add(length_ns));
@@ -148,7 +150,7 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Answers a step command that does not come to its end.
+    /// Answers a step command that was interrupted.
     fn end_steps(&mut self, why: &str) {
         if let Some(Steps { command, until_ns }) = self.steps.take() {
             let time_ns = self.simulation.time_ns();
@@ -158,7 +160,7 @@ impl Server<'_> {
         }
     }
 
-    /// Answers a step command that is done.
+    /// Answers a step command that is finished.
     pub(super) fn finish_steps(&mut self) {
         if let Some(steps) = self.steps.take_if(|steps| self.simulation.time_ns() >= steps.until_ns) {
             self.answer(&steps.command, self.simulation.time_ns(), &Ok(()));
@@ -170,7 +172,7 @@ impl Server<'_> {
         }
     }
 
-    /// Begins again at time 0.
+    /// Restarts the simulation at time 0.
     fn restart(&mut self) -> Result<(), String> {
         self.end_steps("was ended by a reset");
         self.simulation.reset().map_err(|error| error.to_string())?;
@@ -206,7 +208,7 @@ impl Server<'_> {
         let spawned = self.simulation.spawn_as(&model, options, Origin::Spawned);
         let id = spawned.map_err(|error| error.to_string())?;
         if let Err(error) = self.mount(id) {
-            // It came a moment ago.
+            // This cannot fail for a model that was just added.
             let _ = self.simulation.delete(id);
             return Err(error.to_string());
         }
@@ -217,14 +219,14 @@ impl Server<'_> {
         Ok(())
     }
 
-    /// Refuses what the streams of states have no room for.
+    /// Refuses a model that does not fit into the streams of states.
     fn check_room(&self, model: &Model) -> Result<(), String> {
         let models = self.simulation.entities().spawned().count();
         let links: usize = self.simulation.entities().spawned().map(|entity| entity.model.links.len()).sum();
         if models >= MAX_SPAWNED_MODELS || links + model.links.len() > MAX_SPAWNED_LINKS {
             return Err(format!(
                 "at most {MAX_SPAWNED_MODELS} models with {MAX_SPAWNED_LINKS} links together may be spawned, \
-                 and {models} with {links} are there; delete some first"
+                and {models} with {links} exist; delete some first"
             ));
         }
         Ok(())

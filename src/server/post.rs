@@ -1,5 +1,5 @@
-//! Frames that are made ahead of their time, and a thread that sends each when it is due: pictures arrive in the rhythm
-//! of their stamps, whatever each of them took to render.
+//! [`Post`]: holds frames that were made ahead of time, and sends each from a thread when it is due, so that images
+//! arrive in the rhythm of their timestamps, however long each took to render.
 
 use belvedere_bridge::{Error, LoanedFrame};
 use std::collections::VecDeque;
@@ -8,36 +8,36 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Instant;
 
-/// Takes frames in the order of their times. Dropped, it sends what is left at once.
+/// Accepts frames in the order of their times. Dropping it sends the remaining frames at once.
 pub struct Post {
     counter: Arc<Counter>,
     thread: Option<JoinHandle<()>>,
 }
 
-/// Where frames are handed in and fetched.
+/// The state shared between the callers and the thread.
 struct Counter {
     inside: Mutex<Inside>,
-    /// The first frame came, one was sent, or all are to be sent at once.
+    /// Signalled when the first frame is added, when one is sent, and when all must be sent at once.
     changed: Condvar,
 }
 
 struct Inside {
     letters: VecDeque<Letter>,
-    /// When what is handed in now is due.
+    /// The time at which frames that are added now are due.
     due: Instant,
-    /// Whether frames go before their time.
+    /// True if frames are sent before they are due.
     hurry: bool,
     closed: bool,
 }
 
-/// A frame on its way.
+/// A frame that waits to be sent.
 struct Letter {
     due: Instant,
     frame: LoanedFrame,
     sender: Arc<Sender>,
 }
 
-/// What a stream knows of its frames that are on their way.
+/// The state of one stream's frames in the post.
 #[derive(Debug, Default)]
 pub struct Sender {
     waiting: AtomicUsize,
@@ -45,17 +45,17 @@ pub struct Sender {
 }
 
 impl Sender {
-    /// Frames that could not be sent when their time came.
+    /// Returns the number of frames that could not be sent when they were due.
     pub fn failed(&self) -> u64 {
         self.failed.load(Ordering::Relaxed)
     }
 }
 
 impl Post {
-    /// Starts the thread.
+    /// Starts the thread of a post.
     ///
     /// # Errors
-    /// When the system gives none.
+    /// If the system cannot start a thread.
     pub fn open() -> std::io::Result<Self> {
         let inside = Inside { letters: VecDeque::new(), due: Instant::now(), hurry: false, closed: false };
         let counter = Arc::new(Counter { inside: Mutex::new(inside), changed: Condvar::new() });
@@ -64,12 +64,12 @@ impl Post {
         Ok(Self { counter, thread: Some(thread) })
     }
 
-    /// From now on frames that are handed in are to be sent at this time.
+    /// Sets the time at which frames added from now on are sent.
     pub fn set_due(&self, due: Instant) {
         self.counter.lock().due = due;
     }
 
-    /// Takes a frame that is to be sent when its time comes.
+    /// Adds a frame, which is sent when it is due.
     pub fn send(&self, frame: LoanedFrame, sender: &Arc<Sender>) {
         let mut inside = self.counter.lock();
         sender.waiting.fetch_add(1, Ordering::Relaxed);
@@ -80,14 +80,14 @@ impl Post {
         }
     }
 
-    /// Waits until fewer than `room` frames of a stream are on their way.
+    /// Waits until fewer than `room` frames of a stream are in the post.
     pub fn wait_for_room(&self, sender: &Sender, room: usize) {
         let inside = self.counter.lock();
         let is_full = |_: &mut Inside| sender.waiting.load(Ordering::Relaxed) >= room;
         drop(self.counter.changed.wait_while(inside, is_full));
     }
 
-    /// Sends all that waits now, before its time, so that what is told next comes after it.
+    /// Sends all waiting frames before they are due, so that later messages arrive after them.
     pub fn flush(&self) {
         let mut inside = self.counter.lock();
         inside.hurry = true;
@@ -135,7 +135,7 @@ impl Counter {
                 continue;
             }
             let Some(Letter { frame, sender, .. }) = inside.letters.pop_front() else { continue };
-            // Sent under the lock: it takes microseconds, and no frames in the counter means that all are out.
+            // Sent under the lock, which takes microseconds: an empty counter then means that all frames are sent.
             if let Err(error) = frame.send() {
                 sender.failed.fetch_add(1, Ordering::Relaxed);
                 report(&error);

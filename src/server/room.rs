@@ -1,27 +1,28 @@
-//! [`Room`]: pools as large as `/dev/shm` has room for.
+//! [`Room`]: limits the streams' pools to the space in `/dev/shm`.
 //!
-//! A Kinect's streams, each with places for 8 subscribers, are made for 400 MB of frames, and `/dev/shm` of a container
-//! has 64 MiB. So whoever is mounted is opened with whole pools; if they do not fit, again with pools of at most 128 MiB,
-//! 64, 32 and so on: the largest are cut first, and all streams fit beside each other or none is opened.
+//! A Kinect's streams, with places for 8 subscribers each, need 400 MB for frames, but a container's `/dev/shm` has 64
+//! MiB. The streams of a model are first opened with full pools. If these do not fit, they are opened again with pools
+//! of at most 128 MiB, then 64, 32 and so on. This cuts the largest pools first, and either all streams fit or none is
+//! opened.
 
 use belvedere_bridge::StreamSpec;
 use std::cell::{Cell, RefCell};
 
-/// The largest pool of the second attempt, bytes.
+/// Largest pool in the second attempt, in bytes.
 const FIRST: u64 = 128 << 20;
-/// Below this nothing is worth cutting.
+/// Limit below which cutting is not worth it, in bytes.
 const LAST: u64 = 64 << 10;
 
-/// How large a stream's pool may be, and which streams have a smaller one for it.
+/// The limit of pools, and the streams whose pools it makes smaller.
 #[derive(Debug, Clone, Default)]
 pub struct Room {
     most_bytes: Cell<Option<u64>>,
     cut: RefCell<Vec<Cut>>,
-    /// Those that were warned of already.
-    told: RefCell<Vec<Cut>>,
+    /// Streams that a warning was already logged for.
+    warned: RefCell<Vec<Cut>>,
 }
 
-/// A stream with less than it asked for.
+/// A stream with a smaller pool than it asked for.
 #[derive(Debug, Clone, PartialEq)]
 struct Cut {
     asked: StreamSpec,
@@ -29,11 +30,12 @@ struct Cut {
 }
 
 impl Room {
-    /// Opens streams with `open`, which asks [`Room::cut`] for each, with pools as large as fit beside each other, and
-    /// warns of those that are smaller than usual. `lacks_memory` tells which errors mean that they do not fit.
+    /// Opens streams with `open`, which asks [`Room::cut`] for each. The pools are as large as all of them fit, and
+    /// streams with smaller pools than usual are logged. `lacks_memory` returns true for errors that mean that the
+    /// pools do not fit.
     ///
     /// # Errors
-    /// What `open` says when they do not fit in the least size, and anything else that it says.
+    /// The error of `open` if the streams do not fit even with the smallest pools, and all its other errors.
     pub(crate) fn fit<T, E>(
         &self,
         lacks_memory: impl Fn(&E) -> bool,
@@ -59,7 +61,7 @@ impl Room {
         }
     }
 
-    /// What a stream is made with.
+    /// Returns the specification with which a stream is opened.
     pub(crate) fn cut(&self, spec: &StreamSpec) -> StreamSpec {
         let Some(bytes) = self.most_bytes.get() else { return spec.clone() };
         let given = spec.within(bytes);
@@ -70,9 +72,9 @@ impl Room {
     }
 
     fn warn(&self) {
-        let mut told = self.told.borrow_mut();
+        let mut warned = self.warned.borrow_mut();
         let mut cut = self.cut.take();
-        cut.retain(|cut| !told.contains(cut));
+        cut.retain(|cut| !warned.contains(cut));
         if cut.is_empty() {
             return;
         }
@@ -84,7 +86,7 @@ impl Room {
             streams.join("; "),
             missing.div_ceil(1 << 20)
         );
-        told.extend(cut);
+        warned.extend(cut);
     }
 }
 
@@ -113,7 +115,7 @@ mod tests {
     use crate::rig::RigError;
     use belvedere_bridge::{Encoding, Error, Kind};
 
-    /// Opens streams of these sizes in a memory of so many bytes.
+    /// Opens streams of these sizes in a memory of this many bytes.
     fn open(room: &Room, free: u64, sizes: &[usize]) -> Result<Vec<StreamSpec>, RigError> {
         let mut left = free;
         let specs = sizes.iter().map(|&size| {
@@ -138,13 +140,13 @@ mod tests {
         let room = Room::default();
         let some = room.fit(RigError::lacks_memory, || open(&room, 90_000_000, &sizes)).unwrap();
         assert_eq!(some.iter().map(|spec| spec.max_subscribers).collect::<Vec<_>>(), [8, 7, 1]);
-        // Who comes later is cut as much, or more.
+        // Streams that are opened later get the same limit, or a lower one.
         let late = room.fit(RigError::lacks_memory, || open(&room, 20_000_000, &[1_000_000])).unwrap();
         assert!(late[0].max_subscribers < 7);
     }
 
     #[test]
-    fn what_does_not_fit_at_all_is_told_and_forgotten() {
+    fn streams_that_do_not_fit_at_all_are_an_error_and_leave_no_limit() {
         let room = Room::default();
         let refused =
             room.fit(RigError::lacks_memory, || open(&room, 30_000_000, &[10_000_000])).unwrap_err();

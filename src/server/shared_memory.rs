@@ -1,4 +1,4 @@
-//! Streams in shared memory.
+//! [`SharedMemory`]: the sink that publishes streams in shared memory.
 
 use super::post::{Post, Sender};
 use super::room::Room;
@@ -6,32 +6,32 @@ use crate::rig::sink::{Frame, Port, Sink};
 use belvedere_bridge::{Consumer, Error, Lossless, Node, Publisher, StreamSpec};
 use std::sync::Arc;
 
-/// The streams of a node.
+/// Publishes streams of a node.
 #[derive(Debug, Clone)]
 pub struct SharedMemory {
-    /// By which they are published.
+    /// The node that publishes the streams.
     pub node: Node,
-    /// Whom every stream waits for, if for anybody.
+    /// The consumers that every stream waits for, if any.
     pub lossless: Option<Lossless>,
-    /// By what frames go that are made ahead of their time; without it they are sent when they are made.
+    /// Sends frames that are made ahead of time. Without it, frames are sent when they are made.
     pub post: Option<Arc<Post>>,
-    /// How large their pools may be.
+    /// Limits the streams' pools.
     pub room: Room,
 }
 
 impl SharedMemory {
-    /// The streams of a node, which wait for nobody and are sent when they are made.
+    /// Creates a sink whose streams wait for no consumer and send frames when they are made.
     pub fn new(node: Node) -> Self {
         Self { node, lossless: None, post: None, room: Room::default() }
     }
 }
 
-/// One of them.
+/// One stream.
 struct Stream {
     publisher: Publisher,
     post: Option<Arc<Post>>,
     sender: Arc<Sender>,
-    /// Frames that may be on their way.
+    /// Number of frames that may be in the post.
     loaned: usize,
 }
 
@@ -56,7 +56,7 @@ impl Port for Stream {
         true
     }
 
-    /// A frame is on loan until it is sent: those that wait for their time leave room for the next.
+    /// A frame in the post remains on loan, so this waits until the post leaves room for the next.
     fn loan(&self, len: usize) -> Result<Frame, Error> {
         if let Some(post) = &self.post {
             post.wait_for_room(&self.sender, self.loaned);
@@ -65,7 +65,7 @@ impl Port for Stream {
     }
 
     fn send(&self, frame: Frame) -> Result<(), Error> {
-        // None other was loaned here.
+        // `loan` returns only shared frames.
         let Frame::Shared(frame) = frame else { return Ok(()) };
         match &self.post {
             Some(post) => post.send(frame, &self.sender),

@@ -1,4 +1,4 @@
-//! The streams of the poses and velocities of all models and links, filled while somebody follows them.
+//! [`StateStreams`]: the poses and velocities of all models and links, published while there are subscribers.
 
 use super::shared_memory::SharedMemory;
 use crate::entities::Entities;
@@ -10,13 +10,13 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
-/// Rate in Hz: that of the robot's own state.
+/// Rate in Hz, the same as for the robot's own state.
 const RATE_HZ: f64 = 50.0;
-/// Models that may be spawned beside those of the start.
+/// Most models that may be spawned in addition to those at the start.
 pub(super) const MAX_SPAWNED_MODELS: usize = 64;
-/// Links that these may have together.
+/// Most links of all spawned models together.
 pub(super) const MAX_SPAWNED_LINKS: usize = 256;
-/// Time between two looks for new followers while simulated time stands.
+/// Interval at which states are sent again to new subscribers while simulated time is paused.
 const PAUSED_PERIOD: Duration = Duration::from_millis(100);
 
 /// The two streams.
@@ -30,14 +30,14 @@ pub(super) struct StateStreams {
 }
 
 impl StateStreams {
-    /// Opens both for everybody who is there, and room for some more.
+    /// Opens both streams, with room for the current models and some more.
     ///
     /// # Errors
-    /// When the bridge cannot.
+    /// Errors of the bridge.
     pub(super) fn open(sink: &SharedMemory, entities: &Entities, physics: &Physics) -> Result<Self, Error> {
         let links: usize = entities.iter().map(|(_, entity)| entity.model.links.len()).sum();
         let publisher = |topic, count| {
-            // Sent while it is followed: the last one may be of long ago.
+            // No history: states are sent only while there are subscribers, so the last one may be old.
             let spec = StreamSpec {
                 buffer: 4,
                 history: 0,
@@ -55,12 +55,12 @@ impl StateStreams {
         })
     }
 
-    /// Begins the schedule again.
+    /// Restarts the schedule.
     pub(super) fn restart(&mut self) {
         self.next = 0;
     }
 
-    /// Sends what is due at a stamp between the last two steps.
+    /// Sends the states that are due at a timestamp between the last two steps.
     pub(super) fn publish(&mut self, stamp_ns: u64, entities: &Entities, physics: &Physics) {
         if self.rate.stamp_ns(self.next) <= stamp_ns {
             while self.rate.stamp_ns(self.next) <= stamp_ns {
@@ -70,14 +70,14 @@ impl StateStreams {
         }
     }
 
-    /// Sends the same again now and then, while simulated time stands: to those who have come since.
+    /// Sends the states again from time to time while simulated time is paused, for new subscribers.
     pub(super) fn repeat(&mut self, entities: &Entities, physics: &Physics) {
         if self.sent.elapsed() >= PAUSED_PERIOD {
             self.send(physics.time_ns(), entities, physics);
         }
     }
 
-    /// Sends what is now.
+    /// Sends the current states to subscribers.
     pub(super) fn send(&mut self, stamp_ns: u64, entities: &Entities, physics: &Physics) {
         self.sent = Instant::now();
         if self.models.is_wanted() {

@@ -1,20 +1,20 @@
-//! Poses and velocities of commands, checked.
+//! Checks the poses and velocities in commands.
 
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 
-/// Farthest from a reference frame that something may be put, in m. Physics is in single precision: a step of 6 cm
-/// there.
+/// Farthest distance in m from a reference frame at which a model may be placed. Physics uses single precision, which
+/// has a step of 6 cm there.
 const FARTHEST_M: f64 = 1e6;
-/// Fastest that something may move by a command, in m/s or rad/s.
+/// Highest speed that a command may set, in m/s or rad/s.
 const FASTEST: f64 = 1e4;
 
-/// The pose that a command gives, in its reference frame. An orientation of zeros, which is what a message that was
-/// not filled in has, is no rotation.
+/// Returns the pose of a command in its reference frame. An orientation of zeros, as in a message that was not filled
+/// in, means no rotation.
 ///
 /// # Errors
-/// In words, if it is not finite, too far, or no rotation.
+/// A message, if it is not finite, too far, or not a rotation.
 pub(super) fn pose(command: &SimulationCommand) -> Result<Pose, String> {
     let position = vector(command.position, FARTHEST_M, "position")?;
     let rotation = DQuat::from_array(command.orientation);
@@ -23,15 +23,15 @@ pub(super) fn pose(command: &SimulationCommand) -> Result<Pose, String> {
         return Ok(Pose::from_translation(position));
     }
     if !(length.is_finite() && length > 1e-6) {
-        return Err(format!("its orientation {:?} is no quaternion x y z w", command.orientation));
+        return Err(format!("its orientation {:?} is not a quaternion x y z w", command.orientation));
     }
     Ok(Pose::new(position, rotation.normalize()))
 }
 
-/// The velocity and rate of turn that a command gives, along the axes of its reference frame.
+/// Returns the linear and angular velocity of a command, along the axes of its reference frame.
 ///
 /// # Errors
-/// In words, if they are not finite or absurd.
+/// A message, if they are not finite or too high.
 pub(super) fn twist(command: &SimulationCommand) -> Result<(DVec3, DVec3), String> {
     Ok((
         vector(command.linear, FASTEST, "linear velocity")?,
@@ -53,7 +53,7 @@ mod tests {
     use belvedere_bridge::Operation;
 
     #[test]
-    fn what_is_no_pose_is_refused() {
+    fn invalid_poses_are_refused() {
         let command = SimulationCommand::new(Operation::SetModelState);
         let with = |position, orientation| pose(&SimulationCommand { position, orientation, ..command });
         assert_eq!(with([1.0, 2.0, 3.0], [0.0; 4]).unwrap().rotation(), DQuat::IDENTITY);

@@ -1,8 +1,8 @@
-//! A world and who is in it, advanced step by step, looked at by its sensors whenever somebody asks.
+//! [`Simulation`]: a world with its models, advanced step by step and rendered by its sensors on demand.
 //!
-//! It needs no shared memory, no clock and no command line: a test or a training loop makes one, spawns a robot, steps it,
-//! and renders what its sensors see into memory of its own. What `belvedere run` does besides is a
-//! [`Server`](crate::server::Server) that is attached to one.
+//! It needs no shared memory, no clock and no command line. A test or a training loop creates a simulation, spawns a
+//! robot, steps it, and renders its sensors into its own memory. `belvedere run` additionally attaches a
+//! [`Server`](crate::server::Server).
 //!
 //! ```
 //! use belvedere::description::model::World;
@@ -39,16 +39,16 @@ pub struct Simulation {
     physics: Physics,
     scene: WorldScene,
     options: RigOptions,
-    /// What renders on demand.
+    /// Renders frames on demand.
     studio: Option<Studio>,
     notes: Vec<Problem>,
-    /// Simulated time before the last return to 0.
+    /// Simulated time before the last reset.
     before_resets_ns: u64,
-    /// How far back physics remembers.
+    /// Length of physics' history.
     window_ns: u64,
 }
 
-/// How a simulation is to be.
+/// Builds a simulation.
 #[derive(Debug, Clone)]
 pub struct SimulationBuilder {
     world: World,
@@ -58,28 +58,28 @@ pub struct SimulationBuilder {
 }
 
 impl SimulationBuilder {
-    /// Seed of all noise, 1 if none is given: same seed, same bytes.
+    /// Sets the seed of all noise, 1 by default. The same seed gives the same bytes.
     #[must_use]
     pub fn seed(self, seed: u64) -> Self {
         Self { seed, ..self }
     }
 
-    /// Gazebo's measured habits instead of what is right; off if it is not said.
+    /// Sets whether to reproduce Gazebo's deviations from correct behaviour; off by default.
     #[must_use]
     pub fn gazebo_compat(self, gazebo_compat: bool) -> Self {
         Self { gazebo_compat, ..self }
     }
 
-    /// Threads and SIMD level of the sensors; all that there are if nothing is said. The bytes are always the same.
+    /// Sets threads and SIMD level of the sensors; all available ones by default. They do not change the bytes.
     #[must_use]
     pub fn execution(self, execution: Execution) -> Self {
         Self { execution, ..self }
     }
 
-    /// Builds it, at time 0.
+    /// Builds the simulation, at time 0.
     ///
     /// # Errors
-    /// A world that cannot run, or a shape that cannot be traced; with its line.
+    /// If the world cannot run, or a shape cannot be traced; with its line.
     pub fn build(self) -> Result<Simulation, SimulationError> {
         let Self { world, seed, gazebo_compat, execution } = self;
         let mut physics = Physics::with_models(&world, world.models.iter().map(|model| Some(placed(model))))?;
@@ -120,7 +120,8 @@ impl SimulationBuilder {
     }
 }
 
-/// How a model of the world takes part: what has plugins drives and reports, the rest only stands or falls.
+/// Returns the placement of a model of the world. A model with plugins is treated as a robot, the others as plain
+/// objects.
 fn placed(model: &Model) -> Placement<'_> {
     let world_from_model = model.world_from_model;
     if model.plugins.is_empty() {
@@ -131,79 +132,80 @@ fn placed(model: &Model) -> Placement<'_> {
 }
 
 impl Simulation {
-    /// Of this world.
+    /// Returns a builder for a simulation of this world.
     pub fn builder(world: World) -> SimulationBuilder {
         SimulationBuilder { world, seed: 1, gazebo_compat: false, execution: Execution::parallel() }
     }
 
-    /// What was decided for the user so far, and what is ignored.
+    /// Returns notes on decisions made for the user so far, and on ignored input.
     pub fn notes(&self) -> &[Problem] {
         &self.notes
     }
 
-    /// Takes in what was decided: each is said once, however often the same model comes.
+    /// Adds notes. Each note is kept once, however often the same model is spawned.
     fn note(&mut self, mut notes: Vec<Problem>) {
         notes.retain(|note| !self.notes.contains(note));
         self.notes.extend(notes);
     }
 
-    /// Seed of all noise, Gazebo's habits, execution.
+    /// Returns the seed, the compatibility mode and the execution.
     pub fn options(&self) -> RigOptions {
         self.options
     }
 
-    /// What the world is called.
+    /// Returns the name of the world.
     pub fn world_name(&self) -> &str {
         &self.world.name
     }
 
-    /// Everybody who is there.
+    /// Returns all models.
     pub fn entities(&self) -> &Entities {
         &self.entities
     }
 
-    /// The model of this name.
+    /// Finds the model with this name.
     ///
     /// # Errors
-    /// When there is none: with the names that there are.
+    /// If there is none; the message lists the existing names.
     pub fn find(&self, name: &str) -> Result<EntityId, SimulationError> {
         self.entities.find(name).map(|(id, _)| id).map_err(SimulationError::Refused)
     }
 
-    /// Where everything is.
+    /// Returns the state of physics.
     pub fn physics(&self) -> &Physics {
         &self.physics
     }
 
-    /// What sensors see, everything where it is now.
+    /// Returns the scene that sensors see, at the current time.
     pub fn scene(&mut self) -> &WorldScene {
         self.scene.move_to(&self.physics, self.physics.time_ns());
         &self.scene
     }
 
-    /// Simulated time in ns that physics has reached.
+    /// Returns the simulated time in ns that physics has reached.
     pub fn time_ns(&self) -> u64 {
         self.physics.time_ns()
     }
 
-    /// Simulated time in ns since the start, not set back by resets.
+    /// Returns the simulated time in ns since the start. Resets do not set it back.
     pub fn simulated_ns(&self) -> u64 {
         self.before_resets_ns + self.physics.time_ns()
     }
 
-    /// Pose of a model's frame in the world: position in metres, x forward, z up.
+    /// Returns the pose of a model's frame in the world: position in metres, x forward, z up.
     ///
     /// # Errors
-    /// When it was deleted.
+    /// If the model was deleted.
     pub fn pose(&self, id: EntityId) -> Result<Pose, SimulationError> {
         self.get(id)?;
         Ok(self.physics.world_from_model(id.index()))
     }
 
-    /// Puts a model somewhere, moving at a velocity in m/s and a rate of turn in rad/s, both along the world's axes.
+    /// Moves a model to a pose, and sets its linear velocity in m/s and angular velocity in rad/s, along the world's
+    /// axes.
     ///
     /// # Errors
-    /// When it was deleted, or a number is not finite.
+    /// If the model was deleted, or a number is not finite.
     pub fn place(
         &mut self,
         id: EntityId,
@@ -228,11 +230,11 @@ impl Simulation {
         Ok(())
     }
 
-    /// Puts a model somewhere as it was at the start: at rest, its joints at zero. Where it was before makes no difference,
-    /// not in the last bit either.
+    /// Moves a model to a pose as at the start: at rest, with its joints at zero. The result does not depend on its
+    /// earlier pose, not even in the last bit.
     ///
     /// # Errors
-    /// As [`Simulation::place`].
+    /// The errors of [`Simulation::place`].
     pub fn set_down(&mut self, id: EntityId, world_from_model: &Pose) -> Result<(), SimulationError> {
         let name = &self.get(id)?.name;
         if !world_from_model.is_finite() {
@@ -250,37 +252,38 @@ impl Simulation {
         Ok(())
     }
 
-    /// Whether everything that collides is at least `clearance_m` away from a model, but for what it stands on.
+    /// Returns true if all collision shapes are at least `clearance_m` away from a model, except those that it stands
+    /// on.
     ///
     /// # Errors
-    /// When it was deleted.
+    /// If the model was deleted.
     pub fn is_clear(&self, id: EntityId, clearance_m: f64) -> Result<bool, SimulationError> {
         self.get(id)?;
         Ok(self.physics.is_clear(id.index(), clearance_m))
     }
 
-    /// Another seed of all noise from now on.
+    /// Sets the seed of all noise from now on.
     pub fn set_seed(&mut self, seed: u64) {
         self.options.seed = seed;
         self.studio = None;
     }
 
-    /// Lets everything look otherwise to the sensors, or again as the files say; until somebody is spawned or deleted.
-    /// [`Looks::of`] has what there is: `simulation.scene().scene()`.
+    /// Replaces the looks that sensors see, or restores those of the files, until a model is spawned or deleted.
+    /// [`Looks::of`] returns the looks of a scene: `simulation.scene().scene()`.
     ///
     /// # Errors
-    /// When there are not as many materials or lamps, or a number of theirs cannot be.
+    /// If the number of materials or lights differs, or one of their values is invalid.
     pub fn set_looks(&mut self, looks: Option<Looks>) -> Result<(), SimulationError> {
         self.scene.set_looks(looks).map_err(|error| SimulationError::Refused(error.to_string()))
     }
 
-    /// Where the robots' bases are.
+    /// Returns the poses of the robots' bases.
     fn bases(&self) -> Vec<Pose> {
         let robots = self.entities.iter().filter_map(|(_, entity)| entity.robot.as_ref());
         robots.map(|robot| robot.world_from_base(&self.physics)).collect()
     }
 
-    /// Tells everybody of a move by hand, before which the bases were there.
+    /// Informs robots and inertial units of a move by hand. `before` are the earlier poses of the bases.
     fn carried(&mut self, before: &[Pose]) {
         for (robot, world_from_before) in self.entities.robots_mut().zip(before) {
             robot.carried(&self.physics, world_from_before);
@@ -290,20 +293,20 @@ impl Simulation {
         }
     }
 
-    /// Gives a robot's base a velocity command, which it follows for as long as its plugin says: a Kobuki for 0.6 s.
+    /// Sends a velocity command to a robot's base, which follows it until its plugin's timeout, 0.6 s for a Kobuki.
     ///
     /// # Errors
-    /// When it was deleted, or has no base that drives.
+    /// If it was deleted, or has no base that drives.
     pub fn command(&mut self, id: EntityId, command: Command) -> Result<(), SimulationError> {
         let now_ns = self.physics.time_ns();
         self.driver(id)?.command(command, now_ns);
         Ok(())
     }
 
-    /// Lets an autopilot drive a robot while it gets no commands.
+    /// Sets an autopilot that drives a robot while it receives no commands.
     ///
     /// # Errors
-    /// When it was deleted, or has no base that drives.
+    /// If it was deleted, or has no base that drives.
     pub fn set_autopilot(&mut self, id: EntityId, autopilot: Autopilot) -> Result<(), SimulationError> {
         self.driver(id)?.set_autopilot(Some(autopilot));
         Ok(())
@@ -320,7 +323,7 @@ impl Simulation {
         robot.ok_or_else(|| SimulationError::NoBase { name: name.clone() })
     }
 
-    /// One step of physics, as long as the world says.
+    /// Advances physics by one step of the world's step size.
     pub fn step(&mut self) {
         for robot in self.entities.robots_mut() {
             robot.control(&mut self.physics);
@@ -329,7 +332,7 @@ impl Simulation {
         self.entities.observe(&self.physics);
     }
 
-    /// Steps until this time is reached; gives the number of steps.
+    /// Steps until this time is reached and returns the number of steps.
     pub fn run_until(&mut self, time_ns: u64) -> u32 {
         let mut steps = 0;
         while self.physics.time_ns() < time_ns {
@@ -339,13 +342,13 @@ impl Simulation {
         steps
     }
 
-    /// Steps until so much time has passed.
+    /// Steps until this much time has passed.
     pub fn run_for(&mut self, time: Duration) {
         let time_ns = u64::try_from(time.as_nanos()).unwrap_or(u64::MAX);
         self.run_until(self.physics.time_ns().saturating_add(time_ns));
     }
 
-    /// Puts everybody where each was at the start; time goes on.
+    /// Moves all models to their start poses; time continues.
     pub fn replace(&mut self) {
         let before = self.bases();
         for (id, entity) in self.entities.iter() {
@@ -355,11 +358,11 @@ impl Simulation {
         self.scene.replace(&self.physics);
     }
 
-    /// Begins again at time 0, with everybody who is there now in the place where each was at first. What is built is
-    /// what a fresh start builds, so that the same bytes follow.
+    /// Restarts at time 0, with all current models at their start poses. Everything is built as at a fresh start, so
+    /// the same bytes follow.
     ///
     /// # Errors
-    /// Never in practice: the same world ran before.
+    /// None in practice, because the same world ran before.
     pub fn reset(&mut self) -> Result<(), SimulationError> {
         let mut physics = Physics::with_models(&self.world, self.entities.placements())?;
         for entity in self.entities.iter_mut() {
@@ -378,13 +381,13 @@ impl Simulation {
         Ok(())
     }
 
-    /// From now on physics remembers where things were so long ago: sensors look back.
+    /// Makes physics keep a history of at least this length, which sensors need.
     pub(crate) fn remember(&mut self, window_ns: u64) {
         self.window_ns = self.window_ns.max(window_ns);
         self.physics.remember(self.window_ns);
     }
 
-    /// Does something with a robot, if it is there.
+    /// Calls `act` with a robot, if it exists.
     #[cfg(feature = "server")]
     pub(crate) fn with_robot(&mut self, id: EntityId, act: impl FnOnce(&mut Robot, &Physics)) {
         if let Some(robot) = self.entities.get_mut(id).and_then(|entity| entity.robot.as_mut()) {
@@ -392,7 +395,7 @@ impl Simulation {
         }
     }
 
-    /// What a rig needs to publish.
+    /// Returns everything that a rig needs to publish.
     pub(crate) fn stage(&mut self) -> (Stage<'_>, &mut WorldScene) {
         let stage = Stage { entities: &self.entities, physics: &self.physics, earth: &self.world.earth };
         (stage, &mut self.scene)

@@ -1,4 +1,4 @@
-//! What sensors see, rendered when it is asked for into memory of the caller.
+//! Renders sensors on demand into the caller's memory.
 
 use super::{Simulation, SimulationError};
 use crate::description::suggestion::did_you_mean_or;
@@ -9,20 +9,20 @@ use belvedere_bridge::{Error, FrameHeader, StreamSpec};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 impl Simulation {
-    /// All topics that can be rendered: those of sensors and of what robots tell of themselves, with the truth beside them.
-    /// What is told once, or when something happens, has no frame of the moment and is not among them.
+    /// Returns all topics that can be rendered: those of sensors and of robots' states, including ground truth. Topics
+    /// that are sent once, or at events, have no current frame and are not included.
     ///
     /// # Errors
-    /// When a sensor's description cannot be used.
+    /// If a sensor's description cannot be used.
     pub fn topics(&mut self) -> Result<Vec<String>, SimulationError> {
         Ok(self.open_studio()?.topics())
     }
 
-    /// Opens the streams that a server of this simulation publishes as it opens them, with those of the truth if `truth` is
-    /// set, but ending nowhere. What is decided for the user while they are opened is among the [notes](Self::notes).
+    /// Opens the streams that a server of this simulation publishes, including those of ground truth if `truth` is set,
+    /// without sending them anywhere. Decisions made for the user are added to the [notes](Self::notes).
     ///
     /// # Errors
-    /// As of a server: when two streams have one topic, or a sensor's description cannot be used.
+    /// As for a server: if two streams have the same topic, or a sensor's description cannot be used.
     pub fn streams(&mut self, truth: bool) -> Result<Rig, SimulationError> {
         let options = RigOptions { truth, ..self.options };
         let mut rig = Rig::open(&Slot::default(), self.stage().0, options)?;
@@ -30,13 +30,13 @@ impl Simulation {
         Ok(rig)
     }
 
-    /// Renders the frame of a topic as it is now into `frame`, whose memory is used again. Of a sensor with several
-    /// streams only what this one needs is worked out.
+    /// Renders the current frame of a topic into `frame`, whose memory is used again. If the sensor has several
+    /// streams, only what this one needs is computed.
     ///
-    /// Each call takes the next frame of that sensor: its noise is another one.
+    /// Each call renders the next frame of that sensor, with new noise.
     ///
     /// # Errors
-    /// When no sensor sends such a topic, or a sensor's description cannot be used.
+    /// If no sensor sends such a topic, or a sensor's description cannot be used.
     pub fn render(&mut self, topic: &str, frame: &mut FrameBuf) -> Result<(), SimulationError> {
         match self.render_all(&[topic], std::slice::from_mut(frame))?[..] {
             [true] => Ok(()),
@@ -44,13 +44,14 @@ impl Simulation {
         }
     }
 
-    /// The same of several topics at once: those of one sensor, as its picture and its truth, are then of one frame.
+    /// Renders several topics at once. Topics of one sensor, such as its image and its ground truth, then show the same
+    /// frame.
     ///
-    /// Says of each topic whether it has a frame: flow has none the first time it is asked for, as it leads from the frame
-    /// for which it was asked before.
+    /// Returns for each topic whether it has a frame. Optical flow has none at the first call, because it starts from
+    /// the frame of the previous call.
     ///
     /// # Errors
-    /// As of [`render`](Self::render).
+    /// The errors of [`render`](Self::render).
     pub fn render_all(
         &mut self,
         topics: &[&str],
@@ -59,15 +60,15 @@ impl Simulation {
         self.in_studio(topics, frames, Rig::take)
     }
 
-    /// Renders the frame of this number of one sensor into `frames`, a topic each, all of which are of that sensor: its own
-    /// and those of its truth are then of one frame. The number chooses the noise. The frame depends on none before, and the
-    /// exposure of a camera is that of the start; so frames are the same in whatever order they are asked for. With `goes_on`
-    /// it follows the one that was rendered last, from which flow comes.
+    /// Renders the frame with this number of one sensor into `frames`, one for each topic. All topics must belong to
+    /// that sensor; they show the same frame. The number selects the noise. The frame does not depend on earlier
+    /// frames, and a camera's exposure is that at the start, so frames are the same in any order. With `goes_on`, the
+    /// frame follows the one that was rendered last, from which optical flow starts.
     ///
-    /// Says of each topic whether it has a frame: flow has none without a frame before.
+    /// Returns for each topic whether it has a frame. Optical flow has none without a previous frame.
     ///
     /// # Errors
-    /// When no sensor sends one of the topics, or a sensor's description cannot be used.
+    /// If no sensor sends one of the topics, or a sensor's description cannot be used.
     pub fn render_numbered(
         &mut self,
         topics: &[&str],
@@ -82,7 +83,7 @@ impl Simulation {
         })
     }
 
-    /// Has frames of these topics taken.
+    /// Renders frames of these topics with `take`.
     fn in_studio(
         &mut self,
         topics: &[&str],
@@ -98,7 +99,7 @@ impl Simulation {
         rendered
     }
 
-    /// Opens it for those who are there now.
+    /// Opens the studio for the current models.
     fn open_studio(&mut self) -> Result<&Studio, SimulationError> {
         if self.studio.is_none() {
             let slot = Slot::default();
@@ -112,12 +113,12 @@ impl Simulation {
     }
 }
 
-/// A topic as its stream has it.
+/// Returns a topic with its leading slash.
 fn with_slash(topic: &str) -> String {
     format!("/{}", topic.trim_start_matches('/'))
 }
 
-/// Everybody's channels, and where the frame goes that is asked for.
+/// The channels of all models, and the place of requested frames.
 pub(super) struct Studio {
     rig: Rig,
     slot: Slot,
@@ -129,7 +130,7 @@ impl Studio {
         outlets.map(|outlet| outlet.topic().to_owned()).collect()
     }
 
-    /// Lets frames of these topics be taken into the caller's memory; says of which there are any.
+    /// Renders frames of these topics into the caller's memory. Returns for each whether there is one.
     fn fill(
         &mut self,
         topics: &[String],
@@ -143,7 +144,7 @@ impl Studio {
             self.slot.lock().begin(topic, frame);
         }
         take(&mut self.rig);
-        // The last that was begun ends first.
+        // The last place that was added is taken back first.
         let mut filled: Vec<bool> =
             frames.iter_mut().take(topics.len()).rev().map(|frame| self.slot.lock().end(frame)).collect();
         filled.reverse();
@@ -157,14 +158,14 @@ impl Studio {
     }
 }
 
-/// Where frames are put: those of the topics that are wanted.
+/// A sink that stores frames of the requested topics.
 #[derive(Clone, Default)]
 struct Slot(Arc<Mutex<Vec<Place>>>);
 
 /// The frame of one topic.
 struct Place {
     topic: String,
-    /// None while it is on loan.
+    /// `None` while it is on loan.
     frame: Option<Box<FrameBuf>>,
     is_filled: bool,
 }
@@ -175,17 +176,17 @@ impl Slot {
     }
 }
 
-/// The places of the frames that are wanted.
+/// The places of the requested frames.
 struct Places<'a>(MutexGuard<'a, Vec<Place>>);
 
 impl Places<'_> {
-    /// Takes the caller's memory for one more topic.
+    /// Adds a topic with the caller's memory.
     fn begin(&mut self, topic: &str, frame: &mut FrameBuf) {
         let frame = Some(Box::new(std::mem::take(frame)));
         self.0.push(Place { topic: topic.to_owned(), frame, is_filled: false });
     }
 
-    /// Gives that of the topic that was begun last back; says whether a frame was put into it.
+    /// Returns the memory of the topic that was added last, and whether a frame was written to it.
     fn end(&mut self, frame: &mut FrameBuf) -> bool {
         let Some(place) = self.0.pop() else { return false };
         *frame = place.frame.map(|frame| *frame).unwrap_or_default();
@@ -204,7 +205,7 @@ impl Sink for Slot {
     }
 }
 
-/// A stream that ends in its place while it is wanted.
+/// A stream whose frames are stored while its topic is requested.
 struct Ending {
     slot: Slot,
     topic: String,
@@ -234,7 +235,7 @@ impl Port for Ending {
                     (place.frame, place.is_filled) = (Some(frame), true);
                 }
             }
-            // Loaned elsewhere.
+            // `loan` returns only owned frames.
             #[cfg(feature = "server")]
             Frame::Shared(_) => {}
         }

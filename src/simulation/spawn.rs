@@ -1,4 +1,4 @@
-//! Models that come and go.
+//! Spawns and deletes models.
 
 use super::{Simulation, SimulationError};
 use crate::description::Severity;
@@ -8,17 +8,17 @@ use crate::robot::{self, InertialUnit, Robot, has_base};
 use crate::world::physics::Placement;
 use belvedere_sensors::Pose;
 
-/// How a model is to come.
+/// Options for spawning a model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SpawnOptions {
-    /// What it is called; as its file has it if this is empty.
+    /// Name of the model; empty for the name in its file.
     pub name: String,
-    /// What stands before its topics and frames, as in `/NAMESPACE/scan`; nothing if this is empty.
+    /// Prefix of its topics and frames, as in `/NAMESPACE/scan`; empty for none.
     pub namespace: String,
-    /// Where it is to be: from here the `<pose>` counts that the model has of its own, as when Gazebo spawns it.
+    /// Pose of the model. Its own `<pose>` is relative to this, as when Gazebo spawns it.
     pub world_from_model: Pose,
-    /// Whether it tells of itself as a robot does, by transforms and joint states; if it is not said, whatever has a base
-    /// or plugins does. A robot never comes to rest as things do, nor does what has sensors.
+    /// Whether it publishes transforms and joint states like a robot; by default, models with a base or plugins do.
+    /// Robots never sleep in physics, and neither do models with sensors.
     pub is_robot: Option<bool>,
 }
 
@@ -34,11 +34,11 @@ impl Default for SpawnOptions {
 }
 
 impl Simulation {
-    /// Brings a model into the world, with its base and its sensors, at the start or while it runs.
+    /// Adds a model to the world, with its base and its sensors, at the start or later.
     ///
     /// # Errors
-    /// When the name is taken or is none, the namespace is none in ROS, or something in the model cannot be used. Nothing
-    /// of it is there then.
+    /// If the name is taken or invalid, the namespace is invalid in ROS, or a part of the model cannot be used. Then
+    /// the model is not added.
     pub fn spawn(&mut self, model: &Model, options: SpawnOptions) -> Result<EntityId, SimulationError> {
         self.spawn_as(model, options, Origin::Start)
     }
@@ -99,10 +99,10 @@ impl Simulation {
         Ok(self.entities.add(index, entity))
     }
 
-    /// Takes a model out of the world. What was rendered of it is not changed.
+    /// Removes a model from the world. Frames that were already rendered do not change.
     ///
     /// # Errors
-    /// When it is gone already.
+    /// If it was already deleted.
     pub fn delete(&mut self, id: EntityId) -> Result<(), SimulationError> {
         self.get(id)?;
         self.physics.remove_model(id.index());

@@ -1,4 +1,4 @@
-//! Who may look: whoever knows the token, and no page of somebody else's.
+//! Access control: a request needs the token, and must not come from a foreign page.
 
 use super::http::Request;
 use super::peer;
@@ -8,15 +8,15 @@ use std::io::{self, Read as _};
 use std::net::{IpAddr, SocketAddr, TcpStream};
 use std::sync::{Mutex, PoisonError};
 
-/// What a request must have.
+/// Checks what a request must have.
 #[derive(Debug)]
 pub(super) struct Access {
     token: String,
-    /// What the user's own browser is given in place of the token, which other users could read among its arguments. Good
-    /// for one request.
+    /// Given to the user's own browser in place of the token, because other users can read its arguments. Valid for one
+    /// request.
     code: Mutex<Option<String>>,
     address: SocketAddr,
-    /// Origins of pages besides our own.
+    /// Origins of foreign pages that are allowed.
     origins: Vec<String>,
     /// This machine's name, if it has one.
     host_name: Option<String>,
@@ -32,7 +32,7 @@ impl Access {
     /// Checks host, origin and token of a request.
     ///
     /// # Errors
-    /// In a sentence, why the request is refused.
+    /// A sentence with the reason for the refusal.
     pub(super) fn check(&self, request: &Request) -> Result<(), String> {
         let host = self.check_host(request)?;
         if let Some(origin) = request.header("origin") {
@@ -51,10 +51,10 @@ impl Access {
         Ok(())
     }
 
-    /// Gives the token for the code that the user's browser was started with.
+    /// Exchanges the code that the user's browser was started with for the token.
     ///
     /// # Errors
-    /// In a sentence: it is not the code, it was used before, or another user's process has sent it.
+    /// A sentence, if the code is wrong or was used before, or if another user's process sent it.
     pub(super) fn exchange(&self, request: &Request, code: &str, stream: &TcpStream) -> Result<&str, String> {
         self.check_host(request)?;
         if peer::user(stream) != Some(getuid().as_raw()) {
@@ -62,16 +62,16 @@ impl Access {
         }
         let mut known = self.code.lock().unwrap_or_else(PoisonError::into_inner);
         if !known.as_ref().is_some_and(|known| is_same(known.as_bytes(), code.as_bytes())) {
-            return Err("this address was good for one time; open the one that belvedere printed".to_owned());
+            return Err("this address was valid only once; open the one that belvedere printed".to_owned());
         }
         *known = None;
         Ok(&self.token)
     }
 
-    /// Gives the host that a request names, if it is this machine's.
+    /// Returns the host that a request names, if it is this machine's.
     ///
-    /// A page of somebody else's can have its own name lead to this address, and is then of the same origin for the browser,
-    /// which still says the name. So the name counts, and not the port, which a tunnel changes.
+    /// A foreign page can make its own host name resolve to this address. The browser then treats both as the same
+    /// origin, but still sends the page's host name. So the name is checked, but not the port, which a tunnel changes.
     fn check_host<'a>(&self, request: &'a Request) -> Result<&'a str, String> {
         let host = request.header("host").unwrap_or_default();
         if self.is_ours(name_of(host)) {
@@ -83,8 +83,8 @@ impl Access {
         ))
     }
 
-    /// Whether a name is this machine's: a number, which nobody can have lead elsewhere; its own name; or one that the user
-    /// allows.
+    /// Returns true if a name is this machine's: an IP address, which cannot be redirected; its own name; or one that
+    /// the user allows.
     fn is_ours(&self, name: &str) -> bool {
         let is = |known: &str| known.eq_ignore_ascii_case(name);
         let is_allowed =
@@ -96,7 +96,7 @@ impl Access {
     }
 }
 
-/// What stands before the port, without an IPv6 address's brackets.
+/// Returns the host without the port and without an IPv6 address's brackets.
 fn name_of(host: &str) -> &str {
     match host.strip_prefix('[') {
         Some(rest) => rest.split(']').next().unwrap_or_default(),
@@ -104,25 +104,25 @@ fn name_of(host: &str) -> &str {
     }
 }
 
-/// Compares without telling by the time how much of it is right.
+/// Compares in constant time, which reveals nothing about the number of matching bytes.
 fn is_same(one: &[u8], other: &[u8]) -> bool {
     one.len() == other.len() && one.iter().zip(other).fold(0, |found, (a, b)| found | (a ^ b)) == 0
 }
 
-/// A token that nobody can guess.
+/// Returns a random token.
 ///
 /// # Errors
-/// When the system gives no random numbers.
+/// If the system provides no random numbers.
 pub(super) fn random_token() -> io::Result<String> {
     let mut bytes = [0_u8; 16];
     File::open("/dev/urandom")?.read_exact(&mut bytes)?;
     Ok(format!("{:032x}", u128::from_le_bytes(bytes)))
 }
 
-/// A token as a user gives it.
+/// Checks a token given by the user.
 ///
 /// # Errors
-/// In words, when it could not stand in an address.
+/// A message, if the token is too short or cannot be part of a URL.
 pub fn token(text: &str) -> Result<String, String> {
     let is_plain = text.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
     if is_plain && text.len() >= 8 {
@@ -137,7 +137,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_count_and_ports_do_not() {
+    fn host_names_are_checked_and_ports_are_not() {
         let origins = vec!["http://robot.lab.example:8765".to_owned()];
         let access = Access {
             token: "token-of-the-test".into(),

@@ -1,5 +1,6 @@
-//! Files that robots' descriptions name, for clients that cannot read this machine's: a client is given a name for each, and
-//! for no other name is a file read. So it is with the pictures that a Collada file names in turn.
+//! [`Assets`]: files that robots' descriptions refer to, for clients that cannot read this machine's files. Each file
+//! gets a name for clients, and only files with such names are read. The same holds for textures that a Collada file
+//! refers to.
 
 use crate::description::mesh::find_texture;
 use crate::description::xml::{Element, Node};
@@ -9,34 +10,34 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Largest file that is sent, bytes.
+/// Largest file that is sent, in bytes.
 const LARGEST: u64 = 64 << 20;
-/// The package that there is none of, which clients ask us for.
+/// The prefix of all names. The package does not exist, so clients request its files from this server.
 const PACKAGE: &str = "package://belvedere";
 
-/// What a picture's file ends with.
+/// File extensions of pictures.
 const PICTURES: [&str; 8] = ["png", "jpg", "jpeg", "tga", "bmp", "gif", "tif", "tiff"];
 
-/// Where the list of a Collada file's pictures ends.
+/// End of the list of pictures in a Collada file.
 const PICTURES_END: &str = "</library_images>";
 
-/// The files, and the names that clients have for them.
+/// The files and their names for clients.
 #[derive(Debug, Default)]
 pub(super) struct Assets {
     files: BTreeMap<String, PathBuf>,
-    /// Of what descriptions name.
+    /// Names of the files in descriptions.
     names: HashMap<PathBuf, String>,
 }
 
 impl Assets {
-    /// Gives the files of a plain URDF names by which clients can ask for them, instead of those on this machine.
+    /// Replaces the paths of files in a plain URDF by names with which clients can request them.
     pub(super) fn rename(&mut self, urdf: &str) -> String {
         match Element::parse(urdf, Path::new("robot_description")) {
             Ok(mut robot) => {
                 self.rename_in(&mut robot);
                 robot.to_string()
             }
-            // It was made from elements.
+            // This does not happen, because the text was made from elements.
             Err(_) => urdf.to_owned(),
         }
     }
@@ -58,7 +59,7 @@ impl Assets {
         }
     }
 
-    /// A file has one name. It ends as the file's does, since by that clients know what is in it.
+    /// Returns the name of a file, which keeps the file's extension because clients recognize the format by it.
     fn name(&mut self, path: &Path) -> String {
         if let Some(name) = self.names.get(path) {
             return name.clone();
@@ -69,13 +70,13 @@ impl Assets {
         name
     }
 
-    /// The file with this name.
+    /// Returns the file with this name.
     pub(super) fn path(&self, name: &str) -> Option<PathBuf> {
         self.files.get(name).cloned()
     }
 
-    /// Gives the pictures that a Collada file names, the asset `name`, names below its own, and puts those into the file.
-    /// What is not found, or is no picture, stays as it is.
+    /// Replaces the paths of pictures in a Collada file, the asset `name`, by names below its own, and returns the new
+    /// file. Paths that are not found or are not pictures stay unchanged.
     pub(super) fn rename_pictures(&mut self, name: &str, path: &Path, collada: Vec<u8>) -> Vec<u8> {
         let (Some((base, _)), Some(folder)) = (name.rsplit_once('/'), path.parent()) else { return collada };
         let collada = match String::from_utf8(collada) {
@@ -86,7 +87,7 @@ impl Assets {
         let end = collada[begin..].find(PICTURES_END).map_or(begin, |at| begin + at + PICTURES_END.len());
         let mut renamed = collada[..begin].to_owned();
         for (index, piece) in collada[begin..end].split_inclusive('>').enumerate() {
-            // What stands before a mark, and the mark.
+            // The text before a tag, and the tag.
             let (text, mark) = piece.split_at(piece.find('<').unwrap_or(piece.len()));
             if let Some(picture) = picture(text.trim(), folder) {
                 let own = format!("{index}/{}", plain_name(&picture));
@@ -101,14 +102,14 @@ impl Assets {
     }
 }
 
-/// The file's own name, without what has a meaning in a URL or in XML.
+/// Returns the file's name, without characters that have a meaning in a URL or in XML.
 fn plain_name(path: &Path) -> String {
     let file =
         path.file_name().map(|name| name.to_string_lossy().replace(['%', '?', '#', ' ', '&', '<', '>'], "_"));
     file.unwrap_or_default()
 }
 
-/// The picture that a Collada file in `folder` calls so.
+/// Finds a picture by its path in a Collada file in `folder`.
 fn picture(named: &str, folder: &Path) -> Option<PathBuf> {
     let named = percent_decode_str(named.trim_start_matches("file://")).decode_utf8().ok()?;
     let path = find_texture(&named, folder)?;
@@ -116,7 +117,7 @@ fn picture(named: &str, folder: &Path) -> Option<PathBuf> {
     PICTURES.contains(&ending.as_str()).then_some(path)
 }
 
-/// Whether it is a Collada file.
+/// Returns true for a Collada file.
 pub(super) fn is_collada(path: &Path) -> bool {
     path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("dae"))
 }
@@ -124,9 +125,9 @@ pub(super) fn is_collada(path: &Path) -> bool {
 /// Reads a file for a client.
 ///
 /// # Errors
-/// In words.
+/// A message with the reason.
 pub(super) fn read(path: &Path, name: &str) -> Result<Vec<u8>, String> {
-    // Where it is on this machine is nobody's business.
+    // The message does not reveal the path on this machine.
     let failed = |error: std::io::Error| format!("'{name}' cannot be read: {}", error.kind());
     let mut bytes = Vec::new();
     File::open(path).map_err(failed)?.take(LARGEST + 1).read_to_end(&mut bytes).map_err(failed)?;
@@ -136,7 +137,7 @@ pub(super) fn read(path: &Path, name: &str) -> Result<Vec<u8>, String> {
     Ok(bytes)
 }
 
-/// The answer to a client of Foxglove's protocol who asked for a file.
+/// Returns the response to a Foxglove client that requested a file.
 pub(super) fn response(request: u32, file: Result<Vec<u8>, String>) -> Vec<u8> {
     const FETCH_ASSET_RESPONSE: u8 = 4;
     let (status, error, bytes) = match file {

@@ -1,6 +1,6 @@
-//! The page, as `viewer/` builds it: nothing else is served from files.
+//! The files of the page, as built in `viewer/` and included in the program.
 
-/// A file of the page by its path: its kind and its bytes.
+/// Returns the media type and the bytes of a file of the page.
 pub(super) fn file(path: &str) -> Option<(&'static str, &'static [u8])> {
     match path {
         "/" => Some(("text/html; charset=utf-8", include_bytes!("../../viewer/dist/index.html"))),

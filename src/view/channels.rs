@@ -1,25 +1,25 @@
-//! Channels: the topics of ROS that the streams of a domain make for Foxglove's clients.
+//! [`Channels`]: the ROS topics that are offered to Foxglove clients for the streams of a domain.
 
 use crate::recording::ros1::RosStream;
 use belvedere_bridge::{Kind, StreamInfo, StreamSpec};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A topic of ROS: of one stream, or of several, as /tf of several robots.
+/// A ROS topic, made from one stream or several, such as /tf of several robots.
 pub(super) struct Channel {
     pub(super) id: u32,
-    /// Of streams, without a leading slash.
+    /// Topics of its streams, without a leading slash.
     pub(super) topics: BTreeSet<String>,
     pub(super) ros: RosStream,
 }
 
-/// The channels that there are, by their topics of ROS.
+/// All channels, by their ROS topics.
 #[derive(Default)]
 pub(super) struct Channels {
     known: BTreeMap<String, Channel>,
     last_id: u32,
 }
 
-/// What has become of channels.
+/// Channels that were added or removed.
 #[derive(Default)]
 pub(super) struct Changes {
     pub(super) came: Vec<(u32, RosStream)>,
@@ -27,7 +27,7 @@ pub(super) struct Changes {
 }
 
 impl Channels {
-    /// Takes the streams that there are now.
+    /// Updates the channels to these streams.
     pub(super) fn update(&mut self, streams: &[StreamInfo]) -> Changes {
         let mut now: BTreeMap<String, Vec<(&StreamInfo, RosStream)>> = BTreeMap::new();
         for stream in streams {
@@ -56,15 +56,15 @@ impl Channels {
         changes
     }
 
-    /// The channel of this number.
+    /// Returns the channel with this number.
     pub(super) fn get(&self, id: u32) -> Option<&Channel> {
         self.known.values().find(|channel| channel.id == id)
     }
 }
 
-/// The streams of a channel that are to be followed: those that are published. A stream stays for as long as it has
-/// subscribers, so those of a robot that was deleted would never go. If none is published, as between two runs of the
-/// simulator, it is all of them.
+/// Returns the topics of a channel to subscribe to: those of streams with a publisher. A stream exists for as long as
+/// it has subscribers, so the streams of a deleted robot would otherwise never disappear. If no stream has a publisher,
+/// for example between two runs of the simulator, returns all of them.
 fn followed(streams: &[(&StreamInfo, RosStream)]) -> BTreeSet<String> {
     let is_published = |stream: &StreamInfo| stream.publishers > 0;
     let are_all_idle = !streams.iter().any(|(stream, _)| is_published(stream));
@@ -72,7 +72,7 @@ fn followed(streams: &[(&StreamInfo, RosStream)]) -> BTreeSet<String> {
     followed.map(|(stream, _)| stream.topic.clone()).collect()
 }
 
-/// What a stream is for ROS; none for those that lead to the robot.
+/// Returns the ROS topic of a stream, or `None` for commands to the robot or the simulation.
 fn ros_stream(stream: &StreamInfo) -> Option<RosStream> {
     let kind = stream.kind?;
     let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
@@ -104,20 +104,20 @@ mod tests {
     }
 
     #[test]
-    fn a_channel_has_the_streams_that_are_published() {
+    fn a_channel_has_the_streams_with_publishers() {
         let transforms = |topic: &str, publishers| stream(topic, Kind::Transforms, publishers);
         let mut channels = Channels::default();
         let changes =
             channels.update(&[transforms("one/tf", 1), stream("cmd_vel", Kind::VelocityCommand, 1)]);
         let [(id, ros)] = &changes.came[..] else { panic!("not one channel") };
         assert_eq!(ros.topic, "/tf");
-        // A robot that comes is of the same channel; one that goes leaves its stream to who follows it.
+        // A new robot's stream joins the same channel; a removed robot's stream remains while it has subscribers.
         let changes = channels.update(&[transforms("one/tf", 1), transforms("two/tf", 1)]);
         assert!(changes.came.is_empty() && changes.gone.is_empty());
         assert_eq!(topics(&channels, *id), ["one/tf", "two/tf"]);
         channels.update(&[transforms("one/tf", 0), transforms("two/tf", 1)]);
         assert_eq!(topics(&channels, *id), ["two/tf"]);
-        // Between two runs of the simulator none is published.
+        // Between two runs of the simulator there are no publishers.
         channels.update(&[transforms("one/tf", 0), transforms("two/tf", 0)]);
         assert_eq!(topics(&channels, *id), ["one/tf", "two/tf"]);
         assert_eq!(channels.update(&[]).gone, [*id]);

@@ -1,4 +1,4 @@
-//! Commands of a client to the simulator, sent and waited for by a thread of their own.
+//! [`Commander`]: a thread that sends a client's commands to the simulator and waits for the results.
 
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Node, Operation, SimulationControl, Text};
@@ -9,34 +9,34 @@ use std::sync::mpsc::{self, Receiver, SyncSender};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Commands that may wait.
+/// Most commands that may wait.
 const MOST_WAITING: usize = 16;
-/// How long the simulator has for its answer; a step may take a while.
+/// Longest wait for the simulator's answer, as a step may take a while.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// A command of the page's.
+/// A command from the page.
 #[derive(Debug, Clone, Default, serde::Deserialize)]
 #[serde(default)]
 pub(super) struct Order {
-    /// The client's own number, which comes back with the answer.
+    /// The client's number, which is returned with the answer.
     pub(super) id: u64,
     pub(super) operation: String,
     steps: u64,
     name: String,
     text: String,
-    /// In the world; x, y, z in metres.
+    /// In the world frame; x, y, z in metres.
     position: [f64; 3],
     /// x, y, z, w.
     orientation: [f64; 4],
 }
 
-/// The thread that sends commands. It ends before this is gone, since it keeps a node of the domain, whose files would
-/// otherwise outlive the process.
+/// The thread that sends commands. Dropping this waits for the thread, because the thread holds a node of the domain,
+/// whose files would otherwise remain after the process ends.
 pub(super) struct Commander {
-    /// None once this is being dropped, which ends the thread.
+    /// `None` while this is being dropped, which ends the thread.
     orders: Option<SyncSender<Order>>,
     answers: Receiver<Value>,
-    /// Whether commands that still wait are left out, and the answer of the one that was sent is not waited for.
+    /// If true, waiting commands are discarded, and the thread does not wait for the answer to the command in progress.
     is_ending: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
 }
@@ -46,7 +46,7 @@ impl Commander {
         Self::with_patience(node, PATIENCE)
     }
 
-    /// Starts one that waits so long for each answer.
+    /// Starts a commander that waits this long for each answer.
     fn with_patience(node: &Node, patience: Duration) -> std::io::Result<Self> {
         let (orders, given) = mpsc::sync_channel::<Order>(MOST_WAITING);
         let (answer, answers) = mpsc::channel();
@@ -64,8 +64,8 @@ impl Commander {
                     Ok(()) => (true, String::new()),
                     Err(reason) => (false, reason),
                 };
-                let told = json!({ "op": "result", "id": order.id, "operation": order.operation, "done": done, "reason": reason });
-                if answer.send(told).is_err() {
+                let result = json!({ "op": "result", "id": order.id, "operation": order.operation, "done": done, "reason": reason });
+                if answer.send(result).is_err() {
                     break;
                 }
             }
@@ -73,16 +73,16 @@ impl Commander {
         Ok(Self { orders: Some(orders), answers, is_ending, thread: Some(thread) })
     }
 
-    /// Hands a command over.
+    /// Queues a command.
     ///
     /// # Errors
-    /// In words, if too many wait.
+    /// A message, if too many commands wait.
     pub(super) fn send(&self, order: Order) -> Result<(), String> {
         let sent = self.orders.as_ref().is_some_and(|orders| orders.try_send(order).is_ok());
         if sent { Ok(()) } else { Err("too many commands at once; wait for their answers".to_owned()) }
     }
 
-    /// The next answer.
+    /// Returns the next answer, if there is one.
     pub(super) fn answer(&self) -> Option<Value> {
         self.answers.try_recv().ok()
     }
@@ -93,7 +93,7 @@ impl Drop for Commander {
         self.is_ending.store(true, Ordering::Relaxed);
         self.orders = None;
         if let Some(thread) = self.thread.take() {
-            // One that panicked has said so.
+            // A panic of the thread has already been reported.
             let _ = thread.join();
         }
     }
@@ -133,7 +133,7 @@ mod tests {
     use crate::server::inbox::Inbox;
     use belvedere_bridge::Domain;
 
-    /// How long a test waits for what must come.
+    /// Longest wait of a test for an event that must happen.
     const WATCHDOG: Duration = Duration::from_secs(60);
 
     #[test]
@@ -143,7 +143,7 @@ mod tests {
         let mut inbox = Inbox::open(&node).unwrap();
         let commander = Commander::with_patience(&node, 60 * WATCHDOG).unwrap();
         let order = || Order { operation: "pause".into(), ..Order::default() };
-        // One that is sent and never answered, and one that waits behind it.
+        // One command that is sent and never answered, and one that waits behind it.
         commander.send(order()).unwrap();
         commander.send(order()).unwrap();
         let began = std::time::Instant::now();

@@ -1,31 +1,33 @@
-//! The connections that are open: how many of each standing there may be, and which one gives way.
+//! [`Connections`]: the open connections, with limits for each standing, and the choice of the one that is closed.
 //!
-//! Any program of the machine can open connections that never show the token. Of these the oldest is closed when there are too
-//! many, and they take no place of those that have shown it, so they cannot lock out the user.
+//! Any program on the machine can open connections that never present the token. If there are too many of these, the
+//! oldest is closed. They take no places from connections that have presented the token, so they cannot lock out the
+//! user.
 
 use std::io;
 use std::net::{Shutdown, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Connections at a time that have not shown the token.
+/// Most simultaneous connections that have not presented the token.
 const MAX_UNKNOWN: usize = 32;
-/// Connections at a time that have shown it, apart from those that became clients.
+/// Most simultaneous connections that have presented the token, apart from clients.
 const MAX_KNOWN: usize = 32;
-/// Clients (open `WebSocket` connections) at a time: a stream has room for eight subscribers, some of them other programs.
+/// Most simultaneous clients (`WebSocket` connections): a stream has room for eight subscribers, which other programs
+/// need as well.
 pub(super) const MAX_CLIENTS: usize = 6;
 
-/// What a connection is counted as.
+/// The category in which a connection is counted.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Standing {
-    /// It has not shown the token yet.
+    /// It has not presented the token yet.
     Unknown,
-    /// It has.
+    /// It has presented the token.
     Known,
     /// It is a `WebSocket`.
     Client,
 }
 
-/// The open connections, in the order in which they came.
+/// The open connections, in the order in which they were opened.
 #[derive(Debug, Default)]
 pub(super) struct Connections(Mutex<Table>);
 
@@ -39,22 +41,22 @@ struct Table {
 struct Open {
     number: u64,
     standing: Standing,
-    /// Another handle of the connection, to close it by.
+    /// A second handle of the connection, used to close it.
     stream: TcpStream,
 }
 
 impl Connections {
-    /// Gives a new connection a place; the oldest unknown one is closed if there are too many.
+    /// Registers a new connection. If there are too many unknown ones, the oldest of them is closed.
     ///
     /// # Errors
-    /// When the process has no file descriptor left.
+    /// If the process has no file descriptor left.
     pub(super) fn enter(self: &Arc<Self>, stream: &TcpStream) -> io::Result<Place> {
         let stream = stream.try_clone()?;
         let mut table = self.table();
         if table.count(Standing::Unknown) >= MAX_UNKNOWN
             && let Some(oldest) = table.open.iter().position(|open| open.standing == Standing::Unknown)
         {
-            // Its thread, which reads or writes, finds it closed and ends.
+            // The connection's thread gets an error from its next read or write and ends.
             let _ = table.open.remove(oldest).stream.shutdown(Shutdown::Both);
         }
         table.last_number += 1;
@@ -74,7 +76,7 @@ impl Table {
     }
 }
 
-/// A connection's place, given back when this is dropped, however its thread ends.
+/// The registration of a connection, released on drop, however its thread ends.
 #[derive(Debug)]
 pub(super) struct Place {
     connections: Arc<Connections>,
@@ -82,8 +84,8 @@ pub(super) struct Place {
 }
 
 impl Place {
-    /// Counts the connection as one of this standing from now on. Returns false if there are too many of them, or if it has
-    /// been closed meanwhile.
+    /// Counts the connection in this category from now on. Returns false if there are too many of them, or if the
+    /// connection has been closed meanwhile.
     pub(super) fn rise_to(&self, standing: Standing) -> bool {
         let most = match standing {
             Standing::Unknown => MAX_UNKNOWN,
@@ -118,19 +120,19 @@ mod tests {
     }
 
     #[test]
-    fn the_oldest_that_has_not_shown_the_token_gives_way() {
+    fn the_oldest_connection_without_the_token_is_closed() {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let connections = Arc::new(Connections::default());
         let mut ends: Vec<_> = (0..=MAX_UNKNOWN).map(|_| connect(&listener)).collect();
         let mut places: Vec<_> =
             ends[..MAX_UNKNOWN].iter().map(|(_, far)| connections.enter(far).unwrap()).collect();
-        // The first one has shown it, so the second is the oldest of those that have not.
+        // The first one has presented the token, so the second is the oldest of those that have not.
         assert!(places[0].rise_to(Standing::Known));
         places.push(connections.enter(&ends[MAX_UNKNOWN].1).unwrap());
         let (more, far) = connect(&listener);
         places.push(connections.enter(&far).unwrap());
         assert_eq!(ends[1].0.read(&mut [0]).unwrap(), 0);
-        assert!(!places[1].rise_to(Standing::Known), "what was closed is not let in");
+        assert!(!places[1].rise_to(Standing::Known), "a closed connection is not accepted");
         for open in [&ends[0].0, &ends[2].0, &more] {
             open.set_nonblocking(true).unwrap();
             assert_eq!((&*open).read(&mut [0]).unwrap_err().kind(), io::ErrorKind::WouldBlock);

@@ -1,18 +1,19 @@
-//! What clients send to robots.
+//! [`Drivers`]: sends clients' velocity commands to robots.
 
 use belvedere_bridge::payload::VelocityCommand;
 use belvedere_bridge::{Kind, Node, Publisher, StreamInfo, StreamSpec};
 use std::collections::BTreeMap;
 
-/// Publishers of velocity commands, made when the first one is sent: places for senders are few.
+/// Publishers of velocity commands. Each is created when its first command is sent, because a stream has few places for
+/// publishers.
 #[derive(Debug, Default)]
 pub(super) struct Drivers(BTreeMap<String, Publisher>);
 
 impl Drivers {
-    /// Sends a velocity: m/s forwards, rad/s to the left.
+    /// Sends a velocity in m/s and rad/s.
     ///
     /// # Errors
-    /// In words: nobody takes commands on this topic, or no more senders.
+    /// A message, if no robot accepts commands on this topic, or it accepts no more publishers.
     pub(super) fn drive(
         &mut self,
         node: &Node,
@@ -29,7 +30,7 @@ impl Drivers {
             |stream: &StreamInfo| stream.topic == topic && stream.kind == Some(Kind::VelocityCommand);
         if !streams.iter().any(is_taken) {
             self.0.remove(topic);
-            return Err(format!("no robot takes velocities on /{topic}"));
+            return Err(format!("no robot accepts velocities on /{topic}"));
         }
         let publisher = match self.0.entry(topic.to_owned()) {
             std::collections::btree_map::Entry::Occupied(publisher) => publisher.into_mut(),

@@ -1,10 +1,10 @@
-//! Foxglove's WebSocket protocol, for Foxglove, Lichtblick and whatever else speaks it: the streams as ROS 1's messages.
+//! Foxglove's WebSocket protocol, for Foxglove, Lichtblick and other clients: the streams as ROS 1 messages.
 //!
-//! A client that reads slowly gets fewer messages and slows nobody: while something waits for room on its way, frames stay
-//! where they are, and the oldest of each stream give way; nor is it answered, as nothing is read of it. It is told of
-//! messages that were left out by a status. There is no latching in the protocol; a stream that keeps its last message, as
-//! static transforms do, gives it at each subscription. A channel has one subscription of a client at a time, so that no
-//! client takes the places of others among a stream's subscribers.
+//! A client that reads slowly gets fewer messages and slows down nothing else. While data for it waits to be sent,
+//! frames stay in shared memory, where the oldest of each stream are overwritten, and the client's requests are not
+//! read. A status reports the number of lost messages. The protocol has no latching; instead, a stream that keeps its
+//! last message, such as static transforms, sends it at each subscription. A client can subscribe to a channel only
+//! once at a time, so that it does not take other clients' places among a stream's subscribers.
 
 use super::Shared;
 use super::advertisement::Advertiser;
@@ -24,14 +24,14 @@ use std::time::{Duration, Instant};
 use tungstenite::{Error, Message};
 
 const NAP: Duration = Duration::from_millis(50);
-/// Streams that a client may follow at a time.
+/// Most streams that a client may subscribe to at a time.
 const MAX_FOLLOWED: usize = 256;
-/// Channels that a client may publish on.
+/// Most channels that a client may publish on.
 const MAX_ADVERTISED: usize = 64;
 /// Time between two statuses about lost messages.
 const STATUS_INTERVAL: Duration = Duration::from_millis(2500);
 
-/// Opcodes of binary messages; a client's message has the same one as ours.
+/// Opcodes of binary messages. `MESSAGE` is used in both directions.
 const MESSAGE: u8 = 1;
 const TIME: u8 = 2;
 
@@ -56,7 +56,7 @@ struct Wanted {
     channel_id: u32,
 }
 
-/// What a client publishes.
+/// A channel that a client publishes on.
 #[derive(Debug, Deserialize)]
 struct ClientChannel {
     id: u32,
@@ -64,24 +64,24 @@ struct ClientChannel {
     encoding: String,
 }
 
-/// A subscription of the client's.
+/// A subscription of the client.
 struct Subscription {
-    /// The client's number.
+    /// The number that the client has given it.
     id: u32,
     /// The number of its channel.
     channel: u32,
     ros: RosStream,
-    /// Of each stream of the channel.
+    /// Subscribers of the channel's streams.
     subscribers: Vec<Subscriber>,
 }
 
 impl Subscription {
-    /// Whether only the newest counts: of pictures and clouds, as opposed to messages of which each does.
+    /// Returns true for images and clouds, of which only the newest is sent. All other messages are sent.
     fn is_large(&self) -> bool {
         matches!(self.ros.message_type.name, "sensor_msgs/Image" | "sensor_msgs/PointCloud2")
     }
 
-    /// Follows the streams that its channel has now, and no others.
+    /// Subscribes to exactly the streams that its channel has now.
     fn follow(&mut self, node: &Node, channel: &Channel) -> Result<(), String> {
         self.subscribers.retain(|subscriber| channel.topics.contains(subscriber.topic()));
         for topic in &channel.topics {
@@ -93,7 +93,7 @@ impl Subscription {
     }
 }
 
-/// A client that is connected.
+/// A connected client.
 pub(super) struct Foxglove<'a> {
     shared: &'a Shared,
     socket: Socket,
@@ -101,9 +101,9 @@ pub(super) struct Foxglove<'a> {
     channels: Channels,
     listed: Option<u64>,
     subscriptions: Vec<Subscription>,
-    /// Of the simulation; the client's time is what it says.
+    /// The simulation's clock, which sets the client's time.
     clock: Option<Subscriber>,
-    told_ns: Option<u64>,
+    sent_ns: Option<u64>,
     published: BTreeMap<u32, ClientChannel>,
     drivers: Drivers,
     parameters: Followed,
@@ -113,7 +113,7 @@ pub(super) struct Foxglove<'a> {
 }
 
 impl<'a> Foxglove<'a> {
-    /// Who speaks the protocol of this name.
+    /// Creates a client that uses this version of the protocol.
     pub(super) fn new(shared: &'a Shared, socket: Socket, protocol: &str) -> Self {
         Self {
             advertiser: Advertiser::new(protocol),
@@ -123,7 +123,7 @@ impl<'a> Foxglove<'a> {
             channels: Channels::default(),
             listed: None,
             subscriptions: Vec::new(),
-            told_ns: None,
+            sent_ns: None,
             published: BTreeMap::new(),
             drivers: Drivers::default(),
             parameters: Followed::default(),
@@ -133,10 +133,10 @@ impl<'a> Foxglove<'a> {
         }
     }
 
-    /// Serves it until it goes.
+    /// Serves the client until it disconnects.
     ///
     /// # Errors
-    /// How it went.
+    /// The reason why the connection ended.
     pub(super) fn serve(mut self) -> Result<(), Error> {
         self.say(&json!({
             "op": "serverInfo",
@@ -149,10 +149,10 @@ impl<'a> Foxglove<'a> {
         while !self.shared.is_stopping() {
             self.socket.keep_alive(Instant::now())?;
             if !self.socket.has_unsent() {
-                self.tell_of_channels()?;
+                self.send_channels()?;
             }
             if !self.socket.has_unsent() {
-                self.tell_of_parameters()?;
+                self.send_parameters()?;
             }
             let followed = self.subscriptions.iter_mut().flat_map(|known| &mut known.subscribers);
             wait(&self.socket, None, followed.chain(self.clock.as_mut()), NAP);
@@ -165,14 +165,14 @@ impl<'a> Foxglove<'a> {
                 self.send_frames()?;
             }
             if !self.socket.has_unsent() {
-                self.tell_of_losses()?;
+                self.send_losses()?;
             }
         }
         Ok(())
     }
 
-    /// Tells of channels that came and went, and follows the streams that those have now that the client has subscribed to.
-    fn tell_of_channels(&mut self) -> Result<(), Error> {
+    /// Announces added and removed channels, and updates the streams of the client's subscriptions.
+    fn send_channels(&mut self) -> Result<(), Error> {
         let (edition, streams) = self.shared.listing.now();
         if self.listed == Some(edition) {
             return Ok(());
@@ -196,8 +196,8 @@ impl<'a> Foxglove<'a> {
         refused.map_or(Ok(()), |reason| self.status(1, &reason))
     }
 
-    /// Sends the values of followed parameters that have changed.
-    fn tell_of_parameters(&mut self) -> Result<(), Error> {
+    /// Sends the values of the client's subscribed parameters that have changed.
+    fn send_parameters(&mut self) -> Result<(), Error> {
         let changes = self.shared.parameters.changes(&mut self.parameters);
         if changes.is_empty() {
             return Ok(());
@@ -210,13 +210,13 @@ impl<'a> Foxglove<'a> {
             Said::Binary(bytes) => self.take_message(bytes),
             Said::Text(text) => match serde_json::from_str(text) {
                 Ok(request) => self.answer(request)?,
-                Err(error) => Err(format!("this is not understood: {error}")),
+                Err(error) => Err(format!("this request is not understood: {error}")),
             },
         };
         done.or_else(|reason| self.status(1, &reason))
     }
 
-    /// What is refused is an inner error; an outer one, that the client has gone.
+    /// Answers a request. The inner error is a refusal; the outer one means that the client has disconnected.
     fn answer(&mut self, request: Request) -> Result<Result<(), String>, Error> {
         match request {
             Request::Subscribe { subscriptions } => {
@@ -275,7 +275,7 @@ impl<'a> Foxglove<'a> {
         }
         let followed: usize = self.subscriptions.iter().map(|known| known.subscribers.len()).sum();
         if followed + channel.topics.len() > MAX_FOLLOWED {
-            return Err(format!("at most {MAX_FOLLOWED} streams are followed for a client"));
+            return Err(format!("a client can subscribe to at most {MAX_FOLLOWED} streams"));
         }
         let ros = channel.ros.clone();
         let mut subscription =
@@ -285,14 +285,15 @@ impl<'a> Foxglove<'a> {
         Ok(())
     }
 
-    /// A message that the client publishes: velocities are taken.
+    /// Handles a message that the client publishes. Only velocities are accepted.
     fn take_message(&mut self, bytes: &[u8]) -> Result<(), String> {
         let wrong = || "this is not a message of a channel that was advertised".to_owned();
         let (&MESSAGE, rest) = bytes.split_first().ok_or_else(wrong)? else { return Err(wrong()) };
         let (id, payload) = rest.split_first_chunk::<4>().ok_or_else(wrong)?;
         let channel = self.published.get(&u32::from_le_bytes(*id)).ok_or_else(wrong)?;
-        let Twist { linear, angular } = Twist::read(&channel.encoding, payload)
-            .map_err(|error| format!("what is sent on {} is no geometry_msgs/Twist{error}", channel.topic))?;
+        let Twist { linear, angular } = Twist::read(&channel.encoding, payload).map_err(|error| {
+            format!("the message on {} is not a geometry_msgs/Twist{error}", channel.topic)
+        })?;
         let (linear, angular) = (linear.array(), angular.array());
         let (_, streams) = self.shared.listing.now();
         self.drivers.drive(&self.shared.node, &streams, &channel.topic, linear, angular)
@@ -301,16 +302,16 @@ impl<'a> Foxglove<'a> {
     fn send_time(&mut self) -> Result<(), Error> {
         let newest = self.clock.as_mut().and_then(|clock| clock.take_newest().ok().flatten());
         match newest {
-            Some(frame) => self.tell_time(frame.header().stamp_ns),
+            Some(frame) => self.send_stamp(frame.header().stamp_ns),
             None => Ok(()),
         }
     }
 
-    fn tell_time(&mut self, now_ns: u64) -> Result<(), Error> {
-        if self.told_ns == Some(now_ns) {
+    fn send_stamp(&mut self, now_ns: u64) -> Result<(), Error> {
+        if self.sent_ns == Some(now_ns) {
             return Ok(());
         }
-        self.told_ns = Some(now_ns);
+        self.sent_ns = Some(now_ns);
         let mut message = vec![TIME];
         message.extend_from_slice(&now_ns.to_le_bytes());
         self.socket.send(Message::binary(message))
@@ -340,14 +341,15 @@ impl<'a> Foxglove<'a> {
 
     fn send_frame(&mut self, subscription: u32, ros: &RosStream, frame: &Frame) -> Result<(), Error> {
         self.lost += frame.missed();
-        // What has no message of ROS's is left out, as by the node for ROS.
+        // Frames without a ROS message are skipped, as by the ROS node.
         if ros.write(&frame.view(), &mut self.message).is_none() {
             return Ok(());
         }
         let stamp_ns = frame.header().stamp_ns;
-        // Nothing comes before its time; what was kept for who comes late does not turn it back.
-        if !frame.is_from_history() && self.told_ns.is_none_or(|told_ns| told_ns < stamp_ns) {
-            self.tell_time(stamp_ns)?;
+        // The time is sent before the frame. A frame from the history, for a new subscriber, does not set the time
+        // back.
+        if !frame.is_from_history() && self.sent_ns.is_none_or(|sent_ns| sent_ns < stamp_ns) {
+            self.send_stamp(stamp_ns)?;
         }
         let mut message = Vec::with_capacity(13 + self.message.len());
         message.push(MESSAGE);
@@ -357,14 +359,14 @@ impl<'a> Foxglove<'a> {
         self.socket.send(Message::binary(message))
     }
 
-    fn tell_of_losses(&mut self) -> Result<(), Error> {
+    fn send_losses(&mut self) -> Result<(), Error> {
         let now = Instant::now();
         if self.lost == 0 || now < self.next_status {
             return Ok(());
         }
         self.next_status = now + STATUS_INTERVAL;
         let lost = std::mem::take(&mut self.lost);
-        // Clients know these words and say what to do.
+        // Clients recognize these words and suggest a remedy.
         self.status(1, &format!("Send buffer limit reached: {lost} messages were left out"))
     }
 

@@ -1,49 +1,49 @@
-//! As much of HTTP/1.1 as a page needs: one request a connection, read within limits.
+//! The part of HTTP/1.1 that the page needs: one request per connection, read within limits.
 
 use std::io::{self, Read as _, Write as _};
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Longest head of a request.
+/// Longest head of a request, in bytes.
 const MAX_HEAD_BYTES: usize = 16 << 10;
 const MAX_HEADERS: usize = 64;
-/// Time for it to come, and for an answer to be taken.
+/// Longest time to receive a request, and to send an answer.
 const PATIENCE: Duration = Duration::from_secs(5);
-/// Longest sleep before it is looked whether all is to end.
+/// Longest sleep between two checks of the stop flag.
 const NAP: Duration = Duration::from_millis(50);
 
 /// The head of a request.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub(super) struct Request {
     pub(super) method: String,
-    /// Without what stands behind `?`, as it came: not decoded.
+    /// The path before `?`, not decoded.
     pub(super) path: String,
-    /// What stands behind `?`.
+    /// The query after `?`.
     pub(super) query: String,
     headers: Vec<(String, String)>,
 }
 
 impl Request {
-    /// A header, by its name in small letters.
+    /// Returns a header by its name in lower case.
     pub(super) fn header(&self, name: &str) -> Option<&str> {
         self.headers.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// A value of the query.
+    /// Returns a value of the query.
     pub(super) fn parameter(&self, name: &str) -> Option<&str> {
         self.query.split('&').find_map(|pair| pair.strip_prefix(name)?.strip_prefix('='))
     }
 
-    /// Whether it asks for a WebSocket.
+    /// Returns true if the request asks for a WebSocket.
     pub(super) fn is_upgrade(&self) -> bool {
         self.header("upgrade").is_some_and(|upgrade| upgrade.eq_ignore_ascii_case("websocket"))
     }
 
-    /// Reads it, unless `stop` says that all is to end.
+    /// Reads a request until it is complete or `stop` is set.
     ///
     /// # Errors
-    /// When the connection ends before it; as a status, when it cannot be answered otherwise.
+    /// If the connection ends early. The inner error is the status with which an invalid request is answered.
     pub(super) fn read(stream: &mut TcpStream, stop: &AtomicBool) -> io::Result<Result<Self, Status>> {
         let deadline = Instant::now() + PATIENCE;
         stream.set_write_timeout(Some(PATIENCE))?;
@@ -51,7 +51,7 @@ impl Request {
         let mut head = Vec::new();
         let mut part = [0; 2048];
         loop {
-            // However it comes: a byte now and then is no request, either.
+            // The deadline holds for the whole request, even if single bytes keep arriving.
             if Instant::now() >= deadline {
                 return Ok(Err(Status::TimedOut));
             }
@@ -70,7 +70,7 @@ impl Request {
         }
     }
 
-    /// Takes a head apart; none if it is not whole yet.
+    /// Parses a head. Returns `None` if it is not complete yet.
     pub(super) fn parse(head: &[u8]) -> Option<Result<Self, Status>> {
         let mut headers = [httparse::EMPTY_HEADER; MAX_HEADERS];
         let mut request = httparse::Request::new(&mut headers);
@@ -99,7 +99,7 @@ impl Request {
     }
 }
 
-/// How a request is answered.
+/// The status of an answer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Status {
     Ok,
@@ -129,12 +129,12 @@ impl Status {
     }
 }
 
-/// Answers, and ends the connection.
+/// Sends an answer, which ends the connection.
 pub(super) fn respond(stream: &mut TcpStream, status: Status, kind: &str, body: &[u8]) -> io::Result<()> {
     answer(stream, status, &format!("Content-Type: {kind}\r\n"), body)
 }
 
-/// Sends a browser elsewhere on this server.
+/// Redirects a browser to another address on this server.
 pub(super) fn redirect(stream: &mut TcpStream, target: &str) -> io::Result<()> {
     answer(stream, Status::Elsewhere, &format!("Location: {target}\r\n"), b"")
 }
@@ -153,7 +153,7 @@ fn answer(stream: &mut TcpStream, status: Status, header: &str, body: &[u8]) -> 
     stream.flush()
 }
 
-/// Begins an answer that goes on until the connection ends.
+/// Starts an answer that lasts until the connection ends.
 pub(super) fn begin(stream: &mut TcpStream, kind: &str) -> io::Result<()> {
     let head = format!(
         "HTTP/1.1 {}\r\nContent-Type: {kind}\r\nConnection: close\r\nCache-Control: no-store\r\n\
@@ -168,7 +168,7 @@ pub(super) fn refuse(stream: &mut TcpStream, status: Status, sentence: &str) -> 
     respond(stream, status, "text/plain; charset=utf-8", format!("{sentence}\n").as_bytes())
 }
 
-/// Agrees to a WebSocket, of this subprotocol if there is one.
+/// Accepts a WebSocket, with this subprotocol if there is one.
 pub(super) fn upgrade(stream: &mut TcpStream, request: &Request, protocol: Option<&str>) -> io::Result<()> {
     let key = request.header("sec-websocket-key").unwrap_or_default();
     let accept = accept_key(key);
@@ -181,11 +181,11 @@ pub(super) fn upgrade(stream: &mut TcpStream, request: &Request, protocol: Optio
     stream.flush()
 }
 
-/// The answer to a client's key (RFC 6455, 4.2.2): the SHA-1 of it and of a constant, in base 64.
+/// Returns the answer to a client's key (RFC 6455, 4.2.2): the SHA-1 of the key and a constant, in base 64.
 fn accept_key(key: &str) -> String {
     const ALPHABET: &[u8; 64] = b"ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
     let hash = sha1_smol::Sha1::from(format!("{key}258EAFA5-E914-47DA-95CA-C5AB0DC85B11")).digest().bytes();
-    // 20 bytes are six times three, and two more: 27 letters.
+    // 20 bytes are six groups of three and two more, which gives 27 characters.
     let mut text = String::with_capacity(28);
     for part in hash.chunks(3) {
         let word = part.iter().chain(&[0, 0]).take(3).fold(0_u32, |word, byte| word << 8 | u32::from(*byte));
@@ -202,7 +202,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_are_answered_as_the_standard_says() {
+    fn keys_are_answered_as_in_the_standard() {
         assert_eq!(accept_key("dGhlIHNhbXBsZSBub25jZQ=="), "s3pPLMBiTxaQ9kYGzzhZRbK+xOo=");
     }
 }

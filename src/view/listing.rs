@@ -1,10 +1,10 @@
-//! The streams of the domain, looked up by one thread for all clients.
+//! [`Listing`]: the streams of the domain, which one thread looks up for all clients.
 
 use belvedere_bridge::{Node, StreamInfo};
 use serde_json::{Value, json};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// The streams that there are.
+/// The current streams.
 #[derive(Debug)]
 pub(super) struct Listing {
     node: Node,
@@ -16,7 +16,7 @@ impl Listing {
         Self { node, now: Mutex::default() }
     }
 
-    /// Looks again. Streams without a publisher are those of consumers who wait, unless they lead to the simulator.
+    /// Looks up the streams again. Subscriber counts are cleared, so that they do not count as changes.
     pub(super) fn look(&self) {
         let streams = match self.node.streams() {
             Ok(streams) => streams,
@@ -33,13 +33,13 @@ impl Listing {
         }
     }
 
-    /// Its edition, another one after each change, and the streams.
+    /// Returns the edition, which increases with each change, and the streams.
     pub(super) fn now(&self) -> (u64, Arc<Vec<StreamInfo>>) {
         self.now.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
 }
 
-/// Streams as the page is told of them.
+/// Converts streams to the JSON that is sent to the page.
 pub(super) fn to_json(streams: &[StreamInfo]) -> Value {
     let streams = streams.iter().map(|stream| {
         json!({

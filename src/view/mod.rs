@@ -1,26 +1,26 @@
-//! A page in the browser that shows a simulation: a server on one port, of that page and of what it connects to.
+//! Shows a simulation on a page in the browser: a server on one port, for the page and its connections.
 //!
 //! | file | is |
 //! |---|---|
-//! | `serving` | connections, from their request to who answers them |
-//! | `connections` | how many there may be, and which one gives way |
-//! | `http` | requests and answers |
-//! | `access`, `peer` | who may look |
+//! | `serving` | accepts connections and dispatches their requests |
+//! | `connections` | limits of the number of connections |
+//! | `http` | HTTP requests and answers |
+//! | `access`, `peer` | access control |
 //! | `bundle` | the page's files |
-//! | `socket` | a WebSocket that keeps no thread waiting |
-//! | `waiting` | how a client's thread sleeps |
-//! | `foxglove`, `twist` | Foxglove's protocol, for whoever speaks it |
-//! | `channels`, `advertisement` | the topics of its clients, and how its versions make them known |
-//! | `parameters` | parameters of ROS, for its clients |
-//! | `assets` | files that robots name, for its clients |
-//! | `page` | what a page of ours says and is told |
-//! | `payload`, `pipe` | frames as that page takes them, and the way that they go |
-//! | `listing` | which streams there are |
-//! | `scene` | the models' shapes |
+//! | `socket` | a WebSocket that never blocks its thread |
+//! | `waiting` | the sleep of a client's thread |
+//! | `foxglove`, `twist` | Foxglove's protocol |
+//! | `channels`, `advertisement` | its topics, and their announcement in each version of the protocol |
+//! | `parameters` | ROS parameters, for its clients |
+//! | `assets` | files that robots refer to, for its clients |
+//! | `page` | the protocol of the page |
+//! | `payload`, `pipe` | the page's format of frames, and the connection for them |
+//! | `listing` | the list of streams |
+//! | `scene` | the shapes of the models |
 //! | `commander`, `drivers` | commands to the simulator and to robots |
 //!
-//! The server is one more consumer of the streams, in the simulator's process or beside it: each client has a thread and
-//! subscribers of its own, so that a slow one gets fewer frames and slows nobody.
+//! The server is an ordinary consumer of the streams, in the simulator's process or in another one. Each client has its
+//! own thread and its own subscribers, so a slow client gets fewer frames and does not slow down the others.
 
 mod access;
 mod advertisement;
@@ -63,19 +63,19 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// The port that Foxglove looks at.
+/// The default port of Foxglove.
 pub const DEFAULT_PORT: u16 = 8765;
-/// Time between two looks for streams.
+/// Interval at which streams are looked up.
 const LOOK: Duration = Duration::from_millis(500);
 
-/// Where is served, and to whom.
+/// Options of the server.
 #[derive(Debug, Clone)]
 pub struct ViewOptions {
     /// The address to listen at.
     pub address: IpAddr,
-    /// The port; 0 for any that is free.
+    /// The port; 0 for any free port.
     pub port: u16,
-    /// What a client has to know; made up if it is not given.
+    /// The token that a client must present; random if it is not given.
     pub token: Option<String>,
     /// Origins of other pages that may connect, such as Lichtblick's.
     pub origins: Vec<String>,
@@ -87,24 +87,24 @@ impl Default for ViewOptions {
     }
 }
 
-/// Why there is no server.
+/// The reason why the server cannot start.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum ViewError {
-    /// Somebody else listens there.
-    #[error("port {} of {} is in use, by another view perhaps; choose another with --port, or --port 0 for any that is free", .0.port(), .0.ip())]
+    /// Another program listens on the port.
+    #[error("port {} of {} is in use, perhaps by another view; choose another with --port, or --port 0 for any free port", .0.port(), .0.ip())]
     PortInUse(SocketAddr),
-    /// No such address, no right, or no random numbers.
+    /// The address does not exist, permission is denied, or the system provides no random numbers.
     #[error("cannot serve a page at {address}: {source}")]
     Io {
-        /// Where.
+        /// The address.
         address: SocketAddr,
-        /// Why.
+        /// The system's error.
         source: io::Error,
     },
 }
 
-/// What all clients share.
+/// The state shared by all clients.
 struct Shared {
     node: Node,
     access: Access,
@@ -113,9 +113,9 @@ struct Shared {
     parameters: Parameters,
     assets: Mutex<Assets>,
     pipes: Pipes,
-    /// Of a recording that is played.
+    /// The timeline of the recording that is played, if any.
     timeline: OnceLock<Arc<Timeline>>,
-    /// Another one for each server.
+    /// Unique for each server.
     session: String,
     stop: AtomicBool,
     connections: Arc<Connections>,
@@ -126,7 +126,7 @@ impl Shared {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// What is in the file that a client calls so, or why it is not given.
+    /// Returns the contents of the file with this name, or a message with the reason why not.
     fn asset(&self, name: &str) -> Result<Vec<u8>, String> {
         let assets = || self.assets.lock().unwrap_or_else(PoisonError::into_inner);
         let Some(path) = assets().path(name) else {
@@ -137,7 +137,7 @@ impl Shared {
     }
 }
 
-/// A server that runs; [`ViewServer::stop`] ends it, and so does dropping it.
+/// A running server. [`ViewServer::stop`] or dropping it ends it.
 pub struct ViewServer {
     shared: Arc<Shared>,
     url: String,
@@ -146,7 +146,7 @@ pub struct ViewServer {
 }
 
 impl ViewServer {
-    /// Begins to serve what is published in the node's domain.
+    /// Starts to serve the streams of the node's domain.
     ///
     /// # Errors
     /// [`ViewError`].
@@ -192,46 +192,45 @@ impl ViewServer {
         Ok(())
     }
 
-    /// The address of the page, with the token.
+    /// Returns the address of the page, with the token.
     pub fn url(&self) -> &str {
         &self.url
     }
 
-    /// An address that opens the page once, for a browser of this user's: among its arguments, which other users of the
-    /// machine can read, the token would let them in.
+    /// Returns an address that opens the page once, for this user's browser. Other users of the machine can read the
+    /// browser's arguments, and the token in them would give them access.
     pub fn opening_url(&self) -> &str {
         &self.opening_url
     }
 
-    /// Shows these models from now on: a binary glTF file.
+    /// Sets the models that are shown, as a binary glTF file.
     pub fn set_scene(&self, glb: Vec<u8>) {
         self.shared.scene.set(glb);
     }
 
-    /// Tells Foxglove's clients of a robot: a plain URDF, which is the parameter `/robot_description`, or
-    /// `/NAMESPACE/robot_description`.
-    /// They are given its meshes when they ask for them by the names that they find in it.
+    /// Publishes a robot's description, a plain URDF, to Foxglove clients as the parameter `/robot_description` or
+    /// `/NAMESPACE/robot_description`. Clients can request its meshes by the names that they find in it.
     pub fn set_robot_description(&self, namespace: &str, urdf: &str) {
         let urdf = self.shared.assets.lock().unwrap_or_else(PoisonError::into_inner).rename(urdf);
         self.shared.parameters.set(robot_description(namespace), Some(Value::String(urdf)));
     }
 
-    /// Whether the robot of a namespace is described.
+    /// Returns true if there is a description of the robot in a namespace.
     pub fn has_robot_description(&self, namespace: &str) -> bool {
         self.shared.parameters.has(&robot_description(namespace))
     }
 
-    /// Takes back the description of a robot that is gone.
+    /// Removes the description of a deleted robot.
     pub fn remove_robot_description(&self, namespace: &str) {
         self.shared.parameters.set(robot_description(namespace), None);
     }
 
-    /// Shows where a recording is that is played, and has pages seek in it. A second one is not taken.
+    /// Shows the position of the recording that is played, and lets pages seek in it. Only the first timeline is used.
     pub fn set_timeline(&self, timeline: Arc<Timeline>) {
         let _ = self.shared.timeline.set(timeline);
     }
 
-    /// Ends it.
+    /// Stops the server.
     pub fn stop(self) {
         drop(self);
     }
@@ -241,7 +240,7 @@ impl Drop for ViewServer {
     fn drop(&mut self) {
         self.shared.stop.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {
-            // One that panicked has said so.
+            // A panic of the thread has already been reported.
             let _ = thread.join();
         }
     }

@@ -1,15 +1,18 @@
-//! A page of ours: it asks for each frame, so that a slow one gets fewer, and what no panel shows is not rendered.
+//! The protocol of the page. It requests each frame, so that a slow page gets fewer, and streams that no panel shows
+//! are not rendered.
 //!
-//! | the page says | which means |
+//! | message of the page | meaning |
 //! |---|---|
-//! | `{"op":"next","topic":T,"frames":N}` | send the next frame of T, the newest if it waits already; or the next two |
-//! | `{"op":"stop","topic":T}` | follow T no more |
+//! | `{"op":"next","topic":T,"frames":N}` | send the next frame of T, or the next two; if frames already wait, the newest |
+//! | `{"op":"stop","topic":T}` | unsubscribe from T |
 //! | `{"op":"control","id":N,"operation":O,…}` | do what `belvedere control` does; the answer is a `result` with the same id |
-//! | `{"op":"seek","position":S}` | go on at so many seconds after the beginning of the recording |
-//! | `{"op":"rate","rate":R}` | play so many recorded seconds in a second |
+//! | `{"op":"seek","position":S}` | continue at S seconds after the beginning of the recording |
+//! | `{"op":"rate","rate":R}` | play the recording at R times real time |
 //! | `{"op":"drive","topic":T,"linear":[x,y,z],"angular":[x,y,z]}` | a velocity command |
 //!
-//! It is told what it is called (`page`), so that it can have frames sent faster ([`super::pipe`]), of streams (`streams`), of the scene's edition (`scene`), of where a recording is (`timeline`), of results, and of what went wrong (`status`).
+//! The server sends the page's name (`page`), so that it can open a faster connection for frames ([`super::pipe`]), the
+//! streams (`streams`), the scene's edition (`scene`), the position in a recording (`timeline`), results of commands,
+//! and problems (`status`).
 
 use super::Shared;
 use super::commander::{Commander, Order};
@@ -26,21 +29,22 @@ use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 use tungstenite::{Error, Message};
 
-/// How long is waited for somebody to say something.
+/// Longest sleep without any event.
 const NAP: Duration = Duration::from_millis(50);
-/// The same while an answer of the simulator is on its way.
+/// Longest sleep while an answer of the simulator is awaited.
 const SHORT_NAP: Duration = Duration::from_millis(4);
-/// A page that has not asked for so long, a hidden one, follows the stream no more.
+/// Time after which a page that requests no more frames of a stream, for example a hidden page, is unsubscribed from
+/// it.
 const FORGOTTEN: Duration = Duration::from_secs(3);
-/// Time between two words on where a recording is.
+/// Shortest time between two messages about the position in a recording.
 const PLAYHEAD_INTERVAL: Duration = Duration::from_millis(100);
-/// Frames of a stream that a page may have asked for: with one, its next would wait until it was asked for, which on a busy
-/// machine takes as long as a frame.
+/// Most frames of a stream that a page may have requested. With only one, the next frame would wait for its request,
+/// which on a busy machine takes as long as a frame.
 const MAX_AHEAD: u8 = 2;
-/// Streams that a page may follow at a time.
+/// Most streams that a page may subscribe to at a time.
 const MAX_FOLLOWED: usize = 64;
 
-/// What a page may have done.
+/// The operations that a page may request.
 const OPERATIONS: [Operation; 7] = [
     Operation::Pause,
     Operation::Resume,
@@ -82,25 +86,25 @@ fn one() -> u8 {
     1
 }
 
-/// A stream that a page follows.
+/// A stream that a page subscribes to.
 struct Followed {
     subscriber: Subscriber,
-    /// For so many frames the page waits.
+    /// Number of frames that the page has requested and not received.
     wanted: u8,
     asked: Instant,
 }
 
-/// A page that is connected.
+/// A connected page.
 pub(super) struct Page<'a> {
     shared: &'a Shared,
-    /// What it is called.
+    /// Its name.
     name: String,
     socket: Socket,
-    /// For frames; without it they go by the socket.
+    /// The connection for frames. Without it, frames are sent through the socket.
     pipe: Option<Pipe>,
     followed: Vec<Followed>,
     commander: Option<Commander>,
-    /// Answers that are on their way.
+    /// Number of commands without an answer yet.
     awaited: usize,
     drivers: Drivers,
     streams: Option<u64>,
@@ -127,17 +131,17 @@ impl<'a> Page<'a> {
         }
     }
 
-    /// Serves it until it goes.
+    /// Serves the page until it disconnects.
     ///
     /// # Errors
-    /// How it went.
+    /// The reason why the connection ended.
     pub(super) fn serve(mut self) -> Result<(), Error> {
         self.shared.pipes.expect(&self.name);
         self.say(&json!({ "op": "page", "name": self.name }))?;
         while !self.shared.is_stopping() {
             self.socket.keep_alive(Instant::now())?;
             if !self.socket.has_unsent() {
-                self.tell_of_changes()?;
+                self.send_changes()?;
             }
             self.wait();
             self.socket.flush()?;
@@ -156,7 +160,7 @@ impl<'a> Page<'a> {
         Ok(())
     }
 
-    /// Sleeps until the page says something, or there is something for it.
+    /// Sleeps until the page sends a message, or there is a frame for it.
     fn wait(&mut self) {
         let wanted = self.followed.iter_mut().filter(|followed| followed.wanted > 0);
         let nap = if self.awaited > 0 { SHORT_NAP } else { NAP };
@@ -181,7 +185,7 @@ impl<'a> Page<'a> {
                 let (_, streams) = self.shared.listing.now();
                 self.drivers.drive(&self.shared.node, &streams, &topic, linear, angular)
             }
-            Err(error) => Err(format!("what the page said is not understood: {error}")),
+            Err(error) => Err(format!("the page's message is not understood: {error}")),
         };
         done.or_else(|reason| self.complain(&reason))
     }
@@ -207,19 +211,19 @@ impl<'a> Page<'a> {
         let timeline = self.shared.timeline.get();
         timeline
             .map(|timeline| &**timeline)
-            .ok_or_else(|| "this is no recording: it has no time line".to_owned())
+            .ok_or_else(|| "this is not a recording: it has no time line".to_owned())
     }
 
     fn seek(&self, position: f64) -> Result<(), String> {
         let sought = Duration::try_from_secs_f64(position.max(0.0));
-        let sought = sought.map_err(|_| format!("{position} is no place of a recording"))?;
+        let sought = sought.map_err(|_| format!("{position} is not a position in a recording"))?;
         self.timeline()?.seek(sought);
         Ok(())
     }
 
     fn control(&mut self, order: Order) -> Result<(), String> {
         if !OPERATIONS.iter().any(|known| known.as_str() == order.operation) {
-            return Err(format!("a page may not have '{}' done", order.operation));
+            return Err(format!("a page may not request '{}'", order.operation));
         }
         if self.commander.is_none() {
             self.commander = Some(Commander::start(&self.shared.node).map_err(|error| error.to_string())?);
@@ -256,7 +260,7 @@ impl<'a> Page<'a> {
                     drop(frame);
                     followed.wanted -= 1;
                     followed.asked = now;
-                    // A page that has let go of it asks again.
+                    // A page that has closed the connection opens it again.
                     if self.pipe.as_mut().is_some_and(|pipe| pipe.send(&message).is_err()) {
                         self.pipe = None;
                     } else if self.pipe.is_none() {
@@ -273,8 +277,8 @@ impl<'a> Page<'a> {
         failed.map_or(Ok(()), |reason| self.complain(&reason))
     }
 
-    /// Tells of streams and of the scene when they are others than before.
-    fn tell_of_changes(&mut self) -> Result<(), Error> {
+    /// Sends the streams, the scene's edition and the position in a recording, if they have changed.
+    fn send_changes(&mut self) -> Result<(), Error> {
         let (edition, streams) = self.shared.listing.now();
         if self.streams != Some(edition) {
             self.streams = Some(edition);

@@ -1,4 +1,4 @@
-//! Parameters of ROS, as clients of Foxglove's protocol are told of them: the descriptions of robots come and go with these.
+//! [`Parameters`]: ROS parameters for Foxglove clients, among them the descriptions of robots.
 
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, BTreeSet};
@@ -10,12 +10,12 @@ pub(super) struct Parameters(Mutex<State>);
 
 #[derive(Debug, Default)]
 struct State {
-    /// By their names: the edition in which each was changed, and its value; none of one that is gone.
+    /// By name: the edition of the last change, and the value, which is `None` if the parameter was removed.
     known: BTreeMap<String, (u64, Option<Value>)>,
     edition: u64,
 }
 
-/// Parameters whose changes a client is told of.
+/// The parameters whose changes a client subscribes to.
 #[derive(Debug, Default)]
 pub(super) struct Followed {
     names: BTreeSet<String>,
@@ -24,7 +24,7 @@ pub(super) struct Followed {
 }
 
 impl Parameters {
-    /// Returns those that never change.
+    /// Creates the parameters that never change.
     pub(super) fn new() -> Self {
         let parameters = Self(Mutex::default());
         parameters.set("/use_sim_time".to_owned(), Some(Value::Bool(true)));
@@ -35,7 +35,7 @@ impl Parameters {
         self.0.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Gives a parameter this value, or takes it away.
+    /// Sets a parameter to this value, or removes it.
     pub(super) fn set(&self, name: String, value: Option<Value>) {
         let mut state = self.state();
         state.edition += 1;
@@ -43,12 +43,12 @@ impl Parameters {
         state.known.insert(name, (edition, value));
     }
 
-    /// Whether there is a parameter of this name.
+    /// Returns true if there is a parameter with this name.
     pub(super) fn has(&self, name: &str) -> bool {
         self.state().known.get(name).is_some_and(|(_, value)| value.is_some())
     }
 
-    /// Returns the parameters of these names that there are, or all if no name is given.
+    /// Returns the parameters with these names, or all if no name is given.
     pub(super) fn values(&self, names: &[String]) -> Vec<Value> {
         let state = self.state();
         let wanted = state.known.iter().filter(|(name, _)| names.is_empty() || names.contains(name));
@@ -57,7 +57,7 @@ impl Parameters {
             .collect()
     }
 
-    /// Returns what has changed of the followed ones since this was called last. Those that are gone have no value.
+    /// Returns the subscribed parameters that have changed since the last call. Removed ones have no value.
     pub(super) fn changes(&self, followed: &mut Followed) -> Vec<Value> {
         let state = self.state();
         let before = std::mem::replace(&mut followed.edition, state.edition);
@@ -80,13 +80,13 @@ impl Followed {
         self.is_all || self.names.contains(name)
     }
 
-    /// Follows the parameters of these names, or all if no name is given.
+    /// Subscribes to the parameters with these names, or to all if no name is given.
     pub(super) fn follow(&mut self, names: Vec<String>) {
         self.is_all |= names.is_empty();
         self.names.extend(names);
     }
 
-    /// Follows the parameters of these names no longer, or none if no name is given.
+    /// Unsubscribes from the parameters with these names, or from all if no name is given.
     pub(super) fn leave(&mut self, names: &[String]) {
         if names.is_empty() {
             (self.is_all, self.names) = (false, BTreeSet::new());
@@ -100,7 +100,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn changes_are_told_once_to_those_who_follow() {
+    fn changes_are_reported_once_to_subscribed_clients() {
         let parameters = Parameters::new();
         let (mut one, mut all, mut nothing) = (Followed::default(), Followed::default(), Followed::default());
         one.follow(vec!["/a".into()]);
@@ -108,8 +108,8 @@ mod tests {
         parameters.set("/a".into(), Some(json!(1)));
         parameters.set("/b".into(), Some(json!(2)));
         let (a, b) = (json!({ "name": "/a", "value": 1 }), json!({ "name": "/b", "value": 2 }));
-        let told = parameters.changes(&mut one);
-        assert!(told.len() == 1 && told[0] == a, "{told:?}");
+        let changes = parameters.changes(&mut one);
+        assert!(changes.len() == 1 && changes[0] == a, "{changes:?}");
         assert_eq!(parameters.changes(&mut all)[..2], [a.clone(), b]);
         assert_eq!(parameters.changes(&mut nothing), [] as [Value; 0]);
         assert_eq!(parameters.values(&["/a".into()]), [a]);

@@ -1,20 +1,20 @@
-//! Frames as the page takes them: a length, an object of JSON that describes them, and bytes.
+//! The page's format of frames: a length, a JSON object that describes the frame, and bytes.
 //!
 //! | bytes | are |
 //! |---|---|
-//! | 4 | length of the JSON, little-endian; it ends with spaces, so that what follows begins at a multiple of 8 |
-//! | length | `topic`, `kind`, `encoding`, `stamp` in ns, `sentMs` since 1970, `width`, `height`, `rowStride`, `elemStride`, the pose `position`, `orientation` of the sensor's own axes in the world, and what the kind has |
-//! | the rest | the payload as in shared memory, but for depths in metres and points |
+//! | 4 | length of the JSON, little-endian; spaces at its end let the payload begin at a multiple of 8 |
+//! | length | `topic`, `kind`, `encoding`, `stamp` in ns, `sentMs` since 1970, `width`, `height`, `rowStride`, `elemStride`, the pose `position`, `orientation` of the sensor's own axes in the world, and the fields of the kind |
+//! | the rest | the payload as in shared memory, except for depths in metres and points |
 //!
-//! Depths in metres become 16-bit millimetres, 0 for none and 65535 for beyond the range: a quarter of what the page needs to
-//! receive, in steps that no sensor's noise shows; `streamEncoding` is then the stream's own. Points become 16 bytes each, x, y, z as f32 and either red, green, blue,
-//! 255 or the intensity as f32; those that are none are left out.
+//! Depths in metres become 16-bit millimetres, 0 for none and 65535 for beyond the range. This halves the data, in
+//! steps that are finer than any sensor's noise. `streamEncoding` is then the stream's original encoding. Points become
+//! 16 bytes each: x, y, z as f32, and either red, green, blue, 255 or the intensity as f32. Invalid points are omitted.
 
 use belvedere_bridge::{Encoding, FrameHeader, FrameView, Kind, clock};
 use serde_json::{Map, Value, json};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// A frame for the page.
+/// Encodes a frame for the page.
 pub(super) fn encode(topic: &str, frame: &FrameView<'_>, restarted: bool) -> Vec<u8> {
     let header = frame.header();
     let mut object = describe(topic, header);
@@ -33,7 +33,7 @@ pub(super) fn encode(topic: &str, frame: &FrameView<'_>, restarted: bool) -> Vec
             for row in frame.rows() {
                 out.extend(row.as_chunks::<4>().0.iter().flat_map(|depth| {
                     let millimetres = f32::from_le_bytes(*depth) * 1000.0;
-                    // A cast takes NaN to 0 and infinities to the ends.
+                    // The cast converts NaN to 0, and infinities to the ends of the range.
                     ((millimetres + 0.5) as u16).to_le_bytes()
                 }));
             }
@@ -78,7 +78,7 @@ fn describe(topic: &str, header: &FrameHeader) -> Map<String, Value> {
         ("position".to_owned(), json!(header.position)),
         ("orientation".to_owned(), json!(header.orientation)),
     ]);
-    // Clouds of lidars have none.
+    // Clouds of lidars have no intrinsics.
     if let Some(lens) = header.intrinsics().filter(|lens| lens.fx != 0.0) {
         let model = lens.model().map(|model| model.to_string());
         object.insert(
@@ -104,14 +104,14 @@ fn describe(topic: &str, header: &FrameHeader) -> Map<String, Value> {
     object
 }
 
-/// When a frame was sent, on the clock that a page has, too: milliseconds since 1970.
+/// Returns the time at which a frame was sent, on a clock that the page can read as well: milliseconds since 1970.
 fn sent_ms(header: &FrameHeader) -> f64 {
     let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     let age_ns = clock::mono_ns().saturating_sub(header.publish_mono_ns);
     now.as_secs_f64() * 1e3 - age_ns as f64 * 1e-6
 }
 
-/// JSON has no infinities.
+/// Returns `None` for infinities, which JSON does not have.
 fn finite(value: f32) -> Option<f32> {
     value.is_finite().then_some(value)
 }
@@ -171,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn points_are_those_that_are_there() {
+    fn invalid_points_are_omitted() {
         let mut header = FrameHeader::new(Kind::PointCloud, Encoding::XyzRgbF32);
         header.set_packed(2, 1);
         header.payload_len = 64;

@@ -1,18 +1,18 @@
-//! Which user of this machine is at the other end of a connection.
+//! Finds the user of this machine at the other end of a connection.
 
 use std::fs;
 use std::net::{IpAddr, SocketAddr, TcpStream};
 
-/// The number of the user whose process is at the other end; none if that is on another machine.
+/// Returns the id of the user whose process is at the other end, or `None` if that is on another machine.
 pub(super) fn user(stream: &TcpStream) -> Option<u32> {
     let (near, far) = (stream.local_addr().ok()?, stream.peer_addr().ok()?);
-    // A socket of IPv6 may be one end of a connection by IPv4.
+    // An IPv6 socket may be one end of an IPv4 connection.
     ["/proc/net/tcp", "/proc/net/tcp6"]
         .into_iter()
         .find_map(|table| owner(&fs::read_to_string(table).ok()?, far, near))
 }
 
-/// The owner of the connected socket with these ends, in one of the kernel's tables (proc(5)).
+/// Returns the owner of the connected socket with these ends, in one of the kernel's tables (proc(5)).
 fn owner(table: &str, local: SocketAddr, remote: SocketAddr) -> Option<u32> {
     const ESTABLISHED: &str = "01";
     let plain = |address: SocketAddr| SocketAddr::new(address.ip().to_canonical(), address.port());
@@ -25,7 +25,7 @@ fn owner(table: &str, local: SocketAddr, remote: SocketAddr) -> Option<u32> {
     })
 }
 
-/// An address as the kernel writes it: `0100007F:1F90` is 127.0.0.1:8080 on a little-endian machine.
+/// Parses an address as the kernel writes it: `0100007F:1F90` is 127.0.0.1:8080 on a little-endian machine.
 fn address(text: &str) -> Option<SocketAddr> {
     let (ip, port) = text.split_once(':')?;
     let word = |at: usize| Some(u32::from_str_radix(ip.get(at..at + 8)?, 16).ok()?.to_ne_bytes());
@@ -51,7 +51,7 @@ mod tests {
     #[test]
     fn the_other_end_of_a_local_connection_is_this_users() {
         for listen in ["127.0.0.1:0", "[::]:0"] {
-            // A container may be without IPv6.
+            // A container may have no IPv6.
             let Ok(listener) = TcpListener::bind(listen) else { continue };
             let port = listener.local_addr().unwrap().port();
             let _near = TcpStream::connect(("127.0.0.1", port)).unwrap();
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn the_owner_is_that_of_the_very_socket() {
+    fn the_owner_is_found_by_both_ends() {
         let row = |local: &str, remote: &str, state: &str, user: u32| {
             format!(
                 "   0: {local} {remote} {state} 00000000:00000000 00:00000000 00000000 {user:5} 0 1 1 0\n"

@@ -1,5 +1,5 @@
-//! Frames on their way to a page: an answer of HTTP that does not end, which browsers take many times as fast as messages of a
-//! WebSocket. What the page says, and what it is told in words, goes by its WebSocket.
+//! [`Pipe`]: sends frames to a page in an HTTP answer that does not end, which browsers receive many times as fast as
+//! messages of a WebSocket. All other messages use the page's WebSocket.
 
 use super::http;
 use std::collections::HashMap;
@@ -8,20 +8,20 @@ use std::net::TcpStream;
 use std::os::fd::{AsFd as _, BorrowedFd};
 use std::sync::{Mutex, PoisonError};
 
-/// A connection that frames are sent on, each after its length in four bytes, little-endian.
+/// A connection for frames, each preceded by its length in four bytes, little-endian.
 #[derive(Debug)]
 pub(super) struct Pipe {
     stream: TcpStream,
-    /// A frame of which the first bytes have been sent.
+    /// Frames that are not sent yet; the first `sent` bytes are.
     unsent: Vec<u8>,
     sent: usize,
 }
 
 impl Pipe {
-    /// Begins the answer.
+    /// Starts the answer.
     ///
     /// # Errors
-    /// When the page has gone.
+    /// If the page has disconnected.
     pub(super) fn open(mut stream: TcpStream) -> io::Result<Self> {
         http::begin(&mut stream, "application/octet-stream")?;
         stream.set_nodelay(true)?;
@@ -29,20 +29,20 @@ impl Pipe {
         Ok(Self { stream, unsent: Vec::new(), sent: 0 })
     }
 
-    /// Sends, now or when there is room.
+    /// Sends a frame, now or when there is room.
     ///
     /// # Errors
-    /// When the page has gone.
+    /// If the page has disconnected.
     pub(super) fn send(&mut self, frame: &[u8]) -> io::Result<()> {
         self.unsent.extend_from_slice(&(frame.len() as u32).to_le_bytes());
         self.unsent.extend_from_slice(frame);
         self.flush()
     }
 
-    /// Sends what is left.
+    /// Sends the bytes that still wait.
     ///
     /// # Errors
-    /// When the page has gone.
+    /// If the page has disconnected.
     pub(super) fn flush(&mut self) -> io::Result<()> {
         while self.has_unsent() {
             match self.stream.write(&self.unsent[self.sent..]) {
@@ -58,7 +58,7 @@ impl Pipe {
         Ok(())
     }
 
-    /// Whether something waits for room.
+    /// Returns true if bytes wait for room.
     pub(super) fn has_unsent(&self) -> bool {
         self.sent < self.unsent.len()
     }
@@ -68,22 +68,22 @@ impl Pipe {
     }
 }
 
-/// Pages that are connected, by the names that they were given, with the pipes that they have brought since.
+/// The connected pages by name, with their new pipes that have not been taken yet.
 #[derive(Debug, Default)]
 pub(super) struct Pipes(Mutex<HashMap<String, Option<Pipe>>>);
 
 impl Pipes {
-    /// A page may bring one from now on.
+    /// Registers a page, which may open a pipe from now on.
     pub(super) fn expect(&self, page: &str) {
         self.with(|pages| pages.insert(page.to_owned(), None));
     }
 
-    /// Whether this page is there.
+    /// Returns true if this page is connected.
     pub(super) fn is_expected(&self, page: &str) -> bool {
         self.with(|pages| pages.contains_key(page))
     }
 
-    /// A page brings one; what it has brought before ends. It ends, too, if the page has gone meanwhile.
+    /// Adds a page's pipe, in place of an earlier one. If the page has disconnected, the pipe is closed.
     pub(super) fn bring(&self, page: &str, pipe: Pipe) {
         self.with(|pages| {
             if let Some(place) = pages.get_mut(page) {
@@ -92,12 +92,12 @@ impl Pipes {
         });
     }
 
-    /// What a page has brought since it was last asked.
+    /// Takes the pipe that a page has opened since the last call.
     pub(super) fn take(&self, page: &str) -> Option<Pipe> {
         self.with(|pages| pages.get_mut(page)?.take())
     }
 
-    /// A page has gone.
+    /// Removes a page that has disconnected.
     pub(super) fn forget(&self, page: &str) {
         self.with(|pages| pages.remove(page));
     }

@@ -1,8 +1,8 @@
-//! What there is to see, as the page fetches it.
+//! The scene that the page fetches.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A binary glTF file, another one after models came or went.
+/// A binary glTF file, with an edition that increases when it is replaced.
 #[derive(Debug, Default)]
 pub(super) struct Scene(Mutex<(u64, Arc<Vec<u8>>)>);
 
@@ -12,7 +12,7 @@ impl Scene {
         *now = (now.0 + 1, Arc::new(glb));
     }
 
-    /// 0 before there is one.
+    /// Returns the edition, 0 before there is a file.
     pub(super) fn edition(&self) -> u64 {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).0
     }

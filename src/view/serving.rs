@@ -1,4 +1,4 @@
-//! Connections, from their request to what answers them.
+//! Accepts connections and dispatches their requests.
 
 use super::access::random_token;
 use super::advertisement::{SUBPROTOCOLS, common_protocol};
@@ -16,10 +16,10 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// Longest sleep before it is looked whether all is to end.
+/// Longest sleep between two checks of the stop flag.
 const NAP: Duration = Duration::from_millis(50);
 
-/// Takes connections until all is to end, each in a thread of its own.
+/// Accepts connections until the server stops, and serves each in a thread of its own.
 pub(super) fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
     let mut threads: Vec<JoinHandle<()>> = Vec::new();
     while !shared.is_stopping() {
@@ -35,10 +35,10 @@ pub(super) fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
             Ok((stream, place))
         }) {
             Ok(accepted) => accepted,
-            // Who has gone meanwhile leaves nothing to be accepted.
+            // The client has disconnected meanwhile.
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => continue,
             Err(error) => {
-                tracing::debug!(%error, "a connection of the view is not taken");
+                tracing::debug!(%error, "a connection of the view could not be accepted");
                 std::thread::sleep(NAP);
                 continue;
             }
@@ -46,7 +46,7 @@ pub(super) fn accept(listener: &TcpListener, shared: &Arc<Shared>) {
         let own = shared.clone();
         let thread = std::thread::Builder::new().name("view client".into()).spawn(move || {
             if let Err(error) = serve(stream, &own, &place) {
-                tracing::debug!(%error, "a client of the view went");
+                tracing::debug!(%error, "a client of the view disconnected");
             }
         });
         match thread {
@@ -64,12 +64,12 @@ fn serve(mut stream: TcpStream, shared: &Shared, place: &Place) -> io::Result<()
     stream.set_nonblocking(false)?;
     let request = match Request::read(&mut stream, &shared.stop)? {
         Ok(request) => request,
-        Err(status) => return refuse(&mut stream, status, "this is not a request that is understood"),
+        Err(status) => return refuse(&mut stream, status, "this request is not understood"),
     };
     if request.method != "GET" {
         return refuse(&mut stream, Status::OtherMethod, "only GET is answered");
     }
-    // What is in every copy of the program is no secret; the page itself leads to what is.
+    // Files that are in every copy of the program are public. The page itself is not, because it leads to the data.
     let is_plain = request.path != "/" && bundle::file(&request.path).is_some() && !request.is_upgrade();
     if request.path == "/"
         && let Some(code) = request.parameter("code")
@@ -102,7 +102,7 @@ fn serve(mut stream: TcpStream, shared: &Shared, place: &Place) -> io::Result<()
     }
 }
 
-/// Hands a connection to the thread of the page that it is for.
+/// Passes a connection for frames on to the thread of its page.
 fn serve_frames(mut stream: TcpStream, request: &Request, shared: &Shared) -> io::Result<()> {
     let page = request.parameter("page").unwrap_or_default();
     if !shared.pipes.is_expected(page) {
@@ -119,7 +119,7 @@ fn serve_socket(mut stream: TcpStream, request: &Request, shared: &Shared, place
     let offered = request.header("sec-websocket-protocol");
     let protocol = offered.map(common_protocol);
     if protocol == Some(None) {
-        let sentence = format!("of subprotocols {} are spoken", SUBPROTOCOLS.join(" and "));
+        let sentence = format!("supported subprotocols: {}", SUBPROTOCOLS.join(", "));
         return refuse(&mut stream, Status::Bad, &sentence);
     }
     let protocol = protocol.flatten();

@@ -1,8 +1,9 @@
-//! A WebSocket that never keeps its thread waiting.
+//! [`Socket`]: a WebSocket that never blocks its thread.
 //!
-//! What a client has not taken yet is kept, and until it has taken it nothing more is read of what it says: so whoever asks and
-//! does not read waits for himself, and costs no memory. Who gives no sign of life for a minute is let go: a machine that was
-//! switched off says nothing, and its place would be taken for ever.
+//! Data that a client has not received yet is kept, and until it has received everything, none of its messages are
+//! read. So a client that sends requests but does not read delays only itself and costs no memory. A client that is
+//! silent for a minute is disconnected: a machine that was switched off sends nothing, and its place would otherwise be
+//! taken for ever.
 
 use super::http::Request;
 use std::io::{self, Read, Write};
@@ -12,28 +13,28 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::{Role, WebSocketConfig};
 use tungstenite::{Bytes, Error, Message, WebSocket};
 
-/// Longest message that a client may send.
+/// Longest message that a client may send, in bytes.
 const MAX_MESSAGE_BYTES: usize = 64 << 10;
-/// A client that has been silent for so long is asked whether it is there, as often.
+/// Time of silence after which a client is pinged, and the interval between pings.
 const QUIET: Duration = Duration::from_secs(20);
-/// One that has been silent for so long has gone.
+/// Time of silence after which a client counts as disconnected.
 const GONE: Duration = Duration::from_secs(60);
 
-/// What a client says.
+/// A message of a client.
 #[derive(Debug)]
 pub(super) enum Said {
     Text(String),
     Binary(Bytes),
 }
 
-/// The server's end.
+/// The server's end of a WebSocket.
 pub(super) struct Socket {
     web: WebSocket<Watched>,
     unsent: bool,
     asked: Instant,
 }
 
-/// A connection, and when its other end was last heard of.
+/// A connection, with the time of the last sign of life from its other end.
 struct Watched {
     stream: TcpStream,
     heard: Instant,
@@ -53,7 +54,7 @@ impl Write for Watched {
         let written = self.stream.write(bytes);
         match &written {
             Err(error) if error.kind() == io::ErrorKind::WouldBlock => self.is_full = true,
-            // There is room again, since the other end has taken something.
+            // There is room again, so the other end has received something.
             Ok(_) if self.is_full => (self.is_full, self.heard) = (false, Instant::now()),
             _ => {}
         }
@@ -66,7 +67,7 @@ impl Write for Watched {
 }
 
 impl Socket {
-    /// Of a connection that was upgraded.
+    /// Creates a socket from a connection that was upgraded.
     pub(super) fn new(stream: TcpStream) -> io::Result<Self> {
         stream.set_nodelay(true)?;
         stream.set_nonblocking(true)?;
@@ -80,16 +81,16 @@ impl Socket {
         Ok(Self { web, unsent: false, asked: now })
     }
 
-    /// What the client said, if it has said something, and has taken what was sent.
+    /// Reads the client's next message, if there is one and the client has received everything that was sent.
     ///
     /// # Errors
-    /// When it has gone, or said what cannot be understood.
+    /// If the client has disconnected, or sent invalid data.
     pub(super) fn read(&mut self) -> Result<Option<Said>, Error> {
         while !self.unsent {
             match self.web.read() {
                 Ok(Message::Text(text)) => return Ok(Some(Said::Text(text.as_str().to_owned()))),
                 Ok(Message::Binary(bytes)) => return Ok(Some(Said::Binary(bytes))),
-                // Answered by the library.
+                // The library has prepared the answer to a ping or close.
                 Ok(_) => self.flush()?,
                 Err(Error::Io(error)) if error.kind() == io::ErrorKind::WouldBlock => return Ok(None),
                 Err(error) => return Err(error),
@@ -98,10 +99,10 @@ impl Socket {
         Ok(None)
     }
 
-    /// Asks a silent client whether it is there.
+    /// Pings a silent client.
     ///
     /// # Errors
-    /// When it has been silent for too long, or has gone.
+    /// If the client has been silent for too long, or has disconnected.
     pub(super) fn keep_alive(&mut self, now: Instant) -> Result<(), Error> {
         let silent = now.saturating_duration_since(self.web.get_ref().heard);
         if silent >= GONE {
@@ -114,26 +115,26 @@ impl Socket {
         Ok(())
     }
 
-    /// Sends, now or when there is room.
+    /// Sends a message, now or when there is room.
     ///
     /// # Errors
-    /// When the client has gone.
+    /// If the client has disconnected.
     pub(super) fn send(&mut self, message: Message) -> Result<(), Error> {
         self.unsent = true;
         later(self.web.write(message))?;
         self.flush()
     }
 
-    /// Sends what is left of messages.
+    /// Sends the data that still waits.
     ///
     /// # Errors
-    /// When the client has gone.
+    /// If the client has disconnected.
     pub(super) fn flush(&mut self) -> Result<(), Error> {
         self.unsent = !later(self.web.flush())?;
         Ok(())
     }
 
-    /// Whether something waits for room.
+    /// Returns true if data waits for room.
     pub(super) fn has_unsent(&self) -> bool {
         self.unsent
     }
@@ -143,7 +144,7 @@ impl Socket {
     }
 }
 
-/// Whether it is done now.
+/// Returns false if the operation would block.
 fn later(done: Result<(), Error>) -> Result<bool, Error> {
     match done {
         Ok(()) => Ok(true),
@@ -152,7 +153,7 @@ fn later(done: Result<(), Error>) -> Result<bool, Error> {
     }
 }
 
-/// Whether a request has all that a WebSocket needs.
+/// Returns true if a request is a valid WebSocket handshake.
 pub(super) fn is_complete(request: &Request) -> bool {
     request.method == "GET"
         && request.header("sec-websocket-version") == Some("13")
@@ -164,7 +165,7 @@ mod tests {
     use super::*;
     use std::net::TcpListener;
 
-    /// The server's end, and a client's.
+    /// Returns the server's end and the client's end of a connection.
     fn ends() -> (Socket, WebSocket<TcpStream>) {
         let listener = TcpListener::bind("127.0.0.1:0").unwrap();
         let stream = TcpStream::connect(listener.local_addr().unwrap()).unwrap();
@@ -173,13 +174,13 @@ mod tests {
     }
 
     #[test]
-    fn a_silent_client_is_asked_and_then_let_go() {
+    fn a_silent_client_is_pinged_and_then_disconnected() {
         let (mut socket, mut client) = ends();
         let begun = Instant::now();
         socket.keep_alive(begun + QUIET).unwrap();
         socket.keep_alive(begun + QUIET + QUIET / 2).unwrap();
         assert_eq!(client.read().unwrap(), Message::Ping(Bytes::new()));
-        // The pong goes with what the client sends next.
+        // The pong is sent with the client's next message.
         client.flush().unwrap();
         while socket.web.get_ref().heard < begun + Duration::from_nanos(1) {
             assert!(socket.read().unwrap().is_none());
@@ -190,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_read_until_what_was_sent_is_taken() {
+    fn nothing_is_read_until_the_client_has_received_everything() {
         let (mut socket, mut client) = ends();
         client.send(Message::text("first")).unwrap();
         let large = vec![0; 16 << 20];

@@ -1,9 +1,9 @@
-//! Velocities as clients of Foxglove's protocol publish them.
+//! [`Twist`]: velocities that Foxglove clients publish.
 
 use bytemuck::pod_read_unaligned;
 use serde::Deserialize;
 
-/// `geometry_msgs/Twist`.
+/// A `geometry_msgs/Twist`.
 #[derive(Debug, Default, Deserialize)]
 #[serde(default)]
 pub(super) struct Twist {
@@ -32,10 +32,10 @@ impl From<[f64; 3]> for Xyz {
 }
 
 impl Twist {
-    /// From JSON, or from ROS 1's bytes.
+    /// Parses JSON or ROS 1 bytes.
     ///
     /// # Errors
-    /// Why it is none, after a colon, if there is more to say.
+    /// The end of a message: a colon and the reason, or nothing if the length is wrong.
     pub(super) fn read(encoding: &str, payload: &[u8]) -> Result<Self, String> {
         match encoding {
             "json" => serde_json::from_slice(payload).map_err(|error| format!(": {error}")),

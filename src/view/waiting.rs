@@ -1,4 +1,4 @@
-//! How a client's thread sleeps.
+//! The sleep of a client's thread.
 
 use super::pipe::Pipe;
 use super::socket::Socket;
@@ -6,8 +6,8 @@ use belvedere_bridge::Subscriber;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::time::Duration;
 
-/// Sleeps until the client says something, or one of these streams has something for it. While it does not take what was
-/// sent, by its socket or by `pipe`, the connection for frames, it is waited for that instead.
+/// Sleeps until the client sends a message, or one of these streams has a frame. While data still waits to be sent
+/// through the socket or `pipe`, the connection for frames, waits for room there instead of for frames.
 pub(super) fn wait<'a>(
     socket: &Socket,
     pipe: Option<&Pipe>,
@@ -21,13 +21,13 @@ pub(super) fn wait<'a>(
         fds.push(PollFd::from_borrowed_fd(pipe.descriptor(), PollFlags::OUT));
     }
     let unsent = socket.has_unsent() || full.is_some();
-    // While the client is slow, frames wait where they are, and the oldest give way.
+    // While the client is slow, frames stay in shared memory, where the oldest are overwritten.
     for subscriber in followed.filter(|_| !unsent) {
         if let Ok(readiness) = subscriber.readiness() {
             fds.push(PollFd::from_borrowed_fd(readiness, PollFlags::IN));
         }
     }
     let nap = Timespec { tv_sec: 0, tv_nsec: i64::from(at_most.subsec_nanos()) };
-    // Interrupted: looked at again at once.
+    // If the sleep is interrupted, the caller just checks again earlier.
     let _ = poll(&mut fds, Some(&nap));
 }

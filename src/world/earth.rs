@@ -1,18 +1,18 @@
-//! Positions of the world as degrees on WGS 84, and the standard atmosphere.
+//! Converts positions in the world to latitude and longitude on WGS 84; the standard atmosphere.
 
 use crate::description::model::Earth;
 use glam::{DMat3, DQuat, DVec3};
 
-/// Half axes of WGS 84 in metres: at the equator, and to the poles.
+/// Semi-axes of WGS 84 in metres: equatorial and polar.
 const EQUATOR_M: f64 = 6_378_137.0;
 const POLE_M: f64 = EQUATOR_M * (1.0 - 1.0 / 298.257_223_563);
 
-/// A place on the earth.
+/// A position on the earth.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Geodetic {
     /// Geodetic latitude in degrees.
     pub latitude_deg: f64,
-    /// Longitude in degrees, to the east.
+    /// Longitude in degrees, positive to the east.
     pub longitude_deg: f64,
     /// Height above the ellipsoid in metres.
     pub altitude_m: f64,
@@ -20,14 +20,14 @@ pub struct Geodetic {
 
 /// Returns the rotation from the world's axes to east, north and up.
 ///
-/// Gazebo classic has the two half a turn apart, so that its worlds need a heading of 180° to be right; so has
-/// `gazebo_compat`.
+/// Gazebo classic has the opposite convention, rotated by half a turn, so its worlds are correct with a heading of
+/// 180°. `gazebo_compat` does the same.
 pub fn enu_from_world(earth: &Earth, gazebo_compat: bool) -> DQuat {
     let half_turn = if gazebo_compat { std::f64::consts::PI } else { 0.0 };
     DQuat::from_rotation_z(half_turn + if gazebo_compat { -earth.heading_rad } else { earth.heading_rad })
 }
 
-/// Returns the place that is `enu` metres east, north and up of the world's origin.
+/// Returns the position that is `enu` metres east, north and up from the world's origin.
 pub fn geodetic(earth: &Earth, enu: DVec3) -> Geodetic {
     let (latitude, longitude) = (earth.latitude_deg.to_radians(), earth.longitude_deg.to_radians());
     let (sin_lat, cos_lat) = (libm::sin(latitude), libm::cos(latitude));
@@ -40,15 +40,16 @@ pub fn geodetic(earth: &Earth, enu: DVec3) -> Geodetic {
     from_centre(up * (of_ellipsoid + earth.elevation_m) + centre_from_enu * enu)
 }
 
-/// Radius of curvature across the meridian.
+/// Returns the radius of curvature across the meridian.
 fn cross_radius(sin_lat: f64, cos_lat: f64) -> f64 {
     EQUATOR_M * EQUATOR_M / libm::hypot(EQUATOR_M * cos_lat, POLE_M * sin_lat)
 }
 
-/// The place of a point whose coordinates are those of the earth's centre (z to the north pole, x to the prime meridian).
+/// Converts earth-centred coordinates (z to the north pole, x to the prime meridian).
 fn from_centre(point: DVec3) -> Geodetic {
     let across = libm::hypot(point.x, point.y);
-    // Bowring's first guess, by the reduced latitude, and his formula twice: beyond a double's digits within 10,000 km.
+    // Bowring's first guess from the reduced latitude, then his formula twice: exact in double precision within 10,000
+    // km.
     let (e2, second_e2) = (1.0 - (POLE_M / EQUATOR_M).powi(2), (EQUATOR_M / POLE_M).powi(2) - 1.0);
     let mut reduced = libm::atan2(point.z * EQUATOR_M, across * POLE_M);
     let mut latitude = 0.0;
@@ -61,7 +62,7 @@ fn from_centre(point: DVec3) -> Geodetic {
         reduced = libm::atan2(POLE_M * libm::sin(latitude), EQUATOR_M * libm::cos(latitude));
     }
     let (sin_lat, cos_lat) = (libm::sin(latitude), libm::cos(latitude));
-    // Of the distance from the ellipsoid's foot point, along the vertical: also at the poles.
+    // The distance from the foot point on the ellipsoid, along the vertical, which also works at the poles.
     let foot = cross_radius(sin_lat, cos_lat);
     let below = DVec3::new(foot * cos_lat, 0.0, foot * (1.0 - e2) * sin_lat);
     let altitude_m = (across - below.x) * cos_lat + (point.z - below.z) * sin_lat;
@@ -72,8 +73,8 @@ fn from_centre(point: DVec3) -> Geodetic {
     }
 }
 
-/// Layers of the U.S. Standard Atmosphere 1976: from which geopotential height on, in m, the temperature changes so fast, in
-/// K/m. Above 86 km, where the air unmixes and the standard goes on by other rules, the last holds for whatever flies there.
+/// Layers of the U.S. Standard Atmosphere 1976: the geopotential height in m at which each begins, and its temperature
+/// gradient in K/m. Above 86 km, where the air separates and the standard uses other rules, the last layer continues.
 const LAYERS: [(f64, f64); 8] = [
     (0.0, -0.0065),
     (11_000.0, 0.0),
@@ -85,7 +86,7 @@ const LAYERS: [(f64, f64); 8] = [
     (84_852.0, 0.0),
 ];
 
-/// Pressure in Pa at a height in m above sea level: U.S. Standard Atmosphere 1976.
+/// Returns the pressure in Pa at a height in m above sea level, from the U.S. Standard Atmosphere 1976.
 pub fn air_pressure_pa(height_m: f64) -> f64 {
     const EARTH_RADIUS_M: f64 = 6_356_766.0;
     // g·M/R of dry air in K/m.
@@ -113,9 +114,9 @@ pub fn air_pressure_pa(height_m: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// What gz-math's `SphericalCoordinates` told of positions about this origin.
+    /// Compares with results of gz-math's `SphericalCoordinates`.
     #[test]
-    fn places_are_those_of_gz_math() {
+    fn positions_equal_those_of_gz_math() {
         let earth = Earth {
             latitude_deg: 31.230_416,
             longitude_deg: 121.473_701,
@@ -139,19 +140,19 @@ mod tests {
 
     #[test]
     fn a_heading_turns_the_world_to_the_left() {
-        // x points north: 10 m of it are so many degrees of latitude on the equator.
+        // x points north: 10 m along it change the latitude by this angle on the equator.
         let earth = Earth { heading_rad: std::f64::consts::FRAC_PI_2, ..Earth::default() };
         let place = geodetic(&earth, enu_from_world(&earth, false) * DVec3::X * 10.0);
         assert!((place.latitude_deg - 0.000_090_436_947_704_967).abs() < 1e-13, "{place:?}");
         assert!(place.longitude_deg.abs() < 1e-13);
-        // Gazebo classic's worlds are right with 180°.
+        // Gazebo classic's worlds are correct with 180°.
         let classic = Earth { heading_rad: std::f64::consts::PI, ..Earth::default() };
         assert!((enu_from_world(&classic, true) * DVec3::X - DVec3::X).length() < 1e-12);
         assert!((enu_from_world(&Earth::default(), true) * DVec3::X + DVec3::X).length() < 1e-12);
     }
 
     #[test]
-    fn places_hold_near_the_poles_and_far_up() {
+    fn positions_are_exact_near_the_poles_and_at_great_heights() {
         for (latitude_deg, longitude_deg, elevation_m) in
             [(89.9999, 10.0, 100.0), (-90.0, 0.0, 2800.0), (0.0, 180.0, -400.0), (45.0, -77.0, 400e3)]
         {
@@ -162,7 +163,7 @@ mod tests {
         }
     }
 
-    /// The tables of the standard: heights above sea level, as geometric ones, and pressures.
+    /// From the standard's tables: geometric heights above sea level, and pressures.
     #[test]
     fn pressures_are_those_of_the_standard_atmosphere() {
         for (height_m, pressure_pa) in [
@@ -181,10 +182,10 @@ mod tests {
             (70_000.0, 5.2209),
             (80_000.0, 1.0524),
         ] {
-            // One in the last of the tables' five digits.
+            // One unit in the last of the tables' five digits.
             assert!((air_pressure_pa(height_m) / pressure_pa - 1.0).abs() < 1e-4, "{height_m} m");
         }
-        // No step at 86 km, and a number wherever something falls or flies to.
+        // No step at 86 km, and a finite value at any height.
         assert!((air_pressure_pa(86_001.0) / air_pressure_pa(85_999.0) - 1.0).abs() < 1e-3);
         for height_m in [-1e6, -5000.0, 2e5, 1e9] {
             assert!(air_pressure_pa(height_m).is_finite(), "{height_m} m");

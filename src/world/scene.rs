@@ -1,4 +1,4 @@
-//! What the sensors see of the world: its shapes, looks and lamps as a `sensors` scene, kept in step with physics.
+//! [`WorldScene`]: the world's shapes, materials and lights as a `sensors` scene, kept in step with physics.
 
 mod assembly;
 mod looks;
@@ -17,7 +17,7 @@ use belvedere_sensors::scene::{
 };
 use belvedere_sensors::{Moment, Pose};
 
-/// The bit of visibility of what no sensor sees.
+/// The visibility bit of shapes that no sensor sees.
 const HIDDEN: u32 = 1 << 31;
 
 /// The scene of a running world.
@@ -26,12 +26,12 @@ pub struct WorldScene {
     assembly: Assembly,
     stamp_ns: Option<u64>,
     edition: u64,
-    /// In the place of what the files say.
+    /// Replaces the looks in the files.
     looks: Option<Looks>,
 }
 
 impl WorldScene {
-    /// Builds the scene of a world, whose links stand where `physics` has them now.
+    /// Builds the scene of a world, with links at their current poses in `physics`.
     ///
     /// # Errors
     /// A shape that cannot be traced; the problem names its place in the file.
@@ -56,7 +56,7 @@ impl WorldScene {
         Ok(Self { assembly, stamp_ns: None, edition: 0, looks: None })
     }
 
-    /// Moves everything that moves to where it is at a time between the last two physics steps.
+    /// Moves all moving links to their poses at a time between the last two physics steps.
     pub fn move_to(&mut self, physics: &Physics, stamp_ns: u64) {
         if self.stamp_ns == Some(stamp_ns) {
             return;
@@ -67,7 +67,7 @@ impl WorldScene {
         }
     }
 
-    /// Takes over where physics has everything now, also what never moves by itself: after it was moved by hand.
+    /// Updates the poses of all links from physics, including static ones, after a model was moved by hand.
     pub fn replace(&mut self, physics: &Physics) {
         self.stamp_ns = None;
         for model in 0..self.assembly.placed.len() {
@@ -75,7 +75,7 @@ impl WorldScene {
         }
     }
 
-    /// The same of one model.
+    /// Like [`WorldScene::replace`], for one model.
     pub fn replace_model(&mut self, model: ModelIndex, physics: &Physics) {
         self.stamp_ns = None;
         for link in 0..self.assembly.placed.get(model).map_or(0, Vec::len) {
@@ -86,7 +86,7 @@ impl WorldScene {
     /// Adds a model whose frame is at `world_from_model`.
     ///
     /// # Errors
-    /// As [`WorldScene::new`]; nothing of it is seen then.
+    /// The errors of [`WorldScene::new`]; then no part of the model is added.
     pub fn add_model(
         &mut self,
         index: ModelIndex,
@@ -106,24 +106,24 @@ impl WorldScene {
         added
     }
 
-    /// Lets rays pass through shapes of a model, or no more.
+    /// Hides shapes of a model, so that rays pass through them, or shows them again.
     pub fn hide(&mut self, model: ModelIndex, shapes: &[ShapeIndex], hidden: bool) {
         for (link, part) in shapes {
             let seen = match part {
-                // Not 0, so that nothing else of the scene changes.
+                // Not 0, so that nothing else in the scene changes.
                 _ if hidden => HIDDEN,
                 Part::Visual(_) => visibility::VISUAL,
                 Part::Collision(_) => visibility::COLLISION,
             };
             let placed = of_link(&self.assembly.placed, (model, *link)).iter();
             for placed in placed.filter(|placed| placed.part == *part) {
-                // It is there.
+                // This cannot fail, because the instance exists.
                 let _ = self.assembly.builder.set_visibility(placed.instance, seen);
             }
         }
     }
 
-    /// Lets a model be seen no more. Its places and memory in the scene are used again.
+    /// Removes a model. Its places and memory in the scene are used again.
     pub fn remove_model(&mut self, index: ModelIndex) {
         self.edition += 1;
         self.looks = None;
@@ -131,13 +131,13 @@ impl WorldScene {
         let links = assembly.placed.get_mut(index).map(std::mem::take).unwrap_or_default();
         let mut gone: Vec<_> = links.into_iter().flatten().collect();
         assembly.fiducials.retain(|tag| gone.iter().all(|placed| placed.instance.0 != tag.instance));
-        // The last first: the places of the first are those that are used again first.
+        // Removed in reverse order, so that the first places are used again first.
         gone.sort_unstable_by_key(|placed| std::cmp::Reverse(placed.instance.0));
         for placed in &gone {
-            // It is there.
+            // This cannot fail, because the instance exists.
             let _ = assembly.builder.remove_instance(placed.instance);
         }
-        // What others use as well, or is gone already, is refused.
+        // Meshes and materials that others use, or that are already removed, are refused.
         for Placed { shape, material, .. } in gone {
             if let Shape::Mesh(mesh) = shape {
                 let _ = assembly.builder.remove_mesh(mesh);
@@ -148,22 +148,22 @@ impl WorldScene {
         }
     }
 
-    /// The moment at which everything is where it was moved last, and a sensor at `world_from_sensor`.
+    /// Returns the current moment of the scene, with a sensor at `world_from_sensor`.
     pub fn moment(&self, world_from_sensor: Pose) -> Moment<'_> {
         self.assembly.builder.moment(world_from_sensor)
     }
 
-    /// Where all instances are.
+    /// Returns the poses of all instances.
     pub fn poses(&self) -> &[Pose] {
         self.assembly.builder.poses()
     }
 
-    /// A number that is another one after models were added or taken out: instances are others then.
+    /// Returns a number that changes when models are added or removed, which changes the instances.
     pub fn edition(&self) -> u64 {
         self.edition
     }
 
-    /// Appends where all instances were at an earlier time, as far back as physics remembers.
+    /// Appends the poses of all instances at an earlier time, which must be within physics' history.
     pub fn poses_at(&self, physics: &Physics, time_ns: u64, poses: &mut Vec<Pose>) {
         let first = poses.len();
         poses.extend_from_slice(self.poses());
@@ -177,17 +177,17 @@ impl WorldScene {
         }
     }
 
-    /// The tags that there are, in the order in which they were added.
+    /// Returns all tags in the order in which they were added.
     pub fn fiducials(&self) -> &[PlacedFiducial] {
         &self.assembly.fiducials
     }
 
-    /// All that is seen, and where each instance stands now.
+    /// Returns the scene builder with the current poses.
     pub fn builder(&self) -> &SceneBuilder {
         &self.assembly.builder
     }
 
-    /// What was made of each link: its instances, and where they are in the frame of the link.
+    /// Returns the instances of each link, with their poses in the link's frame.
     pub fn parts(&self) -> impl Iterator<Item = (ModelIndex, LinkIndex, InstanceId, Pose)> + '_ {
         self.assembly.placed.iter().enumerate().flat_map(|(model, links)| {
             links.iter().enumerate().flat_map(move |(link, parts)| {
@@ -196,17 +196,17 @@ impl WorldScene {
         })
     }
 
-    /// What there is to see.
+    /// Returns the scene with its current looks.
     pub fn scene(&self) -> Scene<'_> {
         let scene = self.assembly.builder.scene();
-        // They were looked at when they came, and end when there are other materials.
+        // `set_looks` has checked the looks, and they are removed when the materials change.
         self.looks.as_ref().and_then(|looks| looks.on(scene).ok()).unwrap_or(scene)
     }
 
-    /// Lets everything look otherwise, or again as the files say, until a model is added or taken out.
+    /// Replaces the looks of everything, or restores those of the files, until a model is added or removed.
     ///
     /// # Errors
-    /// [`SceneError`] if there are not as many materials or lamps, or one of them cannot be.
+    /// [`SceneError`] if the number of materials or lights differs, or one of them is invalid.
     pub fn set_looks(&mut self, looks: Option<Looks>) -> Result<(), SceneError> {
         if let Some(looks) = &looks {
             looks.on(self.assembly.builder.scene())?;
@@ -216,14 +216,14 @@ impl WorldScene {
     }
 }
 
-/// A tag of a visual that is seen.
+/// A tag on a visual.
 #[derive(Debug, Clone)]
 pub struct PlacedFiducial {
-    /// Index of the instance that bears it.
+    /// Index of the instance that it is on.
     pub instance: u32,
-    /// Pose of its middle in the instance: x to the right and y up as one reads it, z towards the reader.
+    /// Pose of its centre in the instance: x to the right and y up as one reads it, z towards the reader.
     pub instance_from_fiducial: Pose,
-    /// As the file says: `tag36h11`, `qr`.
+    /// The family in the file, such as `tag36h11` or `qr`.
     pub family: String,
     /// Its number in the family.
     pub id: u32,

@@ -1,16 +1,16 @@
-"""Every link, picture and anchor of a built book leads somewhere in it: links.py FOLDER."""
+"""Checks that every link, picture and anchor of a built book has a target in the book: links.py FOLDER."""
 
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-# All pages on one, and a page for wherever there is none: their links are those of the pages, from another place.
+# A page with all pages, and the page for missing ones. Their links are those of the other pages, from another folder.
 NOT_PAGES = {"print.html", "404.html"}
 
 
 class Page(HTMLParser):
-    """The links of a page, and the names that others link to."""
+    """The links of a page, and the anchors that others can link to."""
 
     def __init__(self, path: Path) -> None:
         super().__init__()
@@ -19,7 +19,7 @@ class Page(HTMLParser):
         self.feed(path.read_text(encoding="utf-8"))
 
     def handle_starttag(self, tag: str, attrs: list) -> None:
-        """Keep what it leads to, or how it is called."""
+        """Collects the target of a link, or the name of an anchor."""
         for name, value in attrs:
             if name in ("href", "src") and value:
                 self.links.append(value)
@@ -44,7 +44,7 @@ for path, page in pages.items():
         if not is_there:
             broken.append(f"{path.relative_to(book)}: {link}")
 if broken:
-    sys.exit("links that lead nowhere:\n" + "\n".join(broken))
-print(f"{count} links of {len(pages)} pages lead somewhere")
+    sys.exit("links without a target:\n" + "\n".join(broken))
+print(f"{count} links of {len(pages)} pages have a target")
 assert count > 1000
 assert len(pages) > 50

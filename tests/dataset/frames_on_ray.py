@@ -1,4 +1,4 @@
-"""Frames by ray.data, from two actors of which one is killed while it works: the bytes of one process without Ray."""
+"""Frames by ray.data from two actors, one of which is killed meanwhile, equal those of one process without Ray."""
 
 import hashlib
 import os
@@ -16,7 +16,7 @@ killed: list[int] = []
 
 
 def hash_of(rows: dict) -> str:
-    """Of all columns but the number."""
+    """A hash of all columns except the number."""
     columns = sorted(name for name in rows if name != "id")
     return hashlib.sha256(b"".join(np.ascontiguousarray(rows[name]).tobytes() for name in columns)).hexdigest()
 
@@ -61,7 +61,7 @@ threading.Thread(target=kill_one, daemon=True).start()
 alone = frames_ray.Renderer(WORLD, SEED)
 numbers: list[int] = []
 for rows in frames_ray.frames(WORLD, COUNT, seed=SEED, actors=2).iter_batches(batch_size=64):
-    # The first frames are here, most are not.
+    # The first frames have arrived, most have not.
     begun.set()
     numbers += rows["id"].tolist()
     assert hash_of(rows) == hash_of(alone(rows)), f"other bytes in frames {rows['id'][0]} to {rows['id'][-1]}"

@@ -1,4 +1,4 @@
-"""A data set on two workers of Ray, one of which is killed while it works: the manifest is that of a single process."""
+"""A data set made by two workers of Ray, one of which is killed meanwhile, has the manifest of a single process."""
 
 import os
 import pathlib
@@ -20,14 +20,14 @@ def parent(process: int) -> int:
 
 
 def is_ours(process: int) -> bool:
-    """Whether this process is an ancestor of it."""
+    """Whether this process is an ancestor of the given one."""
     while process > 1 and process != os.getpid():
         process = parent(process)
     return process == os.getpid()
 
 
 def working() -> list[int]:
-    """The workers of our cluster that are making a shard: they have a child."""
+    """The workers of our cluster that are writing a shard; each has a child process."""
     processes = [int(path.name) for path in pathlib.Path("/proc").glob("[0-9]*")]
     found = []
     for process in processes:
@@ -63,7 +63,7 @@ assert killed, "no worker was killed"
 assert not killer.is_alive()
 ray.shutdown()
 ours, theirs = (pathlib.Path(folder, "manifest.json").read_bytes() for folder in (expected, out))
-assert ours == theirs, "the manifest is another one"
+assert ours == theirs, "the manifest differs"
 hidden = [path.name for path in pathlib.Path(out).iterdir() if path.name.startswith(".")]
 assert not hidden, f"left over: {hidden}"
 print(f"two workers of Ray {ray.__version__}, one killed (process {killed[0]}): the same manifest")

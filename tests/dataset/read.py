@@ -1,4 +1,4 @@
-"""A data set read by programs that others wrote: webdataset, pycocotools, numpy, Pillow."""
+"""Reads a data set with independent programs: webdataset, pycocotools, numpy, Pillow."""
 
 import hashlib
 import json
@@ -29,7 +29,7 @@ for sample in wds.WebDataset(urls, shardshuffle=False).decode("rgb8"):
     assert sample["rgb.instance.npy"].shape == size
     assert sample["rgb.instance.npy"].dtype == np.int32
     assert sample["rgb.flow_back.npy"].shape == (*size, 2)
-    # A pixel shows something if and only if it has a depth that is finite, and a class.
+    # A pixel shows an object if and only if it has a finite depth and a class.
     seen = sample["rgb.instance.npy"] >= 0
     assert (seen == np.isfinite(sample["rgb.depth.npy"])).all()
     assert (seen == (sample["rgb.class.npy"] > 0)).all()
@@ -60,10 +60,10 @@ for image in coco.loadImgs(coco.getImgIds()):
         assert annotation["area"] == mask.sum()
         assert coco.loadCats(annotation["category_id"])[0]["name"] == thing["category"]
         union += mask
-    # Each pixel is of one thing, or of none.
+    # Each pixel belongs to one object, or to none.
     assert (union == (sample["rgb.instance.npy"] >= 0)).all()
 
-# Found as they are, everything is found.
+# If the ground truth is submitted as the result, everything is found.
 found = [
     {**{key: annotation[key] for key in ("image_id", "category_id", "bbox")}, "score": 1.0}
     for annotation in coco.dataset["annotations"]
@@ -74,7 +74,7 @@ evaluation.accumulate()
 evaluation.summarize()
 assert evaluation.stats[0] == 1.0, evaluation.stats
 
-# KITTI's boxes: the corners of what is wholly in the picture lie around its box of pixels.
+# KITTI's boxes: the corners of objects entirely in the picture are around their boxes of pixels.
 training, checked = out / "kitti" / "rgb" / "training", 0
 for index, sample in samples.items():
     calibration = (training / "calib" / f"{index:06}.txt").read_text().splitlines()
@@ -88,7 +88,7 @@ for index, sample in samples.items():
         fields = line.split()
         assert len(fields) == 15, line
         truncated, _, _, left, top, right, bottom, height, width, length, x, y, z, yaw = map(float, fields[1:])
-        # KITTI's boxes stand upright in the camera's frame, which is true of these if the camera is level.
+        # KITTI's boxes are upright in the camera's frame, which is only correct if the camera is level.
         roll_pitch = sample["json"]["sensors"]["rgb"]["world_from_sensor"]["orientation"][:2]
         if truncated > 0 or np.any(np.abs(roll_pitch) > 1e-6):
             continue
@@ -100,13 +100,13 @@ for index, sample in samples.items():
         corners = corners @ turn.T + [x, y, z]
         pixels = projection @ np.hstack([corners, np.ones((8, 1))]).T
         columns, rows = pixels[:2] / pixels[2]
-        # What is seen of it lies within.
+        # The visible part of the object is within.
         assert columns.min() - 1 <= left <= right <= columns.max() + 1, line
         assert rows.min() - 1 <= top <= bottom <= rows.max() + 1, line
         checked += 1
 assert checked > 0
 
-# KITTI's clouds, taken into the camera, are as far away as what its pixels see.
+# KITTI's point clouds, transformed to the camera, are as far away as the depths of its pixels.
 points_checked = 0
 for index, sample in samples.items():
     calibration = (training / "calib" / f"{index:06}.txt").read_text().splitlines()
@@ -126,8 +126,8 @@ for index, sample in samples.items():
     inside = (columns > 0) & (columns < width - 1) & (rows > 0) & (rows < height - 1)
     columns, rows, far = columns[inside], rows[inside], seen[2][inside]
     around = np.stack([depth[rows + down, columns + right] for down in (-1, 0, 1) for right in (-1, 0, 1)])
-    # What the lidar sees does not stand before what the camera sees there, but for beams that are split by an edge and tell
-    # a range between; behind it is what is seen from the lidar's place alone.
+    # A point of the lidar is not in front of the depth that the camera sees there, except for beams split by an edge,
+    # which report a range in between. It can be behind that depth if it is only visible from the lidar.
     assert (far >= around.min(axis=0) - 0.1).mean() > 0.98, index
     lies = far <= around.max(axis=0) + 0.1
     assert lies.mean() > 0.9, (index, lies.mean())

@@ -1,4 +1,4 @@
-//! Actors follow their scripts, and are seen, pushed against and taken out like any other model.
+//! Actors follow their scripts, and are seen, pushed against and deleted like any other model.
 
 use crate::sdf::{Folder, load};
 use belvedere::description::load;
@@ -8,7 +8,7 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::time::Duration;
 
-/// A box of 1 m that goes from x = 3 to x = 5 in 2 s and back in 2 s, after half a second.
+/// A box of 1 m that moves from x = 3 to x = 5 in 2 s and back in 2 s, starting after half a second.
 const SCRIPT: &str =
     "<script><loop>true</loop><delay_start>0.5</delay_start><trajectory id='0' type='x' tension='1'>
     <waypoint><time>0</time><pose>3 0 1 0 0 0</pose></waypoint>
@@ -29,7 +29,7 @@ fn world_of(inside: &str) -> String {
     format!("<sdf version='1.6'><world name='w'>{inside}</world></sdf>")
 }
 
-/// What the lidar reads at these times in seconds, each after the last.
+/// The ranges of the lidar at these times in seconds, in increasing order.
 fn ranges(world: &str, times: &[f64]) -> Vec<f64> {
     let folder = Folder::new();
     let (world, _) = load(folder.write("w.world", world).to_str().unwrap(), false);
@@ -46,9 +46,9 @@ fn ranges(world: &str, times: &[f64]) -> Vec<f64> {
 }
 
 #[test]
-fn an_actor_goes_where_its_script_says_and_begins_again() {
+fn an_actor_follows_its_script_and_repeats_it() {
     let world = world_of(&format!("<actor name='a'><pose>9 0 1 0 0 0</pose>{BOX}{SCRIPT}</actor>"));
-    // At its <pose> until the script begins; half-way at 1.5 s, at rest at each waypoint.
+    // At its <pose> until the script begins; half-way at 1.5 s; at rest at each waypoint.
     let cases =
         [(0.2, 8.5), (0.5, 2.5), (1.5, 3.5), (2.5, 4.5), (4.0, 2.5 + 2.0 * 0.15625), (4.5, 2.5), (6.5, 4.5)];
     let times = cases.map(|(time, _)| time);
@@ -58,7 +58,7 @@ fn an_actor_goes_where_its_script_says_and_begins_again() {
 }
 
 #[test]
-fn an_actor_pushes_what_is_in_its_way_and_is_not_pushed() {
+fn an_actor_pushes_bodies_and_is_not_pushed() {
     let ball = "<model name='ball'><pose>5.8 0 1 0 0 0</pose><link name='l'><gravity>false</gravity><inertial><mass>5000</mass>
         </inertial><collision name='c'><geometry><sphere><radius>0.5</radius></sphere></geometry></collision></link></model>";
     let world = world_of(&format!("<actor name='a'>{BOX}{SCRIPT}</actor>{ball}"));
@@ -80,7 +80,7 @@ fn an_actor_pushes_what_is_in_its_way_and_is_not_pushed() {
     assert!(moved.unwrap_err().to_string().contains("'a' follows its script"));
 }
 
-/// A skin that its bind shape lifts by a metre and makes half as large, in inches, with the animation that Gazebo would
+/// A skin in inches that its bind shape raises by a metre and scales by a half, with an animation that Gazebo would
 /// play.
 const SKIN: &str = r##"<COLLADA version="1.4.1"><asset><unit meter="0.0254"/></asset>
     <library_geometries><geometry id="g"><mesh>
@@ -95,7 +95,7 @@ const SKIN: &str = r##"<COLLADA version="1.4.1"><asset><unit meter="0.0254"/></a
     </visual_scene></library_visual_scenes><scene><instance_visual_scene url="#s"/></scene></COLLADA>"##;
 
 #[test]
-fn a_skin_is_seen_in_the_pose_in_which_it_was_bound() {
+fn a_skin_is_seen_in_its_bind_pose() {
     let folder = Folder::new();
     folder.write("walk.dae", SKIN);
     let actor =
@@ -104,19 +104,22 @@ fn a_skin_is_seen_in_the_pose_in_which_it_was_bound() {
         <waypoint><time>0</time><pose>1 0 -1 0 0 0</pose></waypoint></trajectory></script></actor>";
     let path = folder.write("w.world", world_of(actor));
     let (world, problems) = load(path.to_str().unwrap(), false);
-    let told: Vec<String> = problems.iter().map(ToString::to_string).collect();
-    assert!(told.len() == 1 && told[0].contains("skeleton animations are not played"), "{told:#?}");
+    let reported: Vec<String> = problems.iter().map(ToString::to_string).collect();
+    assert!(
+        reported.len() == 1 && reported[0].contains("skeleton animations are not played"),
+        "{reported:#?}"
+    );
     let mut simulation = Simulation::builder(world.unwrap()).build().unwrap();
     simulation.spawn(&load::model(LIDAR).unwrap(), SpawnOptions::default()).unwrap();
     let mut frame = FrameBuf::default();
     simulation.render("scan", &mut frame).unwrap();
     let range: &[f32] = bytemuck::cast_slice(frame.view().payload());
-    // 40 inches, halved and doubled, a metre ahead; its middle at 2 · 1 m − 1 m.
+    // 40 inches, halved and doubled, a metre ahead; the middle is at 2 · 1 m − 1 m.
     assert!((f64::from(range[0]) - (1.0 + 40.0 * 0.0254)).abs() < 1e-5, "{range:?}");
 }
 
 #[test]
-fn what_is_wrong_with_an_actor_is_said_with_its_line() {
+fn errors_of_an_actor_name_their_line() {
     let folder = Folder::new();
     let cases = [
         ("<actor>\n<link name='l'/></actor>", "w.world:1", "has no name"),
@@ -143,7 +146,10 @@ fn what_is_wrong_with_an_actor_is_said_with_its_line() {
     for (actor, place, what) in cases {
         let path = folder.write("w.world", world_of(actor));
         let (_, problems) = load(path.to_str().unwrap(), false);
-        let told: Vec<String> = problems.iter().map(ToString::to_string).collect();
-        assert!(told.iter().any(|told| told.contains(place) && told.contains(what)), "{actor}: {told:#?}");
+        let reported: Vec<String> = problems.iter().map(ToString::to_string).collect();
+        assert!(
+            reported.iter().any(|reported| reported.contains(place) && reported.contains(what)),
+            "{actor}: {reported:#?}"
+        );
     }
 }

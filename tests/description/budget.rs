@@ -1,4 +1,4 @@
-//! Small files that unfold into much: each ends with one clear error. Unfolded, they would take days.
+//! Small files that expand to large ones: each gives one clear error. Expanding them would take days.
 
 use crate::sdf::Folder;
 use belvedere::description::load::{LoadOptions, load_robot};
@@ -7,10 +7,10 @@ use belvedere::description::{Diagnostics, Rules};
 use std::collections::HashSet;
 use std::time::{Duration, Instant};
 
-/// A watchdog for what never ends, not a verdict about speed.
+/// A watchdog for endless loops; speed is not tested.
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// Loads a robot and gives its errors.
+/// Loads a robot and returns its errors.
 fn errors_of(inside: &str) -> Vec<String> {
     let folder = Folder::new();
     let text = format!("<robot name='r' xmlns:xacro='http://x'>{inside}<link name='base'/></robot>");
@@ -31,20 +31,20 @@ fn assert_refused(inside: &str, words: &str) {
 }
 
 #[test]
-fn xacro_calls_times_elements() {
-    // 64 calls, each 190 elements further in.
+fn nested_xacro_calls_are_limited() {
+    // 64 calls, each 190 levels of elements deeper.
     let (open, close) = ("<a>".repeat(190), "</a>".repeat(190));
     let body = format!("{open}<xacro:if value='${{n > 0}}'><xacro:down n='${{n - 1}}'/></xacro:if>{close}");
     let macros = format!("<xacro:macro name='down' params='n'>{body}</xacro:macro>");
     assert_refused(&format!("{macros}<gazebo><xacro:down n='64'/></gazebo>"), "more than 300 deep");
     assert_eq!(errors_of(&format!("{macros}<gazebo><xacro:down n='0'/></gazebo>")), [""; 0]);
-    // A loop by recursion, as files have it.
+    // A loop by recursion, as used in files.
     let count = "<xacro:macro name='count' params='n'><xacro:if value='${n}'><link name='l${n}'/>\
         <joint name='j${n}' type='fixed'><parent link='base'/><child link='l${n}'/></joint>\
         <xacro:count n='${n - 1}'/></xacro:if></xacro:macro>";
     assert_eq!(errors_of(&format!("{count}<xacro:count n='100'/>")), [""; 0]);
     assert_refused("<xacro:macro name='m'><xacro:m/></xacro:macro><xacro:m/>", "more than 300 deep");
-    // Blocks that grow around one another.
+    // Blocks that are nested in each other.
     let wrap = format!(
         "<xacro:macro name='wrap' params='n *inside'><xacro:if value='${{n > 0}}'><xacro:wrap n='${{n - 1}}'>\
          <b>{}<xacro:insert_block name='inside'/>{}</b></xacro:wrap></xacro:if></xacro:macro>",
@@ -65,7 +65,7 @@ fn xacro_calls_times_elements() {
 }
 
 #[test]
-fn xacro_doublings() {
+fn repeated_doubling_in_xacro_is_limited() {
     let text: Vec<String> =
         (1..36).map(|i| format!("<xacro:property name='a{i}' value='${{a{0} + a{0}}}'/>", i - 1)).collect();
     let text = text.concat();
@@ -112,7 +112,7 @@ fn sdf_includes_that_fan_out() {
 }
 
 #[test]
-fn a_name_that_comes_ten_thousand_times() {
+fn a_name_that_occurs_ten_thousand_times() {
     const COUNT: usize = 10_000;
     let start = Instant::now();
     let links = "<link name='l'/>".repeat(COUNT);

@@ -1,4 +1,4 @@
-//! What files say, and what is said of their mistakes.
+//! Description files: their meaning, and the messages about their errors.
 
 #[path = "../sdf/mod.rs"]
 mod sdf;

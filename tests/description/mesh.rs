@@ -1,4 +1,4 @@
-//! Mesh files: the same box in every format, and everything that can be wrong with one.
+//! Mesh files: the same box in every format, and all errors that a file can have.
 
 use crate::sdf::*;
 use belvedere::description::mesh::{UpAxis, load_mesh, load_mesh_parts};
@@ -7,7 +7,7 @@ use belvedere::description::{Diagnostics, Severity, Source};
 use glam::DVec3;
 use std::path::Path;
 
-/// Corners of the box from (0, 0, 0) to (1, 2, 3); corner i has bit 0 for x, 1 for y, 2 for z.
+/// The corners of the box from (0, 0, 0) to (1, 2, 3); corner i has bit 0 for x, 1 for y, 2 for z.
 fn corner(index: usize) -> [f32; 3] {
     [(index & 1) as f32, (index >> 1 & 1) as f32 * 2.0, (index >> 2) as f32 * 3.0]
 }
@@ -91,7 +91,7 @@ fn mesh(folder: &Folder, name: &str, content: impl AsRef<[u8]>, scale: DVec3) ->
     std::sync::Arc::unwrap_or_clone(mesh.unwrap())
 }
 
-/// Bounds, and the volume that the surface encloses: positive when its triangles face outwards.
+/// The bounds, and the volume that the surface encloses: positive if its triangles face outwards.
 fn bounds_and_volume(mesh: &Mesh) -> (DVec3, DVec3, f64) {
     let point = |i: u32| DVec3::from_array(mesh.positions[i as usize].map(f64::from));
     let low = mesh.positions.iter().fold(DVec3::INFINITY, |m, p| m.min(DVec3::from_array(p.map(f64::from))));
@@ -125,7 +125,7 @@ fn a_box_in_every_format() {
     }
 }
 
-/// Its header begins as text does, and the number of its triangles has the byte of a new line.
+/// The header begins like a text file, and a byte of the number of triangles is a new line.
 #[test]
 fn a_binary_stl_that_looks_like_text() {
     for count in [10_u32, 12] {
@@ -151,7 +151,7 @@ fn collada_units_axes_and_nodes() {
     let material = plain.material.unwrap();
     assert!(material.texture.unwrap().ends_with("paint.png") && material.diffuse == [1.0; 3]);
     assert_box(&load("", ""), [0.0; 3], [1.0, 2.0, 3.0], 6.0);
-    // Centimetres. As in Gazebo, an up axis turns nothing unless that is asked for.
+    // Centimetres. As in Gazebo, an up axis has no effect unless it is requested.
     let y_up = "<unit meter='0.01'/><up_axis>Y_UP</up_axis>";
     assert_box(&load(y_up, ""), [0.0; 3], [0.01, 0.02, 0.03], 6e-6);
     let turned = |asset: &str| {
@@ -192,7 +192,7 @@ fn collada_instances_and_materials() {
     assert_eq!(look.diffuse, [1.0, 0.0, 0.0]);
     assert_eq!((look.specular, look.shininess, look.alpha), ([0.2, 0.3, 0.4], 50.0, 0.25));
     assert_box(red, [5.0, 0.0, 0.0], [6.0, 2.0, 3.0], 6.0);
-    // In a world: a visual for each material, one collision.
+    // In a world: one visual per material, and one collision.
     let geometry = "<geometry><mesh><uri>b.dae</uri></mesh></geometry>";
     let content =
         model(&format!("<visual name='v'>{geometry}</visual><collision name='c'>{geometry}</collision>"));
@@ -203,7 +203,8 @@ fn collada_instances_and_materials() {
     assert_eq!(link.visuals[1].material.diffuse, [1.0, 0.0, 0.0]);
 }
 
-/// `<submesh>` takes a part by the name of its node, its geometry or its group, and may bring its middle to the origin.
+/// `<submesh>` selects a part by the name of its node, its geometry or its group, and can move its centre to the
+/// origin.
 #[test]
 fn parts_of_a_mesh() {
     let folder = Folder::new();
@@ -228,7 +229,7 @@ fn parts_of_a_mesh() {
     assert_eq!(load("two.dae", far).1, DVec3::new(6.0, 2.0, 3.0));
     let centred = "<submesh><name>far</name><center>true</center></submesh>";
     assert_eq!(load("two.dae", centred).1, DVec3::new(0.5, 1.0, 1.5));
-    // Both are of one geometry.
+    // Both have the same geometry.
     assert_eq!(load("two.dae", "<submesh><name>box</name></submesh>").1, DVec3::new(6.0, 2.0, 3.0));
     let other = "<submesh><name>other</name><center>1</center></submesh><scale>2 2 2</scale>";
     assert_eq!(load("two.obj", other).0, DVec3::new(-2.0, -3.0, 0.0));
@@ -241,9 +242,9 @@ fn parts_of_a_mesh() {
     }
 }
 
-/// What a file says beside its triangles may be wrong, and costs at most a warning.
+/// Errors outside the triangles give at most a warning.
 #[test]
-fn details_do_not_cost_the_mesh() {
+fn errors_in_details_do_not_prevent_loading() {
     let folder = Folder::new();
     folder.write("paint.png", b"");
     let plain = || dae("", &instance("mat"), |p| p);
@@ -293,7 +294,7 @@ fn pictures_are_found_in_the_model() {
         let found = look(&folder.write("bin/meshes/bin.dae", content)).texture.unwrap();
         assert_eq!(found.canonicalize().unwrap(), texture.canonicalize().unwrap(), "{name}");
     }
-    // An OBJ and its .mtl, indented as exporters do.
+    // An OBJ and its .mtl, indented like exporters do.
     folder.write(
         "bin/meshes/bin.mtl",
         "newmtl tin\n\tNs nan\n\tKd 0.5 0.25 1\n  d 0.5\nnewmtl foil\n\tmap_Kd bin.png\n",
@@ -308,10 +309,10 @@ fn pictures_are_found_in_the_model() {
 }
 
 #[test]
-fn instances_of_instances_come_to_an_end() {
+fn nested_instances_are_limited() {
     let folder = Folder::new();
     folder.write("paint.png", b"");
-    // Each node holds the next one twice: 2^40 boxes.
+    // Each node contains the next one twice: 2^40 boxes.
     let nodes: Vec<String> = (0..40)
         .map(|i| {
             format!("<node id='n{i}'><instance_node url='#n{0}'/><instance_node url='#n{0}'/></node>", i + 1)

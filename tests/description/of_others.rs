@@ -1,4 +1,4 @@
-//! What worlds and models of other people write: saved by Gazebo, nested, with parts that nobody has.
+//! Worlds and models by other people: saved by Gazebo, nested, with parts that are not available.
 
 use crate::sdf::*;
 use belvedere::description::load::{Described, LoadOptions, load};
@@ -6,7 +6,7 @@ use belvedere::description::model::{JointKind, LightKind};
 use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Problem, Rules, Severity};
 
-/// Loads a model file beside others, with these rules.
+/// Loads a model file from a folder with others, with these rules.
 fn described(folder: &Folder, file: &str, rules: Rules) -> (Option<Described>, Vec<Problem>) {
     let mut diagnostics = Diagnostics::default();
     let options = LoadOptions { packages: package_path([], None), rules, xacro_args: Vec::new() };
@@ -39,10 +39,10 @@ fn a_model_around_a_missing_one_is_left_out_with_it() {
     warnings(&problems, &["no model 'model://nobodys_shelf'"]);
     let Some(Described::World(world)) = world else { panic!("{world:?}") };
     assert_eq!(world.models.iter().map(|model| model.name.as_str()).collect::<Vec<_>>(), ["kept"]);
-    // Without the rule it is one error, not two.
+    // Without the rule there is one error, not two.
     let (_, problems) = described(&folder, "test.world", Rules::default());
     assert_one_error(&problems, 1, &["nobodys_shelf"]);
-    // Of a model file nothing is left.
+    // Nothing is left of a model file.
     folder.write(
         "b.sdf",
         "<sdf version='1.6'><model name='b'><include><uri>model://nobodys_shelf</uri></include></model></sdf>",
@@ -51,9 +51,9 @@ fn a_model_around_a_missing_one_is_left_out_with_it() {
     assert!(model.is_none() && problems[1].to_string().contains("error: nothing is left of the model 'b'"));
 }
 
-/// As it lies in a folder of models, wherever that is: what it has is named by its own folder.
+/// A model in a folder of models, wherever that is, names its files by its own folder.
 #[test]
-fn a_models_own_file_finds_its_meshes_and_its_neighbours() {
+fn a_model_finds_its_meshes_and_neighbouring_models() {
     let folder = Folder::new();
     let triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     for (file, text) in [
@@ -77,7 +77,7 @@ fn a_models_own_file_finds_its_meshes_and_its_neighbours() {
 }
 
 #[test]
-fn joints_to_what_is_missing_are_left_out_with_it() {
+fn joints_to_missing_links_are_left_out() {
     let folder = Folder::new();
     let text = "<sdf version='1.6'><model name='plane'><include><uri>model://nobodys_wing</uri></include>\
         <link name='pad'/><joint name='j' type='fixed'><parent>wing::spar</parent><child>pad</child></joint>\
@@ -140,20 +140,20 @@ fn limits_may_be_infinite() {
 }
 
 #[test]
-fn what_gazebo_goes_on_with_goes_on_in_its_mode() {
+fn errors_that_gazebo_tolerates_are_warnings_in_its_mode() {
     let load = |content: &str| {
         let (world, problems) = Folder::new().load("1.6", content, true);
         assert!(problems.iter().all(|problem| problem.severity == Severity::Warning), "{problems:#?}");
         (world.unwrap(), problems.iter().map(ToString::to_string).collect::<String>())
     };
-    // Saved worlds hold links of one name; each stands where it was saved.
+    // Saved worlds contain links with the same name; each keeps its saved pose.
     let twice = "<model name='m'><link name='door'><pose>1 0 0 0 0 0</pose></link>\
         <link name='door'><pose>2 0 0 0 0 0</pose></link></model>";
     let (world, said) = load(twice);
     let at = world.models[0].links.iter().map(|l| (l.name.as_str(), l.model_from_link.translation().x));
     assert_eq!(at.collect::<Vec<_>>(), [("door", 1.0), ("door_0", 2.0)]);
     assert!(said.contains("two links of this model are called 'door'"), "{said}");
-    // Models of plugins alone.
+    // Models that only have plugins.
     let (world, said) =
         load("<model name='m'><static>1</static><plugin name='p' filename='libp.so'/></model>");
     assert!(world.models.is_empty() && said.contains("'m' has no link"), "{said}");

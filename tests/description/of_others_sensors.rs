@@ -1,4 +1,4 @@
-//! Sensors as other people write them: for ROS 2, and with lenses that Gazebo does not look at.
+//! Sensors by other people: for ROS 2, and with lenses that Gazebo ignores.
 
 use belvedere::description::model::{LensModel, Sensor, SensorKind};
 use belvedere::description::sensor::{Camera, DepthCamera, Lidar, parse_sensor};
@@ -32,7 +32,7 @@ fn scan(inside: &str) -> (Option<Sensor>, Vec<String>) {
 }
 
 #[test]
-fn lidars_publish_what_they_are_told_to() {
+fn the_output_type_of_a_lidar_is_respected() {
     let ros = "<frame_name>base_scan</frame_name><output_type>sensor_msgs/LaserScan</output_type>";
     for (inside, topic, frame, is_cloud) in [
         (format!("<ros><remapping>~/out:=scan</remapping></ros>{ros}"), "/scan", "base_scan", false),
@@ -62,7 +62,7 @@ fn lidars_publish_what_they_are_told_to() {
 }
 
 #[test]
-fn cameras_are_named_in_small_letters() {
+fn camera_topics_are_in_lower_case() {
     let plugin = "<plugin name='driver' filename='libgazebo_ros_camera.so'><ros><namespace>n</namespace>\
         <remapping>eye/image_raw:=/look</remapping></ros><camera_name>eye</camera_name>\
         <frame_name>eye_frame</frame_name><hack_baseline>0.07</hack_baseline></plugin>";
@@ -70,7 +70,7 @@ fn cameras_are_named_in_small_letters() {
     let SensorKind::Camera(Camera { plugin: Some(p), .. }) = camera.kind else { panic!() };
     assert_eq!((p.image_topic.as_str(), p.camera_info_topic.as_str()), ("/look", "/n/eye/camera_info"));
     assert_eq!((p.frame_name.as_str(), p.hack_baseline_m), ("eye_frame", 0.07));
-    // Without a name it is the sensor's; depth has topics beside the picture's.
+    // Without a name, the sensor's is used; a depth camera has topics in addition to the picture's.
     let plugin = "<plugin filename='libgazebo_ros_camera.so'><frame_name>f</frame_name>\
         <min_depth>0.001</min_depth></plugin>";
     let depth = accepted(&format!("<sensor name='s' type='depth'>{plugin}</sensor>"));
@@ -87,7 +87,7 @@ fn cameras_are_named_in_small_letters() {
 }
 
 #[test]
-fn sdfs_types_are_those_of_wide_angle_cameras_where_a_pinhole_is_meant() {
+fn lens_types_of_plain_cameras_mean_a_pinhole_in_gazebo() {
     let with = |inside: &str, rules: Rules| {
         let text = format!("<sensor name='c' type='camera'><camera><lens>{inside}</lens></camera></sensor>");
         let (sensor, problems) = parse_with(&text, rules);
@@ -98,18 +98,18 @@ fn sdfs_types_are_those_of_wide_angle_cameras_where_a_pinhole_is_meant() {
     };
     let compat = || Rules { gazebo_compat: true, ..Rules::default() };
     let stereographic = "<type>stereographic</type><scale_to_hfov>1</scale_to_hfov>";
-    // What intrinsics say holds, as in Gazebo.
+    // Intrinsics take precedence, as in Gazebo.
     let (lens, said) =
         with(&format!("{stereographic}<intrinsics><fx>170</fx></intrinsics>"), Rules::default());
     assert_eq!((lens.model, lens.intrinsics.fx), (LensModel::Pinhole, 170.0));
     assert!(said.contains("the <type> stereographic of sensor 'c' is left out"), "{said}");
-    // Without them a lens is what it says, but for Gazebo's cameras.
+    // Without them, the lens has its own type, except for Gazebo's cameras.
     assert!(matches!(with(stereographic, Rules::default()).0.model, LensModel::WideAngle { .. }));
     assert_eq!(with(stereographic, compat()).0.model, LensModel::Pinhole);
-    // Types that Gazebo does not know are never a pinhole's.
+    // Types that are unknown to Gazebo never mean a pinhole.
     let (lens, said) = with("<type>equirectangular</type>", compat());
     assert_eq!((lens.model, said.as_str()), (LensModel::Equirectangular, ""));
-    // Beside a lens that stays, a distortion is left out.
+    // A distortion is ignored in addition to such a lens.
     let text = format!(
         "<sensor name='c' type='camera'><camera><distortion><k1>.1</k1></distortion><lens>{stereographic}</lens>\
          </camera></sensor>"

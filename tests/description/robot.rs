@@ -1,4 +1,4 @@
-//! Robot files: our own robots, the articles' robots, and everything that can be wrong with one.
+//! Robot files: our own robots, the robots of the articles, and all errors that a file can have.
 #![expect(clippy::approx_constant, reason = "angles to the digits that the articles' files give")]
 
 use belvedere::description::load::{LoadOptions, load_robot, robot_names, xacro_argument};
@@ -11,7 +11,7 @@ use std::f64::consts::FRAC_PI_3;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// Poses are compared to a tenth of a micrometre: far below what any number in a description says.
+/// The tolerance of poses: a tenth of a micrometre, far below the precision of any number in a description.
 const POSE_TOLERANCE_M: f64 = 1e-7;
 
 fn load_from(packages: PackagePath, name: &str, gazebo_compat: bool) -> (Option<Model>, Vec<Problem>) {
@@ -22,7 +22,7 @@ fn load_from(packages: PackagePath, name: &str, gazebo_compat: bool) -> (Option<
     (robot, diagnostics.problems().to_vec())
 }
 
-/// One of our own robots, which must load without a word.
+/// One of our own robots, which must load without any message.
 #[track_caller]
 fn ours(name: &str) -> Model {
     let (robot, problems) = load_from(package_path([], None), name, false);
@@ -34,7 +34,7 @@ fn sensor<'m>(robot: &'m Model, name: &str) -> &'m Sensor {
     robot.sensors.iter().find(|sensor| sensor.name == name).unwrap()
 }
 
-/// A link's place in another link, with all joints at zero.
+/// The position of a link in another link, with all joints at zero.
 fn place(robot: &Model, outer: &str, inner: &str) -> DVec3 {
     let rest = robot.rest_poses();
     let pose = |name| rest[robot.link_named(name).unwrap_or_else(|| panic!("no link {name}"))];
@@ -48,7 +48,7 @@ fn assert_place(robot: &Model, inner: &str, xyz: [f64; 3]) {
 }
 
 #[test]
-fn all_our_robots_load_without_a_word() {
+fn all_our_robots_load_without_messages() {
     let names = robot_names(&package_path([], None));
     for wanted in [
         "kobuki_nostack_camera",
@@ -74,7 +74,7 @@ fn all_our_robots_load_without_a_word() {
     }
 }
 
-/// As ROS's own packages write their robots: limits in a YAML file, a switch on the command line.
+/// Like robots in ROS's own packages: limits in a YAML file, an option on the command line.
 #[test]
 fn xacro_reads_yaml_and_takes_arguments() {
     let folder = TempDir::new().unwrap();
@@ -120,7 +120,7 @@ fn xacro_reads_yaml_and_takes_arguments() {
     }
 }
 
-/// Every part that a user's robot file can call, on both bases.
+/// Every part that a user's robot file can include, on both bases.
 #[test]
 fn every_part_of_the_library_can_be_mounted() {
     let folder = TempDir::new().unwrap();
@@ -163,9 +163,9 @@ fn the_kobuki_has_its_published_measures() {
     assert!(belvedere::robot::has_base(&robot));
 }
 
-/// The picture of the ceiling, as its article works it out: fx = fy = 381.3612.
+/// The intrinsics of the ceiling camera, as computed in its article: fx = fy = 381.3612.
 #[test]
-fn the_ceiling_camera_is_the_articles() {
+fn the_ceiling_camera_matches_the_article() {
     let robot = ours("kobuki_nostack_camera");
     assert_place(&robot, "base_camera_link", [0.15, 0.0, 0.35]);
     assert_camera(&robot);
@@ -224,7 +224,7 @@ fn assert_scan(
 }
 
 #[test]
-fn the_kinect_and_the_hokuyo_are_the_articles() {
+fn the_kinect_and_the_hokuyo_match_the_articles() {
     let robot = ours("kobuki_hexagons_KinectHokuyo");
     assert_place(&robot, "camera_rgb_frame", [-0.087, -0.0125, 0.287]);
     assert_place(&robot, "camera_link", [-0.118, 0.0, 0.271]);
@@ -256,13 +256,13 @@ fn the_kinect_and_the_hokuyo_are_the_articles() {
     assert_scan(hokuyo, 720, 1.570_796, 30.0, "/rrbot/laser/scan", "hokuyo_link");
 }
 
-/// The articles' own files, where they are at hand.
+/// The articles' own files, if they are available.
 fn article(folder: &str) -> Option<PackagePath> {
     let seed = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/seed-robot")).join(folder);
     seed.is_dir().then(|| package_path([seed], None))
 }
 
-/// What is taken from our packages because the user's copy lacks it is said, once a file.
+/// A file that is taken from our packages because the user's copy lacks it is reported once.
 #[track_caller]
 fn assert_notes_of_our_files(problems: &[Problem], files: &[&str]) {
     for file in files {
@@ -316,7 +316,7 @@ fn the_mapping_articles_hokuyo_is_one_error() {
     assert!(warning.what.contains("hokuyo_link"), "{warning}");
 }
 
-/// A whole robot, of which each faulty one differs in one place.
+/// A complete robot; each faulty one differs from it in one place.
 const GOOD: &str = r#"<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">
 <link name="base_link"/>
 <link name="eye"><visual><geometry><box size="1 1 1"/></geometry></visual></link>
@@ -331,7 +331,7 @@ const GOOD: &str = r#"<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro">
 </robot>"#;
 
 #[test]
-fn each_fault_is_one_error_with_its_place_and_a_remedy() {
+fn each_fault_gives_one_error_with_place_and_remedy() {
     let missing_mesh = "<mesh filename=\"package://none/such.stl\"/>";
     for (find, replace, line, words) in [
         ("", "", 0, &[][..]),
@@ -403,7 +403,7 @@ fn an_include_cycle_and_a_missing_include_are_one_error() {
     }
 }
 
-/// `--package-path src` on the command line: `$(find …)` counts from where the program runs, not from the file.
+/// With `--package-path src` on the command line, `$(find …)` is relative to the working directory, not to the file.
 #[test]
 fn a_relative_package_path_finds_files() {
     let folder = tempfile::tempdir_in(".").unwrap();

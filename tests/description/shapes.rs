@@ -1,5 +1,5 @@
-//! Shapes of SDF, met from above in closed form: as a GPU lidar sees them, as a CPU lidar hits them, and as a ball that
-//! falls on them does.
+//! Shapes of SDF, seen from above and compared with closed forms: by a GPU lidar, by a CPU lidar, and by a ball that
+//! falls on them.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
@@ -37,7 +37,7 @@ fn simulation(models: &[&str]) -> Simulation {
     simulation
 }
 
-/// Height of what a beam meets over each point, none where it meets nothing.
+/// The height of the hit over each point; `None` if there is no hit.
 #[track_caller]
 fn assert_heights(geometry: &str, points: &[([f64; 2], Option<f64>)]) {
     for kind in ["gpu_ray", "ray"] {
@@ -78,7 +78,7 @@ fn cones() {
     );
 }
 
-/// A frame with a pillar in its window; the outlines turn either way, and one of them closes itself.
+/// A frame with a pillar in its window. The outlines have either winding, and one of them repeats its first point.
 #[test]
 fn polylines() {
     let outline = |points: &str, height: f64| {
@@ -99,14 +99,14 @@ fn polylines() {
             ([1.2, 0.0], no),
         ],
     );
-    // It is closed: seen from below it is as far as from above, and a bent outline has its bay.
+    // The shape is closed: it has the same height from below as from above. A concave outline keeps its notch.
     let bay = outline("0 0,2 0,2 2,1 0.5,0 2", 1.5);
     assert_heights(&bay, &[([0.1, 1.5], Some(1.5)), ([1.9, 1.5], Some(1.5)), ([1.0, 1.0], no)]);
     for wrong in [
         "<polyline><point>0 0</point><point>1 0</point></polyline>",
         &outline("0 0,1 1,2 2", 1.0),
         &outline("0 0,1 0,1 1", -1.0),
-        // Each is a hole in the other.
+        // Each outline is a hole in the other.
         &outline("0 0,2 0,1 2", 1.0).repeat(2),
     ] {
         let errors = load::model(&thing(wrong)).unwrap_err().to_string();
@@ -114,13 +114,13 @@ fn polylines() {
     }
 }
 
-/// A ball that falls.
+/// A falling ball.
 const BALL: &str = "<sdf version='1.6'><model name='ball'><pose>1 2 1.8 0 0 0</pose><link name='l'><inertial>
         <mass>1</mass><inertia><ixx>.004</ixx><iyy>.004</iyy><izz>.004</izz></inertia></inertial>
         <collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision></link></model></sdf>";
 
-/// Brighter to the right, and more so downwards: a plane, on which the cut of the cells does not matter. The picture's
-/// top is +y, and its brightest pixel as high as the size says.
+/// Brightness increases to the right, and more so downwards: a plane, so the division of the cells does not matter. The
+/// top of the picture is +y, and the height of its brightest pixel is that of the size.
 #[test]
 fn height_maps() {
     let folder = tempfile::tempdir().unwrap();
@@ -134,7 +134,7 @@ fn height_maps() {
             path.display()
         )
     };
-    // 4 columns and 2 rows of cells; 10,000 is the brightest.
+    // 4 columns and 2 rows of cells; 10,000 is the brightest value.
     let level = |x: f64, y: f64| ((x + 3.0) / 8.0 * 4000.0 + (5.0 - y) / 6.0 * 6000.0) / 10_000.0;
     let at = [[1.0, 2.0], [-2.5, 4.5], [4.3, -0.7], [3.9, 4.9]];
     let rising = at.map(|[x, y]| ([x, y], Some(0.5 + 2.0 * level(x, y))));
@@ -144,7 +144,7 @@ fn height_maps() {
     let falling = at.map(|[x, y]| ([x, y], Some(0.5 + 0.5 * (6.5535 - level(x, y)))));
     assert_heights(&map(-0.5), &falling);
 
-    // A ball lies on it: its middle is a radius from the plane, and it rolls down, to −x and +y.
+    // A ball on the slope: its centre is one radius above the plane, and it rolls down, towards −x and +y.
     let mut simulation = simulation(&[&thing(&map(2.0))]);
     let ball = simulation.spawn(&load::model(BALL).unwrap(), SpawnOptions::default()).unwrap();
     simulation.run_for(Duration::from_millis(1500));

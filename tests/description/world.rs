@@ -1,4 +1,4 @@
-//! World files: what SDF and Gazebo mean by them.
+//! World files: the semantics of SDF and Gazebo.
 
 use crate::sdf;
 
@@ -13,7 +13,7 @@ use belvedere_sensors::scene::TextureAlpha;
 use glam::DVec3;
 
 #[test]
-fn every_world_of_ours_loads_without_a_word() {
+fn all_our_worlds_load_without_messages() {
     let names = world_names(&package_path([], None));
     for expected in ["corridor", "empty", "playground", "tag_ceiling"] {
         assert!(names.iter().any(|name| name == expected), "{names:?}");
@@ -45,7 +45,7 @@ fn tags_of_a_visual_and_of_the_ceiling() {
 }
 
 #[test]
-fn the_playground_is_that_of_the_articles() {
+fn the_playground_matches_the_articles() {
     let world = load("playground", false).0.unwrap();
     assert_eq!(world.max_step_size_s, 0.01);
     let [sun] = &world.lights[..] else { panic!("{:?}", world.lights) };
@@ -77,7 +77,7 @@ fn the_playground_is_that_of_the_articles() {
 }
 
 #[test]
-fn the_corridors_walls_stand_where_its_state_puts_them() {
+fn the_corridors_walls_have_the_poses_of_its_state() {
     let world = load("corridor", false).0.unwrap();
     let at = |name: &str| {
         let model = world.models.iter().find(|model| model.name == name).unwrap();
@@ -113,9 +113,9 @@ fn names_are_found_in_the_users_turtlebot_gazebo_first() {
     assert!(diagnostics.problems().is_empty());
 }
 
-/// `turtlebot_gazebo`'s own worlds name meshes that Gazebo's database of models has.
+/// The worlds of `turtlebot_gazebo` use meshes from Gazebo's model database.
 #[test]
-fn a_users_world_that_lacks_models_gives_way_to_ours_of_its_name() {
+fn a_users_world_that_lacks_models_is_replaced_by_ours() {
     let folder = Folder::new();
     let model = "<model name='m'><link name='l'><visual name='v'><geometry><mesh><uri>model://dumpster/meshes/dumpster.dae</uri>
         </mesh></geometry></visual></link></model>";
@@ -137,7 +137,7 @@ fn a_users_world_that_lacks_models_gives_way_to_ours_of_its_name() {
     let (name, fails, said) = load(path, Rules { skip_missing: true, ..Rules::default() });
     assert_eq!((name.as_str(), fails), ("theirs", false), "{said}");
     assert!(said.contains("dumpster"), "{said}");
-    // What is wrong with the file itself is told.
+    // Errors in the file itself are reported.
     folder.write(
         "turtlebot_gazebo/worlds/playground.world",
         world.replace("<visual name='v'>", "<visual name='v'><pose>a</pose>"),
@@ -158,7 +158,7 @@ fn scene_physics_and_gravity() {
     assert_eq!((world.ambient, world.background), ([0.1, 0.2, 0.3], [0.4, 0.5, 0.6]));
     assert!(world.linear_light && !world.shadows && !world.lights[0].cast_shadows);
     assert_eq!((world.max_step_size_s, world.gravity), (0.002, DVec3::new(0.0, 0.0, -1.6)));
-    // SDF 1.4 has gravity in <physics>; defaults are those of the format.
+    // In SDF 1.4, gravity is in <physics>; the defaults are those of the format.
     let world = good("1.4", "<physics type='ode'><gravity>0 0 -3</gravity></physics>");
     assert_eq!((world.max_step_size_s, world.gravity.z), (0.001, -3.0));
     assert_eq!((world.ambient, world.background, world.shadows), ([0.4; 3], [0.7; 3], true));
@@ -222,10 +222,10 @@ fn relative_to_from_1_7_on() {
     close(b.model_from_link.translation(), DVec3::new(1.0, 1.0, 1.0));
     let visual = b.model_from_link * b.visuals[0].link_from_visual;
     close(visual.translation(), DVec3::X);
-    // b is turned by 90° about z: the model's x is its −y.
+    // b is rotated by 90° about z: the model's x is its −y.
     close(model.joints[0].axis, DVec3::NEG_Y);
     assert_eq!(model.joints[0].kind, JointKind::Continuous);
-    // Before 1.7 a frame's name changes nothing, and we say so.
+    // Before 1.7, the name of a frame has no effect, which gives a note.
     let (_, problems) = Folder::new().load("1.6", &visual_with_frame(), false);
     assert!(matches!(&problems[..], [only] if only.severity == Severity::Warning), "{problems:#?}");
     assert_bad(
@@ -271,7 +271,7 @@ fn joints() {
     close(model.joints[0].axis, DVec3::Z);
     assert_eq!(joint("prismatic", "").joints[0].kind, JointKind::Prismatic { lower: -1.0, upper: 2.0 });
     assert_eq!(joint("fixed", "").joints[0].kind, JointKind::Fixed);
-    // A hinge beside the child's origin.
+    // A hinge beside the origin of the child.
     let door = joint("revolute", "<pose>0 -0.5 0 0 0 0</pose>");
     close(door.joints[0].parent_from_child.translation(), DVec3::X);
     close(door.joints[0].pivot, DVec3::new(0.0, -0.5, 0.0));
@@ -333,7 +333,7 @@ fn materials() {
     let tag = look(format!("{script}<name>Tag</name></script>"));
     assert_eq!((tag.ambient, tag.diffuse, tag.texture_repeat), ([0.5; 3], [1.0, 0.0, 0.0], [4.0, 2.0]));
     assert!(tag.texture.unwrap().is_absolute());
-    // Colours override the script's; a colour alone stands for both lights.
+    // Colours override those of the script; a single colour is used for both lights.
     let blue = look(format!("{script}<name>Tag</name></script><diffuse>0 0 1 1</diffuse>"));
     assert_eq!((blue.ambient, blue.diffuse), ([0.5; 3], [0.0, 0.0, 1.0]));
     let green = look("<diffuse>0 1 0 1</diffuse><emissive>0.1 0 0 1</emissive>".into());
@@ -415,7 +415,7 @@ fn normal_maps() {
 }
 
 #[test]
-fn what_is_ignored_is_said() {
+fn ignored_elements_are_reported() {
     for content in [
         "<plugin name='p' filename='libfoo.so'/>",
         "<model name='m'><link name='l'/><plugin name='p' filename='libfoo.so'/></model>",
@@ -435,9 +435,9 @@ fn what_is_ignored_is_said() {
     good("1.6", "<gui><camera name='c'/></gui><audio/><wind/><spherical_coordinates/>");
 }
 
-/// libsdformat looks for a name without a folder, and for `file://NAME`, among the models too.
+/// libsdformat also searches the models for a name without a folder, and for `file://NAME`.
 #[test]
-fn models_are_found_by_their_names_alone() {
+fn models_are_found_by_name() {
     let folder = Folder::new();
     let text = "<sdf version='1.6'><model name='crate'><link name='l'/></model></sdf>";
     folder.write("models/crate/model.sdf", text);
@@ -507,7 +507,7 @@ fn sensors_without_a_topic_publish_under_gz_sims_names() {
         SensorKind::AirPressure(barometer) => barometer.plugin.as_ref().unwrap().topic.clone(),
         _ => panic!("{sensor:?}"),
     });
-    // A world without a name, and names with what no topic can hold: every topic can be used, and none is there twice.
+    // A world without a name, and names with characters that are invalid in topics: every topic is valid and unique.
     assert_eq!(
         topics.collect::<Vec<_>>(),
         [

@@ -1,4 +1,4 @@
-//! World files: everything that can be wrong with one.
+//! World files: all errors that they can have.
 
 use crate::sdf::*;
 use belvedere::description::Severity;
@@ -6,7 +6,7 @@ use belvedere::description::model::Geometry;
 use glam::DVec3;
 
 #[test]
-fn files_that_are_no_worlds() {
+fn files_that_are_not_worlds() {
     let folder = Folder::new();
     let (world, problems) = load(folder.path("missing.world").to_str().unwrap(), false);
     assert!(world.is_none() && problems[0].to_string().contains("missing.world: error: no such file"));
@@ -37,7 +37,7 @@ fn bad_numbers() {
         &["<size> of a box is '1 -2 3'", "above 0"],
     );
     assert_bad("1.6", &shape("<box><size>1 2</size></box>"), 2, &["too few numbers"]);
-    // Gazebo goes on with 0.
+    // Gazebo continues with 0.
     let (world, problems) = Folder::new().load("1.6", &shape("<box><size>1 0 3</size></box>"), false);
     assert!(world.unwrap().models[0].links[0].visuals.is_empty());
     assert_eq!(problems[0].severity, Severity::Warning, "{problems:?}");
@@ -112,7 +112,7 @@ fn bad_numbers() {
 }
 
 #[test]
-fn what_gazebo_goes_on_with_is_a_warning() {
+fn errors_that_gazebo_tolerates_are_warnings() {
     let link = |inside: &str, words: &str| {
         let (world, problems) = Folder::new().load(
             "1.6",
@@ -203,10 +203,10 @@ fn bad_includes() {
     );
     assert_bad("1.6", "<include/>", 1, &["no <uri>"]);
     assert_bad("1.6", "<include><uri>https://fuel.gazebosim.org/x</uri></include>", 1, &["https://"]);
-    // Gazebo goes on without the model.
+    // Gazebo continues without the model.
     let (world, problems) = Folder::new().load("1.6", "<include><uri>model://none</uri></include>", true);
     assert!(world.is_some() && problems[0].severity == Severity::Warning);
-    // A circle of two files.
+    // Two files that include each other.
     let folder = Folder::new();
     for (name, other) in [("ping", "pong"), ("pong", "ping")] {
         let text = format!(
@@ -236,7 +236,7 @@ fn bad_materials_and_textures() {
     assert!(text.contains("a.material:2: error: there is no texture 'gone.png': looked for"), "{text}");
     let problems = load("<script><uri>model://t/scripts</uri><name>AA</name></script>");
     assert!(problems[0].to_string().contains("did you mean 'A'?"), "{problems:#?}");
-    // As in a URDF, a name of Gazebo's own that is not known costs the colour only.
+    // As in a URDF, an unknown name of Gazebo's own materials only costs the colour.
     let unknown = &load("<script><name>Gazebo/Gray5</name></script>")[..];
     let [problem] = unknown else { panic!("{unknown:#?}") };
     let text = problem.to_string();

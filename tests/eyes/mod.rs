@@ -1,4 +1,4 @@
-//! Eyes that nobody here made: the AprilTag library and zbar, and the list of the codes that they should see.
+//! Independent detectors, the AprilTag library and zbar, and the list of the codes that they should find.
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
 use glam::DVec3;
@@ -8,17 +8,17 @@ use std::path::Path;
 /// A code of `tag_ceiling.tags.json`.
 pub(crate) struct Listed {
     pub(crate) name: String,
-    /// `7` of an AprilTag, `BV-007` of a QR code.
+    /// The id of an AprilTag, such as `7`, or the text of a QR code, such as `BV-007`.
     pub(crate) says: String,
     pub(crate) is_qr: bool,
-    /// Edge of the black border in metres.
+    /// The edge of the black border in metres.
     pub(crate) edge_m: f64,
-    /// Corners of the black border in the world, in the order of [`Seen::corners`].
+    /// The corners of the black border in the world, in the order of [`Seen::corners`].
     pub(crate) corners: [DVec3; 4],
 }
 
 impl Listed {
-    /// Corners of the plate: the code with its white margin, 1 module around 8 or 4 around 21.
+    /// The corners of the plate: the code with its white margin, 1 module around 8 or 4 around 21.
     pub(crate) fn plate(&self) -> [DVec3; 4] {
         let grow = if self.is_qr { 29.0 / 21.0 } else { 10.0 / 8.0 };
         let centre = self.corners.iter().sum::<DVec3>() / 4.0;
@@ -26,7 +26,7 @@ impl Listed {
     }
 }
 
-/// The codes on the ceiling of our room.
+/// The codes on the ceiling of the tag room.
 pub(crate) fn listed() -> Vec<Listed> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models/worlds/tag_ceiling.tags.json");
     let json: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
@@ -44,14 +44,14 @@ pub(crate) fn listed() -> Vec<Listed> {
     json["codes"].as_array().unwrap().iter().map(code).collect()
 }
 
-/// What a detector saw: what the code says and its four corners in pixels, pixel centres at integers, in the
-/// order bottom left, bottom right, top right, top left of the code.
+/// A detection: the content of the code and its four corners in pixels, with pixel centres at integers, in the order
+/// bottom left, bottom right, top right, top left.
 pub(crate) struct Seen {
     pub(crate) says: String,
     pub(crate) corners: [[f64; 2]; 4],
 }
 
-/// What the AprilTag library finds of family 36h11.
+/// Detects tags of family 36h11 with the AprilTag library.
 pub(crate) fn april_tags(picture: &GrayImage) -> Vec<Seen> {
     let (width, height) = picture.dimensions();
     let mut image = apriltag::Image::zeros_with_alignment(width as usize, height as usize, 96).unwrap();
@@ -69,11 +69,12 @@ pub(crate) fn april_tags(picture: &GrayImage) -> Vec<Seen> {
     detector.detect(&image).iter().map(seen).collect()
 }
 
-/// What zbar reads, in its Rust port: in the whole picture, and in overlapping parts of it, since with many codes in
-/// view it takes marks of neighbours for those of one. Its corners are whole pixels.
+/// Reads QR codes with the Rust port of zbar, in the whole picture and in overlapping parts of it: with many codes in
+/// view, it combines marks of different codes. Its corners are whole pixels.
 pub(crate) fn qr_codes(picture: &GrayImage) -> Vec<Seen> {
     let (width, height) = picture.dimensions();
-    // Half the picture each way, at thirds of the way across: a code that lies in the picture lies in one of them.
+    // Parts of half the picture's size at thirds of its width and height: each code in the picture is inside one of
+    // them.
     let places =
         (0..16).map(|place| (place % 4 * (width / 6), place / 4 * (height / 6), width / 2, height / 2));
     let windows = std::iter::once((0, 0, width, height)).chain(places);
@@ -84,7 +85,7 @@ pub(crate) fn qr_codes(picture: &GrayImage) -> Vec<Seen> {
         let config = zedbar::DecoderConfig::new().enable(zedbar::config::QrCode);
         for symbol in zedbar::Scanner::with_config(config).scan(&mut image).symbols() {
             let says = symbol.data_string().unwrap_or("").to_owned();
-            // From the top left counter-clockwise.
+            // Counter-clockwise from the top left.
             let corner = |index: usize| {
                 let point = symbol.points()[index];
                 [f64::from(point.x) + f64::from(left), f64::from(point.y) + f64::from(top)]

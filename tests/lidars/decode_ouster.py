@@ -1,4 +1,4 @@
-"""Packets and metadata of an Ouster, decoded by ouster-sdk, against the cloud of the same run; see .ci/packets."""
+"""Compares packets of an Ouster, decoded by ouster-sdk, with the cloud of the same run; see .ci/packets."""
 
 import sys
 from pathlib import Path
@@ -14,8 +14,8 @@ def main(name: str, pcap: str, cloud: str, columns: int, rate: int) -> None:
     rows = layout.pixels_per_column
     shape = (info.format.columns_per_frame, info.format.fps, str(info.config.lidar_mode))
     assert shape == (columns, rate, f"{columns}x{rate}"), shape
-    # Images of Ouster's driver: time in s, x, y, z, ring, range in mm, reflectivity. The first frame was before time 0.
-    # Of two returns there are two images each.
+    # Images of Ouster's driver: time in s, x, y, z, ring, range in mm, reflectivity. The first frame began before time
+    # 0. With two returns there are two images per frame.
     fields = [("RANGE", "REFLECTIVITY"), ("RANGE2", "REFLECTIVITY2")]
     fields = fields if "DUAL" in str(info.format.udp_profile_lidar) else fields[:1]
     truth = np.fromfile(cloud, "<f8").reshape(-1, len(fields), rows, columns, 7)[1:]
@@ -28,7 +28,7 @@ def main(name: str, pcap: str, cloud: str, columns: int, rate: int) -> None:
     assert len(packets) == sent and not refused, f"{sent} sent, {len(packets)} taken, {len(refused)} of them as something else"
     assert sent == len(truth) * columns // 16, f"{sent} packets of {len(truth)} frames"
     if layout.packet_footer_size:
-        # This takes the checksum out of the packet, and works it out again.
+        # This removes the checksum from the packet and computes it again.
         assert all(layout.crc(packet.buf) == layout.calculate_crc(packet.buf) for packet in packets)
 
     frames, batcher, frame = [], FrameBatcher(info), LidarFrame(info)
@@ -45,7 +45,7 @@ def main(name: str, pcap: str, cloud: str, columns: int, rate: int) -> None:
     for number, (frame, images) in enumerate(zip(frames, truth)):
         assert (frame.measurement_id == np.arange(columns)).all()
         assert (frame.frame_id & 0xFFFF) == number + 1
-        # The image has a pixel's time where the pixel is; staggered again they are the columns'.
+        # The image has the time of each pixel at the pixel; staggered again, these are the times of the columns.
         times = destagger(info, np.tile(frame.timestamp, (rows, 1)).astype(np.int64))
         for index, (image, (range_field, reflectivity_field)) in enumerate(zip(images, fields)):
             ranges = destagger(info, frame.field(range_field)).astype(np.int64)
@@ -62,8 +62,8 @@ def main(name: str, pcap: str, cloud: str, columns: int, rate: int) -> None:
     print(f"{name} {columns}x{rate} {info.format.udp_profile_lidar}: {sent} packets, 0 refused, {len(frames)} frames")
     print(f"  {', '.join(f'{share:.1%}' for share in hits)} of the pixels have returns")
     print(f"  times off by {off['time']:.0f} ns, ranges by {off['range']} mm of {step}, places by {off['place'] * 1e3:.3f} mm")
-    # Ranges of the cloud are those of packets in 1 mm. Its places were measured in millimetres from where beams start;
-    # ranges are from the axis, so that they are rounded once more.
+    # Ranges of the cloud are those of packets with a resolution of 1 mm. Its points were computed from millimetres
+    # measured from the beams' origins; ranges are measured from the axis, so they are rounded once more.
     coarser = 0 if step == 1 else step / 2
     assert off["time"] == 0 and off["range"] <= coarser and off["place"] < (0.55 + coarser) * 1e-3
 

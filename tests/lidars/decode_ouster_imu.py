@@ -1,4 +1,4 @@
-"""Packets of an Ouster's inertial unit, decoded by ouster-sdk, against its messages in the same run; see .ci/packets."""
+"""Compares IMU packets of an Ouster, decoded by ouster-sdk, with the messages of the same run; see .ci/packets."""
 
 import sys
 from pathlib import Path
@@ -12,7 +12,7 @@ def main(profile: str, pcap: str, readings: str) -> None:
     info = SensorInfo(Path(pcap).with_suffix(".json").read_text())
     layout = PacketFormat(info)
     assert profile in str(info.format.udp_profile_imu), info.format.udp_profile_imu
-    # Time in ns, specific force in m/s², rate of turn in rad/s.
+    # Time in ns, specific force in m/s², angular rate in rad/s.
     truth = np.fromfile(readings, "<f8").reshape(-1, 7)
 
     packets = [packet for _, packet in PcapPacketSource(pcap, sensor_info=[info])]
@@ -32,7 +32,7 @@ def main(profile: str, pcap: str, readings: str) -> None:
         assert (ids + 64 * frames == np.arange(len(ids))).all()
     force = np.concatenate([np.reshape(packet.accel(), (-1, 3)) for packet in packets])
     turn = np.concatenate([np.reshape(packet.gyro(), (-1, 3)) for packet in packets])
-    # The run may go a sample on, and the last packet may not be full.
+    # The run may continue by a sample, and the last packet may not be full.
     count = min(len(times), len(truth))
     assert count >= len(truth) - 8, f"{len(times)} samples of {len(truth)}"
     assert (times[:count] == np.rint(truth[:count, 0]).astype(np.uint64)).all()

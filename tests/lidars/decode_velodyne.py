@@ -1,17 +1,17 @@
-"""Packets in a pcap file, decoded by velodyne-decoder, against the cloud of the same run; see .ci/packets."""
+"""Compares packets of a pcap file, decoded by velodyne-decoder, with the cloud of the same run; see .ci/packets."""
 
 import sys
 
 import numpy as np
 import velodyne_decoder as vd
 
-# Columns end with more than this without a firing.
+# Each column ends with a pause that is longer than this.
 MARGIN_S = 2e-6
-# From eight lasers of a VLS-128 to the next.
+# The time from eight lasers of a VLS-128 to the next eight.
 SLOT_S = 2.665e-6
-# Model, lasers, seconds from a column to the next, columns of a packet with one return and with two, degrees that azimuths may
-# be off by: a step is 0.01, and the decoder rounds that of each firing once more; it takes the head's speed from the azimuths of
-# a packet, or of two, which are the nearer to each other the fewer columns there are.
+# Model, lasers, seconds from a column to the next, columns per packet with one return and with two, tolerance of
+# azimuths in degrees. A step of an azimuth is 0.01, and the decoder rounds that of each firing once more. It computes
+# the speed of the head from the azimuths of one packet or two, which are closer together the fewer columns there are.
 MODELS = {
     "vlp16": (vd.Model.VLP16, 16, 55.296e-6, (24, 12), (0.011, 0.013)),
     "hdl32e": (vd.Model.HDL32E, 32, 46.08e-6, (12, 6), (0.011, 0.013)),
@@ -20,19 +20,19 @@ MODELS = {
 
 
 def by_time(rows: np.ndarray, time: int, ring: int) -> np.ndarray:
-    """In the order of time, and of rings at a time; two returns stay in their order."""
+    """Sorts by time and ring; two returns of a firing stay in their order."""
     return rows[np.lexsort((rows[:, ring], rows[:, time]))]
 
 
-def told_once(found: np.ndarray) -> np.ndarray:
-    """Where there is but one return, both blocks have it; those are dropped from the second."""
+def without_repeats(found: np.ndarray) -> np.ndarray:
+    """Drops repeated points: if a firing has only one return, both blocks contain it."""
     again = np.zeros(len(found), bool)
     again[1:] = (found[1:, [0, 1, 2, 3, 4, 6]] == found[:-1, [0, 1, 2, 3, 4, 6]]).all(axis=1)
     return found[~again]
 
 
 def first_packet(pcap: str, returns: int) -> int:
-    """Points that the decoder makes of the first packet: two equal returns of a firing are one."""
+    """The number of points of the first packet, where two equal returns of a firing are one point."""
     blocks = np.fromfile(pcap, np.uint8, 1200, offset=24 + 16 + 42).reshape(12, 100)[:, 4:].reshape(12, 32, 3)
     distances = blocks[:, :, 0] + 256 * blocks[:, :, 1].astype(int)
     there = distances > 0
@@ -55,28 +55,28 @@ def main(name: str, returns: int, pcap: str, cloud: str, seconds: float) -> None
     # x y z intensity time column ring return_type
     truth = np.fromfile(cloud, "<f8").reshape(-1, 6)
 
-    # Packets: whole ones of all firings from time 0 on.
+    # Whole packets of all firings from time 0 on.
     size = np.fromfile(pcap, np.uint8).size
     assert (size - 24) % 1264 == 0, "the file has a packet that is not of 1206 bytes"
     packets = (size - 24) // 1264
     print(f"{name}, {returns} returns: {packets} packets in {seconds} s, {packets / seconds:.1f} a second; {len(found)} points")
     assert abs(packets - packets_s * seconds) < 2
 
-    # Those of the cloud that are in whole packets. The head began to fire a turn of 0.1 s before time 0; packets begin with
-    # the first column after it.
+    # The points of the cloud that are in whole packets. The head began to fire a turn of 0.1 s before time 0; packets
+    # begin with the first column after time 0.
     begin = np.ceil(0.1 / column_s) * column_s - 0.1
     end = begin + packets * columns * column_s
     if name == "vls128":
-        # The decoder takes the head's speed and times from the packet before.
+        # The decoder uses the head's speed and times from the previous packet.
         begin += columns * column_s
         found = found[first_packet(pcap, returns) :]
-        # The manual has one time without a firing after the first half of a column, the decoder two. (It turns the head on
-        # meanwhile, by 0.01 deg.)
+        # In the manual, the pause after the first half of a column is one slot, in the decoder two. (It turns the head
+        # by 0.01 deg in that time.)
         found[(found[:, 4] - begin + MARGIN_S) % column_s > 8.5 * SLOT_S, 4] -= SLOT_S
     truth = truth[(truth[:, 0] > begin - MARGIN_S) & (truth[:, 0] < end - MARGIN_S)]
     found, truth = by_time(found, 4, 6), by_time(truth, 0, 4)
     if returns == 2:
-        found = told_once(found)
+        found = without_repeats(found)
         pairs = ((np.diff(truth[:, 0]) == 0) & (np.diff(truth[:, 4]) == 0)).sum()
         assert pairs > 100, f"{pairs} firings with two returns"
         print(f"  {pairs} firings have two returns")
@@ -93,7 +93,7 @@ def main(name: str, returns: int, pcap: str, cloud: str, seconds: float) -> None
     off = np.abs((azimuth[0] - azimuth[1] + 180) % 360 - 180)
     height = np.abs(found[:, 2] - truth[:, 3])
     print(f"  ranges off by {distance * 1e3:.4f} mm, azimuths by {off.max():.4f} deg, heights by {height.max() * 1e3:.3f} mm, intensities by {intensity:.3f}")
-    # Ranges of the cloud are whole steps already.
+    # Ranges of the cloud are already whole steps.
     assert distance < 1e-4 and height.max() < 1e-4 and off.max() < bound and intensity < 0.501
 
 

@@ -1,4 +1,4 @@
-"""Odometry of KISS-ICP from clouds of a robot that drives and turns, against where it was; see .ci/kiss_icp."""
+"""Compares the odometry of KISS-ICP, from clouds of a robot that drives and turns, with its poses; see .ci/kiss_icp."""
 
 import sys
 
@@ -6,9 +6,9 @@ import numpy as np
 from kiss_icp.config import load_config
 from kiss_icp.kiss_icp import KissICP
 
-# From the robot to its lidar.
+# The position of the lidar on the robot.
 MOUNT = np.array([0.0, 0.0, 0.9])
-# A third of the 3 cm that a VLP-16 promises.
+# A third of the accuracy of 3 cm in the manual of the VLP-16.
 SIGMA = 0.01
 
 
@@ -23,7 +23,7 @@ def frames(path: str):
 
 
 def rotated(turn: np.ndarray, place: np.ndarray) -> np.ndarray:
-    """Places turned by quaternions, one each."""
+    """Rotates each position by its quaternion."""
     axis, along = turn[:, :3], turn[:, 3:]
     return place + 2 * np.cross(axis, np.cross(axis, place) + along * place)
 
@@ -37,7 +37,7 @@ def matrix(step: np.ndarray) -> np.ndarray:
 
 
 def deskewed(steps: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Points in the world, each by the pose of its own time: between steps places go evenly, and turns by their quaternions."""
+    """Transforms each point to the world by the pose at its time, interpolated between steps."""
     after = np.clip(np.searchsorted(steps[:, 0], points[:, 0]), 1, len(steps) - 1)
     before = after - 1
     share = ((points[:, 0] - steps[before, 0]) / (steps[after, 0] - steps[before, 0]))[:, None]
@@ -48,13 +48,13 @@ def deskewed(steps: np.ndarray, points: np.ndarray) -> np.ndarray:
 
 
 def exact(path: str) -> None:
-    """Without noise, points of the walls lie on the walls."""
+    """Checks that, without noise, points of the walls are on the walls."""
     before, most, stamped, count = None, 0.0, 0.0, 0
     for steps, points in frames(path):
         if before is not None:
             steps = np.vstack([before[-2:], steps])
             for places, is_own in ((deskewed(steps, points), True), (points[:, 1:] @ matrix(steps[-1])[:3, :3].T + matrix(steps[-1])[:3, 3], False)):
-                # Crates are farther in; the ground is below.
+                # Crates are farther inside; the ground is below.
                 off = np.minimum(np.abs(np.abs(places[:, 0]) - 15.0), np.abs(np.abs(places[:, 1]) - 10.0))
                 own = deskewed(steps, points)
                 wall = (own[:, 2] > 0.1) & ((np.abs(own[:, 0]) > 14.5) | (np.abs(own[:, 1]) > 9.5))
@@ -68,7 +68,7 @@ def exact(path: str) -> None:
 
 
 def errors(path: str, deskew: bool) -> tuple[np.ndarray, float]:
-    """Of each step from scan to scan in metres, and of all places, root mean square."""
+    """The errors of the steps from scan to scan in metres, and the root mean square error of all positions."""
     config = load_config(None)
     config.data.max_range, config.data.min_range, config.data.deskew = 100.0, 1.0, deskew
     config.mapping.voxel_size = 0.5
@@ -81,7 +81,7 @@ def errors(path: str, deskew: bool) -> tuple[np.ndarray, float]:
     inverse = np.linalg.inv
     off = [inverse(inverse(t[0]) @ t[1]) @ (inverse(f[0]) @ f[1]) for t, f in zip(zip(truth, truth[1:]), zip(found, found[1:]))]
     places = [(inverse(truth[0]) @ t)[:3, 3] - (inverse(found[0]) @ f)[:3, 3] for t, f in zip(truth, found)]
-    # The first scans have no speed to begin with.
+    # The first scans have no initial speed.
     return np.array([np.linalg.norm(step[:3, 3]) for step in off[5:]]), np.sqrt(np.mean(np.sum(np.square(places), axis=1)))
 
 

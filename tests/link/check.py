@@ -1,8 +1,8 @@
-"""A simulator in one network namespace, consumers of its streams in another, and all that can happen in between.
+"""Tests a link between a simulator in one network namespace and consumers of its streams in another.
 
 check.py BELVEDERE FOLDER [PART…]: the first is built with the feature `link`; the simulator, and all other commands, are
 BELVEDERE_BIN if that is set. Needs root, `ip` and `tc` of iproute2, and the Python packages belvedere and eclipse-zenoh.
-Prints what was measured; ends with an error when something does not hold.
+Prints measurements; ends with an error if a check fails.
 """
 
 import os
@@ -48,9 +48,9 @@ from stage import (
 
 
 def begin():
-    """The far side first: it goes on trying, and says so."""
+    """The far side is started first: it keeps trying to connect, and reports that."""
     parties["receiver"] = receiver = receive()
-    until(lambda: "there is no connection" in receiver.log.read_text(), 20, "a word that nobody is there")
+    until(lambda: "there is no connection" in receiver.log.read_text(), 20, "a report that there is no connection")
     parties["simulator"] = start("simulator", near, belvedere, "run", "--domain", near, "--drive", "still")
     until(lambda: "/image_raw" in listed(near), 60, "a simulator")
     parties["sender"] = send()
@@ -58,38 +58,38 @@ def begin():
 
 
 def described():
-    """What is there is there as it is here."""
-    told = ("kind", "encoding", "rate_hz", "frame_id", "layers", "max_payload_bytes")
+    """Streams are described in the same way on both sides."""
+    described = ("kind", "encoding", "rate_hz", "frame_id", "layers", "max_payload_bytes")
     here_now, there_now = listed(near), listed(far)
     assert set(here_now) - set(there_now) == CONTROL, set(here_now) ^ set(there_now)
     for topic, stream in there_now.items():
-        assert [stream[name] for name in told] == [here_now[topic][name] for name in told], topic
+        assert [stream[name] for name in described] == [here_now[topic][name] for name in described], topic
     print(f"{len(there_now)} streams are described there as here", flush=True)
 
 
 def interest():
-    """Nobody looks over there, so nobody renders here; then somebody does, and goes."""
+    """A stream is only rendered while it has a subscriber on the far side."""
     time.sleep(1)
-    assert listed(near)["/image_raw"]["subscribers"] == 0, "pictures are taken for nobody"
+    assert listed(near)["/image_raw"]["subscribers"] == 0, "pictures are taken without a subscriber"
     looker = Frames(far, "image_raw")
     looker.wait(5, 20, "pictures on the other side")
     assert listed(near)["/image_raw"]["subscribers"] == 1
     looker.end()
     until(lambda: listed(near)["/image_raw"]["subscribers"] == 0, 5, "the end of interest")
-    print("a stream that nobody takes there is not taken here", flush=True)
+    print("a stream without subscribers there is not taken here", flush=True)
 
 
 def free():
     compared("image_raw", "a free cable", 330, 60)
     compared("scan", "a free cable", 20, 20)
     late = Frames(far, "tf_static")
-    late.wait(1, 5, "what was sent once, long ago")
+    late.wait(1, 5, "a frame that was sent once, long ago")
     late.end()
     drive(far, 0.3, 2)
 
 
 def cut():
-    """For less and for more than the two seconds after which a connection is given up, and for just these."""
+    """Cuts the cable for less than, more than and exactly the two seconds after which a connection is closed."""
     for seconds in CUTS:
         here_side, there_side = Frames(near, "odom"), Frames(far, "odom")
         pictures = Frames(far, "image_raw")
@@ -107,25 +107,25 @@ def cut():
         pictures.end()
         keys = sorted(before)
         stamps = [before[key][0] for key in keys]
-        # The simulator's own consumer has lost nothing, so the simulator has not waited.
-        assert sum(frame[3] for frame in before.values()) == 0, "frames were lost beside the simulator"
+        # The simulator's local consumer has lost nothing, so the simulator did not wait.
+        assert sum(frame[3] for frame in before.values()) == 0, "frames were lost on the simulator's side"
         wall = [before[key][1] for key in keys]
         slowest = max(b - a for a, b in zip(wall, wall[1:], strict=False)) / 1e6
         assert seconds < 5 or slowest < 4000, f"the simulator stood for {slowest} ms"
         first, last = min(after), max(after)
         lost = last[1] - first[1] + 1 - len(after)
-        told = sum(frame[3] for key, frame in after.items() if key != first)
-        assert lost == told, f"{lost} lost, consumers were told of {told}"
+        reported = sum(frame[3] for key, frame in after.items() if key != first)
+        assert lost == reported, f"{lost} lost, {reported} reported to consumers"
         assert all(before[key][4] == frame[4] for key, frame in after.items() if key in before)
         print(
-            f"cable cut for {seconds} s: pictures again {again:.1f} s after it was mended; of odometry {lost} lost, which "
-            f"consumers are told of; the simulator sent {len(stamps)} meanwhile, its longest pause {slowest:.0f} ms",
+            f"cable cut for {seconds} s: pictures again {again:.1f} s after it was reconnected; {lost} frames of odometry lost, as "
+            f"reported to consumers; the simulator sent {len(stamps)} meanwhile, its longest pause {slowest:.0f} ms",
             flush=True,
         )
 
 
 def kills():
-    """Either side is killed."""
+    """Kills either side."""
     for name, role, again_started in (("send", "sender", send), ("receive", "receiver", receive)):
         there_side = Frames(far, "image_raw")
         there_side.wait(10, 20, "pictures before a kill")
@@ -140,13 +140,13 @@ def kills():
         again = time.monotonic() - killed
         there_side.wait(30, 20, "more of them")
         frames = there_side.end()
-        assert len({session for session, _ in frames}) == 1, "the same simulator is told as another"
+        assert len({session for session, _ in frames}) == 1, "the same simulator is reported as another one"
         print(f"`link {name}` killed and started again: pictures again after {again:.1f} s", flush=True)
     drive(far, 0.2, 2)
 
 
 def narrow():
-    """Lines that are narrow, long, or bad."""
+    """Lines with low bandwidth, high latency, or losses."""
     for what, words in (
         ("100 Mbit/s", ("tbf", "rate", "100mbit", "burst", "256kb", "latency", "50ms")),
         ("300 Mbit/s", ("tbf", "rate", "300mbit", "burst", "256kb", "latency", "50ms")),
@@ -163,7 +163,7 @@ def narrow():
 
 
 def listening(*words):
-    """A receiver that others can call, and what was taken of shared memory before it."""
+    """Starts a receiver to which others can connect; returns the shared memory that was used before."""
     ended_well(parties["receiver"])
     until(lambda: not listed(far), 10, "the end of all streams over there")
     before = taken_memory()
@@ -173,12 +173,12 @@ def listening(*words):
 
 
 def all_there():
-    """Whether there are the streams of this side there, but those by which the simulation is controlled."""
+    """Whether all streams of this side except those for controlling the simulation exist on the other side."""
     return set(listed(near)) - set(listed(far)) == CONTROL and set(listed(far)) <= set(listed(near))
 
 
 def hostile():
-    """Somebody else's program of Zenoh, as bad as it can."""
+    """A hostile program sends invalid messages by Zenoh."""
     listening()
     words = (sys.executable, str(here / "hostile.py"))
     watched = Frames(far, "image_raw")
@@ -188,16 +188,16 @@ def hostile():
     watched.end()
     for role in ("sender", "receiver"):
         assert parties[role].poll() is None, f"the {role} did not survive"
-    # They came: some of them are refused by each side.
+    # The messages arrived: each side refused some of them.
     for role in ("sender", "receiver"):
-        assert "was refused" in parties[role].log.read_text(), f"the {role} met nothing"
+        assert "was refused" in parties[role].log.read_text(), f"the {role} received nothing"
     print(f"{attack.stdout.strip()} hostile messages")
     compared("image_raw", "after hostile messages", 60, 30)
     until(all_there, 10, "all streams after them")
 
 
 def flood():
-    """Somebody announces more streams than there is room for."""
+    """A program announces more streams than fit into memory."""
     most = 1500 << 20
     receiver, before = listening("--memory", str(most >> 20))
     watched = Frames(far, "image_raw")
@@ -207,7 +207,7 @@ def flood():
     with subprocess.Popen(words, stdout=subprocess.PIPE, text=True) as attack:
         memory, streams, files = 0, 0, 0
         while attack.poll() is None:
-            # `ip netns exec` has become the program that it runs.
+            # `ip netns exec` replaces itself by the program that it runs.
             memory = max(memory, taken_memory() - before)
             files = max(files, len(list(Path(f"/proc/{receiver.pid}/fd").iterdir())))
             streams = max(streams, len(listed(far)))
@@ -215,14 +215,14 @@ def flood():
     assert attack.returncode == 0
     watched.end()
     assert receiver.poll() is None, "the receiver did not survive"
-    # They were announced, and some of them opened.
+    # They were announced, and some of them were opened.
     assert streams > len(listed(near)) + 10, streams
     assert memory < most, f"{memory >> 20} MiB of shared memory were taken"
     assert files < FILES, f"{files} open files"
-    told = receiver.log.read_text().removeprefix(log)
-    assert "open files (os" not in told, told
-    warnings = [line for line in told.splitlines() if "is not opened" in line]
-    assert len(warnings) == 1 and "--memory" in warnings[0] and "flood/" in warnings[0], told
+    logged = receiver.log.read_text().removeprefix(log)
+    assert "open files (os" not in logged, logged
+    warnings = [line for line in logged.splitlines() if "is not opened" in line]
+    assert len(warnings) == 1 and "--memory" in warnings[0] and "flood/" in warnings[0], logged
     print(
         f"{said}: at most {streams} streams open, {files} files, {memory >> 20} MiB more in /dev/shm, of {most >> 20} that "
         f"were allowed",
@@ -238,7 +238,7 @@ def taken_memory():
 
 
 def another_simulator():
-    """The simulator ends, and another comes."""
+    """The simulator ends, and another one is started."""
     ended_well(parties["simulator"])
     until(lambda: "/image_raw" not in listed(far), 10, "the end of its streams over there")
     again = Frames(far, "image_raw")
@@ -250,7 +250,7 @@ def another_simulator():
 
 
 def control():
-    """All commands, and only some streams."""
+    """Allows all commands, and sends only some streams."""
     ended_well(parties["sender"])
     until(lambda: not listed(far), 10, "the end of all streams over there")
     parties["sender"] = send("--commands", "all")
@@ -260,17 +260,17 @@ def control():
     print("the simulation was paused, stepped and resumed from there")
     ended_well(parties["receiver"])
     parties["receiver"] = receive("/scan", "odom")
-    until(lambda: set(listed(far)) == {"/scan", "/odom"}, 20, "two streams alone")
+    until(lambda: set(listed(far)) == {"/scan", "/odom"}, 20, "only two streams")
 
 
 def second():
-    """A second link in a domain that has one."""
+    """A second link in the same domain is refused."""
     other = receive("/scan")
     assert other.wait(20) == 1 and "is in use" in other.log.read_text(), other.log.read_text()
     running.remove(other)
 
 
-# Namespaces and processes are taken away, however this ends.
+# Namespaces and processes are removed, however this ends.
 signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended from outside"))
 try:
     lay_cable()

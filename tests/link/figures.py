@@ -1,8 +1,8 @@
-"""How late pictures of 640 x 480 at 30 Hz and commands are over a link, beside other ways over the same line in the same run.
+"""Measures the latency of pictures of 640 x 480 at 30 Hz, and of commands, over a link and by other ways in the same run.
 
-figures.py BELVEDERE FOLDER [PART…]: as check.py; the parts are the lines' names. Of each way the rounds take turns with
-those of the others; printed is the round that lost least, to 2 %, and of those the one with the lowest median, since
-whatever else the machine does only adds to both; and the medians of all. Environment: ROUNDS (3), SECONDS of each (6),
+figures.py BELVEDERE FOLDER [PART…]: as check.py; the parts are the names of lines. The rounds of all ways alternate.
+For each way it prints the round with the least loss, to 2 %, and of these the one with the lowest median, because other
+load of the machine only adds to both; and the medians of all rounds. Environment: ROUNDS (3), SECONDS of each (6),
 WAYS, CONGESTION (cubic).
 """
 
@@ -47,7 +47,7 @@ SECONDS = float(os.environ.get("SECONDS", "6"))
 CONGESTION = os.environ.get("CONGESTION", "cubic")
 OPTIONS = os.environ.get("OPTIONS", "")
 WAYS = os.environ.get("WAYS", "tcp link zenoh zenoh-default").split()
-# Name, words for `tc`, words for line.py (delay and jitter each way in ms, percent of packets lost).
+# Name, arguments of `tc`, arguments of line.py (delay and jitter in each direction in ms, percent of lost packets).
 LINES = (
     ("free", None, None),
     ("300 Mbit/s", ("tbf", "rate", "300mbit", "burst", "256kb", "latency", "50ms"), None),
@@ -68,7 +68,7 @@ def cpu_s(process):
 
 
 def round_of(way, host):
-    """Pictures and commands by a way, for some seconds."""
+    """Sends pictures and commands by one way, for some seconds."""
     address = f"{host}:{next(ports)}"
     script = (sys.executable, str(here / "ways.py"), way)
     links = [parties["sender"], parties["receiver"]] if way == "link" else []
@@ -86,7 +86,7 @@ def round_of(way, host):
     pictures = [(seq, (taken - sent[seq]) / 1e6) for seq, taken in there["pictures"] if seq in sent]
     late = sorted(ms for _, ms in pictures)
     back = sorted((taken - sent) / 1e6 for sent, taken in this["commands"])
-    # A stream of commands is there when the first has come; those before it were for nobody.
+    # The stream of commands exists once the first command has arrived; earlier ones had no subscriber.
     first = this["commands"][0][0] - 1000
     commands = sum(sent > first for sent in there["commands"])
     all_sent = pictures[-1][0] - pictures[0][0] + 1
@@ -104,7 +104,7 @@ def round_of(way, host):
 
 
 def as_usual(domain, device, host):
-    """TCP's congestion control is Linux's default, whatever this machine's is."""
+    """Sets the congestion control of TCP to Linux's default, whatever this machine's is."""
     net = host.rpartition(".")[0] + ".0/24"
     words = ("dev", device, "proto", "kernel", "scope", "link", "src", host, "congctl", CONGESTION)
     ip("-n", spaces[domain], "route", "change", net, *words)
@@ -112,7 +112,7 @@ def as_usual(domain, device, host):
 
 @contextlib.contextmanager
 def long_line(words):
-    """A line of line.py in place of the cable."""
+    """Replaces the cable by line.py."""
     devices = [f"t{cables[domain]}" for domain in (near, far)]
     line = [sys.executable, str(here / "line.py"), *devices, *words]
     with subprocess.Popen(line, stdout=subprocess.PIPE, text=True) as process:
@@ -132,7 +132,7 @@ def long_line(words):
 
 
 def measured(name, host):
-    """All ways over a line, by turns."""
+    """Measures all ways over a line, alternating between them."""
     address = f"{host}:7447"
     topics = ("image_raw", "cmd_vel")
     parties["sender"] = send(*topics, address=address + OPTIONS)
@@ -142,7 +142,7 @@ def measured(name, host):
     before = sum(map(cpu_s, links))
     time.sleep(2)
     print(
-        f"{name}: a link that nobody takes anything of: {(sum(map(cpu_s, links)) - before) * 50:.1f} % of a core",
+        f"{name}: a link without subscribers: {(sum(map(cpu_s, links)) - before) * 50:.1f} % of a core",
         flush=True,
     )
     rounds = {way: [] for way in WAYS}
@@ -169,7 +169,7 @@ def measured(name, host):
         )
 
 
-# Namespaces and processes are taken away, however this ends.
+# Namespaces and processes are removed, however this ends.
 signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended from outside"))
 try:
     lay_cable()

@@ -1,6 +1,6 @@
 """Writes a line for each frame of a stream: number, stamp, times, and a hash of header and payload.
 
-frames.py DOMAIN TOPIC FILE: until it is told to end (SIGTERM).
+frames.py DOMAIN TOPIC FILE: until SIGTERM.
 """
 
 import hashlib

@@ -1,4 +1,4 @@
-"""Another program of Zenoh, which puts on a link's keys what does not belong there.
+"""A program that puts invalid messages on a link's keys by Zenoh.
 
 hostile.py ADDRESS,ADDRESS DOMAIN SECONDS: lists of streams that are none, or that nobody can have, and messages that are no
 frames, cut, lengthened, or with bytes turned over, of streams and of commands. Says how many.
@@ -33,14 +33,14 @@ def take_streams(sample):
 frames = session.declare_subscriber(f"belvedere/{domain}/frames/**", take_frame)
 streams = session.declare_subscriber(f"belvedere/{domain}/streams", take_streams)
 time.sleep(2)
-assert real and heard, "the link is not heard"
-# From here on this program only sends.
+assert real and heard, "nothing is received from the link"
+# From here on, this program only sends.
 frames.undeclare()
 streams.undeclare()
 
 
 def spoilt(frame):
-    """A frame that was a good one."""
+    """Corrupts a valid frame."""
     frame = bytearray(frame)
     match dice.randrange(5):
         case 0:
@@ -62,16 +62,16 @@ def spoilt(frame):
 
 
 def spoilt_streams(good):
-    """A list of streams that was a good one."""
-    told = json.loads(good)
-    one = dice.choice(told["streams"])
+    """Corrupts a valid list of streams."""
+    listing = json.loads(good)
+    one = dice.choice(listing["streams"])
     match dice.randrange(6):
         case 0:
             return good[: dice.randrange(len(good))]
         case 1:
             return dice.randbytes(dice.randrange(200))
         case 2:
-            told["version"] = dice.choice((0, 2, -1, "1", None, 2**40))
+            listing["version"] = dice.choice((0, 2, -1, "1", None, 2**40))
         case 3:
             one[dice.choice(list(one))] = dice.choice(
                 (None, -1, 2**70, 1e308, "", "x" * 5000, [], {}, "../../a", "a//b")
@@ -79,8 +79,8 @@ def spoilt_streams(good):
         case 4:
             one["max_payload_len"] = dice.choice((2**27, 2**40, 2**63))
         case _:
-            told["streams"] = told["streams"] * 200
-    return json.dumps(told).encode()
+            listing["streams"] = listing["streams"] * 200
+    return json.dumps(listing).encode()
 
 
 keys = sorted(real)
@@ -101,7 +101,7 @@ while time.monotonic() < end:
         (command, dice.choice((bad, dice.randbytes(432)))),
         (f"belvedere/{domain}/streams", spoilt_streams(heard["streams"])),
     ):
-        # The key that a message is for goes with it.
+        # The message contains the key that it is for.
         said = to if dice.randrange(8) else dice.choice((None, "", key, "\u00fc" * 500))
         session.put(to, message, attachment=said)
     sent += 3

@@ -1,4 +1,4 @@
-"""A line that is long, and loses packets: what netem does, for kernels that have none.
+"""A line with latency and packet loss, like netem, for kernels without it.
 
 line.py DEVICE DEVICE DELAY_MS JITTER_MS LOSS_PERCENT: makes two network devices and hands packets from one to the other,
 each after the delay, more or less by the jitter but never before the one in front of it, and some not at all. The devices
@@ -19,9 +19,9 @@ from collections import deque
 
 TUNSETIFF = 0x400454CA
 IFF_TUN, IFF_NO_PI = 0x0001, 0x1000
-#: Packets that wait in a direction; others are lost, as netem's `limit`.
+#: The greatest number of waiting packets per direction; further ones are dropped, like netem's `limit`.
 MOST = 100_000
-#: Packets that are taken at once before others are looked after.
+#: The number of packets that are read at once before the other direction is served.
 BATCH = 64
 
 
@@ -44,7 +44,7 @@ def main():
 
     signal.signal(signal.SIGTERM, end)
     print("there", flush=True)
-    # Of each direction: (when it is to go, packet).
+    # For each direction: (time to send, packet).
     waiting = [deque(), deque()]
     last_due = [0, 0]
     carried, lost, latest_ns = 0, 0, 0
@@ -62,14 +62,14 @@ def main():
                     lost += 1
         heads = [packets[0][0] for packets in waiting if packets]
         wait = max(0.0, (min(heads) - time.monotonic_ns()) / 1e9) if heads else 0.1
-        # To the microsecond, where epoll's waits are whole milliseconds.
+        # Accurate to the microsecond; epoll's waits are whole milliseconds.
         for file in select.select(files, [], [], wait)[0]:
             side = files.index(file)
             for _ in range(BATCH):
                 try:
                     packet = os.read(file, 65536)
                 except OSError:
-                    # No more, or not up yet.
+                    # The device does not exist any more, or is not up yet.
                     break
                 if len(waiting[side]) >= MOST or (loss and dice.random() < loss):
                     lost += 1

@@ -1,4 +1,4 @@
-"""The stage of check.py and figures.py: two network namespaces, the cable between them, and the programs in them."""
+"""The setup of check.py and figures.py: two network namespaces, the cable between them, and their programs."""
 
 import contextlib
 import json
@@ -13,21 +13,21 @@ from pathlib import Path
 link, folder, wanted = sys.argv[1], Path(sys.argv[2]), sys.argv[3:]
 belvedere = os.environ.get("BELVEDERE_BIN", link)
 here = Path(__file__).parent
-# Shared memory is common to both namespaces, so each side has a domain of its own.
+# Both namespaces share /dev/shm, so each side has its own domain.
 tag = os.getpid()
 near, far = f"near-{tag}", f"far-{tag}"
 spaces = {near: f"blvd-near-{tag}", far: f"blvd-far-{tag}"}
 cables = {near: f"bn{tag}", far: f"bf{tag}"}
 ADDRESS, FAR_ADDRESS = "10.77.15.1:7447", "10.77.15.2:7447"
-# Zenoh hands nothing on from one peer to another, so that who wants to harm both sides has to call both.
+# Zenoh forwards nothing from one peer to another, so an attacker of both sides must connect to both.
 BOTH = f"tcp/{ADDRESS},tcp/{FAR_ADDRESS}"
-# Open files that a process of a user may have by default.
+# The default limit of open files of a user's process.
 FILES = 1024
-# Streams that cross with `send --commands all` alone.
+# The streams that are only sent with `send --commands all`.
 CONTROL = {"/simulation/command", "/simulation/result"}
-# Machines that do something else meanwhile take so many times as long.
+# A factor for timeouts on machines with other load.
 PATIENCE = 3
-# Seconds without a cable.
+# The durations of cable cuts in seconds.
 CUTS = [float(word) for word in os.environ.get("CUTS", "1.5 2.5 8").split()]
 running = []
 parties = {}
@@ -65,7 +65,7 @@ def ended_well(process):
 
 
 class Frames:
-    """A consumer beside this process, and what it has written."""
+    """A consumer in another process, and its output."""
 
     number = 0
 
@@ -89,7 +89,7 @@ class Frames:
         return found
 
     def wait(self, count, seconds, what):
-        """Waits for so many frames more than there are."""
+        """Waits for this many further frames."""
         before, deadline = len(self.now()), time.monotonic() + PATIENCE * seconds
         while len(self.now()) < before + count:
             assert time.monotonic() < deadline, (
@@ -121,12 +121,12 @@ def listed(domain):
 def until(holds, seconds, what):
     deadline = time.monotonic() + PATIENCE * seconds
     while not holds():
-        assert time.monotonic() < deadline, f"in vain for {seconds} s: {what}"
+        assert time.monotonic() < deadline, f"not within {seconds} s: {what}"
         time.sleep(0.05)
 
 
 def compared(topic, what, count, seconds, *, lossless=False):
-    """Takes a stream on both sides, compares every frame that crossed, and says how it did."""
+    """Takes a stream on both sides, compares every frame that was transferred, and prints statistics."""
     sides = [Frames(domain, topic) for domain in (near, far)]
     for side in sides:
         side.wait(1, 15, f"{what}: {topic}")
@@ -135,9 +135,9 @@ def compared(topic, what, count, seconds, *, lossless=False):
     common = sorted(set(before) & set(after))
     assert len(common) >= count * 0.7, f"{what}: {len(common)} frames of {topic} on both sides"
     for key in common:
-        assert before[key][4] == after[key][4], f"{what}: {topic}: frame {key} is another one over there"
+        assert before[key][4] == after[key][4], f"{what}: {topic}: frame {key} differs on the other side"
         assert before[key][0] == after[key][0]
-    # Between the first and the last of those that crossed.
+    # Between the first and the last transferred frame.
     sent = [key for key in before if common[0] <= key <= common[-1]]
     lost = len(sent) - len(common)
     latencies = sorted((after[key][2] - before[key][1]) / 1e6 for key in common)
@@ -162,7 +162,7 @@ import belvedere, sys, time
 domain, velocity, seconds = sys.argv[1], float(sys.argv[2]), float(sys.argv[3])
 with belvedere.Node("driver", domain=domain) as node:
     with node.subscribe("odom") as odom, node.velocity_publisher("cmd_vel") as wheels:
-        assert wheels.wait(10), "nobody takes commands"
+        assert wheels.wait(10), "the commands have no subscriber"
         end = time.monotonic() + seconds
         fastest = 0.0
         while time.monotonic() < end:
@@ -172,8 +172,8 @@ with belvedere.Node("driver", domain=domain) as node:
                 with frame:
                     fastest = max(fastest, float(frame.array["linear"].ravel()[0]))
             time.sleep(0.02)
-        assert fastest > velocity * 0.8, f"told to go {velocity} m/s, it went {fastest}"
-        print(f"commands: told to go {velocity} m/s there, it goes {fastest:.2f} m/s here", flush=True)
+        assert fastest > velocity * 0.8, f"commanded {velocity} m/s, measured {fastest}"
+        print(f"commands: {velocity} m/s commanded there, {fastest:.2f} m/s measured here", flush=True)
 """
 
 
@@ -182,7 +182,7 @@ def cable(state):
 
 
 def shape(*words):
-    """Makes the cable narrow, slow or bad; False if this kernel cannot."""
+    """Limits the bandwidth of the cable, or adds latency or losses; False if this kernel cannot."""
     for domain in (near, far):
         tc = ("tc", "qdisc", "replace", "dev", cables[domain], "root", *words)
         if subprocess.run(inside(domain, *tc), check=False, capture_output=True).returncode != 0:
@@ -202,7 +202,7 @@ def lay_cable():
 
 
 def plug(domain, device, address):
-    """A network device of a namespace gets its address, and works."""
+    """Assigns an address to a network device of a namespace, and brings it up."""
     ip("-n", spaces[domain], "address", "add", f"{address}/24", "dev", device)
     ip("-n", spaces[domain], "link", "set", device, "up")
 
@@ -213,12 +213,13 @@ def show_logs():
 
 
 def strike():
-    """Takes the stage down."""
+    """Removes the setup."""
     for process in running:
         with contextlib.suppress(ProcessLookupError):
             process.kill()
             process.wait()
     for domain, space in spaces.items():
-        # Whoever joins a domain removes what the killed have left, and leaves nothing; nobody else ever joins these.
+        # Joining a domain removes the files of killed processes and leaves nothing; no other process joins these
+        # domains later.
         subprocess.run((belvedere, "list", "--domain", domain), check=False, capture_output=True)
         subprocess.run(("ip", "netns", "del", space), check=False, stderr=subprocess.DEVNULL)

@@ -1,14 +1,14 @@
-"""Pictures of a simulator to another machine and commands back, by several ways.
+"""Sends pictures of a simulator to another machine, and commands back, by several ways.
 
-ways.py WAY here DOMAIN ADDRESS: on the simulator's machine, until it is told to end (SIGTERM).
-ways.py WAY there DOMAIN ADDRESS SECONDS: on the other one, until so long after the first picture.
-Each says as JSON what it has sent and taken, pictures by their numbers, in ns of the clock that both sides share, since
-both are on one machine. CPU time is that between its first and its last picture.
+ways.py WAY here DOMAIN ADDRESS: on the simulator's machine, until SIGTERM.
+ways.py WAY there DOMAIN ADDRESS SECONDS: on the other machine, for this time after the first picture.
+Each prints as JSON when it has sent and taken pictures (by their numbers) and commands, in ns of the clock that both
+sides share, because both are on one machine. CPU time is counted from the first to the last picture.
 
 | way | is |
 |---|---|
-| `link` | `belvedere link`, which somebody else has started: consumers of the streams |
-| `tcp` | one connection, each message after its length; the newest picture when the one before is written |
+| `link` | `belvedere link`, which the caller has started: consumers of the streams |
+| `tcp` | one connection, each message after its length; the newest picture once the previous one is written |
 | `zenoh` | Zenoh's Python package with the settings of `src/link/transport.rs` |
 | `zenoh-default` | the same with Zenoh's own settings |
 """
@@ -27,9 +27,9 @@ from pathlib import Path
 
 import belvedere
 
-#: Of the message of a picture: its number.
+#: The header of a picture's message: its number.
 HEADER = struct.Struct("<Q")
-#: Before each message of TCP.
+#: The length before each message of TCP.
 LENGTH = struct.Struct("<Q")
 SENT = struct.Struct("<Q")
 COMMANDS_HZ = 20.0
@@ -41,13 +41,13 @@ def now_ns():
 
 
 class Link:
-    """Consumers on both sides, and a driver."""
+    """Consumers of the link's streams on both sides, and a sender of commands."""
 
     def __init__(self, domain, _address):
         self.node = belvedere.Node("ways", domain=domain)
 
     def send_pictures(self, is_over, sent):
-        """The link does; here is only seen when: over there the header has the time of that side's sending."""
+        """The link sends the pictures; here only their times are recorded, because the far header has the far side's."""
         with self.node.subscribe(TOPIC) as pictures:
             while not is_over.is_set():
                 if pictures.wait(0.05) and (frame := pictures.take()) is not None:
@@ -60,7 +60,7 @@ class Link:
                 while (frame := commands.take()) is not None:
                     taken = now_ns()
                     with frame:
-                        # A robot on wheels has no use for a velocity upwards.
+                        # A wheeled robot ignores an upward velocity, which carries the number.
                         take(round(float(frame.array["linear"].ravel()[2]) * 1e9), taken)
 
     def take_pictures(self, take):
@@ -74,12 +74,12 @@ class Link:
 
     def commander(self):
         wheels = self.node.velocity_publisher("cmd_vel")
-        assert wheels.wait(10), "nobody takes commands"
+        assert wheels.wait(10), "the commands have no subscriber"
         return lambda sent: wheels.send(linear=(0.0, 0.0, sent / 1e9))
 
 
 class Plain:
-    """A consumer beside the simulator that hands pictures on."""
+    """A consumer on the simulator's machine that forwards pictures."""
 
     def __init__(self, domain):
         self.domain = domain
@@ -149,7 +149,7 @@ def called(host, port):
         try:
             return socket.create_connection((host, port), 2)
         except OSError:
-            assert time.monotonic() < deadline, f"nobody is at {host}:{port}"
+            assert time.monotonic() < deadline, f"nothing listens at {host}:{port}"
             time.sleep(0.05)
 
 
@@ -165,7 +165,7 @@ class Zenoh(Plain):
         ends = ("listen", "connect") if is_here else ("connect", "listen")
         own = {
             "scouting/multicast/enabled": "false",
-            # Both sides are on one machine here, and it would notice: messages would not go by the line at all.
+            # Here, both sides are on one machine, which Zenoh would notice: messages would bypass the line.
             "transport/shared_memory/enabled": "false",
             f"{ends[0]}/endpoints": json.dumps([f"tcp/{address}"]),
             f"{ends[1]}/endpoints": "[]",
@@ -173,7 +173,7 @@ class Zenoh(Plain):
         for key, value in (settings | own).items():
             config.insert_json5(key, value)
         self.session = zenoh.open(config)
-        # What Zenoh does if nothing else is asked of it, unless it is said otherwise.
+        # Zenoh's own defaults, unless other settings are requested.
         self.qos = {}
         if settings:
             drop = zenoh.CongestionControl.DROP
@@ -206,7 +206,7 @@ class Zenoh(Plain):
 
 
 def links_settings():
-    """Those of the link, where they are."""
+    """The pictures of the link, with their times."""
     source = (Path(__file__).parents[2] / "src/link/transport.rs").read_text()
     settings = dict(re.findall(r'^    \("(\w[\w/]+)", "(.*)"\),$', source, re.MULTILINE))
     assert len(settings) > 8, settings
@@ -223,7 +223,7 @@ def opened(way, domain, address, is_here):
             return Zenoh(domain, address, is_here, links_settings())
         case "zenoh-default":
             return Zenoh(domain, address, is_here, {})
-    raise SystemExit(f"{way} is no way")
+    raise SystemExit(f"unknown way {way}")
 
 
 def here(way, domain, address):
@@ -241,7 +241,7 @@ def here(way, domain, address):
     def take():
         opened_way.take_commands(lambda *command: commands.append(command))
 
-    # Neither is waited for: Zenoh was seen to wait minutes for room on a line that loses packets, its other side gone.
+    # There is no wait for either: Zenoh can wait minutes for room on a lossy line whose other side is gone.
     for task in (send, take):
         threading.Thread(target=task, daemon=True).start()
     is_over.wait()
@@ -274,7 +274,7 @@ def there(way, domain, address, seconds):
     commander.start()
     opened_way.take_pictures(take)
     commander.join()
-    # The last of them are on their way.
+    # The last of them are still in transit.
     time.sleep(0.5)
     say({"pictures": pictures, "cpu_s": cpu[-1] - cpu[0], "commands": sent})
 
@@ -289,5 +289,5 @@ if __name__ == "__main__":
         here(way, domain, address)
     else:
         there(way, domain, address, float(rest[0]))
-    # Neither threads nor sessions that wait for the other side are waited for.
+    # There is no wait for threads and sessions that wait for the other side.
     os._exit(0)

@@ -1,4 +1,4 @@
-//! Commands to a running simulator and their answers, and where its models are.
+//! Commands to a running simulator and their results, and the states of its models.
 
 use super::{PATIENCE, Simulator, next_frame};
 use belvedere_bridge::payload::{ModelState, SimulationCommand, SimulationResult};
@@ -29,7 +29,7 @@ pub(crate) fn call(
     control.call(command, text, PATIENCE).unwrap().expect("the simulator answers")
 }
 
-/// What was done, and when.
+/// Sends a command that must succeed, and returns the time at which it was done.
 pub(crate) fn done(control: &mut SimulationControl, operation: Operation) -> u64 {
     done_with(control, &SimulationCommand::new(operation), "")
 }
@@ -54,7 +54,7 @@ pub(crate) fn named(operation: Operation, name: &str) -> SimulationCommand {
     SimulationCommand { name: Text::new(name).unwrap(), ..SimulationCommand::new(operation) }
 }
 
-/// The newest states of the models, while time stands.
+/// The latest states of the models while the simulation is paused.
 pub(crate) fn states(subscriber: &mut Subscriber) -> Vec<ModelState> {
     while subscriber.take().unwrap().is_some() {}
     let frame = next_frame(subscriber);

@@ -11,10 +11,10 @@ use std::process::{Child, Command, ExitStatus, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering};
 use std::time::{Duration, Instant};
 
-/// Longest wait for something that should take a moment, on a busy machine.
+/// The longest wait for something that should be quick, on a busy machine.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(60);
 
-/// The simulator, with an environment that does not depend on the tester's.
+/// The simulator's command, with an environment that does not depend on the tester's.
 pub(crate) fn belvedere() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_belvedere"));
     for variable in [
@@ -34,25 +34,25 @@ pub(crate) fn belvedere() -> Command {
     command
 }
 
-/// Runs it to its end.
+/// Runs the simulator to its end.
 pub(crate) fn output(arguments: &[&str]) -> Output {
     belvedere().args(arguments).output().expect("the simulator's binary runs")
 }
 
-/// A domain that no other test has.
+/// Returns a domain that no other test uses.
 pub(crate) fn own_domain() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     format!("test-{}-{}", std::process::id(), COUNT.fetch_add(1, Ordering::Relaxed))
 }
 
-/// A running simulator; stopped when dropped.
+/// A running simulator, which is stopped when dropped.
 pub(crate) struct Simulator {
     child: Child,
     domain: String,
 }
 
 impl Simulator {
-    /// Starts `belvedere run` with these arguments in a domain of its own.
+    /// Starts `belvedere run` with these arguments in its own domain.
     pub(crate) fn start(arguments: &[&str]) -> Self {
         Self::start_in(own_domain(), arguments)
     }
@@ -87,14 +87,14 @@ impl Simulator {
         kill_process(Pid::from_child(&self.child), signal).expect("the simulator runs");
     }
 
-    /// Kills it without a chance to clean up.
+    /// Kills it with SIGKILL, so that it cannot clean up, and returns its domain.
     pub(crate) fn kill(mut self) -> String {
         self.signal(Signal::KILL);
         self.child.wait().unwrap();
         self.domain.clone()
     }
 
-    /// Ctrl-C, and its end.
+    /// Sends Ctrl-C and waits for the end.
     pub(crate) fn interrupt(mut self) -> ExitStatus {
         self.signal(Signal::INT);
         let started = Instant::now();
@@ -117,7 +117,7 @@ impl Drop for Simulator {
     }
 }
 
-/// Subscribers of a consumer of this name, who have found the topics' publishers.
+/// Creates subscribers of a consumer with this name, and waits until they have found their publishers.
 pub(crate) fn follow(domain: &str, name: &str, topics: &[&str]) -> Vec<Subscriber> {
     let node = Node::open(&Domain::new(domain).unwrap(), name).unwrap();
     let mut subscribers: Vec<_> = topics.iter().map(|topic| node.subscriber(topic).unwrap()).collect();
@@ -143,7 +143,7 @@ pub(crate) fn next_frame(subscriber: &mut Subscriber) -> Frame {
     }
 }
 
-/// Files of a domain that exist.
+/// The existing files of a domain.
 pub(crate) fn files_of(domain: &str) -> Vec<String> {
     let domain = Domain::new(domain).unwrap();
     let marker = domain.prefix();

@@ -1,4 +1,4 @@
-//! A terminal that a simulator runs in: what it shows, and how much is written to it.
+//! A terminal in which a simulator runs: its screen, and the number of bytes written to it.
 
 use super::{PATIENCE, belvedere};
 use rustix::process::{Pid, Signal, kill_process};
@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// `belvedere` in a terminal of its own.
+/// `belvedere` in its own terminal.
 pub(crate) struct Terminal {
     child: Child,
     master: File,
@@ -28,7 +28,7 @@ struct Shown {
 }
 
 impl Terminal {
-    /// Runs a command in a terminal of so many columns and rows.
+    /// Runs a command in a terminal with this number of columns and rows.
     pub(crate) fn start(columns: usize, rows: usize, arguments: &[&str]) -> Self {
         let master = openpt(OpenptFlags::RDWR | OpenptFlags::NOCTTY).unwrap();
         grantpt(&master).unwrap();
@@ -48,7 +48,7 @@ impl Terminal {
         let (mut reading, theirs) = (master.try_clone().unwrap(), shown.clone());
         let reader = std::thread::spawn(move || {
             let mut bytes = [0; 4096];
-            // An error once nobody has the other end open.
+            // Reading fails once no process has the other end open.
             while let Ok(read) = reading.read(&mut bytes) {
                 let mut shown = theirs.lock().unwrap();
                 shown.bytes += read as u64;
@@ -58,24 +58,24 @@ impl Terminal {
         Self { child, master, shown, reader: Some(reader) }
     }
 
-    /// Another size, as when the user drags its window's corner.
+    /// Changes the size, as if the user resized the window.
     pub(crate) fn resize(&self, columns: usize, rows: usize) {
         let mut shown = self.shown.lock().unwrap();
         tcsetwinsize(&self.master, window(columns, rows)).unwrap();
         shown.screen.resize(columns, rows);
     }
 
-    /// The rows of the screen, without the empty ones at its end.
+    /// The rows of the screen, without empty ones at the end.
     pub(crate) fn rows(&self) -> Vec<String> {
         self.shown.lock().unwrap().screen.text()
     }
 
-    /// Bytes that were written to it so far.
+    /// The number of bytes written so far.
     pub(crate) fn bytes(&self) -> u64 {
         self.shown.lock().unwrap().bytes
     }
 
-    /// The rows of the screen, once they are as they should be.
+    /// Waits until the rows of the screen fulfil a condition, and returns them.
     pub(crate) fn wait_until(&mut self, what: &str, holds: impl Fn(&[String]) -> bool) -> Vec<String> {
         let started = Instant::now();
         loop {
@@ -90,7 +90,7 @@ impl Terminal {
         }
     }
 
-    /// Ctrl-C: how it ends, and what is shown then.
+    /// Sends Ctrl-C; returns the exit status and the final screen.
     pub(crate) fn interrupt(mut self) -> (ExitStatus, Vec<String>) {
         kill_process(Pid::from_child(&self.child), Signal::INT).unwrap();
         let status = self.child.wait().unwrap();
@@ -112,7 +112,7 @@ fn window(columns: usize, rows: usize) -> Winsize {
     Winsize { ws_col: columns as u16, ws_row: rows as u16, ws_xpixel: 0, ws_ypixel: 0 }
 }
 
-/// What a terminal makes of the codes that are written to it: those that move the cursor and those that erase.
+/// A terminal emulator for the escape codes that are used: those that move the cursor and those that erase.
 #[derive(Default)]
 struct Screen {
     columns: usize,
@@ -120,7 +120,7 @@ struct Screen {
     lines: Vec<Vec<char>>,
     row: usize,
     column: usize,
-    /// The beginning of a code or a character whose end has not come.
+    /// The beginning of an incomplete escape code or character.
     rest: Vec<u8>,
 }
 
@@ -178,7 +178,7 @@ impl Screen {
             "K" => self.lines[self.row].truncate(self.column),
             // Colours.
             "m" => {}
-            _ => panic!("code {code} is not known to this terminal"),
+            _ => panic!("unknown escape code {code}"),
         }
     }
 
@@ -201,14 +201,14 @@ impl Screen {
         self.scroll();
     }
 
-    /// Rows beyond the upper edge are gone.
+    /// Removes rows that have scrolled off the top.
     fn scroll(&mut self) {
         let above = self.lines.len().saturating_sub(self.rows);
         self.lines.drain(..above);
         self.row = self.row.saturating_sub(above);
     }
 
-    /// Rows that are too long are wrapped, as most terminals do.
+    /// Wraps rows that are too long, like most terminals.
     fn resize(&mut self, columns: usize, rows: usize) {
         (self.columns, self.rows) = (columns, rows);
         let wrap = |line: &Vec<char>| {

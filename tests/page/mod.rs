@@ -1,4 +1,4 @@
-//! A program that serves the page, and a page's end of it, for tests.
+//! A program that serves the page, and the client side of a page, for tests.
 #![allow(dead_code, reason = "each test takes what it needs")]
 
 use crate::live::{PATIENCE, belvedere};
@@ -11,7 +11,7 @@ use std::process::{Child, Command, Stdio};
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
-/// A program that serves the page; stopped when dropped.
+/// A program that serves the page, which is stopped when dropped.
 pub(crate) struct Server {
     pub(crate) child: Child,
     /// 127.0.0.1:PORT.
@@ -24,7 +24,7 @@ impl Server {
         Self::of(command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap())
     }
 
-    /// One that has been started, with its output as a pipe.
+    /// A server that has been started with its output as a pipe.
     pub(crate) fn of(mut child: Child) -> Self {
         let mut lines = BufReader::new(child.stdout.take().unwrap()).lines();
         let url =
@@ -43,21 +43,21 @@ impl Server {
         Self::start(command)
     }
 
-    /// A page beside a simulator.
+    /// A page server in addition to a simulator.
     pub(crate) fn view(domain: &str) -> Self {
         let mut command = belvedere();
         command.args(["view", "--wait", "--no-browser", "--port", "0", "--domain", domain]);
         Self::start(command)
     }
 
-    /// A recording, played with its page.
+    /// A recording that is played with its page.
     pub(crate) fn view_recording(domain: &str, file: &Path) -> Self {
         let mut command = belvedere();
         command.arg("view").arg(file).args(["--no-browser", "--port", "0", "--domain", domain]);
         Self::start(command)
     }
 
-    /// What comes for a request, as it stands.
+    /// Sends a request and returns the raw answer.
     pub(crate) fn ask(&self, request: &str) -> String {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
@@ -75,7 +75,7 @@ impl Server {
         self.connect("")
     }
 
-    /// A WebSocket with this header more.
+    /// Opens a WebSocket with an additional header.
     pub(crate) fn connect(&self, header: &str) -> Page {
         let mut stream = TcpStream::connect(&self.host).unwrap();
         stream.set_read_timeout(Some(PATIENCE)).unwrap();
@@ -92,7 +92,7 @@ impl Server {
             answer.push(byte[0]);
         }
         let answer = String::from_utf8(answer).unwrap();
-        // What RFC 6455 has for this key.
+        // The answer for this key from RFC 6455.
         assert!(answer.contains("s3pPLMBiTxaQ9kYGzzhZRbK+xOo="), "{answer}");
         if let Some(offered) = header.strip_suffix("\r\n") {
             assert!(answer.contains(offered.split(", ").next().unwrap()), "{answer}");
@@ -115,20 +115,20 @@ impl Drop for Server {
     }
 }
 
-/// A page's end of the WebSocket.
+/// The client side of a page's WebSocket.
 pub(crate) struct Page {
     pub(crate) socket: WebSocket<TcpStream>,
     pub(crate) heard: Vec<Value>,
 }
 
-/// What the page is sent of a stream.
+/// A frame of a stream, as sent to the page.
 pub(crate) struct Shown {
     pub(crate) header: Value,
     pub(crate) payload: Vec<u8>,
 }
 
 impl Shown {
-    /// As `src/view/payload.rs` has it.
+    /// Parses the format of `src/view/payload.rs`.
     pub(crate) fn parse(message: &[u8]) -> Self {
         let len = u32::from_le_bytes(message[..4].try_into().unwrap()) as usize;
         let header = serde_json::from_slice(&message[4..4 + len]).unwrap();
@@ -150,7 +150,7 @@ impl Page {
         self.try_next(topic).unwrap()
     }
 
-    /// The next frame of a topic, if it comes before the patience ends.
+    /// The next frame of a topic, if it comes within the patience.
     pub(crate) fn try_next(&mut self, topic: &str) -> Option<Shown> {
         self.say(&json!({ "op": "next", "topic": topic }));
         loop {
@@ -178,10 +178,10 @@ impl Page {
         }
     }
 
-    /// The next words of this kind.
-    pub(crate) fn told(&mut self, op: &str) -> Value {
+    /// The next JSON message with this `op`.
+    pub(crate) fn next_json(&mut self, op: &str) -> Value {
         loop {
-            if let Some(place) = self.heard.iter().position(|told| told["op"] == op) {
+            if let Some(place) = self.heard.iter().position(|message| message["op"] == op) {
                 return self.heard.remove(place);
             }
             if let Message::Text(text) = self.socket.read().unwrap() {
@@ -192,11 +192,11 @@ impl Page {
 
     pub(crate) fn control(&mut self, operation: &str) -> Value {
         self.say(&json!({ "op": "control", "id": 7, "operation": operation, "steps": 10 }));
-        self.told("result")
+        self.next_json("result")
     }
 }
 
-/// Where a link is, of `simulation/link_states`.
+/// The position of a link in `simulation/link_states`.
 pub(crate) fn position(states: &Shown, link: &str) -> [f64; 3] {
     let stride = states.header["rowStride"].as_u64().unwrap() as usize;
     let state = states.payload.chunks(stride).find(|state| state.starts_with(link.as_bytes())).unwrap();

@@ -1,5 +1,5 @@
-//! Bad input to the command line: one clear error that names file, line and what to do; an exit code that is not
-//! 0; no panic; nothing half-written, nothing left behind.
+//! Bad input to the command line gives one clear error that names file, line and remedy, an exit code other than 0, no
+//! panic, and leaves no files behind.
 
 use crate::live;
 
@@ -31,14 +31,14 @@ const ROBOT: &str = r#"<?xml version="1.0"?>
 </robot>
 "#;
 
-/// A robot file that differs in one place from one that works.
+/// A robot file that differs from a valid one in one place.
 struct Case {
     name: &'static str,
     find: &'static str,
     replace: &'static str,
-    /// Line that the error names; 0 for none in particular.
+    /// The line that the error names; 0 if it names none.
     line: u32,
-    /// What the error says, among other things.
+    /// Texts that the error contains.
     says: &'static [&'static str],
 }
 
@@ -66,7 +66,7 @@ const CASES: &[Case] = &[
         says: &["lost", "base_link"],
     },
     Case {
-        name: "joint to a link that is not there",
+        name: "joint to a missing link",
         find: "<child link=\"eye\"/>",
         replace: "<child link=\"eyes\"/>",
         line: 5,
@@ -122,7 +122,7 @@ const CASES: &[Case] = &[
         says: &["near", "far"],
     },
     Case {
-        name: "an angle that is no number",
+        name: "an angle that is not a number",
         find: "<min_angle>-1</min_angle>",
         replace: "<min_angle>left</min_angle>",
         line: 16,
@@ -143,7 +143,7 @@ fn write(folder: &Path, name: &str, text: &str) -> PathBuf {
     path
 }
 
-/// Runs a robot file and gives what was said on standard error, having checked what holds for every failure.
+/// Runs a robot file, checks what every failure has in common, and returns the standard error.
 fn refused(arguments: &[&str]) -> String {
     let domain = own_domain();
     let mut all = vec!["run", "--domain", &domain, "--rate", "max", "--duration", "0.2"];
@@ -158,7 +158,7 @@ fn refused(arguments: &[&str]) -> String {
 }
 
 #[test]
-fn the_base_of_the_cases_runs() {
+fn the_valid_file_of_the_cases_runs() {
     let folder = TempDir::new().unwrap();
     let robot = write(folder.path(), "good.urdf.xacro", ROBOT);
     let domain = own_domain();
@@ -177,7 +177,7 @@ fn the_base_of_the_cases_runs() {
 }
 
 #[test]
-fn a_wrong_value_in_a_robot_is_one_error_with_its_place() {
+fn a_wrong_value_in_a_robot_gives_one_error_with_its_place() {
     for case in CASES {
         let folder = TempDir::new().unwrap();
         assert!(ROBOT.contains(case.find), "{}", case.name);
@@ -228,9 +228,9 @@ fn an_include_cycle_ends() {
     );
 }
 
-/// The article's Hokuyo refers to a link that no file defines. Gazebo drops it silently; this says so.
+/// The article's Hokuyo refers to a link that no file defines. Gazebo ignores it silently; here it is an error.
 #[test]
-fn a_sensor_on_a_missing_link_is_an_error_unless_gazebo_is_wanted() {
+fn a_sensor_on_a_missing_link_is_an_error_unless_in_gazebo_mode() {
     let folder = TempDir::new().unwrap();
     let text = ROBOT.replacen("reference=\"base_link\"", "reference=\"bass_link\"", 1);
     let robot = write(folder.path(), "bad.urdf.xacro", &text);
@@ -271,7 +271,7 @@ fn wrong_options_are_explained() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(says), "{said}");
     }
-    // No command and no argument of xacro either.
+    // Neither a command nor an argument of xacro.
     let said = output(&["snapshto"]);
     assert_eq!(said.status.code(), Some(2));
     let said = String::from_utf8_lossy(&said.stderr);

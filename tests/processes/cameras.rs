@@ -1,5 +1,5 @@
-//! Cameras of robot files as other processes see them: what `check` says of them, classes, rolling shutters, motion
-//! blur, automatic exposure.
+//! Cameras of robot files as seen by other processes: the output of `check`, classes, rolling shutters, motion blur,
+//! automatic exposure.
 
 use crate::live::control::{done, done_with, named, step};
 use crate::live::{Simulator, follow, next_frame, output};
@@ -9,7 +9,7 @@ use glam::DQuat;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
 
-/// A robot that stands, with sensors on its mast, in a file of its own.
+/// A standing robot with sensors on its mast, in its own file.
 fn robot(folder: &TempDir, extensions: &str) -> PathBuf {
     let path = folder.path().join("robot.urdf");
     let text = format!(
@@ -46,7 +46,7 @@ fn check(path: &Path) -> String {
 }
 
 #[test]
-fn check_says_which_share_of_a_picture_a_lens_maps() {
+fn check_reports_the_share_of_a_picture_that_a_lens_maps() {
     let image = "<image><width>200</width><height>200</height></image>";
     let folder = TempDir::new().unwrap();
     // Up to 1 rad from the axis, at 50 pixels a radian: a disc of radius 50 in a square of 200, 19.6 %.
@@ -91,21 +91,22 @@ fn labels_of_a_robots_links_are_classes() {
         frame.payload().as_chunks().0.iter().map(|bytes| i32::from_le_bytes(*bytes)).collect();
     let (labelled, others) = classes.iter().partition::<Vec<i32>, _>(|class| **class == 77);
     assert_eq!(classes[32 * 64 + 32], 77);
-    // 0.2 m at a distance of 0.4 m, of a picture that is 0.4617 m wide there.
+    // 0.2 m at a distance of 0.4 m, in a picture that is 0.4617 m wide there.
     let side = 64.0 * 0.2 / (2.0 * 0.4 * (0.5 * 1.047_f64).tan());
     assert!((labelled.len() as f64).sqrt() - side < 1.0 && (labelled.len() as f64).sqrt() - side > -1.0);
     assert!(others.iter().all(|class| (0..77).contains(class)), "{others:?}");
 }
 
-/// Rate of turn of the robot in rad/s.
+/// The angular rate of the robot in rad/s.
 const TURN_RAD_S: f64 = 2.0;
-/// Focal length of its cameras, and their picture's size, in pixels.
+/// The focal length of its cameras, and the size of their pictures, in pixels.
 const FOCAL_PX: f64 = 500.0;
 const SIZE: [usize; 2] = [640, 480];
-/// No round share of a pixel from four rows to the next: whole pixels would be off alike in many rows.
+/// Chosen so that the shift from four rows to the next is not a round fraction of a pixel: otherwise rounding to whole
+/// pixels would be the same in many rows.
 const READOUT_S: f64 = 0.0233;
 
-/// A dark world without weight, in which a glowing wall ends at the plane y = 0, 10 m ahead.
+/// A dark world without gravity, in which a glowing wall ends at the plane y = 0, 10 m ahead.
 fn wall(folder: &TempDir) -> PathBuf {
     let path = folder.path().join("wall.world");
     let dark = "0 0 0 1";
@@ -122,7 +123,7 @@ fn wall(folder: &TempDir) -> PathBuf {
     path
 }
 
-/// A grey camera of 30 Hz with such a device.
+/// A grey camera at 30 Hz with the given device.
 fn device_camera(name: &str, device: &str) -> String {
     let [width, height] = SIZE;
     let image = format!("<image><width>{width}</width><height>{height}</height><format>L8</format></image>");
@@ -131,7 +132,7 @@ fn device_camera(name: &str, device: &str) -> String {
     camera(name, "<update_rate>30</update_rate>", &inside)
 }
 
-/// A simulator that stands at time 0 before the wall, and waits for the test's streams.
+/// A simulator that is paused at time 0 in front of the wall, and waits for the test's streams.
 fn before_the_wall(
     folder: &TempDir,
     cameras: &str,
@@ -149,7 +150,7 @@ fn before_the_wall(
     (simulator, control, subscribers)
 }
 
-/// Lets the robot turn from −0.35 rad, across the edge of the wall.
+/// Turns the robot from −0.35 rad, across the edge of the wall.
 fn turn(control: &mut SimulationControl) {
     let half = 0.5 * -0.35_f64;
     let command = SimulationCommand {
@@ -160,7 +161,7 @@ fn turn(control: &mut SimulationControl) {
     done_with(control, &command, "");
 }
 
-/// What is kept of a frame.
+/// The recorded data of a frame.
 #[derive(Clone, PartialEq)]
 struct Shot {
     stamp_ns: u64,
@@ -176,7 +177,7 @@ impl Shot {
     }
 }
 
-/// The frames of so many steps of 5 ms.
+/// The frames of this many steps of 5 ms.
 fn shots(control: &mut SimulationControl, steps: u64, subscribers: &mut [Subscriber]) -> Vec<Vec<Shot>> {
     let mut shots = vec![Vec::new(); subscribers.len()];
     for _ in 0..steps {
@@ -188,7 +189,7 @@ fn shots(control: &mut SimulationControl, steps: u64, subscribers: &mut [Subscri
     shots
 }
 
-/// The column at which the wall begins in each row, from the light in it.
+/// The column at which the wall begins in each row, from the light in the row.
 fn edges(shot: &Shot) -> Vec<f64> {
     let rows = shot.pixels.chunks_exact(SIZE[0]);
     rows.map(|row| {
@@ -198,7 +199,7 @@ fn edges(shot: &Shot) -> Vec<f64> {
     .collect()
 }
 
-/// Where closed form has the edge in each row: that of the yaw at which the row was read, `before_s` earlier.
+/// The edge in each row by closed form: at the yaw at which the row was read, `before_s` earlier.
 fn expected(shot: &Shot, before_s: f64) -> Vec<f64> {
     let (stamped, rows) = (shot.yaw, SIZE[1]);
     let column = |row: usize| {
@@ -208,7 +209,7 @@ fn expected(shot: &Shot, before_s: f64) -> Vec<f64> {
     (0..rows).map(column).collect()
 }
 
-/// Mean of the differences, and that of their slope from the first row to the last, and the largest of a row.
+/// The mean of the differences, their slope from the first row to the last, and the largest difference.
 fn off(found: &[f64], expected: &[f64]) -> [f64; 3] {
     let count = found.len() as f64;
     let (mut mean, mut slope, mut squares, mut largest) = (0.0, 0.0, 0.0, 0.0_f64);
@@ -224,10 +225,10 @@ fn off(found: &[f64], expected: &[f64]) -> [f64; 3] {
 }
 
 #[test]
-fn rows_of_a_turning_camera_are_where_closed_form_has_them() {
+fn rows_of_a_turning_camera_agree_with_the_closed_form() {
     const EXPOSURE_S: f64 = 0.008;
     let folder = TempDir::new().unwrap();
-    // So many electrons that there is no shot noise to speak of.
+    // With so many electrons, shot noise is negligible.
     let readout = format!(
         "<readout_time_s>{READOUT_S}</readout_time_s><exposure_time_s>{EXPOSURE_S}</exposure_time_s>\
          <white_radiance_w_m2_sr>100</white_radiance_w_m2_sr><full_well_e>4000000</full_well_e>\
@@ -243,11 +244,11 @@ fn rows_of_a_turning_camera_are_where_closed_form_has_them() {
     turn(&mut control);
     let first = shots(&mut control, 54, &mut subscribers);
     for (name, shots, before_s, [mean, slope, largest]) in [
-        // Edges are sharp: whole pixels, and rows by fours.
+        // Edges are sharp, so there are whole pixels, and rows in groups of four.
         ("rolling", &first[0], 0.0, [0.05, 0.1, 0.6]),
         ("blurred", &first[1], 0.5 * EXPOSURE_S, [0.05, 0.1, 0.3]),
     ] {
-        // The first frame is of time 0, before which nothing has moved.
+        // The first frame is at time 0, before which nothing has moved.
         let turning: Vec<_> = shots.iter().filter(|shot| shot.yaw > -0.25 && shot.yaw < 0.2).collect();
         assert!(turning.len() >= 5, "{} of {} frames of {name}", turning.len(), shots.len());
         for pair in turning.windows(2) {
@@ -266,7 +267,7 @@ fn rows_of_a_turning_camera_are_where_closed_form_has_them() {
             assert!(off[0].abs() < mean && off[1].abs() < slope && off[2] < largest, "{name}: {off:?}");
         }
     }
-    // A reset begins anew: the same bytes.
+    // After a reset, the bytes are the same.
     done(&mut control, Operation::ResetSimulation);
     turn(&mut control);
     let again = shots(&mut control, 54, &mut subscribers);
@@ -274,8 +275,8 @@ fn rows_of_a_turning_camera_are_where_closed_form_has_them() {
 }
 
 #[test]
-fn automatic_exposure_settles_whoever_looks_and_begins_anew_after_a_reset() {
-    // A hundred times too dark at first. Each frame of 8 bits is as long as the wall fills the right half.
+fn automatic_exposure_does_not_depend_on_subscribers_and_is_reset() {
+    // A hundred times too dark at first. The frames are of the time in which the wall fills the right half.
     let device = "<exposure_time_s>0.00004</exposure_time_s><read_noise_e>3</read_noise_e>\
                   <auto_exposure><target>0.2</target><tolerance>0.03</tolerance></auto_exposure>";
     let folder = TempDir::new().unwrap();
@@ -284,7 +285,7 @@ fn automatic_exposure_settles_whoever_looks_and_begins_anew_after_a_reset() {
         before_the_wall(&folder, &cameras, &["eye/image_raw"], false);
     let watched = shots(&mut control, 80, &mut subscribers).remove(0);
     assert_eq!(watched.len(), 13);
-    // Of the full well: 4000 of 4095 DN are saturated, and the picture of 8 bits ends at 255.
+    // As a fraction of the full well: 4000 of 4095 DN are saturated, and the 8-bit picture ends at 255.
     let mean = |shot: &Shot| {
         let sum: f64 = shot.pixels.iter().map(|&value| f64::from(value)).sum();
         sum / shot.pixels.len() as f64 / (255.0 * 4000.0 / 4095.0)
@@ -297,13 +298,13 @@ fn automatic_exposure_settles_whoever_looks_and_begins_anew_after_a_reset() {
     let again = shots(&mut control, 80, &mut subscribers).remove(0);
     assert!(watched == again, "other bytes after a reset");
 
-    // Who comes late sees what he would have seen.
+    // A late subscriber sees the same frames as an early one.
     let (simulator, mut control, _infos) = before_the_wall(&folder, &cameras, &["eye/camera_info"], false);
     step(&mut control, 40);
     let mut late = follow(simulator.domain(), "late", &["eye/image_raw"]);
     let seen = shots(&mut control, 40, &mut late).remove(0);
     assert!(seen.len() >= 5, "{} frames", seen.len());
-    assert!(seen.iter().all(|shot| watched.contains(shot)), "other bytes for who comes late");
+    assert!(seen.iter().all(|shot| watched.contains(shot)), "other bytes for a late subscriber");
 }
 
 #[test]
@@ -316,7 +317,7 @@ fn forward_flow_is_stamped_with_the_frame_that_it_starts_from() {
     turn(&mut control);
     let frames = shots(&mut control, 54, &mut subscribers);
     let [pictures, forward, back] = &frames[..] else { unreachable!() };
-    // Of the last frame it is not known yet, of the first there is no way back.
+    // The flow of the last frame is not known yet, and the first frame has no backward flow.
     let stamps = |shots: &[Shot]| shots.iter().map(|shot| shot.stamp_ns).collect::<Vec<_>>();
     assert_eq!(stamps(forward), stamps(&pictures[..pictures.len() - 1]));
     assert_eq!(stamps(back), stamps(&pictures[1..]));
@@ -324,7 +325,8 @@ fn forward_flow_is_stamped_with_the_frame_that_it_starts_from() {
     let (middle, row) = (0.5 * (SIZE[0] as f64 - 1.0), SIZE[1] / 2);
     for (pair, forward, back) in (0..forward.len()).map(|at| (&pictures[at..at + 2], &forward[at], &back[at]))
     {
-        // The first frame is of time 0, before which nothing has moved: its rows are of other times than those that follow.
+        // The first frame is at time 0, before which nothing has moved, so its rows have other times than those of
+        // later frames.
         if pair[0].yaw < -0.3 || pair[1].yaw > 0.3 {
             continue;
         }

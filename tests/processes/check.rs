@@ -1,4 +1,4 @@
-//! What `check` says is what `run` does.
+//! The report of `check` agrees with the behaviour of `run`.
 
 use crate::live::{output, own_domain};
 use belvedere::description::load::{Described, LoadOptions, load, load_world, robot_names, world_names};
@@ -14,10 +14,10 @@ use tempfile::TempDir;
 /// Kind, rate in Hz and frame of streams by their topics.
 type Streams = BTreeMap<String, (String, Option<String>, String)>;
 
-/// Options that leave a world to itself, and a robot.
+/// Options for a world without an added robot.
 const NO_ROBOT: [&str; 2] = ["--robot", "none"];
 const NO_WORLD: [&str; 2] = ["--world", "empty"];
-/// A robot beside the models of a world.
+/// A robot in addition to the models of a world.
 const BESIDE: [&str; 4] = ["--robot", "kobuki_nostack_rplidar", "--pose", "50,50"];
 
 fn checked(file: &str, options: &[&str]) -> (String, Option<i32>) {
@@ -26,8 +26,8 @@ fn checked(file: &str, options: &[&str]) -> (String, Option<i32>) {
     (String::from_utf8(said).unwrap(), done.status.code())
 }
 
-/// The streams that `check` tells: `publishes TOPIC: KIND [ENCODING], RATE Hz, frame FRAME`.
-fn told(said: &str) -> Streams {
+/// The streams that `check` reports: `publishes TOPIC: KIND [ENCODING], RATE Hz, frame FRAME`.
+fn reported(said: &str) -> Streams {
     let lines = said.lines().filter_map(|line| line.trim_start().strip_prefix("publishes "));
     let stream = |line: &str| {
         let (topic, rest) = line.trim_start().split_once(": ")?;
@@ -40,7 +40,8 @@ fn told(said: &str) -> Streams {
     lines.filter_map(stream).collect()
 }
 
-/// Returns the streams that a server of a world, or of a robot in the empty world, publishes, as `belvedere list` shows them.
+/// Returns the streams that a server of a world, or of a robot in the empty world, publishes, as listed by `belvedere
+/// list`.
 fn published(described: Option<Described>) -> Streams {
     let mut simulation = match described {
         Some(Described::World(world)) => Simulation::builder(world).build().unwrap(),
@@ -60,7 +61,7 @@ fn published(described: Option<Described>) -> Streams {
     let _server = Server::attach(&mut simulation, &node, ServerOptions::default()).unwrap();
     let streams = node.streams().unwrap().into_iter().filter(|stream| stream.publishers > 0);
     let stream = |stream: belvedere_bridge::StreamInfo| {
-        // As `check` writes numbers: seven decimals at the most.
+        // Formatted like in `check`, with at most seven decimals.
         let rate = stream.rate_hz.map(|hz| {
             let text = format!("{hz:.7}");
             text.trim_end_matches('0').trim_end_matches('.').to_owned()
@@ -74,7 +75,7 @@ fn published(described: Option<Described>) -> Streams {
 }
 
 #[test]
-fn the_streams_that_check_tells_are_those_that_are_published() {
+fn check_reports_the_published_streams() {
     let packages = package_path([], None);
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let of_tests = [
@@ -100,13 +101,13 @@ fn the_streams_that_check_tells_are_those_that_are_published() {
         streams.retain(|topic, _| !own.contains_key(topic));
         let (said, code) = checked(&file, &alone);
         assert_eq!(code, Some(0), "{file}: {said}");
-        assert_eq!(told(&said), streams, "{file}:\n{said}");
+        assert_eq!(reported(&said), streams, "{file}:\n{said}");
         count += streams.len();
     }
     assert!(count > 100, "{count}");
 }
 
-/// A world in which models drive and report, with sensors of gz-sim, one of them under a name that is taken.
+/// A world with moving models that report, and sensors of gz-sim, one of them under a name that is taken.
 fn moving_things(folder: &TempDir) -> PathBuf {
     let path = folder.path().join("moving.world");
     let planar = |name: &str, x: u32| {
@@ -127,7 +128,7 @@ fn moving_things(folder: &TempDir) -> PathBuf {
     path
 }
 
-/// Two cameras of gz-sim's demos, whose infos have one topic.
+/// Two cameras as in gz-sim's demos, whose camera infos have the same topic.
 fn cameras(one: &str, other: &str) -> String {
     let sensor = |topic: &str| {
         format!(
@@ -148,12 +149,12 @@ fn world(folder: &TempDir, inside: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// What `run` says of a world, and the topics that it publishes.
+/// The output of `run` for a world, and the published topics.
 fn run(world: &str, options: &[&str]) -> (String, Option<i32>, Vec<String>) {
     run_of(&[&["--world", world][..], &BESIDE, options].concat())
 }
 
-/// What `run` says with these options, and the topics that it publishes.
+/// The output of `run` with these options, and the published topics.
 fn run_of(options: &[&str]) -> (String, Option<i32>, Vec<String>) {
     let domain = own_domain();
     let start = ["run", "--domain", &domain, "--rate", "max", "--duration", "0.001", "--hash"];
@@ -164,9 +165,9 @@ fn run_of(options: &[&str]) -> (String, Option<i32>, Vec<String>) {
     (String::from_utf8(done.stderr).unwrap(), done.status.code(), topics)
 }
 
-/// The robot that is added to a world, several robots with their namespaces, and the truth are checked as they are run.
+/// The robot that is added to a world, several robots with namespaces, and ground truth are checked as they are run.
 #[test]
-fn check_and_run_take_the_same_arguments_for_the_same_streams() {
+fn check_and_run_accept_the_same_arguments() {
     let folder = TempDir::new().unwrap();
     let file = world(&folder, &cameras("left", "right"));
     let robots = ["--robot", "kobuki_nostack_rplidar", "--robot", "kobuki_hexagons_kinect"];
@@ -192,9 +193,9 @@ fn check_and_run_take_the_same_arguments_for_the_same_streams() {
         let mut topics = run(options);
         topics.sort();
         assert!(topics.len() > 3, "{topics:?}");
-        assert_eq!(told(&said).into_keys().collect::<Vec<_>>(), topics, "{given:?}:\n{said}");
+        assert_eq!(reported(&said).into_keys().collect::<Vec<_>>(), topics, "{given:?}:\n{said}");
     }
-    // What `run` refuses, `check` refuses in the same words.
+    // `check` refuses the same input as `run`, with the same message.
     let robot = "<model name='kobuki_nostack_camera'><static>true</static><link name='l'/></model>";
     let taken = world(&folder, &robot.replace("kobuki_nostack_camera", "turtlebot"));
     let (said, code) = checked(&taken, &[]);
@@ -210,7 +211,7 @@ fn check_and_run_take_the_same_arguments_for_the_same_streams() {
 }
 
 #[test]
-fn two_streams_of_one_name_are_an_error_that_names_both_before_and_in_a_run() {
+fn two_streams_with_one_name_are_an_error_in_check_and_run() {
     let folder = TempDir::new().unwrap();
     let model = |name: &str, inside: &str| {
         format!("<model name='{name}'><static>true</static><link name='link'>{inside}</link></model>\n")
@@ -231,7 +232,7 @@ fn two_streams_of_one_name_are_an_error_that_names_both_before_and_in_a_run() {
     for words in words {
         assert!(said.contains(words) && refused.contains(words), "{words}:\n{said}\n{refused}");
     }
-    // As with Gazebo it goes on, under another name.
+    // In Gazebo mode it continues with another name.
     let compat = ["--gazebo-compat"];
     let (said, code) = checked(&file, &[&BESIDE[..], &compat].concat());
     let (warned, run_code, topics) = run(&file, &compat);
@@ -243,7 +244,7 @@ fn two_streams_of_one_name_are_an_error_that_names_both_before_and_in_a_run() {
         ["/taken", "/taken_2"].iter().all(|topic| topics.iter().any(|there| there == topic)),
         "{topics:?}"
     );
-    // Of plugins, too.
+    // The same for plugins.
     let planar = |name: &str, y: u32| {
         format!(
             "<model name='{name}'><pose>0 {y} 0 0 0 0</pose><link name='l'/>
@@ -259,7 +260,7 @@ fn two_streams_of_one_name_are_an_error_that_names_both_before_and_in_a_run() {
 }
 
 #[test]
-fn the_second_camera_info_of_a_topic_lies_beside_its_picture() {
+fn a_second_camera_info_is_renamed_after_its_picture() {
     let folder = TempDir::new().unwrap();
     let file = world(&folder, &cameras("left", "right"));
     for options in [&[][..], &["--gazebo-compat"]] {
@@ -275,7 +276,7 @@ fn the_second_camera_info_of_a_topic_lies_beside_its_picture() {
             assert!(topics.iter().any(|there| there == topic), "{topic}: {topics:?}");
         }
     }
-    // In a folder of its own each has its own.
+    // In separate folders, each keeps its own name.
     let file = world(&folder, &cameras("left/image", "right/image"));
     let (said, _) = checked(&file, &BESIDE);
     assert!(!said.contains("which is that of") && said.contains("publishes    /right/camera_info"), "{said}");
@@ -292,7 +293,7 @@ fn sensor(folder: &TempDir, kind: &str, inside: &str) -> String {
 }
 
 #[test]
-fn check_tells_what_a_sensor_will_do() {
+fn check_reports_the_settings_of_sensors() {
     let folder = TempDir::new().unwrap();
     let own = |inside: &str| format!("<plugin name='p' filename='belvedere'>{inside}</plugin>");
     let line = |said: &str, name: &str| {
@@ -316,7 +317,7 @@ fn check_tells_what_a_sensor_will_do() {
         let noise = line(&said, "depth noise ");
         assert!(noise.starts_with("stddev ") && noise.contains(" mm at "), "{noise}");
     }
-    // Of scanners all that is not written elsewhere.
+    // For scanners, all settings that are not reported elsewhere.
     let said = of(
         "gpu_lidar",
         &own(
@@ -338,7 +339,7 @@ fn check_tells_what_a_sensor_will_do() {
     let said = of("gpu_lidar", &own("<preset>os1_32</preset><returns>dual</returns>"));
     assert!(line(&said, "packets ").contains("RNG19_RFL8_SIG16_NIR16_DUAL"), "{said}");
     assert!(said.contains("publishes    /t/points2: "), "{said}");
-    // The lens that is drawn, and edges.
+    // The lens that is rendered, and anti-aliasing.
     let distortion = "<camera><image><anti_aliasing>4</anti_aliasing></image><distortion><k1>-0.2</k1></distortion></camera>";
     let plugin =
         "<plugin name='p' filename='libgazebo_ros_camera.so'><distortionK1>-0.1</distortionK1></plugin>";
@@ -350,10 +351,10 @@ fn check_tells_what_a_sensor_will_do() {
     assert!(line(&said, "lens ").contains("= -0.2"), "{said}");
     assert!(line(&said, "camera_info ").contains("= -0.1,"), "{said}");
     assert!(said.contains("are those of camera_info, while the picture has those in <distortion>"), "{said}");
-    // A device has noise of its own.
+    // A device has its own noise.
     let said = of("camera", &own("<preset>webcam</preset>"));
     assert!(line(&said, "device ").contains("read noise") && !said.contains("noise        none"), "{said}");
-    // Without a topic it has gz-sim's.
+    // Without a topic, it has gz-sim's.
     sensor(&folder, "camera", "");
     let path = folder.path().join("s.sdf");
     std::fs::write(&path, std::fs::read_to_string(&path).unwrap().replace("<topic>t</topic>", "")).unwrap();
@@ -362,7 +363,7 @@ fn check_tells_what_a_sensor_will_do() {
 }
 
 #[test]
-fn check_counts_tags_and_tells_of_lights_and_numbers_that_are_left_out() {
+fn check_counts_tags_and_reports_ignored_lights_and_numbers() {
     let folder = TempDir::new().unwrap();
     let path = folder.path().join("r.urdf");
     let robot = |family: &str, id: u32| {
@@ -396,7 +397,7 @@ fn check_counts_tags_and_tells_of_lights_and_numbers_that_are_left_out() {
 }
 
 #[test]
-fn what_is_not_simulated_is_counted_and_is_an_error_when_strict() {
+fn elements_that_are_not_simulated_are_counted_and_errors_if_strict() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("door.world");
     let world = "<sdf version='1.8'><world name='w'><model name='m'><link name='a'/><link name='b'/>\n\
@@ -404,12 +405,12 @@ fn what_is_not_simulated_is_counted_and_is_an_error_when_strict() {
                  <dynamics><damping>2</damping></dynamics><limit><effort>5</effort></limit></axis></joint></model></world></sdf>";
     std::fs::write(&file, world).unwrap();
     let file = file.to_str().unwrap();
-    let told = format!(
+    let warning = format!(
         "{file}:2: warning: <damping> of <dynamics> is '2' and is not simulated: the joint moves without damping"
     );
     let checked = output(&["check", file, "--robot", "none"]);
     let text = String::from_utf8_lossy(&checked.stdout);
-    assert!(checked.status.success() && text.contains(&told), "{text}");
+    assert!(checked.status.success() && text.contains(&warning), "{text}");
     assert!(text.ends_with("no errors, 1 warning and 1 note\n"), "{text}");
     for command in [
         &["check", file, "--robot", "none", "--strict"][..],
@@ -418,6 +419,6 @@ fn what_is_not_simulated_is_counted_and_is_an_error_when_strict() {
         let checked = output(command);
         let text = String::from_utf8_lossy(&checked.stderr);
         assert_eq!(checked.status.code(), Some(1), "{command:?}: {text}");
-        assert!(text.contains(&told.replace("warning", "error")), "{command:?}: {text}");
+        assert!(text.contains(&warning.replace("warning", "error")), "{command:?}: {text}");
     }
 }

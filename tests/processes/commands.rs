@@ -1,4 +1,4 @@
-//! The commands that look at streams, against a publisher in this process.
+//! The commands that inspect streams, against a publisher in this process.
 
 use std::{
     sync::atomic::{AtomicBool, Ordering},
@@ -48,7 +48,7 @@ fn with_publisher(test: &str, body: impl FnOnce(&str)) {
                 std::thread::sleep(Duration::from_millis(10));
             }
         });
-        // A failing body must not leave the publisher running.
+        // If `body` fails, the publisher must still be stopped.
         let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| body(domain.as_str())));
         done.store(true, Ordering::Relaxed);
         if let Err(panic) = outcome {
@@ -57,7 +57,7 @@ fn with_publisher(test: &str, body: impl FnOnce(&str)) {
     });
 }
 
-/// What the program prints, each line as its words.
+/// The program's output, each line as its words.
 fn words(command: &str, domain: &str) -> Vec<Vec<String>> {
     let arguments: Vec<&str> = command.split_whitespace().chain(["--domain", domain]).collect();
     let output = live::output(&arguments);
@@ -66,7 +66,7 @@ fn words(command: &str, domain: &str) -> Vec<Vec<String>> {
     text.lines().map(|line| line.split_whitespace().map(str::to_owned).collect()).collect()
 }
 
-/// The same, each line as an object.
+/// The program's output, each line as a JSON object.
 fn objects(command: &str, domain: &str) -> Vec<Value> {
     let lines = words(&format!("{command} --json"), domain);
     lines.iter().map(|words| serde_json::from_str(&words.join(" ")).unwrap()).collect()
@@ -98,11 +98,11 @@ fn a_stream_is_measured() {
     with_publisher("hz", |domain| {
         let [measured] = &objects("hz /camera/image_raw --count 50", domain)[..] else { panic!("one line") };
         assert_eq!(measured["topic"], "/camera/image_raw");
-        // A frame that was sent before `hz` subscribed is counted and not measured.
+        // A frame that was sent before `hz` subscribed is counted but not measured.
         assert!((49..=50).contains(&measured["frames"].as_u64().unwrap()), "{measured}");
-        // Its frames are 10 ms apart, or more where the machine is busy.
+        // Frames are 10 ms apart, or more if the machine is busy.
         let number = |name: &str| measured[name].as_f64().unwrap();
-        // The first may have waited in the buffer.
+        // The first frame may have waited in the buffer.
         assert!((0.0..120.0).contains(&number("rate_hz")) && number("rate_hz") > 0.0, "{measured}");
         assert!(0.0 < number("latency_us_p50") && number("latency_us_p50") <= number("latency_us_p99"));
         assert!(number("jitter_ms") >= 0.0 && number("gaps") >= 0.0, "{measured}");
@@ -146,7 +146,7 @@ fn a_snapshot_is_a_picture_file() {
 }
 
 #[test]
-fn what_is_not_there_is_named() {
+fn missing_topics_are_named_with_suggestions() {
     let dir = tempfile::tempdir().unwrap();
     let snapshot = format!("snapshot camera/imag_raw {}", dir.path().join("never.png").display());
     with_publisher("unknown", |domain| {
@@ -169,7 +169,7 @@ fn what_is_not_there_is_named() {
 }
 
 #[test]
-fn what_cannot_be_written_leaves_nothing() {
+fn failed_snapshots_leave_no_file() {
     with_publisher("unwritable", |domain| {
         let dir = tempfile::tempdir().unwrap();
         let folder = dir.path().join("folder.png");
@@ -179,7 +179,7 @@ fn what_cannot_be_written_leaves_nothing() {
                 run(&format!("snapshot camera/image_raw {} --domain {domain}", path.display())).unwrap_err();
             assert!(error.to_string().contains(&path.display().to_string()), "{error}");
         }
-        // Nothing came: the file that was begun for it is gone.
+        // No frame came: the file that was begun for it is removed.
         let path = dir.path().join("odom.png");
         let error =
             run(&format!("snapshot odom {} --domain {domain} --timeout 0.2", path.display())).unwrap_err();

@@ -1,4 +1,4 @@
-//! A running simulation controlled from the command line, and the names that it gives.
+//! A running simulation controlled from the command line, and its messages.
 
 use crate::live;
 
@@ -7,7 +7,7 @@ use crate::live::{Simulator, next_frame, output};
 use belvedere_bridge::{Operation, StreamSpec};
 
 #[test]
-fn the_command_line_says_what_was_done_and_why_not() {
+fn the_command_line_reports_results_and_refusals() {
     let simulator = Simulator::start(&["--drive", "still"]);
     next_frame(&mut simulator.subscribe("clock"));
     let folder = tempfile::tempdir().unwrap();
@@ -32,7 +32,7 @@ fn the_command_line_says_what_was_done_and_why_not() {
         (&["move", "nobody", "-1,0", "--relative-to", "world"], 1, "no model 'nobody'"),
         (&["spawn", "no_such.sdf"], 1, "cannot read no_such.sdf"),
         (&["spawn", file, "--pose", "1"], 2, "write X,Y or X,Y,YAW or X,Y,Z,YAW"),
-        // Called as its namespace is.
+        // Deleted by the name of its namespace.
         (&["spawn", file, "--namespace", "carl"], 0, "spawn: done"),
         (&["delete", "carl"], 0, "delete: done"),
         (&["step", "0"], 2, "0 is not in"),
@@ -43,14 +43,14 @@ fn the_command_line_says_what_was_done_and_why_not() {
         let (found, said) = control(arguments);
         assert!(found == code && said.contains(words), "{arguments:?}: {found}: {said}");
     }
-    // Said at once, and not when the time is up.
+    // Reported at once, not after the timeout.
     let nobody = output(&["control", "pause", "--domain", &live::own_domain(), "--timeout", "1e6"]);
     let said = String::from_utf8(nobody.stderr).unwrap();
     assert!(nobody.status.code() == Some(1) && said.contains("nothing is published"), "{said}");
 }
 
 #[test]
-fn a_file_that_is_no_model_is_told_what_it_is() {
+fn the_error_for_a_file_that_is_not_a_model_names_its_kind() {
     let simulator = Simulator::start(&["--drive", "still"]);
     let mut control = simulator.control();
     live::control::done(&mut control, Operation::Pause);

@@ -1,4 +1,4 @@
-//! Commands to a running simulation that cannot be done, are broken, or are never answered.
+//! Commands to a running simulation that cannot be done, are invalid, or are never answered.
 
 use crate::live;
 
@@ -10,7 +10,7 @@ use rustix::process::Signal;
 use std::time::{Duration, Instant};
 
 #[test]
-fn what_cannot_be_done_is_refused_in_words() {
+fn impossible_commands_are_refused_with_a_reason() {
     let simulator = Simulator::start(&["--drive", "still"]);
     let mut control = simulator.control();
     let say = |control: &mut SimulationControl, command: &SimulationCommand, text: &str, words: &[&str]| {
@@ -36,7 +36,7 @@ fn what_cannot_be_done_is_refused_in_words() {
     say(&mut control, &spawn, "<gltf/>", &["<gltf>"]);
     say(&mut control, &named(Operation::Spawn, ROBOT), BOX, &["a model 'turtlebot' already"]);
     say(&mut control, &named(Operation::Spawn, "world"), BOX, &["'world' is the world itself"]);
-    // Its stream would have the name of another's.
+    // Its stream would have the name of an existing one.
     let sensing = BOX.replace(
         "</link>",
         "<sensor name='eye' type='camera'><camera><horizontal_fov>1</horizontal_fov></camera>
@@ -52,17 +52,17 @@ fn what_cannot_be_done_is_refused_in_words() {
     let deep = format!("<sdf version='1.6'>{}", "<a>".repeat(200_000));
     refusal(&mut control, &spawn, &deep);
     refusal(&mut control, &spawn, &format!("{deep}{}</sdf>", "</a>".repeat(200_000)));
-    // It is as it was.
+    // The simulation is unchanged.
     let mut models = simulator.subscribe(StreamSpec::MODEL_STATES);
     assert_eq!(states(&mut models).len(), 3);
 }
 
-/// Bytes of a command without its text.
+/// The size of a command without its text.
 const COMMAND: usize = size_of::<SimulationCommand>();
 
-/// A sender that does not keep to the rules: what can be answered is, the rest is dropped.
+/// A sender that violates the protocol: it gets an answer if possible, and other messages are dropped.
 #[test]
-fn broken_commands_harm_nobody() {
+fn invalid_commands_do_no_harm() {
     let simulator = Simulator::start(&["--drive", "still"]);
     let mut control = simulator.control();
     done(&mut control, Operation::Pause);
@@ -86,7 +86,7 @@ fn broken_commands_harm_nobody() {
     assert!(send(spawn(1000), b"<sdf/>").contains("cut off: 1000 bytes announced, 6 came"));
     assert!(send(spawn(u32::MAX), b"<sdf/>").contains("at most"));
     assert!(send(spawn(4), b"ab\xff\xff").contains("not UTF-8 from byte 2 on"));
-    // No command at all.
+    // A message that is not a command.
     let mut frame = sender.loan(100).unwrap();
     let header = frame.header_mut();
     (header.width, header.height, header.elem_stride, header.row_stride) = (0, 0, 0, 0);

@@ -1,4 +1,4 @@
-//! Models of a running simulation moved, added and removed by another process, as its streams show it.
+//! Models of a running simulation are moved, added and removed by another process, as its streams show.
 
 use crate::live::control::{BOX, ROBOT, assert_near, done, done_with, named, state, states, step};
 use crate::live::{Simulator, follow, next_frame};
@@ -23,7 +23,7 @@ fn models_are_moved_and_put_back() {
     let robot = state(&mut models, ROBOT).unwrap();
     assert_near(robot.position, [0.5, -0.3, 0.0], 1e-6);
     assert!((robot.orientation[2].abs() - quarter).abs() < 1e-6);
-    // A little ahead of where it is now: along its own x, which is the world's y.
+    // Slightly ahead of its current position: along its own x, which is the world's y.
     let ahead = SimulationCommand {
         position: [0.2, 0.0, 0.0],
         reference: Text::new("turtlebot::base_footprint").unwrap(),
@@ -31,7 +31,7 @@ fn models_are_moved_and_put_back() {
     };
     done_with(&mut control, &ahead, "");
     assert_near(state(&mut models, ROBOT).unwrap().position, [0.5, -0.1, 0.0], 1e-4);
-    // The base does not notice that it was carried.
+    // The base does not report that it was moved by the command.
     while odometry.take().unwrap().is_some() {}
     done(&mut control, Operation::Resume);
     for _ in 0..20 {
@@ -42,7 +42,7 @@ fn models_are_moved_and_put_back() {
     done(&mut control, Operation::Pause);
     assert!(reset_ns > 0);
     assert_near(state(&mut models, ROBOT).unwrap().position, [0.0; 3], 1e-3);
-    // A velocity goes with the pose: thrown upwards at 2 m/s, it is 0.15 m up after 0.1 s.
+    // A velocity is set together with the pose: thrown upwards at 2 m/s, it is 0.15 m up after 0.1 s.
     let thrown = SimulationCommand {
         position: [0.0, 0.0, 0.5],
         linear: [0.0, 0.0, 2.0],
@@ -55,15 +55,15 @@ fn models_are_moved_and_put_back() {
     step(&mut control, 20);
     let robot = state(&mut models, ROBOT).unwrap();
     assert_near(robot.position, [0.0, 0.0, 0.5 + 0.2 - 0.5 * 9.8 * 0.01], 0.02);
-    // It falls freely: neither the throw nor the fall is a force.
+    // It falls freely: neither the throw nor the fall is measured as a force.
     let felt: Vec<[f64; 3]> = std::iter::from_fn(|| imu.take().unwrap())
         .map(|frame| frame.message::<Imu>().unwrap().linear_acceleration)
         .collect();
     assert!(!felt.is_empty());
-    // What the last report before the throw left of standing is in the first.
+    // The first report still includes the time at rest between the report before and the throw.
     assert!(felt.iter().all(|force| force.iter().all(|along| along.abs() < 10.0)), "{felt:?}");
     assert!(felt.last().unwrap().iter().all(|along| along.abs() < 0.1), "{felt:?}");
-    // The world's own models, static ones too.
+    // The models of the world, including static ones.
     let ceiling =
         SimulationCommand { position: [0.0, 0.0, 3.0], ..named(Operation::SetModelState, "tag_ceiling") };
     let mut images = simulator.subscribe("image_raw");
@@ -81,7 +81,7 @@ fn models_are_moved_and_put_back() {
     assert_near(state(&mut models, "tag_ceiling").unwrap().position, [0.0, 0.0, 2.5], 0.0);
 }
 
-/// The shortest range within 3° of ahead in the next scan; the robot stands at the origin.
+/// The shortest range within 3° of straight ahead in the next scan; the robot is at the origin.
 fn ahead_m(control: &mut SimulationControl, scans: &mut Subscriber) -> f32 {
     while scans.take().unwrap().is_some() {}
     step(control, 40);
@@ -103,7 +103,7 @@ fn a_box_in_front_of_the_lidar_is_seen_until_it_is_deleted() {
     let mut models = simulator.subscribe(StreamSpec::MODEL_STATES);
     let mut links = simulator.subscribe(StreamSpec::LINK_STATES);
     let mut scans = simulator.subscribe("scan");
-    // Now it is there.
+    // Add the box.
     done(&mut control, Operation::Pause);
     let free_m = ahead_m(&mut control, &mut scans);
     for round in 0..3 {
@@ -117,7 +117,7 @@ fn a_box_in_front_of_the_lidar_is_seen_until_it_is_deleted() {
         assert!(states(&mut links).iter().any(|link| link.name.as_str() == "crate::body"));
         let near_m = ahead_m(&mut control, &mut scans);
         assert!((1.0..1.4).contains(&near_m), "round {round}: {near_m} m, {free_m} m without the box");
-        // A reset of the world puts it back into the air, one of the simulation too.
+        // A reset of the world moves it back into the air, and so does one of the simulation.
         done(&mut control, Operation::ResetWorld);
         assert_near(state(&mut models, "crate").unwrap().position, [1.5, 0.0, 0.8], 1e-6);
         assert_eq!(done(&mut control, Operation::ResetSimulation), 0);
@@ -143,7 +143,7 @@ fn a_box_in_front_of_the_lidar_is_seen_until_it_is_deleted() {
 }
 
 #[test]
-fn what_is_sent_after_an_answer_shows_what_was_changed() {
+fn frames_after_an_answer_show_the_change() {
     let simulator = Simulator::start(&["--drive", "still"]);
     let mut control = simulator.control();
     let mut states = simulator.subscribe(StreamSpec::MODEL_STATES);
@@ -151,7 +151,7 @@ fn what_is_sent_after_an_answer_shows_what_was_changed() {
     assert!(control.is_connected().unwrap());
     assert_eq!(control.answered_ns(), 0);
     for round in 0..40 {
-        // In a pause and out of it.
+        // While paused and while running.
         done(&mut control, if round % 2 == 0 { Operation::Pause } else { Operation::Resume });
         let x = f64::from(round) * 0.1 - 2.0;
         let moved =

@@ -1,4 +1,4 @@
-//! Time of a simulation in the hands of another process: it stands, goes on, goes by steps, begins again.
+//! The time of a simulation controlled by another process: pause, resume, step and reset.
 
 use crate::live::control::{BOX, ROBOT, call, done, done_with, named, step};
 use crate::live::{Simulator, belvedere, follow, next_frame, own_domain};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use xxhash_rust::xxh3::xxh3_128;
 
 #[test]
-fn while_paused_time_stands_and_commands_and_late_subscribers_are_served() {
+fn a_paused_simulation_serves_commands_and_late_subscribers() {
     let simulator = Simulator::start(&["--drive", "still"]);
     let mut control = simulator.control();
     let node = simulator.node();
@@ -17,12 +17,12 @@ fn while_paused_time_stands_and_commands_and_late_subscribers_are_served() {
     next_frame(&mut images);
     let paused_ns = done(&mut control, Operation::Pause);
     while images.take().unwrap().is_some() {}
-    // Late: each stream that keeps its last message gives it.
+    // A late subscriber: each latched stream sends its last message.
     let mut clock = node.subscriber("clock").unwrap();
     let last = next_frame(&mut clock);
     assert!(last.is_from_history() && last.header().stamp_ns <= paused_ns);
     next_frame(&mut node.subscriber("tf_static").unwrap());
-    // Nothing moves on.
+    // Nothing advances.
     assert!(!clock.wait(Duration::from_millis(300)).unwrap() && images.take().unwrap().is_none());
     for _ in 0..21 {
         assert_eq!(done(&mut control, Operation::Pause), paused_ns);
@@ -31,14 +31,15 @@ fn while_paused_time_stands_and_commands_and_late_subscribers_are_served() {
     assert_eq!(done(&mut control, Operation::Resume), paused_ns);
     assert!(next_frame(&mut images).header().stamp_ns >= paused_ns);
     let resumed_ns = next_frame(&mut clock).header().stamp_ns;
-    // The pause, of 300 ms and more, is not made up for.
+    // The pause of 300 ms and more is not caught up.
     let went_on = Duration::from_nanos(resumed_ns - paused_ns);
     assert!(went_on <= asked.elapsed() + Duration::from_millis(100), "{went_on:?} in {:?}", asked.elapsed());
 }
 
-/// A simulation that stands waits for commands, and not for its next step: they are done about as soon as where it runs.
+/// A paused simulation waits for commands and not for its next step, so commands take about as long as in a running
+/// one.
 #[test]
-fn commands_are_done_as_soon_while_paused_as_while_running() {
+fn commands_are_as_fast_while_paused_as_while_running() {
     let simulator = Simulator::start(&["--drive", "still"]);
     let mut control = simulator.control();
     let mut median_of = |operation| {
@@ -53,13 +54,13 @@ fn commands_are_done_as_soon_while_paused_as_while_running() {
         took.sort();
         took[10]
     };
-    // What else the machine does may hold up one or the other.
+    // Other load on the machine may delay either.
     let is_as_soon = |_| {
         let (running, paused) = (median_of(Operation::Resume), median_of(Operation::Pause));
         println!("a command takes {running:?} while running, {paused:?} while paused");
         paused < 4 * running + Duration::from_millis(5)
     };
-    assert!((0..5).any(is_as_soon), "a paused simulation lets commands wait");
+    assert!((0..5).any(is_as_soon), "a paused simulation delays commands");
 }
 
 #[test]
@@ -74,7 +75,7 @@ fn steps_are_counted_exactly() {
     let stamps: Vec<u64> =
         std::iter::from_fn(|| clock.take().unwrap()).map(|frame| frame.header().stamp_ns).collect();
     assert!(!stamps.is_empty() && stamps.iter().all(|stamp| *stamp <= 107 * step_ns), "{stamps:?}");
-    // A step command that is ended by another is told so.
+    // A step command that is interrupted by another reports that.
     let long = SimulationCommand { steps: 1_000_000, ..SimulationCommand::new(Operation::Step) };
     let domain = simulator.domain().to_owned();
     let waiting = std::thread::spawn(move || {
@@ -98,7 +99,7 @@ const STREAMS: [&str; 8] = [
     "image_raw",
 ];
 
-/// Stamp and hash of every frame of a second from time 0 on.
+/// Timestamp and hash of every frame of a second from time 0 on.
 fn first_second(simulator: &Simulator, subscribers: &mut [Subscriber]) -> Vec<Vec<(u64, u128)>> {
     let domain = simulator.domain().to_owned();
     let stepping = std::thread::spawn(move || {
@@ -130,7 +131,7 @@ fn start_lossless(seed: &str) -> (Simulator, Vec<Subscriber>) {
 }
 
 #[test]
-fn after_a_reset_the_bytes_of_a_fresh_start_follow() {
+fn frames_after_a_reset_equal_those_of_a_fresh_start() {
     let (simulator, mut subscribers) = start_lossless("3");
     let fresh = first_second(&simulator, &mut subscribers);
     for (topic, frames) in STREAMS.iter().zip(&fresh) {

@@ -1,4 +1,5 @@
-//! `belvedere dataset` from outside: the same bytes however it is made, whole shards or none, and mistakes with their line.
+//! `belvedere dataset` from outside: the bytes do not depend on how it is run, shards are complete, and errors name
+//! their line.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
@@ -43,7 +44,7 @@ max = [3, 3, 0]
 clearance_m = 0.05
 "#;
 
-/// Two small eyes that fly.
+/// Two small flying cameras.
 const EYES: &str = r#"<sdf version="1.6"><model name="eyes"><static>true</static><link name="link">
   <sensor name="rgb" type="camera"><topic>rgb</topic><update_rate>10</update_rate>
     <camera><horizontal_fov>1.2</horizontal_fov><image><width>80</width><height>60</height></image>
@@ -52,7 +53,7 @@ const EYES: &str = r#"<sdf version="1.6"><model name="eyes"><static>true</static
     <camera><horizontal_fov>1.2</horizontal_fov><image><width>40</width><height>30</height></image></camera></sensor>
 </link></model></sdf>"#;
 
-/// The same plan with them in the place of the Kobuki.
+/// The same plan with these cameras instead of the Kobuki.
 fn small_plan(folder: &Path) -> PathBuf {
     fs::write(folder.join("eyes.sdf"), EYES).unwrap();
     let topics = PLAN.replace("camera/rgb/image_raw", "rgb").replace("camera/depth/image_raw", "depth");
@@ -83,7 +84,7 @@ pub(crate) fn refused(plan: &Path, out: &Path, args: &[&str]) -> String {
     String::from_utf8(stderr).unwrap()
 }
 
-/// All files of a folder that have no temporary name.
+/// All files of a folder except temporary ones.
 pub(crate) fn files(out: &Path) -> BTreeMap<String, Vec<u8>> {
     let names = fs::read_dir(out)
         .into_iter()
@@ -95,7 +96,7 @@ pub(crate) fn files(out: &Path) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-/// The files of a tar, by their names.
+/// The files of a tar archive, by name.
 pub(crate) fn untar(path: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut tar = tar::Archive::new(fs::File::open(path).unwrap());
     let read = |entry: std::io::Result<tar::Entry<'_, fs::File>>| {
@@ -114,7 +115,7 @@ pub(crate) fn floats(npy: &[u8]) -> Vec<f32> {
 }
 
 #[test]
-fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills() {
+fn the_bytes_do_not_depend_on_workers_order_or_kills() {
     let folder = tempfile::tempdir().unwrap();
     let plan = small_plan(folder.path());
     let one = folder.path().join("one");
@@ -125,7 +126,7 @@ fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills()
     let manifest: Value = serde_json::from_slice(&expected["manifest.json"]).unwrap();
     assert_eq!(manifest["samples"], 20);
 
-    // A path's pose is the same of each seed, and its noise is not.
+    // The poses of a path are the same for each seed, and the noise differs.
     let of = |shard: &str, name: &str| untar(&one.join(shard))[name].clone();
     let pictures = [of("shard-000001.tar", "00000002.rgb.png"), of("shard-000003.tar", "00000007.rgb.png")];
     assert!(pictures[0] != pictures[1], "noise of another seed");
@@ -139,10 +140,10 @@ fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills()
     make(&plan, &several, &["--workers", "3", "--shard", "1/2"]);
     assert!(!several.join("manifest.json").exists());
     let said = make(&plan, &several, &["--workers", "3"]);
-    assert!(said.contains("7 of which were there"), "{said}");
+    assert!(said.contains("7 of which existed already"), "{said}");
     assert!(files(&several) == expected, "other bytes by other workers");
 
-    // Killed again and again, a little later each time, until one run comes to its end.
+    // Killed repeatedly, slightly later each time, until a run finishes.
     let killed = folder.path().join("killed");
     let mut kills = 0;
     for wait_ms in (40..).step_by(90) {
@@ -162,7 +163,7 @@ fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills()
     let left: Vec<_> = fs::read_dir(&killed).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(left.len(), expected.len(), "something is left over: {left:?}");
 
-    // A shard that was changed since is told of.
+    // A shard that has been changed since is reported.
     let shard = killed.join("shard-000003.tar");
     let mut bytes = fs::read(&shard).unwrap();
     bytes[5000] ^= 1;
@@ -173,15 +174,15 @@ fn the_bytes_depend_neither_on_workers_nor_on_the_order_of_shards_nor_on_kills()
     make(&plan, &killed, &[]);
     assert!(files(&killed) == expected);
 
-    // Another plan does not go into the same folder.
+    // Another plan is refused in the same folder.
     let other = fs::read_to_string(&plan).unwrap().replace("[0, 0, 30]", "[0, 0, 31]");
     fs::write(&plan, other).unwrap();
     let error = refused(&plan, &killed, &[]);
-    assert!(error.contains("another plan") && error.contains("plan.toml is not as it was"), "{error}");
+    assert!(error.contains("another plan") && error.contains("plan.toml has changed"), "{error}");
 }
 
 #[test]
-fn samples_are_what_was_asked_for() {
+fn samples_follow_the_plan() {
     let folder = tempfile::tempdir().unwrap();
     let text = PLAN.replace(r#""playground", "empty""#, r#""empty""#).replace("[7, 1000000000007]", "[7, 8]");
     let text = text.replace("samples_per_shard = 2", "samples_per_shard = 100\nclasses = { 1 = \"floor\" }");
@@ -216,7 +217,7 @@ fn samples_are_what_was_asked_for() {
     let picture = image::load_from_memory(&files["00000002.rgb.png"]).unwrap();
     assert_eq!((picture.width(), picture.height()), (width, height));
 
-    // All that is seen is the floor, and its depth below the horizon is what geometry says: h·f / (v − cy).
+    // Only the floor is visible, and its depth below the horizon follows from geometry: h·f / (v − cy).
     let object = &rgb["objects"][0];
     assert_eq!((&object["category"], rgb["objects"].as_array().unwrap().len()), (&"floor".into(), 1));
     let depth = floats(&files["00000002.rgb.depth.npy"]);
@@ -227,7 +228,8 @@ fn samples_are_what_was_asked_for() {
     let found = f64::from(depth[row * width as usize + width as usize / 2]);
     assert!((found / expected - 1.0).abs() < 1e-3, "{found} {expected}");
 
-    // Flow leads to the pose before on the path, and nowhere from others; places differ from seed to seed.
+    // Flow leads to the previous pose of the path, and there is none for other samples; random places differ between
+    // seeds.
     let flow = |index: usize| floats(&files[&format!("{index:08}.rgb.flow_back.npy")]);
     assert!(flow(2).iter().filter(|part| part.is_finite()).count() > 1000);
     assert!([0, 1, 3].into_iter().all(|index| flow(index).iter().all(|part| part.is_nan())));
@@ -237,7 +239,7 @@ fn samples_are_what_was_asked_for() {
 }
 
 #[test]
-fn nobody_is_put_where_something_is() {
+fn random_places_keep_their_clearance() {
     let folder = tempfile::tempdir().unwrap();
     let world = r#"<sdf version="1.6"><world name="w"><model name="wall"><static>true</static><link name="link">
         <collision name="c"><pose>2 0 0.5 0 0 0</pose><geometry><box><size>3 10 1</size></box></geometry></collision>
@@ -266,11 +268,11 @@ fn nobody_is_put_where_something_is() {
         sample["world_from_robot"]["position"][0].as_f64().unwrap()
     });
     let places: Vec<f64> = places.collect();
-    // The wall begins at 0.5 m; the base has a radius of 0.176 m, so that its middle stays at least 0.376 m away.
+    // The wall begins at 0.5 m and the base has a radius of 0.176 m, so its centre stays at least 0.376 m away.
     assert_eq!(places.len(), 60);
     assert!(places.iter().all(|x| (-1.0..0.13).contains(x)), "{places:?}");
     assert!(places.iter().any(|x| *x > 0.0), "{places:?}");
-    // And the lidar meets nothing nearer than the clearance and the base.
+    // The lidar measures nothing nearer than the clearance allows.
     let ranges = of("scan.npy").into_iter().flat_map(|npy| floats(npy));
     let nearest = ranges.fold(f32::INFINITY, f32::min);
     assert!(nearest > 0.2, "{nearest}");
@@ -281,7 +283,7 @@ fn nobody_is_put_where_something_is() {
 }
 
 #[test]
-fn a_numbered_frame_is_that_of_a_run_and_remembers_none() -> Result<(), Box<dyn std::error::Error>> {
+fn a_numbered_frame_equals_that_of_a_run() -> Result<(), Box<dyn std::error::Error>> {
     let mut simulation = Simulation::builder(load::world("playground")?).seed(9).build()?;
     let robot = simulation.spawn(&load::model(EYES)?, SpawnOptions::default())?;
     let pose = Pose::from_translation(DVec3::new(-2.0, 0.0, 0.5));
@@ -311,7 +313,7 @@ fn a_numbered_frame_is_that_of_a_run_and_remembers_none() -> Result<(), Box<dyn 
 }
 
 #[test]
-fn exports_that_cannot_be_are_refused_before_the_work() {
+fn invalid_exports_are_refused_before_rendering() {
     let folder = tempfile::tempdir().unwrap();
     let (plan, out) = (small_plan(folder.path()), folder.path().join("out"));
     for export in [["--kitti", "nosuch"], ["--coco", "nosuch"]] {
@@ -322,7 +324,7 @@ fn exports_that_cannot_be_are_refused_before_the_work() {
 }
 
 #[test]
-fn mistakes_are_named_with_their_line() {
+fn errors_of_a_plan_name_their_line() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("out");
     for (old, new, says) in [
@@ -335,19 +337,23 @@ fn mistakes_are_named_with_their_line() {
         ("seeds = [7, 1000000000007]", "seeds = [7, 7]", "plan.toml:4: error: seeds = [7, 7]"),
         (r#""playground", "empty""#, r#""playgruond""#, "playgruond"),
         (r#""playground", "empty""#, "", "plan.toml:2: error: worlds is empty"),
-        ("[[0, 0, 30]]", "[[0, 0]]", "plan.toml:18: error: [0.0, 0.0] is no pose; write [x, y, yaw]"),
-        ("[[0, 0, 30]]", "[[0, nan, 0]]", "plan.toml:18: error: [0.0, NaN, 0.0] is no pose"),
+        ("[[0, 0, 30]]", "[[0, 0]]", "plan.toml:18: error: [0.0, 0.0] is not a pose; write [x, y, yaw]"),
+        ("[[0, 0, 30]]", "[[0, nan, 0]]", "plan.toml:18: error: [0.0, NaN, 0.0] is not a pose"),
         (
             "rgb/image_raw",
             "rgb/image_row",
             "plan.toml:8: error: no sensor sends /camera/rgb/image_row; did you mean '/camera/rgb/image_raw'?",
         ),
         (r#""class""#, r#""klass""#, "plan.toml:8: error: no sensor sends /camera/rgb/image_raw/truth/klass"),
-        ("camera/depth/image_raw", "odom", "plan.toml:14: error: /odom is no picture, depth, scan or cloud"),
+        (
+            "camera/depth/image_raw",
+            "odom",
+            "plan.toml:14: error: /odom is not an image, depth image, scan or cloud",
+        ),
         (
             r#""flow_back""#,
             r#""flow_forward""#,
-            "plan.toml:10: error: flow_forward is known after the next frame only; ask for flow_back",
+            "plan.toml:10: error: flow_forward is known only after the next frame; ask for flow_back",
         ),
         (r#"name = "kinect""#, r#"name = "rgb""#, "plan.toml:14: error: two sensors are called 'rgb'"),
         (r#"name = "kinect""#, r#"name = "a.b""#, "plan.toml:14: error: the sensor's name 'a.b'"),
@@ -373,11 +379,11 @@ fn mistakes_are_named_with_their_line() {
 }
 
 #[test]
-fn a_file_that_does_not_fit_is_no_shard() {
+fn a_shard_that_cannot_be_written_leaves_no_file() {
     let folder = tempfile::tempdir().unwrap();
     let plan = small_plan(folder.path());
     let out = folder.path().join("out");
-    // Files of at most 100 KiB (blocks of 512 bytes, as POSIX has them): a write fails, as on a full disk.
+    // Files of at most 100 KiB (in POSIX blocks of 512 bytes), so that a write fails, as on a full disk.
     let script = "trap '' XFSZ; ulimit -f 200; exec \"$0\" dataset \"$1\" -o \"$2\"";
     let run = Command::new("sh")
         .args(["-c", script, env!("CARGO_BIN_EXE_belvedere")])

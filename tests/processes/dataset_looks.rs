@@ -1,5 +1,5 @@
-//! Looks that a plan leaves to chance, from outside: what is drawn is what is seen, nothing else changes, and the bytes
-//! are the same however they are made. And what a folder's shards are made of may not change under them.
+//! Random looks of a plan, from outside: the drawn values are visible, nothing else changes, the bytes do not depend on
+//! how the data set is made, and the inputs of a folder's shards must not change between runs.
 
 use crate::dataset::{files, floats, make, plan, refused, untar};
 use serde_json::Value;
@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Plates that face the camera, in the light of a lamp behind it and some from everywhere.
+/// Plates that face the camera, in the light of a lamp behind it and in ambient light.
 const WORLD: &str = r#"<sdf version="1.6"><world name="studio">
   <scene><ambient>0.1 0.1 0.1 1</ambient><background>0 0 0 1</background></scene>
   <light name="sun" type="directional"><direction>1 0 0</direction><diffuse>0.4 0.4 0.4 1</diffuse>
@@ -71,7 +71,7 @@ color = [[0.5, 0.5, 0.5], [1, 1, 1]]
 textured = 0.5
 "#;
 
-/// The colour of the whole of the panel's picture.
+/// The uniform colour of the panel's picture.
 const TEXEL: [u8; 3] = [204, 51, 102];
 
 fn studio(folder: &Path) {
@@ -82,7 +82,7 @@ fn studio(folder: &Path) {
     image::RgbImage::from_pixel(4, 4, image::Rgb(TEXEL)).save(folder.join("panel.png")).unwrap();
 }
 
-/// All samples' files, whatever shard they are in.
+/// The files of all samples, in whichever shard they are.
 fn samples(out: &Path) -> BTreeMap<String, Vec<u8>> {
     let shards = files(out).into_keys().filter(|name| name.starts_with("shard-"));
     shards.flat_map(|shard| untar(&out.join(shard))).collect()
@@ -93,7 +93,7 @@ fn numbers(value: &Value) -> Vec<f64> {
 }
 
 #[test]
-fn what_is_drawn_is_what_is_seen_and_nothing_else_changes() {
+fn drawn_looks_are_visible_and_nothing_else_changes() {
     let folder = tempfile::tempdir().unwrap();
     studio(folder.path());
     let path = plan(folder.path(), PLAN);
@@ -140,9 +140,8 @@ fn what_is_drawn_is_what_is_seen_and_nothing_else_changes() {
             if body == "panel::link" {
                 textured.push(is_textured);
             }
-            // What is in the middle of a body has its colour. Lambert: colour times light times the cosine between the
-            // light and the plate, which looks along −x, and the light from everywhere.
-            // Rounded to whole numbers, so half of one is lost at most.
+            // The middle of a body has its colour by Lambert's law: colour times light times the cosine between the
+            // light and the plate, which faces −x, plus ambient light. Rounding to integers loses at most a half.
             let mut seen = 0;
             for (x, y, pixel) in picture.enumerate_pixels() {
                 let at = |x: u32, y: u32| instances[(y * 64 + x) as usize];
@@ -166,7 +165,7 @@ fn what_is_drawn_is_what_is_seen_and_nothing_else_changes() {
         assert_eq!(looks["materials"].as_array().unwrap().len(), 3);
         pictures.push(of(&drawn, "rgb.png"));
     }
-    // Each is another one, those of the other seed as well, and both of two things come about.
+    // All samples differ, including those of the other seed, and both of two alternatives occur.
     assert!((1..8).all(|index| !pictures[..index].contains(&pictures[index])));
     assert!(textured.contains(&true) && textured.contains(&false), "{textured:?}");
 }
@@ -176,7 +175,7 @@ fn is_near(one: &[f64], other: &[f64]) -> bool {
 }
 
 #[test]
-fn a_half_made_folder_is_refused_when_anything_in_the_world_was_changed() {
+fn a_partial_folder_is_refused_if_any_input_has_changed() {
     let folder = tempfile::tempdir().unwrap();
     studio(folder.path());
     let path = plan(folder.path(), PLAN);
@@ -188,7 +187,10 @@ fn a_half_made_folder_is_refused_when_anything_in_the_world_was_changed() {
         fs::write(&file, bytes).unwrap();
         let error = refused(&path, &out, &[]);
         assert!(error.contains("holds shards of another plan"), "{error}");
-        assert!(error.contains(&format!("not as before: {name}; choose another folder")), "{error}");
+        assert!(
+            error.contains(&format!("these files have changed: {name}; choose another folder")),
+            "{error}"
+        );
         assert!(!out.join("manifest.json").exists(), "nothing is made");
         fs::write(&file, before).unwrap();
     };
@@ -201,16 +203,16 @@ fn a_half_made_folder_is_refused_when_anything_in_the_world_was_changed() {
     change("eye.sdf", EYE.replace("1.1", "1.2").as_bytes());
     change("studio.world", WORLD.replace("0.3 0.5 0.4", "0.3 0.5 0.5").as_bytes());
 
-    // As it was, and in another place, it goes on.
+    // With the original files, also in another folder, it continues.
     let moved = folder.path().join("moved");
     fs::create_dir(&moved).unwrap();
     studio(&moved);
     let said = make(&plan(&moved, PLAN), &out, &[]);
-    assert!(said.contains("1 of which were there"), "{said}");
+    assert!(said.contains("1 of which existed already"), "{said}");
 }
 
 #[test]
-fn ranges_that_are_none_are_named_with_their_line() {
+fn invalid_ranges_are_named_with_their_line() {
     let folder = tempfile::tempdir().unwrap();
     studio(folder.path());
     let out = folder.path().join("out");
@@ -218,20 +220,24 @@ fn ranges_that_are_none_are_named_with_their_line() {
         (
             "intensity = [0.5, 2.0]",
             "intensity = [2.0, 0.5]",
-            "plan.toml:21: error: intensity = [2.0, 0.5] is no range; write two numbers from 0 to 1000, the lower first",
+            "plan.toml:21: error: intensity = [2.0, 0.5] is not a range; write two numbers from 0 to 1000, the lower first",
         ),
         (
             "intensity = [0.5,",
             "intensity = [-0.5,",
-            "plan.toml:21: error: intensity = [-0.5, 2.0] is no range",
+            "plan.toml:21: error: intensity = [-0.5, 2.0] is not a range",
         ),
-        ("intensity = [0.5,", "intensity = [nan,", "plan.toml:21: error: intensity = [NaN, 2.0] is no range"),
+        (
+            "intensity = [0.5,",
+            "intensity = [nan,",
+            "plan.toml:21: error: intensity = [NaN, 2.0] is not a range",
+        ),
         (
             "ambient = [0.5, 1.5]",
             "ambient = [0.5, inf]",
-            "plan.toml:17: error: ambient = [0.5, inf] is no range",
+            "plan.toml:17: error: ambient = [0.5, inf] is not a range",
         ),
-        ("[0, 50]", "[0, 500]", "plan.toml:23: error: tilt_deg = [0.0, 500.0] is no range"),
+        ("[0, 50]", "[0, 500]", "plan.toml:23: error: tilt_deg = [0.0, 500.0] is not a range"),
         (r#"["sun"]"#, r#"["son"]"#, "plan.toml:20: error: no world has a light 'son'; did you mean 'sun'?"),
         (
             r#"["block"]"#,

@@ -1,4 +1,4 @@
-//! Foxglove's protocol on the page's port: channels, subscriptions, and what a client may not do.
+//! Foxglove's protocol on the page's port: channels, subscriptions, and what is forbidden to clients.
 #![cfg(feature = "view")]
 
 use crate::live::control::{done_with, named};
@@ -15,7 +15,7 @@ const PROTOCOL: &str = "Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n";
 /// The number of a topic's channel.
 fn channel(client: &mut Page, topic: &str) -> Value {
     loop {
-        let advertised = client.told("advertise");
+        let advertised = client.next_json("advertise");
         let channels = advertised["channels"].as_array().unwrap();
         if let Some(channel) = channels.iter().find(|channel| channel["topic"] == topic) {
             return channel["id"].clone();
@@ -31,7 +31,7 @@ fn node(domain: &str) -> Node {
     Node::open(&Domain::new(domain).unwrap(), "control").unwrap()
 }
 
-/// A stream has eight places for subscribers, and a client takes one of them, however often it asks.
+/// A stream has eight places for subscribers, and a client uses one of them, however often it subscribes.
 #[test]
 fn a_channel_is_subscribed_to_once() {
     const PICTURE: &str = "camera/rgb/image_raw";
@@ -43,20 +43,23 @@ fn a_channel_is_subscribed_to_once() {
         subscribe(&mut client, id, &picture);
     }
     for _ in 2..20 {
-        while !client.told("status")["message"].as_str().unwrap().contains("subscribed to already, as 1") {}
+        while !client.next_json("status")["message"].as_str().unwrap().contains("subscribed to already, as 1")
+        {
+        }
     }
     let streams = node(&domain).streams().unwrap();
     let stream = streams.iter().find(|stream| stream.topic == PICTURE).unwrap();
     assert_eq!(stream.subscribers, 1);
-    // It may be given up, and taken again.
+    // It can unsubscribe and subscribe again.
     client.say(&json!({ "op": "unsubscribe", "subscriptionIds": [1] }));
     subscribe(&mut client, 20, &picture);
     while client.binary(1)[1..5] != 20_u32.to_le_bytes() {}
 }
 
-/// `/tf` is of all robots: who has subscribed to it is sent those of one that comes later, and lets go of one that goes.
+/// `/tf` contains the transforms of all robots: a subscriber also receives those of a robot that is spawned later, and
+/// none of a deleted one.
 #[test]
-fn the_transforms_of_a_robot_that_comes_later_are_sent() {
+fn the_transforms_of_a_robot_spawned_later_are_sent() {
     let domain = own_domain();
     let server = Server::run(&domain, &["--robot", "kobuki_hexagons_kinect", "--world", "empty"]);
     let mut client = server.connect(PROTOCOL);
@@ -75,18 +78,18 @@ fn the_transforms_of_a_robot_that_comes_later_are_sent() {
     done_with(&mut control, &spawn, &urdf);
     let began = Instant::now();
     while !client.binary(1).windows(6).any(|bytes| bytes == b"guest/") {
-        assert!(began.elapsed() < PATIENCE, "nothing of the guest comes");
+        assert!(began.elapsed() < PATIENCE, "no transforms of the guest arrive");
     }
     done_with(&mut control, &named(Operation::Delete, "guest"), "");
     while node.streams().unwrap().iter().any(|stream| stream.topic == "guest/tf") {
         assert!(began.elapsed() < 2 * PATIENCE, "the stream of the guest is kept");
         std::thread::sleep(Duration::from_millis(50));
     }
-    // Those of the robot that stays still come.
+    // The transforms of the robot that stands still arrive.
     client.binary(1);
 }
 
-/// The description of a robot comes with it, with meshes that can be fetched, and goes with it.
+/// A spawned robot has a description with meshes that can be fetched, until it is deleted.
 #[test]
 fn a_robot_that_is_spawned_is_described_until_it_is_deleted() {
     const PARAMETER: &str = "/guest/robot_description";
@@ -104,14 +107,14 @@ fn a_robot_that_is_spawned_is_described_until_it_is_deleted() {
     let value = |client: &mut Page, id: &str| {
         client.say(&json!({ "op": "getParameters", "parameterNames": [PARAMETER], "id": id }));
         loop {
-            let told = client.told("parameterValues");
+            let told = client.next_json("parameterValues");
             if told["id"] == id {
                 return told["parameters"][0]["value"].clone();
             }
         }
     };
     assert!(value(&mut client, "before").is_null());
-    // As others write it, with a mesh in a package.
+    // As in files by other people, with a mesh in a package.
     let mesh = "package://shapes/one.stl";
     let urdf = format!(
         "<robot name='r'><link name='base'><visual><geometry><mesh filename='{mesh}'/></geometry></visual>
@@ -124,7 +127,7 @@ fn a_robot_that_is_spawned_is_described_until_it_is_deleted() {
         ..named(Operation::Spawn, "guest")
     };
     done_with(&mut control, &spawn, &urdf);
-    let told = client.told("parameterValues")["parameters"][0].clone();
+    let told = client.next_json("parameterValues")["parameters"][0].clone();
     assert_eq!(told["name"], PARAMETER);
     let described = told["value"].as_str().unwrap();
     assert!(described.contains("<robot name=\"r\"") && !described.contains(mesh), "{described}");
@@ -135,19 +138,19 @@ fn a_robot_that_is_spawned_is_described_until_it_is_deleted() {
     assert_eq!((&answer[1..5], answer[5]), (&5_u32.to_le_bytes()[..], 0), "{asset} is given");
     assert_eq!(value(&mut client, "with"), told["value"]);
     done_with(&mut control, &named(Operation::Delete, "guest"), "");
-    let told = client.told("parameterValues")["parameters"][0].clone();
+    let told = client.next_json("parameterValues")["parameters"][0].clone();
     assert_eq!(told, json!({ "name": PARAMETER }));
     assert!(value(&mut client, "after").is_null());
 }
 
 #[test]
-fn foxglove_is_spoken_on_the_same_port() {
+fn foxglove_is_served_on_the_same_port() {
     let server = Server::run(&own_domain(), &KINECT);
     let latest = "foxglove.sdk.v1, foxglove.sdk.v1.1";
     for protocol in ["foxglove.websocket.v1", "foxglove.sdk.v1, foxglove.websocket.v1", latest] {
         let mut client = server.connect(&format!("Sec-WebSocket-Protocol: {protocol}\r\n"));
-        assert_eq!(client.told("serverInfo")["metadata"]["ROS_DISTRO"], "noetic");
-        let advertised = client.told("advertise");
+        assert_eq!(client.next_json("serverInfo")["metadata"]["ROS_DISTRO"], "noetic");
+        let advertised = client.next_json("advertise");
         let channel = |topic: &str| {
             let channels = advertised["channels"].as_array().unwrap().iter();
             channels.clone().find(|channel| channel["topic"] == topic).cloned()
@@ -160,14 +163,14 @@ fn foxglove_is_spoken_on_the_same_port() {
         };
         assert_eq!((schema, &fixed["encoding"]), (&json!("tf2_msgs/TFMessage"), &json!("ros1")));
         assert_eq!(fixed["schemaId"].is_u64(), protocol == latest);
-        // What was said once comes at each subscription.
+        // A latched message is sent for each subscription.
         for id in [7_u32, 8] {
             client.say(
                 &json!({ "op": "subscribe", "subscriptions": [{ "id": id, "channelId": fixed["id"] }] }),
             );
             let message = client.binary(1);
             assert_eq!(message[1..5], id.to_le_bytes());
-            // A count of transforms, and the first one's header.
+            // The number of transforms, and the header of the first one.
             assert!(u32::from_le_bytes(message[13..17].try_into().unwrap()) > 5);
             client.say(&json!({ "op": "unsubscribe", "subscriptionIds": [id] }));
         }
@@ -180,12 +183,12 @@ fn foxglove_is_spoken_on_the_same_port() {
             }
         };
         assert!(image.len() > 640 * 480 * 3);
-        // Time is told before.
+        // Time was sent before.
         let stamp_ns = u64::from_le_bytes(image[5..13].try_into().unwrap());
         let now_ns = u64::from_le_bytes(client.binary(2)[1..9].try_into().unwrap());
         assert!(now_ns.abs_diff(stamp_ns) < 10_000_000_000, "{now_ns} and {stamp_ns}");
         client.say(&json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
-        let values = client.told("parameterValues");
+        let values = client.next_json("parameterValues");
         assert_eq!(values["id"], "a");
         assert!(values["parameters"][0]["value"].as_str().unwrap().contains("<robot"));
         for wrong in [
@@ -193,7 +196,7 @@ fn foxglove_is_spoken_on_the_same_port() {
             json!({ "op": 1 }),
         ] {
             client.say(&wrong);
-            assert_eq!(client.told("status")["level"], 1);
+            assert_eq!(client.next_json("status")["level"], 1);
         }
     }
     let (host, token) = (&server.host, &server.token);

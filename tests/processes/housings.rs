@@ -1,4 +1,4 @@
-//! A lidar in a housing looks out of it, and sees everything else.
+//! A lidar in a housing sees through it, and sees everything else.
 
 use crate::live::{Simulator, belvedere, next_frame};
 use std::fmt::Write as _;
@@ -8,7 +8,7 @@ const WORLD: &str = "<sdf version='1.6'><world name='w'>
     <model name='wall'><pose>3 0 1 0 0 0</pose><static>true</static><link name='l'><collision name='c'><geometry><box><size>0.2 20 4</size></box></geometry></collision></link></model>
     </world></sdf>";
 
-/// A closed box of 0.1 m around the origin as a mesh, but for so many of its sides.
+/// A closed box of 0.1 m around the origin as a mesh, without this number of its sides.
 fn cube(left_out: usize) -> String {
     let mut text = String::new();
     for corner in 0..8 {
@@ -23,7 +23,7 @@ fn cube(left_out: usize) -> String {
     text
 }
 
-/// A robot that floats with a lidar of four beams (ahead, left, behind, right), its housing, and more.
+/// A floating robot with a lidar of four beams (ahead, left, behind, right), its housing, and more.
 fn robot(housing: &str, more: &str) -> String {
     format!(
         "<robot name='r'><link name='base'><inertial><mass value='5'/><inertia ixx='.1' iyy='.1' izz='.1' ixy='0' ixz='0' iyz='0'/></inertial></link>
@@ -44,7 +44,7 @@ fn shape(geometry: &str) -> String {
     format!("<collision><geometry>{geometry}</geometry></collision>")
 }
 
-/// The four ranges of a robot before the wall, and the folder that it is in.
+/// The four ranges of a robot in front of the wall, and the folder with its files.
 fn ranges(text: &str, arguments: &[&str]) -> [f32; 4] {
     let folder = TempDir::new().unwrap();
     let file = |name: &str, content: &str| {
@@ -84,7 +84,7 @@ fn a_housing_does_not_blind_its_lidar() {
     ] {
         assert_sees(ranges(&robot(&housing, ""), &[]), FREE);
     }
-    // That of another link that is fixed to it, and two at once.
+    // The housing of another link that is fixed to it, and two housings at once.
     let base = format!(
         "<link name='hull'>{}</link><joint name='to_hull' type='fixed'><parent link='base'/><child link='hull'/><origin xyz='0.1 0 0.8'/></joint>",
         shape("<box size='.6 .5 .5'/>")
@@ -93,9 +93,9 @@ fn a_housing_does_not_blind_its_lidar() {
 }
 
 #[test]
-fn what_stands_beside_it_is_seen() {
+fn objects_beside_the_lidar_are_seen() {
     let near = f32::NEG_INFINITY;
-    // A mast behind the lidar, a hand's breadth and half a metre away.
+    // A mast behind the lidar, a tenth of a metre and half a metre away.
     for (x, behind) in [(-0.1, near), (-0.5, 0.48)] {
         let mast = format!(
             "<link name='mast'>{}</link><joint name='to_mast' type='fixed'><parent link='base'/><child link='mast'/><origin xyz='{x} 0 1'/></joint>",
@@ -104,10 +104,10 @@ fn what_stands_beside_it_is_seen() {
         let found = ranges(&robot(&shape("<box size='.1 .1 .1'/>"), &mast), &[]);
         assert_sees(found, [FREE[0], FREE[1], behind, FREE[3]]);
     }
-    // Half a box has left the sensor's own side open: it is no housing, and is in the way.
+    // Half a box leaves the sensor's own side open: it is not a housing, and blocks the view.
     let half = ranges(&robot(&shape("<mesh filename='file://FOLDER/half.obj'/>"), ""), &[]);
     assert!(half.contains(&near), "{half:?}");
-    // What a joint moves is no housing.
+    // A shape that a joint moves is not a housing.
     let drum = format!(
         "<link name='drum'><inertial><mass value='1'/><inertia ixx='.1' iyy='.1' izz='.1' ixy='0' ixz='0' iyz='0'/></inertial>{}</link>
          <gazebo reference='drum'><turnGravityOff>true</turnGravityOff></gazebo>
@@ -116,7 +116,7 @@ fn what_stands_beside_it_is_seen() {
     );
     let found = ranges(&robot("", &drum), &[]);
     assert_sees(found, [0.3; 4]);
-    // As in Gazebo, where what is nearer than the least range is seen through and a housing is like anything else.
+    // In Gazebo mode, surfaces nearer than the least range are seen through, and a housing is like any other shape.
     let hull = shape("<sphere radius='.4'/>");
     assert_sees(ranges(&robot(&hull, ""), &["--gazebo-compat"]), [0.4; 4]);
 }
@@ -140,7 +140,7 @@ fn each_of_two_lidars_sees_the_others_housing() {
 }
 
 #[test]
-fn a_check_tells_of_sensors_inside_shapes() {
+fn check_reports_sensors_inside_shapes() {
     let folder = TempDir::new().unwrap();
     let check = |text: &str| {
         let path = folder.path().join("robot.urdf");

@@ -1,4 +1,4 @@
-//! What nobody follows is not rendered, and what is followed does not depend on what else is.
+//! Streams without subscribers are not rendered, and a stream does not depend on which others have subscribers.
 
 use crate::live::{Simulator, next_frame};
 use std::time::Duration;
@@ -8,16 +8,16 @@ const RGB: &str = "camera/rgb/image_raw";
 const DEPTH: &str = "camera/depth/image_raw";
 const POINTS: &str = "camera/depth/points";
 
-/// Frames sent so far, as the simulator counts them.
+/// The number of frames sent so far, as counted by the simulator.
 fn sent(simulator: &Simulator, topic: &str) -> u64 {
     next_frame(&mut simulator.subscribe(topic)).header().seq
 }
 
 #[test]
-fn a_stream_is_rendered_only_while_it_is_followed() {
+fn a_stream_is_rendered_only_while_it_has_subscribers() {
     let simulator = Simulator::start(&KINECT);
     let mut clock = simulator.subscribe("clock");
-    // A second of simulated time in which nobody looks.
+    // A second of simulated time without a subscriber.
     while next_frame(&mut clock).header().stamp_ns < 1_000_000_000 {}
     let mut depth = simulator.subscribe(DEPTH);
     let first = next_frame(&mut depth);
@@ -27,13 +27,13 @@ fn a_stream_is_rendered_only_while_it_is_followed() {
     for _ in 0..5 {
         next_frame(&mut depth);
     }
-    // Nobody asked for the others of the same sensor.
+    // The other streams of the same sensor have no subscriber.
     assert_eq!(sent(&simulator, POINTS), 0);
-    // The messages beside it go on all the time.
+    // Messages that accompany it are sent all the time.
     assert!(sent(&simulator, "camera/depth/camera_info") > 5);
 }
 
-/// Stamp and payload of the first frames of a simulation whose other streams are followed, too.
+/// Timestamps and payloads of the first frames of a simulation with other subscribed streams.
 fn frames(others: &[&str]) -> Vec<(u64, Vec<u8>)> {
     let streams = format!("test={}", 1 + others.len());
     let simulator = Simulator::start(&[&KINECT[..], &["--rate", "max", "--wait-for", &streams]].concat());
@@ -42,7 +42,7 @@ fn frames(others: &[&str]) -> Vec<(u64, Vec<u8>)> {
     let mut depth = node.subscriber(DEPTH).unwrap();
     (0..5)
         .map(|_| {
-            // All must take, or the simulation waits.
+            // Each stream must be taken, or the simulation waits.
             while !depth.wait(Duration::from_millis(5)).unwrap() {
                 for other in &mut others {
                     other.take().unwrap();
@@ -55,14 +55,14 @@ fn frames(others: &[&str]) -> Vec<(u64, Vec<u8>)> {
 }
 
 #[test]
-fn what_is_seen_does_not_depend_on_who_looks() {
+fn frames_do_not_depend_on_other_subscribers() {
     let (alone, beside) = (frames(&[]), frames(&[RGB, POINTS]));
     assert_eq!(alone[0].0, 0);
     assert!(alone == beside, "other bytes, at {:?}", alone.iter().map(|frame| frame.0).collect::<Vec<_>>());
 }
 
 #[test]
-fn a_late_consumer_gets_what_is_said_once_at_once() {
+fn a_late_consumer_gets_latched_messages_at_once() {
     let simulator = Simulator::start(&KINECT);
     let mut clock = simulator.subscribe("clock");
     while next_frame(&mut clock).header().stamp_ns < 300_000_000 {}
@@ -71,7 +71,7 @@ fn a_late_consumer_gets_what_is_said_once_at_once() {
         let asked_ns = next_frame(&mut clock).header().stamp_ns;
         next_frame(&mut late);
         let given_ns = next_frame(&mut clock).header().stamp_ns;
-        // The state goes out every 20 ms, the pictures every 33.
+        // The state is sent every 20 ms, the pictures every 33.
         assert!(given_ns - asked_ns < 500_000_000, "{topic} after {} ms", (given_ns - asked_ns) / 1_000_000);
     }
 }

@@ -1,5 +1,5 @@
-//! What a Kobuki's driver tells and takes: inertial measurements, bumpers, cliffs, wheels that hang; odometry's reset
-//! and the motors' power.
+//! The interface of a Kobuki's driver: inertial measurements, bumpers, cliffs, wheel drops, the reset of odometry and
+//! the motors' power.
 
 use crate::live;
 
@@ -19,8 +19,8 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::time::Instant;
 
-/// Steps in seconds that worlds use: corridor, a Gazebo server at 250 Hz, playground, and one that holds two reports
-/// and a half.
+/// The steps in seconds of worlds: corridor, a Gazebo server at 250 Hz, playground, and one that contains two and a
+/// half reports.
 const STEPS_S: [f64; 4] = [0.001, 0.004, 0.01, 0.05];
 const GRAVITY_M_S2: f64 = 9.8;
 
@@ -33,7 +33,7 @@ impl Bench {
     fn new(step_s: f64, models: Vec<Model>) -> Self {
         let mut model = kobuki();
         let base = model.link_named("base_link").unwrap();
-        // The centre of mass of the description: in front of the wheels, so that it leans on its front caster.
+        // The centre of mass from the description: in front of the wheels, so that it leans on its front caster.
         model.links[base].inertial.as_mut().unwrap().link_from_inertial = xyz(0.01, 0.0, 0.0);
         let gyro = xyz(0.056, 0.062, 0.0202);
         hang(
@@ -65,7 +65,7 @@ impl Bench {
         self.report()
     }
 
-    /// Runs for a time with a command that is given at each step, and gives each report.
+    /// Runs for a time with a command at each step, and returns all reports.
     fn drive(&mut self, seconds: f64, linear_m_s: f64, angular_rad_s: f64) -> Vec<Report> {
         let end_ns = self.physics.time_ns() + (seconds * 1e9) as u64;
         let mut reports = Vec::new();
@@ -83,7 +83,7 @@ impl Bench {
 }
 
 #[test]
-fn at_rest_it_measures_gravity_alone() {
+fn at_rest_it_measures_only_gravity() {
     for step_s in STEPS_S {
         let mut bench = Bench::on_ground(step_s);
         bench.drive(2.0, 0.0, 0.0);
@@ -106,9 +106,10 @@ fn at_rest_it_measures_gravity_alone() {
     }
 }
 
-/// On the spot at ω the gyro says ω, and the accelerometer off the axle ω² times its place, towards the axle.
+/// While it turns on the spot at ω, the gyro measures ω, and the accelerometer beside the axle measures ω² times its
+/// distance, towards the axle.
 #[test]
-fn turning_gives_the_rate_and_the_centripetal_force() {
+fn turning_is_measured_as_rate_and_centripetal_force() {
     for step_s in STEPS_S {
         let mut bench = Bench::on_ground(step_s);
         bench.drive(2.0, 0.0, 1.5);
@@ -127,7 +128,7 @@ fn turning_gives_the_rate_and_the_centripetal_force() {
 }
 
 #[test]
-fn getting_faster_is_felt() {
+fn acceleration_is_measured() {
     let mut bench = Bench::on_ground(0.001);
     bench.drive(1.0, 0.0, 0.0);
     let reports = bench.drive(0.4, 0.6, 0.0);
@@ -138,14 +139,14 @@ fn getting_faster_is_felt() {
 }
 
 #[test]
-fn a_post_presses_the_bumper_that_meets_it() {
+fn a_post_presses_the_bumper_that_hits_it() {
     for step_s in STEPS_S {
         for (angle_rad, expected) in [
             (0.0, [false, true, false]),
             (60_f64.to_radians(), [false, false, true]),
             (-60_f64.to_radians(), [true, false, false]),
         ] {
-            // Driving straight on it meets the post at this angle to its right.
+            // Driving straight ahead, it hits the post at this angle to its right.
             let post = static_model(
                 "post",
                 xyz(0.3, -(0.178 + 0.02) * angle_rad.sin(), 0.2),
@@ -169,7 +170,7 @@ fn a_post_presses_the_bumper_that_meets_it() {
     }
 }
 
-/// Over the edge of a platform: first the cliff ahead, then those at the sides, then the wheels.
+/// Over the edge of a platform: first the cliff sensor ahead, then those at the sides, then the wheels.
 #[test]
 fn an_edge_is_a_cliff_before_a_wheel_drops() {
     for step_s in [0.001, 0.004, 0.01] {
@@ -191,13 +192,13 @@ fn an_edge_is_a_cliff_before_a_wheel_drops() {
 }
 
 #[test]
-fn odometry_begins_anew_where_the_robot_is() {
+fn odometry_is_reset_at_the_robots_pose() {
     for step_s in STEPS_S {
         let mut bench = Bench::on_ground(step_s);
         bench.drive(2.0, 0.3, 0.4);
         let (before, encoders) = (bench.base(), bench.report().encoders);
         bench.robot.reset_odometry(&bench.physics);
-        // The way until the next report is all that may be in it.
+        // It may only contain the motion until the next report.
         let report = loop {
             let report = bench.step();
             if report.odometry.stamp_ns > 2_000_000_000 {
@@ -210,7 +211,7 @@ fn odometry_begins_anew_where_the_robot_is() {
         assert!(bench.base().translation().distance(before.translation()) < 0.3 * 0.05 + 1e-3);
         assert!((report.odometry.linear_m_s - 0.3).abs() < 0.01, "its speed is still known: {report:?}");
         assert!(encoders.iter().zip(report.encoders).all(|(before, now)| now.wrapping_sub(*before) < 400));
-        // From here on it tells the way since then.
+        // From now on, it contains the motion since then.
         let here = bench.base();
         let from = bench.report().odometry.odom_from_base;
         bench.drive(2.0, 0.3, 0.4);
@@ -235,7 +236,7 @@ fn without_power_it_stops_and_ignores_commands() {
     assert!(bench.base().translation().x - stood.translation().x > 0.2, "on again");
 }
 
-/// The next message of a stream that `wanted` says yes to.
+/// The next message of a stream that fulfils a condition.
 fn find<T: Message>(subscriber: &mut Subscriber, wanted: impl Fn(&T) -> bool) -> (u64, T) {
     let started = Instant::now();
     loop {
@@ -244,12 +245,12 @@ fn find<T: Message>(subscriber: &mut Subscriber, wanted: impl Fn(&T) -> bool) ->
         if wanted(&message) {
             return (frame.header().stamp_ns, message);
         }
-        assert!(started.elapsed() < live::PATIENCE, "{} does not say it", subscriber.topic());
+        assert!(started.elapsed() < live::PATIENCE, "{} does not send it", subscriber.topic());
     }
 }
 
 #[test]
-fn the_streams_are_there_and_commands_are_taken() {
+fn streams_are_published_and_commands_accepted() {
     let simulator = Simulator::start(&["--drive", "still"]);
     let node = simulator.node();
     let mut imu = node.subscriber("/mobile_base/sensors/imu_data").unwrap();
@@ -295,10 +296,10 @@ fn the_streams_are_there_and_commands_are_taken() {
     });
 }
 
-/// A platform of 2 m and nothing around it, and a wall at its other end: what happens is told once, and the last of it
-/// to whoever comes later.
+/// A platform of 2 m with a wall at one end: each event is sent once, and the last one is sent again to late
+/// subscribers.
 #[test]
-fn events_are_told_once_and_the_last_one_again_to_who_comes_later() {
+fn events_are_sent_once_and_the_last_one_to_late_subscribers() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("platform.world");
     let model = |name: &str, pose: &str, size: &str| {
@@ -319,7 +320,7 @@ fn events_are_told_once_and_the_last_one_again_to_who_comes_later() {
     next_frame(&mut core);
     let mut cliffs = node.subscriber("/mobile_base/events/cliff").unwrap();
     let mut wheels = node.subscriber("/mobile_base/events/wheel_drop").unwrap();
-    // A subscriber connects when it first looks.
+    // A subscriber connects when it first polls.
     assert!(cliffs.take().unwrap().is_none() && wheels.take().unwrap().is_none(), "nothing has happened");
     let commands = node.publisher(&StreamSpec::velocity_command("/cmd_vel")).unwrap();
     let forward = VelocityCommand { linear: [0.3, 0.0, 0.0], angular: [0.0; 3] };
@@ -339,7 +340,7 @@ fn events_are_told_once_and_the_last_one_again_to_who_comes_later() {
 }
 
 #[test]
-fn a_bumper_is_told_by_a_live_simulator() {
+fn a_live_simulator_publishes_bumper_events() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("wall.world");
     let text = "<sdf version='1.6'><world name='wall'><model name='floor'><static>true</static><link name='l'>\

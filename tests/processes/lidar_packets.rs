@@ -1,4 +1,4 @@
-//! Data packets of lidars as programs that know nothing of belvedere get them. What is in them is decoded by
+//! Data packets of lidars, as received by programs that do not know belvedere. Their content is decoded by
 //! `.ci/packets`.
 
 use crate::live::{output, own_domain};
@@ -14,7 +14,7 @@ fn run(more: &[&str]) -> (bool, String) {
     run_with("<preset>vlp16</preset>", more)
 }
 
-/// Runs a robot with a lidar of which our plugin says this.
+/// Runs a robot with a lidar that has this content in our plugin.
 fn run_with(own: &str, more: &[&str]) -> (bool, String) {
     let (domain, folder) = (own_domain(), TempDir::new().unwrap());
     let robot = folder.path().join("robot.urdf");
@@ -26,7 +26,7 @@ fn run_with(own: &str, more: &[&str]) -> (bool, String) {
 }
 
 #[test]
-fn packets_go_to_an_address_and_into_a_file_alike() {
+fn packets_to_an_address_and_in_a_file_are_equal() {
     let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
     receiver.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
     let folder = TempDir::new().unwrap();
@@ -39,9 +39,9 @@ fn packets_go_to_an_address_and_into_a_file_alike() {
     let (head, records) = bytes.split_at(24);
     assert_eq!(head[..4], [0xD4, 0xC3, 0xB2, 0xA1]);
     let records: Vec<_> = records.chunks(16 + 1248).collect();
-    // 753.5 a second, for half a second or all but the last frame of it.
+    // 753.5 per second, for half a second or all but its last frame.
     assert!((300..=377).contains(&records.len()), "{}", records.len());
-    // Nobody has read so far: as many as the system keeps, the first ones.
+    // Nothing has been read so far: the first packets, as many as the system buffers.
     let (mut sent, mut packet) = (Vec::new(), [0; 2000]);
     while let Ok(len) = receiver.recv(&mut packet) {
         sent.push(packet[..len].to_vec());
@@ -51,12 +51,12 @@ fn packets_go_to_an_address_and_into_a_file_alike() {
     for (number, record) in records.iter().enumerate() {
         let packet = &record[16 + 42..];
         assert!(sent.get(number).is_none_or(|sent| sent == packet));
-        // Sixteen words of the header of IPv4 add up to zeros with their checksum.
+        // The sixteen-bit words of the IPv4 header, including the checksum, sum up to zero.
         let words = record[30..50].chunks(2).map(|word| u32::from(word[0]) << 8 | u32::from(word[1]));
         let sum: u32 = words.sum();
         assert_eq!((sum & 0xFFFF) + (sum >> 16), 0xFFFF);
         let micros = u32::from_le_bytes(packet[1200..1204].try_into().unwrap());
-        // The head began to fire a turn before time 0.
+        // The head began to fire one turn before time 0.
         let expected = 1809.0 * 55.296 - 100_000.0 + 24.0 * 55.296 * number as f64;
         assert!((f64::from(micros) - expected).abs() <= 0.5 + 1e-6, "{number}: {micros}");
         assert_eq!(packet[1204..], [0x37, 0x22]);
@@ -69,7 +69,7 @@ fn packets_go_to_an_address_and_into_a_file_alike() {
     assert!(hits > records.len() * 384 / 2 - 384, "{hits}");
 }
 
-/// The blocks of a pair have the same azimuth and, where there is but one return, the same in them.
+/// The two blocks of a pair have the same azimuth, and the same content if there is only one return.
 #[test]
 fn dual_returns_are_pairs_of_blocks() {
     let folder = TempDir::new().unwrap();
@@ -101,7 +101,7 @@ fn dual_returns_are_pairs_of_blocks() {
                     assert_eq!(pair[0][..4], pair[1][..4]);
                     let places = pair[0][4..].chunks(3).zip(pair[1][4..].chunks(3));
                     for (last, strongest) in places {
-                        // Where nothing is last, nothing is strongest.
+                        // If there is no last return, there is no strongest one.
                         assert_eq!(last[..2] == [0, 0], strongest[..2] == [0, 0]);
                         let [last, strongest] =
                             [last, strongest].map(|of| u16::from_le_bytes([of[0], of[1]]));
@@ -133,9 +133,9 @@ fn an_ousters_packets_come_with_its_metadata() {
     assert!(succeeded, "{said}");
     let bytes = fs::read(&file).unwrap();
     let records: Vec<_> = bytes[24..].chunks(16 + 42 + 6400).collect();
-    // 32 packets a frame of a tenth of a second; those of the first frame would have been before time 0.
+    // 32 packets per frame of a tenth of a second; those of the first frame would have been before time 0.
     assert!(records.len() >= 3 * 32 && records.len() % 32 == 0, "{}", records.len());
-    // From port 7502 to 7502; to an address as into the file.
+    // From port 7502 to 7502; the same to an address as into the file.
     assert!(records.iter().all(|record| record[16 + 34..16 + 38] == [0x1D, 0x4E, 0x1D, 0x4E]));
     let mut packet = [0; 10_000];
     let mut received = 0;
@@ -154,7 +154,7 @@ fn an_ousters_packets_come_with_its_metadata() {
 }
 
 #[test]
-fn who_cannot_get_packets_is_told() {
+fn errors_of_packet_options_are_named() {
     let folder = TempDir::new().unwrap();
     let nowhere = format!("points={}", folder.path().join("none/a.pcap").display());
     for (flags, says) in [
@@ -169,7 +169,7 @@ fn who_cannot_get_packets_is_told() {
     }
     let (succeeded, said) = run_with("<preset>rplidar_a1</preset>", &["--udp", "points=127.0.0.1:2368"]);
     assert!(!succeeded && said.contains("of presets of Ouster and Velodyne alone"), "{said}");
-    // Nobody listens there: the run goes on.
+    // Nothing listens there: the run continues.
     let (succeeded, said) = run(&["--udp", "points=127.0.0.1:9"]);
     assert!(succeeded, "{said}");
 }

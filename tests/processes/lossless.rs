@@ -1,11 +1,11 @@
-//! A simulation that waits for its consumers: they get every frame, and one that stops is named.
+//! A simulation that waits for its consumers: they receive every frame, and one that stops is named.
 
 use crate::live::{belvedere, follow, next_frame, own_domain};
 use std::io::Read as _;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// `belvedere run` as fast as it can, with its words kept.
+/// Starts `belvedere run` as fast as possible, with its output captured.
 fn start(domain: &str, arguments: &[&str]) -> Child {
     belvedere()
         .args(["run", "--rate", "max", "--domain", domain])
@@ -16,7 +16,7 @@ fn start(domain: &str, arguments: &[&str]) -> Child {
         .expect("the simulator's binary runs")
 }
 
-/// How it ended and what it said.
+/// Returns whether it succeeded, and its output.
 fn end(mut child: Child) -> (bool, String) {
     let mut said = String::new();
     child.stderr.take().unwrap().read_to_string(&mut said).unwrap();
@@ -30,7 +30,7 @@ fn a_slow_consumer_gets_every_frame_from_the_first() {
     let [mut images, mut infos] =
         follow(&domain, "recorder", &["image_raw", "camera_info"]).try_into().expect("two streams");
     for seq in 0..60 {
-        // Slower than the simulator renders: it has to wait.
+        // Slower than the simulator renders, so it has to wait.
         std::thread::sleep(Duration::from_millis(15));
         let (image, info) = (next_frame(&mut images), next_frame(&mut infos));
         assert_eq!((image.header().seq, info.header().seq), (seq, seq));
@@ -43,7 +43,7 @@ fn a_slow_consumer_gets_every_frame_from_the_first() {
 }
 
 #[test]
-fn who_holds_the_simulation_up_is_named() {
+fn a_consumer_that_blocks_the_simulation_is_named() {
     let domain = own_domain();
     let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "3"]);
     let _never_taken = follow(&domain, "mapper", &["image_raw"]);
@@ -56,17 +56,17 @@ fn who_holds_the_simulation_up_is_named() {
 }
 
 #[test]
-fn who_leaves_is_waited_for_and_then_named() {
+fn a_consumer_that_left_is_waited_for_and_then_named() {
     let domain = own_domain();
     let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "3"]);
     let mut images = follow(&domain, "mapper", &["image_raw"]);
     next_frame(&mut images[0]);
     drop(images);
-    // It comes back in time once.
+    // It returns in time once.
     let mut images = follow(&domain, "mapper", &["image_raw"]);
     let seq = next_frame(&mut images[0]).header().seq;
     next_frame(&mut images[0]);
-    assert!(seq < 20, "time stood while nobody was there: frame {seq}");
+    assert!(seq < 20, "the simulation did not wait while the consumer was gone: frame {seq}");
     drop(images);
     let (success, said) = end(simulator);
     assert!(!success);
@@ -74,7 +74,7 @@ fn who_leaves_is_waited_for_and_then_named() {
 }
 
 #[test]
-fn who_never_comes_is_named() {
+fn a_consumer_that_never_came_is_named() {
     let simulator = start(&own_domain(), &["--wait-for", "mapper=2", "--patience", "0.2"]);
     let (success, said) = end(simulator);
     assert!(!success);

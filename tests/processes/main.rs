@@ -1,4 +1,4 @@
-//! The command, seen from other processes.
+//! The command, tested from other processes.
 
 #[path = "../eyes/mod.rs"]
 mod eyes;

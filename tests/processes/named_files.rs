@@ -1,11 +1,11 @@
-//! Files and things of ours, given by their paths and names.
+//! Files and built-in models, given by path or name.
 
 use crate::live::{Simulator, belvedere, follow, output, own_domain};
 use std::ffi::OsStr;
 use std::os::unix::ffi::OsStrExt as _;
 
 #[test]
-fn a_path_that_is_mistyped_is_no_name_of_a_robot() {
+fn a_mistyped_path_is_not_taken_for_the_name_of_a_robot() {
     let folder = tempfile::tempdir().unwrap();
     for arguments in [
         &["run", "--robot", "my_robot.urdf.xacro"][..],
@@ -23,7 +23,7 @@ fn a_path_that_is_mistyped_is_no_name_of_a_robot() {
 }
 
 #[test]
-fn a_file_may_be_called_anything() {
+fn files_may_have_any_name() {
     let folder = tempfile::tempdir().unwrap();
     let name = OsStr::from_bytes(b"r\xE9sum\xE9.urdf");
     let robot = output(&["urdf", "kobuki_nostack_rplidar"]).stdout;
@@ -43,7 +43,7 @@ fn a_file_may_be_called_anything() {
 }
 
 #[test]
-fn a_world_can_be_run_without_a_robot_beside_its_own() {
+fn a_world_can_be_run_without_an_added_robot() {
     let simulator = Simulator::start(&["--robot", "none", "--world", "playground"]);
     let _clock = follow(simulator.domain(), "test", &["clock"]);
     let listed = output(&["list", "--domain", simulator.domain()]);
@@ -52,11 +52,11 @@ fn a_world_can_be_run_without_a_robot_beside_its_own() {
     let beside =
         output(&["run", "--domain", &own_domain(), "--robot", "none", "--robot", "kobuki_nostack_camera"]);
     let said = String::from_utf8(beside.stderr).unwrap();
-    assert!(said.contains("--robot none stands beside other robots"), "{said}");
+    assert!(said.contains("--robot none is combined with other robots"), "{said}");
 }
 
 #[test]
-fn files_of_packets_are_not_replaced_unasked() {
+fn packet_files_are_not_overwritten_without_force() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("run.pcap");
     std::fs::write(&file, "mine").unwrap();
@@ -65,16 +65,43 @@ fn files_of_packets_are_not_replaced_unasked() {
         let refused = output(&["run", "--domain", &own_domain(), option, &target]);
         let said = String::from_utf8(refused.stderr).unwrap();
         assert_eq!(refused.status.code(), Some(1), "{said}");
-        assert!(said.contains("run.pcap: it is there; ") && said.contains("--force"), "{said}");
+        assert!(said.contains("run.pcap: the file exists; ") && said.contains("--force"), "{said}");
         assert_eq!(std::fs::read(&file).unwrap(), b"mine");
     }
 }
 
 #[cfg(not(feature = "link"))]
 #[test]
-fn a_command_that_was_left_out_says_so() {
+fn a_command_that_is_not_built_in_is_named() {
     let refused = output(&["link", "send"]);
     let said = String::from_utf8(refused.stderr).unwrap();
     assert_eq!(refused.status.code(), Some(2), "{said}");
     assert!(said.contains("built without 'link'; build it with --features link"), "{said}");
+}
+
+/// Every name that is listed can be checked, and a package of one's own adds to the list.
+#[test]
+fn names_of_robots_and_worlds_are_listed() {
+    let folder = tempfile::tempdir().unwrap();
+    let package = folder.path().join("turtlebot_description");
+    std::fs::create_dir_all(package.join("robots")).unwrap();
+    std::fs::write(package.join("package.xml"), "<package><name>turtlebot_description</name></package>")
+        .unwrap();
+    std::fs::write(package.join("robots/mine.urdf.xacro"), "<robot name='mine'><link name='l'/></robot>")
+        .unwrap();
+    let path = folder.path().to_str().unwrap();
+    let lines = |arguments: &[&str]| -> Vec<String> {
+        let said = String::from_utf8(output(arguments).stdout).unwrap();
+        said.lines().map(str::to_owned).collect()
+    };
+    let robots = lines(&["robots", "--package-path", path]);
+    assert!(robots.iter().any(|name| name == "mine"), "{robots:?}");
+    assert!(robots.iter().any(|name| name == "kobuki_hexagons_vlp16_d435"), "{robots:?}");
+    assert!(lines(&["robots"]).iter().all(|name| name != "mine"));
+    let worlds = lines(&["worlds"]);
+    assert_eq!(worlds, ["corridor", "empty", "playground", "tag_ceiling"]);
+    for world in &worlds {
+        let told = output(&["check", world]).stdout;
+        assert!(String::from_utf8(told).unwrap().contains(&format!("{world}.world")), "{world}");
+    }
 }

@@ -1,4 +1,4 @@
-//! The frames that pictures are in: x right, y down, z forward, whatever frame a camera's plugin names.
+//! The frames of pictures: x right, y down, z forward, whatever frame a camera's plugin names.
 
 use crate::live::{Simulator, next_frame, output};
 use belvedere::description::load::{LoadOptions, load_robot};
@@ -10,7 +10,7 @@ use belvedere_bridge::payload::Transform;
 use glam::DVec3;
 use std::fs;
 
-/// Cameras in every relation to the frame that they name.
+/// Cameras with every relation to the frame that they name.
 fn robot() -> String {
     let joint = |name: &str, parent: &str, kind: &str, origin: &str| {
         format!(
@@ -61,7 +61,7 @@ fn load(text: &str) -> Model {
 }
 
 #[test]
-fn each_camera_has_a_frame_that_looks_its_way() {
+fn each_camera_has_an_optical_frame() {
     let model = load(&robot());
     let frames = optical_frames(&model);
     let names: Vec<(&str, &str)> =
@@ -91,7 +91,7 @@ fn each_camera_has_a_frame_that_looks_its_way() {
     }
     assert_eq!(new_frames(&frames).count(), 4);
 
-    // As `belvedere urdf` prints it for ROS, the robot has links of these names, which stand for the same frames.
+    // In the output of `belvedere urdf` for ROS, the robot has links with these names for the same frames.
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("eyes.urdf");
     fs::write(&file, robot()).unwrap();
@@ -107,7 +107,7 @@ fn each_camera_has_a_frame_that_looks_its_way() {
 }
 
 #[test]
-fn the_ceiling_cameras_pictures_are_in_it_and_tf_knows_it() {
+fn the_ceiling_camera_and_tf_use_the_optical_frame() {
     for (arguments, frame) in [
         (&["--world", "empty"][..], "base_camera_link_optical"),
         (&["--world", "empty", "--gazebo-compat"], "base_camera_link"),

@@ -1,4 +1,4 @@
-//! Where links stand: the same whatever the order and the names in a file.
+//! Poses of links: they do not depend on the order and the names in a file.
 
 use crate::sdf;
 
@@ -14,7 +14,7 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::collections::BTreeMap;
 
-/// A robot of a base, a mast, an arm and two wheels: the order of its elements is the test's.
+/// A robot with a base, a mast, an arm and two wheels; the test chooses the order of its elements.
 const PARTS: [&str; 15] = [
     "<link name='base_footprint'/>",
     "<link name='base_link'><inertial><mass value='5'/><inertia ixx='.1' iyy='.1' izz='.1' ixy='0' ixz='0' iyz='0'/></inertial>
@@ -50,7 +50,7 @@ const WORLD: &str = "<sdf version='1.6'><world name='w'>
     <model name='ball'><pose>-2 1 0.5 0 0 0</pose><link name='l'><collision name='c'><geometry><sphere><radius>0.5</radius></sphere></geometry></collision></link></model>
     </world></sdf>";
 
-/// Orders of so many things: as they are, backwards, and at random.
+/// Orders of this many elements: the original one, the reverse, and random ones.
 fn orders(count: usize, random: usize) -> Vec<Vec<usize>> {
     let mut state = 12_345_u64;
     let mut draw = move |below: usize| {
@@ -87,13 +87,13 @@ fn world() -> World {
     sdf::load(Folder::new().write("w.world", WORLD).to_str().unwrap(), false).0.unwrap()
 }
 
-/// Where the links of a model are now, by name.
+/// The current positions of a model's links, by name.
 fn places(physics: &Physics, index: usize, model: &Model) -> BTreeMap<String, Pose> {
     let pose = |(number, _)| physics.world_from_link(index, number);
     model.links.iter().enumerate().map(|(number, link)| (link.name.clone(), pose((number, link)))).collect()
 }
 
-/// Where the links of a world's only model are after so many steps.
+/// The positions of the links of a world's only model after this many steps.
 fn after(world: &World, steps: usize) -> BTreeMap<String, DVec3> {
     let mut physics = Physics::new(world).unwrap();
     (0..steps).for_each(|_| physics.step());
@@ -102,7 +102,7 @@ fn after(world: &World, steps: usize) -> BTreeMap<String, DVec3> {
 }
 
 #[test]
-fn links_stand_where_their_joints_say_and_the_order_of_the_file_changes_no_bit() {
+fn poses_of_links_follow_from_joints_whatever_the_order_of_the_file() {
     let world = world();
     let start = Pose::from_xyz_rpy(DVec3::new(0.5, 0.25, 0.0), DVec3::new(0.0, 0.0, 0.5));
     let mut first = None;
@@ -158,8 +158,8 @@ fn the_bytes_of_a_scan_do_not_depend_on_the_order_of_the_file() {
 }
 
 #[test]
-fn a_joint_stands_where_its_pose_says_and_moves_no_link() {
-    // A bar of 1 m that hangs on a hinge at its end, whatever the joint's own pose; held by what is static.
+fn the_pose_of_a_joint_does_not_move_links() {
+    // A bar of 1 m that hangs on a hinge at its end, whatever the joint's own pose, held by a static model or link.
     let bar = |static_of: &str, hinge: &str, links_last: bool| {
         let links = "<link name='bar'><pose>0.5 0 2 0 0 0</pose><inertial><mass>1</mass><inertia><ixx>0.001</ixx><iyy>0.0833</iyy><izz>0.0833</izz></inertia></inertial></link>
              <link name='base'><pose>0 0 2 0 0 0</pose></link>";
@@ -187,7 +187,7 @@ fn a_joint_stands_where_its_pose_says_and_moves_no_link() {
 }
 
 #[test]
-fn models_of_one_name_stand_each_in_its_own_place() {
+fn models_with_the_same_name_keep_their_poses() {
     let folder = Folder::new();
     folder.write("crate/model.config", "<model><name>crate</name><sdf version='1.6'>model.sdf</sdf></model>");
     let of_crate = format!(
@@ -205,7 +205,7 @@ fn models_of_one_name_stand_each_in_its_own_place() {
     let names: Vec<&str> = world.models.iter().map(|model| model.name.as_str()).collect();
     assert_eq!(names, ["crate", "crate_0", "crate_1"]);
     assert_eq!(problems.len(), 2, "{problems:#?}");
-    // Inside a model as well; and what is static there stands still, while the rest falls.
+    // The same inside a model; its static parts stay still while the rest falls.
     let nested = format!(
         "<model name='m'><pose>0 0 3 0 0 0</pose>{twice}<link name='loose'><pose>0 5 0 0 0 0</pose><collision name='c'>{BOX}</collision></link></model>"
     );
@@ -221,14 +221,14 @@ fn models_of_one_name_stand_each_in_its_own_place() {
         let expected = 0.5 * 9.8 * (0.001 * steps as f64).powi(2);
         assert!((fallen - expected).abs() < 0.001, "{fallen} instead of {expected}");
     }
-    // A floor that is nothing but an include of something static.
+    // A floor that consists only of an include of a static model.
     let (world, problems) =
         folder.load("1.6", &format!("<model name='floor'>{}</model>", include("0 0 1 0 0 0")), false);
     assert!(problems.is_empty() && world.unwrap().models[0].is_static, "{problems:#?}");
 }
 
 #[test]
-fn lights_and_saved_states_stand_relative_to_what_they_name() {
+fn lights_and_saved_states_are_relative_to_the_frame_that_they_name() {
     let world = good(
         "1.8",
         "<model name='a'><pose>1 2 3 0 0 1.5707963267948966</pose><link name='l'/></model>

@@ -1,11 +1,11 @@
-//! Rangefinders and lidars of several layers, as other processes see them.
+//! Rangefinders and lidars with several layers, as seen by other processes.
 
 use crate::live::{Simulator, next_frame, output};
 use belvedere_bridge::payload::Range;
 use belvedere_bridge::{Kind, Subscriber};
 
 const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/rangefinders.urdf");
-/// Over the ground: the robot sinks into it by less than a millimetre.
+/// The height above the ground; the robot sinks into it by less than a millimetre.
 const HEIGHT_M: f32 = 0.55;
 const LIDAR_HEIGHT_M: f64 = 1.0;
 const SINKING_M: f32 = 1e-3;
@@ -29,7 +29,7 @@ fn range(simulator: &Simulator, topic: &str) -> Range {
 }
 
 #[test]
-fn a_rangefinder_measures_the_nearest_of_its_cone_or_says_why_not() {
+fn a_rangefinder_measures_the_nearest_surface_in_its_cone() {
     let simulator = start(&[]);
     let (down, frame) = settled(&mut simulator.subscribe("sonar/down"));
     assert!((down.range - HEIGHT_M).abs() < SINKING_M, "{down:?}");
@@ -38,7 +38,7 @@ fn a_rangefinder_measures_the_nearest_of_its_cone_or_says_why_not() {
     let short = range(&simulator, "infrared/short");
     assert_eq!((short.range, short.radiation_type), (f32::INFINITY, Range::INFRARED));
     assert_eq!(range(&simulator, "infrared/far").range, f32::NEG_INFINITY);
-    // Settings are those of any sensor.
+    // It has the settings of any sensor.
     let command = ["control", "configure", "down", "noise_mean=0.5", "--domain", simulator.domain()];
     assert!(output(&command).status.success());
     let mut down = simulator.subscribe("sonar/down");
@@ -50,16 +50,16 @@ fn a_rangefinder_measures_the_nearest_of_its_cone_or_says_why_not() {
 }
 
 #[test]
-fn as_gazebo_it_says_its_largest_range_where_there_is_nothing() {
+fn in_gazebo_mode_it_reports_its_largest_range_without_a_hit() {
     let simulator = start(&["--gazebo-compat"]);
     assert!((range(&simulator, "sonar/down").range - HEIGHT_M).abs() < SINKING_M);
     assert_eq!(range(&simulator, "infrared/short").range, 0.4);
-    // The ray begins beneath the ground.
+    // The ray begins below the ground.
     assert_eq!(range(&simulator, "infrared/far").range, 4.0);
 }
 
 #[test]
-fn a_lidar_of_several_layers_has_them_from_the_lowest_up() {
+fn the_layers_of_a_lidar_are_in_order_from_the_lowest() {
     let simulator = start(&[]);
     let mut scan = simulator.subscribe("velodyne_points");
     let frame = loop {

@@ -1,4 +1,4 @@
-//! Recordings from outside: what is published is in the file, and survives whatever ends it.
+//! Recordings from outside: everything that is published is in the file, and survives any kind of end.
 
 use crate::live;
 use crate::live::{PATIENCE, Simulator, belvedere, output, own_domain};
@@ -11,7 +11,7 @@ use std::io::{self, Write};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// The robot as xacro made it and the world's file come out of a recording as they went in, and run.
+/// The robot as expanded by xacro and the world file can be extracted from a recording unchanged, and run.
 #[test]
 fn a_recording_keeps_robot_and_world() {
     let folder = tempfile::tempdir().unwrap();
@@ -45,7 +45,7 @@ fn a_recording_keeps_robot_and_world() {
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let text = String::from_utf8(run.stdout).unwrap();
     for (topic, (hash, _)) in published {
-        // A plain URDF has optical frames as links, which come in another order.
+        // A plain URDF has optical frames as links, in another order.
         assert!(
             topic == "/tf_static" || text.contains(&hash),
             "{topic} of the robot and the world that were kept differs:\n{text}"
@@ -54,7 +54,7 @@ fn a_recording_keeps_robot_and_world() {
 }
 
 #[test]
-fn a_file_that_is_cut_anywhere_gives_all_that_is_whole() {
+fn a_truncated_file_gives_all_complete_records() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.mcap");
     record_a_run(&file, "0.5");
@@ -75,7 +75,7 @@ fn a_file_that_is_cut_anywhere_gives_all_that_is_whole() {
         most = items.len();
     }
     assert!(most > whole.len() / 2, "{most} of {}", whole.len());
-    // A bit that is wrong is found by the sums, and no frame is given that was not recorded.
+    // A wrong bit is detected by the checksums, and no frame is returned that was not recorded.
     let known = frames(&whole);
     for part in 1..100 {
         let mut wrong = bytes.clone();
@@ -88,7 +88,7 @@ fn a_file_that_is_cut_anywhere_gives_all_that_is_whole() {
             assert!(known[&frame.topic[..]].contains(frame), "byte {place}");
         }
     }
-    // A length that is wrong is found before so much memory is asked for: 4 GiB, of a text of the first record.
+    // A wrong length is detected before this much memory is requested: 4 GiB, for a text of the first record.
     let mut wrong = bytes.clone();
     wrong[17..21].fill(0xff);
     let (_, end) = read(&wrong);
@@ -111,7 +111,7 @@ fn a_file_that_is_cut_anywhere_gives_all_that_is_whole() {
 }
 
 #[test]
-fn a_recorder_that_is_killed_leaves_a_file_that_opens() {
+fn a_killed_recorder_leaves_a_readable_file() {
     let simulator = Simulator::start(&[]);
     live::follow(simulator.domain(), "test", &["clock"]);
     let folder = tempfile::tempdir().unwrap();
@@ -143,7 +143,7 @@ fn a_recorder_that_is_killed_leaves_a_file_that_opens() {
     assert!(with_frames >= kills / 2, "{with_frames} of {kills} have frames");
 }
 
-/// Takes so many bytes, and then none.
+/// Accepts this many bytes, and then none.
 struct Disk<'a> {
     bytes: &'a mut Vec<u8>,
     room: usize,
@@ -164,7 +164,7 @@ impl Write for Disk<'_> {
 }
 
 #[test]
-fn what_was_written_before_the_disk_was_full_can_be_read() {
+fn data_written_before_the_disk_was_full_can_be_read() {
     let mut bytes = Vec::new();
     let disk = Disk { bytes: &mut bytes, room: 3_000_000 };
     let mut writer = RecordingWriter::new(disk, Compression::None, &BTreeMap::new()).unwrap();
@@ -202,7 +202,7 @@ fn what_was_written_before_the_disk_was_full_can_be_read() {
 }
 
 #[test]
-fn what_another_recorder_writes_or_has_left_is_not_lost() {
+fn files_of_other_recorders_are_not_overwritten() {
     let simulator = Simulator::start(&[]);
     live::follow(simulator.domain(), "test", &["clock"]);
     let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! What the tests of recordings and of replays share: a recorded run, and what can be read of a file.
+//! Code that the tests of recordings and replays share: a recorded run, and reading of files.
 
 use crate::live::{PATIENCE, output, own_domain};
 use belvedere::recording::{Item, RecordedFrame, RecordingError, RecordingReader};
@@ -9,7 +9,7 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Ends what it holds.
+/// A child process, which is stopped when dropped.
 pub(crate) struct Process(pub(crate) Child);
 
 impl Process {
@@ -17,7 +17,7 @@ impl Process {
         Self(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
     }
 
-    /// Waits for its end; gives its exit code and what it wrote on standard error.
+    /// Waits for its end, and returns its exit code and standard error.
     pub(crate) fn end(mut self) -> (Option<i32>, String) {
         let started = Instant::now();
         while self.0.try_wait().unwrap().is_none() {
@@ -37,7 +37,7 @@ impl Drop for Process {
     }
 }
 
-/// All that can be read of a recording, and how it ends.
+/// Everything that can be read from a recording, and the error at its end, if any.
 pub(crate) fn read(bytes: &[u8]) -> (Vec<Item>, Option<RecordingError>) {
     let mut reader = RecordingReader::new(bytes);
     let mut items = Vec::new();
@@ -75,7 +75,7 @@ pub(crate) fn info(path: &Path) -> Value {
     serde_json::from_slice(&shown.stdout).unwrap()
 }
 
-/// Runs the simulator for so many simulated seconds and records it; returns what `--hash` printed.
+/// Runs the simulator for this many simulated seconds and records it; returns the output of `--hash`.
 pub(crate) fn record_a_run(path: &Path, seconds: &str) -> BTreeMap<String, (String, u64)> {
     let path = path.to_str().unwrap();
     let domain = own_domain();

@@ -1,4 +1,4 @@
-//! Replays from outside: what was recorded comes back as it was, from where it is asked for.
+//! Replays from outside: recorded streams are played back unchanged, from the requested time.
 
 use crate::live;
 use crate::live::control::{done, refusal, step};
@@ -35,7 +35,7 @@ fn a_run_is_recorded_played_and_recorded_again_with_every_byte() {
     assert!(published.values().filter(|(_, count)| *count > 10).count() > 5, "{published:?}");
     assert_eq!(recorded, published);
 
-    // Played as fast as it goes, into a recorder that is waited for.
+    // Played as fast as possible into a recorder for which it waits.
     let domain = own_domain();
     let wait_for = format!("recorder={}", streams.len());
     let mut replay = belvedere();
@@ -73,7 +73,7 @@ fn a_run_is_recorded_played_and_recorded_again_with_every_byte() {
     }
 }
 
-/// A file that counts what is read of it.
+/// A file that counts the bytes that are read.
 struct Counted<'a> {
     file: Cursor<&'a [u8]>,
     read: &'a Cell<usize>,
@@ -93,7 +93,7 @@ impl Seek for Counted<'_> {
     }
 }
 
-/// By the index what comes before the start is not read, but for what is told once; the rest is the same.
+/// With the index, nothing before the start is read except latched messages; the rest is the same.
 #[test]
 fn a_later_start_is_found_by_the_index() {
     let stream = |topic: &str, kind, encoding, max_payload_len| RecordedStream {
@@ -155,7 +155,7 @@ fn a_later_start_is_found_by_the_index() {
         // A chunk before, one with the settings, and the index.
         assert!(share < expected + 0.15, "{share} of the file is read from {start_ms} ms on");
     }
-    // What has no index is read from its beginning.
+    // A file without an index is read from its beginning.
     let cut = &bytes[..bytes.len() - 100];
     let mut reader = RecordingReader::starting_at(Cursor::new(cut), Duration::from_secs(3)).unwrap();
     let mut count = 0;
@@ -166,7 +166,7 @@ fn a_later_start_is_found_by_the_index() {
 }
 
 #[test]
-fn a_replay_begins_where_it_is_told_stands_and_steps() {
+fn a_replay_starts_pauses_and_steps() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("a.mcap");
     record_a_run(&file, "1");
@@ -187,10 +187,10 @@ fn a_replay_begins_where_it_is_told_stands_and_steps() {
             times.push(frame.header().stamp_ns);
         }
     }
-    // A stream's last frame before is given to who comes later.
+    // The last earlier frame of a stream is sent to late subscribers.
     times.retain(|&time| time > first);
     assert!(times.len() == 5 && times.is_sorted(), "{times:?} after {first}");
-    // Nothing comes while it stands.
+    // Nothing is sent while it is paused.
     assert!(!clock.wait(Duration::from_millis(200)).unwrap());
     let refused = refusal(&mut control, &SimulationCommand::new(Operation::ResetWorld), "");
     assert!(refused.contains("this is a replay"), "{refused}");
@@ -202,7 +202,7 @@ fn a_replay_begins_where_it_is_told_stands_and_steps() {
 fn frames_that_outgrow_their_stream_are_played() {
     let folder = tempfile::tempdir().unwrap();
     let (first, second) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
-    // As of a simulator that was started again with a larger camera.
+    // As if a simulator was started again with a larger camera.
     let stream = RecordedStream {
         topic: "picture".into(),
         kind: Kind::Image,
@@ -215,7 +215,7 @@ fn frames_that_outgrow_their_stream_are_played() {
     let file = std::fs::File::create(&first).unwrap();
     let mut writer = RecordingWriter::new(file, Compression::Lz4, &BTreeMap::new()).unwrap();
     let id = writer.add(&stream).unwrap();
-    // What stays, so that the recorder does not take the replay for gone.
+    // A stream that stays, so that the recorder does not assume that the replay has ended.
     let clock = RecordedStream {
         topic: "clock".into(),
         kind: Kind::Clock,
@@ -249,7 +249,7 @@ fn frames_that_outgrow_their_stream_are_played() {
 }
 
 #[test]
-fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
+fn errors_of_recording_and_replay_are_one_sentence() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (none, empty, foreign) = (path("none.mcap"), path("empty.mcap"), path("foreign.mcap"));
@@ -265,10 +265,10 @@ fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
         (&["replay", &none, "--domain", &domain], "No such file"),
         (
             &["replay", &empty, "--domain", &domain],
-            "it is no MCAP file; a file of `belvedere record` is wanted",
+            "it is not an MCAP file; choose a file written by `belvedere record` or `run --record`",
         ),
         (&["replay", &foreign, "--domain", &domain], "it has no frames of Belvedere"),
-        (&["info", &empty], "it is no MCAP file"),
+        (&["info", &empty], "it is not an MCAP file"),
         (&["record", "-o", &none, "--domain", &domain], "nothing is published"),
         (&["record", "/scam", "-o", &none, "--domain", taken.domain()], "no topic /scam"),
         (&["record", "-o", &there, "--domain", taken.domain()], "replace it with --force"),
@@ -283,7 +283,7 @@ fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
     }
     assert_eq!(std::fs::read(&there).unwrap(), b"mine");
     assert!(!folder.path().join("none.mcap").exists());
-    // A domain that has its simulator.
+    // A domain that has a simulator.
     let played = path("played.mcap");
     record_a_run(Path::new(&played), "0.5");
     let refused = output(&["replay", &played, "--domain", taken.domain()]);
@@ -295,7 +295,7 @@ fn what_cannot_be_recorded_or_played_is_said_in_one_sentence() {
         let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
         assert!(
             refused.status.code() == Some(1)
-                && errors.contains("it lasts 0.490 s only, and was to be played from 1000.000 s"),
+                && errors.contains("it lasts only 0.490 s, and was to be played from 1000.000 s"),
             "{errors}"
         );
     }

@@ -1,4 +1,4 @@
-//! Settings of sensors, changed by another process while they run.
+//! Settings of sensors that another process changes while they run.
 
 use crate::live::{PATIENCE, Simulator, follow, next_frame, output};
 use belvedere_bridge::payload::{SensorSettings, Setting, SimulationCommand};
@@ -9,7 +9,7 @@ const CAMERA: &str = "camera1";
 const LIDAR: &str = "laser";
 const PAUSED: [&str; 6] = ["--paused", "--rate", "max", "--seed", "5", "--drive"];
 
-/// The time at which it was done, or why it was not.
+/// The time at which the command was done, or the reason of its refusal.
 fn call(control: &mut SimulationControl, command: &SimulationCommand, text: &str) -> Result<u64, String> {
     let result = control.call(command, text, PATIENCE).unwrap().expect("the simulator answers");
     if result.done == 1 { Ok(result.time_ns) } else { Err(result.reason.as_str().to_owned()) }
@@ -20,7 +20,7 @@ fn configure(control: &mut SimulationControl, sensor: &str, text: &str) -> Resul
     call(control, &SimulationCommand { name, ..SimulationCommand::new(Operation::Configure) }, text)
 }
 
-/// Runs so many hundredths of a second: two steps each in this world.
+/// Runs this many hundredths of a second: two steps each in this world.
 fn step(control: &mut SimulationControl, hundredths: u64) -> u64 {
     let steps = 2 * hundredths;
     call(control, &SimulationCommand { steps, ..SimulationCommand::new(Operation::Step) }, "").unwrap()
@@ -30,7 +30,7 @@ fn reset(control: &mut SimulationControl) {
     call(control, &SimulationCommand::new(Operation::ResetSimulation), "").unwrap();
 }
 
-/// A simulator that stands at time 0 and waits for the test as it waits for streams, and these.
+/// A simulator that is paused at time 0 and waits for the test's streams; and subscribers of these topics.
 fn start(topics: &[&str]) -> (Simulator, SimulationControl, Vec<Subscriber>) {
     let waited = format!("test={}", topics.len());
     let simulator = Simulator::start(&[&PAUSED[..], &["still", "--wait-for", &waited]].concat());
@@ -39,7 +39,7 @@ fn start(topics: &[&str]) -> (Simulator, SimulationControl, Vec<Subscriber>) {
     (simulator, control, subscribers)
 }
 
-/// What has come: stamp and hash of the payload.
+/// The frames that have arrived: timestamp and hash of the payload.
 fn taken(subscriber: &mut Subscriber) -> Vec<(u64, u128)> {
     std::iter::from_fn(|| subscriber.take().unwrap())
         .map(|frame| (frame.header().stamp_ns, xxh3_128(frame.payload())))
@@ -50,7 +50,7 @@ fn stamps_ms(subscriber: &mut Subscriber) -> Vec<f64> {
     taken(subscriber).iter().map(|(stamp_ns, _)| (*stamp_ns as f64 / 1e4).round() / 100.0).collect()
 }
 
-/// All frames of so many hundredths of a second, taken one by one: the simulator waits for who is full.
+/// All frames of this many hundredths of a second, taken one by one, because the simulator waits for full buffers.
 fn run(
     control: &mut SimulationControl,
     hundredths: u64,
@@ -75,11 +75,11 @@ fn newest(subscriber: &mut Subscriber) -> Vec<SensorSettings> {
 }
 
 fn of<'a>(sensors: &'a [SensorSettings], name: &str) -> &'a SensorSettings {
-    sensors.iter().find(|sensor| sensor.name.as_str() == name).expect("the sensor is told of")
+    sensors.iter().find(|sensor| sensor.name.as_str() == name).expect("the sensor is listed")
 }
 
 #[test]
-fn all_are_told_at_the_start_and_after_each_change_to_late_comers_too() {
+fn settings_are_published_at_the_start_after_changes_and_to_late_subscribers() {
     let (simulator, mut control, mut subscribers) = start(&["simulation/sensor_settings"]);
     let told = newest(&mut subscribers[0]);
     assert_eq!(told.len(), 2);
@@ -100,7 +100,7 @@ fn all_are_told_at_the_start_and_after_each_change_to_late_comers_too() {
     let changed = next_frame(&mut subscribers[0]);
     assert_eq!(changed.header().stamp_ns, done_ns);
     drop(changed);
-    // Whoever comes after it, while time stands.
+    // A subscriber that comes later, while the simulation is paused.
     let late = newest(&mut simulator.subscribe(StreamSpec::SENSOR_SETTINGS));
     let lidar = of(&late, LIDAR);
     assert_eq!((lidar.update_rate.value, lidar.noise_mean.value, lidar.noise_stddev.value), (8.0, 0.5, 0.01));
@@ -110,7 +110,7 @@ fn all_are_told_at_the_start_and_after_each_change_to_late_comers_too() {
 }
 
 #[test]
-fn a_new_rate_goes_on_from_the_last_frame_on_exact_stamps() {
+fn a_new_rate_continues_from_the_last_frame_with_exact_stamps() {
     let (_simulator, mut control, mut subscribers) = start(&["scan", "camera_info"]);
     let [scan, infos] = &mut subscribers[..] else { unreachable!() };
     assert_eq!(step(&mut control, 40), 400_000_000);
@@ -120,18 +120,18 @@ fn a_new_rate_goes_on_from_the_last_frame_on_exact_stamps() {
     configure(&mut control, LIDAR, "update_rate=20").unwrap();
     step(&mut control, 20);
     assert_eq!(stamps_ms(scan), [413.64, 463.64, 513.64, 563.64]);
-    // What it already is changes nothing.
+    // Setting the current value changes nothing.
     configure(&mut control, LIDAR, "update_rate=20 noise_stddev=0").unwrap();
     step(&mut control, 5);
     assert_eq!(stamps_ms(scan), [613.64]);
-    // Slower, and then again before it is due.
+    // Slower, and then changed again before the next frame is due.
     configure(&mut control, LIDAR, "update_rate=2").unwrap();
     step(&mut control, 10);
     configure(&mut control, LIDAR, "update_rate=30").unwrap();
     step(&mut control, 10);
-    // It would have been due at 646.97: now, at 750.
+    // It would have been due at 646.97, so it comes now, at 750.
     assert_eq!(stamps_ms(scan), [750.0, 783.33, 816.67, 850.0]);
-    // The other sensor's streams, all of them, kept theirs.
+    // All streams of the other sensor kept theirs.
     assert_eq!(stamps_ms(infos).last(), Some(&833.33));
     configure(&mut control, "camera_info", "update_rate=10").unwrap();
     step(&mut control, 25);
@@ -139,7 +139,7 @@ fn a_new_rate_goes_on_from_the_last_frame_on_exact_stamps() {
 }
 
 #[test]
-fn noise_and_exposure_hold_from_the_next_frame_on_and_a_reset_puts_back_a_fresh_start() {
+fn noise_and_exposure_change_with_the_next_frame_and_are_reset() {
     let (_simulator, mut control, mut subscribers) = start(&["image_raw", "scan", "camera_info"]);
     let fresh = run(&mut control, 40, &mut subscribers);
     assert!(fresh[0].len() == 13 && fresh[1].len() == 3, "{fresh:?}");
@@ -158,7 +158,7 @@ fn noise_and_exposure_hold_from_the_next_frame_on_and_a_reset_puts_back_a_fresh_
     );
     assert!(after[0].iter().all(|frame| !fresh[0].contains(frame)));
     assert!(after[1].iter().all(|frame| !fresh[1].contains(frame)));
-    // The same commands at the same times: the same bytes.
+    // The same commands at the same times give the same bytes.
     assert_eq!(changed(), (before, after));
     reset(&mut control);
     assert_eq!(run(&mut control, 40, &mut subscribers), fresh);
@@ -177,7 +177,7 @@ fn colours_are_proportional_to_exposure_until_they_saturate() {
     for (exposure, factor) in [("0.5", 0.5), ("2", 2.0), ("100", 100.0)] {
         let exposed = picture(exposure);
         for (index, (&found, &byte)) in exposed.iter().zip(&described).enumerate() {
-            // The byte stands for half a step either way.
+            // The byte represents an interval of half a step to either side.
             let least = ((f64::from(byte) - 0.5) * factor - 0.51).clamp(0.0, 255.0);
             let most = ((f64::from(byte) + 0.5) * factor + 0.51).clamp(0.0, 255.0);
             let value = f64::from(found);
@@ -191,25 +191,25 @@ fn colours_are_proportional_to_exposure_until_they_saturate() {
 }
 
 #[test]
-fn what_cannot_be_is_refused_in_words_and_changes_nothing() {
+fn invalid_settings_are_refused_with_a_reason_and_change_nothing() {
     let (simulator, mut control, mut subscribers) = start(&["simulation/sensor_settings"]);
     let told = newest(&mut subscribers[0]);
     for (sensor, text, says) in [
         (
             "lazer",
             "update_rate=5",
-            "there is no sensor 'lazer', and none sends such a topic; did you mean 'laser'? there are: ",
+            "there is no sensor 'lazer', and no sensor with such a topic; did you mean 'laser'? there are: ",
         ),
         ("scan", "exposure=2", "this sensor has no exposure; it has update_rate (0.01 to 1000)"),
         ("scan", "update_rate=8 noise_stddev=7", "noise_stddev is '7'; it must be a number from 0 to 6"),
-        ("image_raw", "gain=2", "gain is no setting; "),
+        ("image_raw", "gain=2", "gain is not a setting; "),
         ("image_raw", "exposure=1e9", "exposure is '1e9'; it must be a number from 0.01 to 100"),
         ("image_raw", "", "no setting is given; write NAME=VALUE, as "),
     ] {
         let reason = configure(&mut control, sensor, text).unwrap_err();
         assert!(reason.starts_with(says), "{sensor} {text}: {reason}");
     }
-    // Nothing was sent, since nothing has changed.
+    // Nothing was sent, because nothing has changed.
     assert!(subscribers[0].take().unwrap().is_none());
     let late = newest(&mut simulator.subscribe(StreamSpec::SENSOR_SETTINGS));
     assert_eq!(of(&late, CAMERA), of(&told, CAMERA));
@@ -217,7 +217,7 @@ fn what_cannot_be_is_refused_in_words_and_changes_nothing() {
 }
 
 #[test]
-fn the_command_line_changes_and_lists_them_and_lists_show_the_new_rate() {
+fn the_command_line_changes_and_lists_settings() {
     let (simulator, _control, mut subscribers) = start(&["simulation/sensor_settings"]);
     newest(&mut subscribers[0]);
     let run = |arguments: &[&str]| {

@@ -1,4 +1,4 @@
-//! Several robots in one world, and robots that come and go while it runs: seen from another process.
+//! Several robots in one world, and robots that are spawned and deleted while it runs, as seen by another process.
 
 use crate::live::control::{done_with, named, refusal};
 use crate::live::{PATIENCE, Simulator, belvedere, files_of, follow, next_frame, own_domain};
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 const ROBOT: &str = "kobuki_nostack_rplidar";
 
-/// A run of a simulated second with every byte hashed.
+/// A run of a simulated second with hashes of all bytes.
 fn hashed(robots: &[[&str; 3]], more: &[&str]) -> Output {
     let domain = own_domain();
     let mut arguments = vec!["run", "--domain", &domain, "--rate", "max", "--duration", "1", "--hash"];
@@ -22,7 +22,7 @@ fn hashed(robots: &[[&str; 3]], more: &[&str]) -> Output {
     belvedere().args(arguments).output().unwrap()
 }
 
-/// The order in which robots are named changes no byte; each has topics of its own.
+/// The order in which robots are given does not affect any byte; each robot has its own topics.
 #[test]
 fn bytes_do_not_depend_on_the_order_of_robots() {
     let one = [ROBOT, "anna", "1,0,90"];
@@ -41,7 +41,7 @@ fn bytes_do_not_depend_on_the_order_of_robots() {
     }
 }
 
-/// Each moves by its own commands, and tells of itself in its own frames.
+/// Each moves by its own commands, and reports in its own frames.
 #[test]
 fn each_robot_has_its_own_commands_and_frames() {
     let robots = ["--robot", ROBOT, "--robot", ROBOT, "--name", "anna", "--name", "bert"];
@@ -76,7 +76,7 @@ fn each_robot_has_its_own_commands_and_frames() {
     }
 }
 
-/// What is spawned brings its base and its sensors; what is deleted leaves no stream and no file.
+/// A spawned robot has its base and sensors; a deleted one leaves no stream and no file.
 #[test]
 fn a_spawned_robot_brings_its_sensors_and_leaves_nothing() {
     let urdf = belvedere().args(["urdf", ROBOT]).output().unwrap();
@@ -110,13 +110,13 @@ fn a_spawned_robot_brings_its_sensors_and_leaves_nothing() {
             node.streams().unwrap().into_iter().filter(|stream| stream.topic.starts_with("guest/")).collect();
         assert!(left.is_empty(), "{left:?}");
         drop(node);
-        // The command that was refused left nothing either.
+        // The refused command left nothing either.
         files.push(files_of(simulator.domain()).len());
         assert!(files[round] <= files[0], "files of the domain: {files:?}");
     }
 }
 
-/// One clear error each.
+/// Each gives one clear error.
 #[test]
 fn robots_that_cannot_run_together_are_refused() {
     let said = |robots: &[[&str; 3]], more: &[&str]| {
@@ -129,20 +129,20 @@ fn robots_that_cannot_run_together_are_refused() {
     let pose = said(&[[ROBOT, "anna", "0;0"]], &[]);
     assert!(pose.contains("X,Y,YAW"), "{pose}");
     let bad = said(&[[ROBOT, "anna", "0,0"], [ROBOT, "2nd", "1,1"]], &[]);
-    assert!(bad.contains("'2nd' is no namespace in ROS"), "{bad}");
+    assert!(bad.contains("'2nd' is not a ROS namespace"), "{bad}");
     let many = said(&[[ROBOT, "anna", "0,0"]], &["--name", "bert"]);
     assert!(many.contains("2 --name for 1 robot"), "{many}");
 }
 
-/// Ten `TurtleBot`s with a lidar each in one room: as fast as the clock, on two cores. What runs beside the simulator does
-/// not count: its processor time is measured.
+/// Ten `TurtleBot`s with a lidar each in one room run in real time on two cores. Only the processor time of the
+/// simulator is measured, so other programs do not matter.
 #[test]
 fn ten_robots_run_in_real_time() {
     const DURATION: Duration = Duration::from_secs(20);
     let names: Vec<String> = (0..10).map(|number| format!("robot_{number}")).collect();
     let poses: Vec<String> = (0..10).map(|number| format!("{},{}", number % 5 - 2, number / 5)).collect();
     let robots: Vec<[&str; 3]> = names.iter().zip(&poses).map(|(name, pose)| [ROBOT, name, pose]).collect();
-    // Pictures are the other matter; lidars are 5.5 Hz each.
+    // Pictures would cost more; lidars run at 5.5 Hz each.
     let domain = own_domain();
     let mut arguments =
         vec!["run", "--domain", &domain, "--rate", "max", "--duration", "20", "--drive", "spin"];
@@ -180,7 +180,7 @@ fn ten_robots_run_in_real_time() {
     assert!(scans >= 1090, "{scans} of 1,100 scans");
 }
 
-/// What the system tells of a child that was not waited for.
+/// The system's data about a child process that has not been reaped.
 struct Usage {
     has_ended: bool,
     processor_time: Duration,
@@ -189,10 +189,10 @@ struct Usage {
 impl Usage {
     fn of(child: &Child) -> Self {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap();
-        // The name before, in parentheses, may hold anything.
+        // The preceding name in parentheses may contain any character.
         let fields: Vec<&str> = stat.rsplit_once(") ").unwrap().1.split(' ').collect();
         let ticks: u64 = fields[11..13].iter().map(|ticks| ticks.parse::<u64>().unwrap()).sum();
-        // A hundred ticks are a second, to programs.
+        // For programs, a second has a hundred ticks.
         Self { has_ended: fields[0] == "Z", processor_time: Duration::from_millis(10 * ticks) }
     }
 }

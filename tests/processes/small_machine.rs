@@ -1,16 +1,16 @@
-//! The simulator where there is little: few files, little shared memory, little address space, a small stack.
+//! The simulator with scarce resources: few files, little shared memory, little address space, a small stack.
 
 use crate::live::{belvedere, own_domain};
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the simulator by a shell that sets something up before.
+/// Runs the simulator from a shell that sets something up before.
 fn run_after(set_up: &str, arguments: &[&str]) -> Output {
     let domain = own_domain();
     after(set_up, &[&["run", "--domain", &domain], arguments].concat())
 }
 
-/// Runs a command by a shell that sets something up before.
+/// Runs a command from a shell that sets something up before.
 fn after(set_up: &str, arguments: &[&str]) -> Output {
     let plain = belvedere();
     let mut command = Command::new("sh");
@@ -28,7 +28,7 @@ fn words(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Each takes more than a hundred files.
+/// Each needs more than a hundred files.
 fn eight_kinects() -> Vec<String> {
     let robots = (1..=8).flat_map(|number| {
         ["--robot".to_owned(), "kobuki_hexagons_kinect".to_owned(), "--name".to_owned(), format!("r{number}")]
@@ -66,7 +66,7 @@ fn a_limit_of_address_space_is_named() {
     assert!(words.contains("MiB of address space") && words.contains("ulimit -v"), "{words}");
 }
 
-/// A chunk that names a size of a gigabyte, in a file of some kilobytes, is found to be wrong before memory is reserved.
+/// A chunk that declares a size of a gigabyte in a file of some kilobytes is detected before memory is reserved.
 #[test]
 fn a_damaged_size_in_a_recording_asks_for_no_memory() {
     let folder = tempfile::tempdir().unwrap();
@@ -76,7 +76,7 @@ fn a_damaged_size_in_a_recording_asks_for_no_memory() {
     let output = run_after("true", &[&arguments[..], &[path]].concat());
     assert!(output.status.success(), "{}", words(&output));
     let mut bytes = std::fs::read(&file).unwrap();
-    // Records by their opcodes and lengths, after the magic bytes; a chunk's size is behind its two times.
+    // Records by their opcodes and lengths, after the magic bytes; a chunk's size follows its two times.
     let mut at = 8;
     while bytes[at] != 6 {
         at += 9 + u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
@@ -86,7 +86,7 @@ fn a_damaged_size_in_a_recording_asks_for_no_memory() {
     let output = after("ulimit -v 700000", &["info", path]);
     let words = words(&output);
     assert_eq!(output.status.code(), Some(1), "{words}");
-    assert!(words.contains("it is broken: a chunk names a size of 1073741823 bytes"), "{words}");
+    assert!(words.contains("it is broken: a chunk states a size of 1073741823 bytes"), "{words}");
 }
 
 #[test]
@@ -95,7 +95,7 @@ fn a_small_stack_is_enough() {
     assert!(output.status.success(), "{}", words(&output));
 }
 
-/// As Docker makes it: /dev/shm of 64 MiB. The recorder follows every stream, and loses no frame.
+/// As in Docker, with a /dev/shm of 64 MiB. The recorder subscribes to every stream and loses no frame.
 #[test]
 fn every_robot_runs_in_a_containers_shared_memory_with_a_consumer_of_each_stream() {
     let folder = std::env::temp_dir().join(format!("small-{}", std::process::id()));
@@ -107,7 +107,7 @@ fn every_robot_runs_in_a_containers_shared_memory_with_a_consumer_of_each_stream
         .collect();
     names.sort();
     assert!(names.len() >= 8);
-    // Root, or whoever is root in a namespace of its own.
+    // As root, or as root of a user namespace.
     let is_root = rustix::process::geteuid().is_root();
     let unshare = if is_root { "--mount --propagation=private" } else { "--mount --map-root-user" };
     for name in names {
@@ -119,14 +119,14 @@ fn every_robot_runs_in_a_containers_shared_memory_with_a_consumer_of_each_stream
         let output = run_after(&set_up, &[&arguments[..], &[file.to_str().unwrap()]].concat());
         let words = words(&output);
         if !is_root && words.contains("unshare") {
-            println!("skipped, user namespaces are not to be had here: {words}");
+            println!("skipped, user namespaces are not available here: {words}");
             break;
         }
         assert!(output.status.success(), "{name}: {words}");
         if name.ends_with("_kinect") {
             assert!(words.contains("room for 1 consumer instead of 8"), "{name}: {words}");
             assert!(words.contains("camera/depth/points") && words.contains("--shm-size"), "{name}: {words}");
-            assert_eq!(words.matches("/dev/shm is too small").count(), 1, "told once: {words}");
+            assert_eq!(words.matches("/dev/shm is too small").count(), 1, "reported once: {words}");
             let info = belvedere().arg("info").arg(&file).output().unwrap();
             let info = String::from_utf8_lossy(&info.stdout).into_owned();
             for topic in ["camera/depth/points", "camera/depth/image_raw", "camera/rgb/image_raw", "odom"] {
@@ -139,7 +139,7 @@ fn every_robot_runs_in_a_containers_shared_memory_with_a_consumer_of_each_stream
             let words = String::from_utf8_lossy(&output.stderr).into_owned();
             assert!(output.status.success(), "{name}: {words}");
             assert!(words.contains("room for 1 consumer instead of 8"), "{name}: {words}");
-            assert_eq!(words.matches("/dev/shm is too small").count(), 1, "told once: {words}");
+            assert_eq!(words.matches("/dev/shm is too small").count(), 1, "reported once: {words}");
         }
     }
     std::fs::remove_dir_all(folder).unwrap();

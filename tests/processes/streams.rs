@@ -1,5 +1,5 @@
-//! What another process sees of a running simulator: names, camera infos, rates of the description, and nothing
-//! afterwards. Rates by the clock are `real_time.rs`'s.
+//! A running simulator as seen by another process: names, camera infos, rates from the description, and no files
+//! afterwards. Rates by the clock are tested in `real_time.rs`.
 
 use crate::live;
 
@@ -16,7 +16,7 @@ fn camera_info(arguments: &[&str]) -> CameraInfo {
 }
 
 #[test]
-fn the_ceiling_cameras_info_is_the_articles() {
+fn the_ceiling_cameras_info_matches_the_article() {
     for (arguments, centre) in
         [(&["--drive", "still"][..], [319.5, 239.5]), (&["--gazebo-compat"], [320.5, 240.5])]
     {
@@ -35,12 +35,12 @@ fn the_ceiling_cameras_info_is_the_articles() {
 }
 
 #[test]
-fn pictures_and_infos_say_the_lens() {
+fn pictures_and_infos_describe_the_lens() {
     const ROBOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/lenses.urdf");
     let simulator = Simulator::start(&["--robot", ROBOT, "--drive", "still"]);
     let all = [0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.009, 0.01, 0.011, 0.012, 0.013, 0.014];
     for (camera, model, parameters, p) in [
-        // As the file has it.
+        // As in the file.
         ("tilted", DistortionModel::RationalPolynomial, &all[..], [150.0, 151.0]),
         // 80 over the radius at 1.2: 1.2 + 0.05·1.2³ − 0.01·1.2⁵ + 0.002·1.2⁷ + 0.0001·1.2⁹
         ("fisheye", DistortionModel::Equidistant, &[0.05, -0.01, 0.002, 0.0001], [63.031_874; 2]),
@@ -60,7 +60,7 @@ fn pictures_and_infos_say_the_lens() {
 }
 
 #[test]
-fn truth_is_beside_the_picture_when_it_is_asked_for() {
+fn ground_truth_is_published_on_request() {
     let simulator = Simulator::start(&["--truth", "--drive", "still"]);
     let take = |channel: &str, encoding: Encoding| -> Vec<u8> {
         let frame = next_frame(&mut simulator.subscribe(&format!("/image_raw/truth/{channel}")));
@@ -80,7 +80,7 @@ fn truth_is_beside_the_picture_when_it_is_asked_for() {
         ["depth", "range", "incidence"].map(|channel| floats(channel, Encoding::F32C1));
     let (normal, flow) = (floats("normal", Encoding::F32C3), floats("flow_back", Encoding::F32C2));
     let (instance, class) = (numbers("instance"), numbers("class"));
-    // The camera looks up at the ceiling, which is parallel to its picture.
+    // The camera looks up at the ceiling, which is parallel to the picture.
     let (mut ceiling, mut wrong) = (0, 0);
     for pixel in 0..640 * 480 {
         assert_eq!(instance[pixel] < 0, depth[pixel].is_infinite());
@@ -92,10 +92,10 @@ fn truth_is_beside_the_picture_when_it_is_asked_for() {
             wrong += u32::from(off.abs() > 2e-3 || flows);
         }
     }
-    // These are of several frames, between which the robot comes to rest: edges move by some pixels.
+    // These are from several frames, between which the robot comes to rest, so edges move by some pixels.
     println!("{ceiling} pixels of the ceiling, {wrong} of them at edges that moved");
     assert!(1000 * wrong < ceiling, "{wrong} of {ceiling}");
-    // More than half of the picture: lamps, and tags in front of the ceiling, are the rest.
+    // More than half of the picture; the rest are lamps, and tags in front of the ceiling.
     assert!(2 * ceiling > 640 * 480, "{ceiling} pixels of the ceiling");
 }
 
@@ -121,7 +121,7 @@ fn the_kinect_publishes_at_the_lower_of_both_rates() {
         }
     }
     for stamps in stamps {
-        // Sensor 20 Hz, plugin 10 Hz: pictures and infos alike come every 0.1 s.
+        // The sensor has 20 Hz, the plugin 10 Hz: both pictures and infos come every 0.1 s.
         assert!(stamps.iter().all(|stamp| stamp % 100_000_000 == 0), "{stamps:?}");
     }
     assert!(
@@ -133,7 +133,7 @@ fn the_kinect_publishes_at_the_lower_of_both_rates() {
     );
 }
 
-/// Commands from another process drive the robot; 0.6 s after the last it stands.
+/// Commands from another process drive the robot; it stands 0.6 s after the last one.
 #[test]
 fn velocity_commands_drive_the_robot() {
     let simulator = Simulator::start(&["--drive", "still"]);
@@ -151,7 +151,7 @@ fn velocity_commands_drive_the_robot() {
         let frame = next_frame(&mut odometry);
         (farthest, last_sent_ns) = (x_m(&frame), frame.header().stamp_ns);
     }
-    // The command holds for 0.6 s and may have been taken 20 ms later; stopping from 0.3 m/s takes 0.3 s at 1 m/s².
+    // The command is valid for 0.6 s and may have been taken 20 ms later; stopping from 0.3 m/s takes 0.3 s at 1 m/s².
     let at_rest = std::iter::repeat_with(|| next_frame(&mut odometry))
         .find(|frame| frame.header().stamp_ns > last_sent_ns + 1_200_000_000)
         .unwrap();
@@ -173,7 +173,7 @@ fn ctrl_c_ends_it_and_leaves_nothing() {
     assert_eq!(files_of(&domain), Vec::<String>::new());
 }
 
-/// SIGKILL in the middle of a run, and a new start: the subscriber that was there goes on by itself.
+/// SIGKILL during a run, and a new start: the existing subscriber continues without doing anything.
 #[test]
 fn a_subscriber_outlives_a_killed_simulator() {
     let simulator = Simulator::start(&[]);

@@ -1,7 +1,7 @@
-//! The tag-ceiling room, looked at by detectors that nobody here wrote: the AprilTag library and zbar.
-//! What the robot sees of it is `tags.rs`'s.
+//! The tag-ceiling room, checked with independent detectors: the AprilTag library and zbar. The robot's view of it is
+//! tested in `tags.rs`.
 
-// The example's modules bring what only its main function uses.
+// Items of the example that only its main function uses.
 #![allow(dead_code)]
 
 #[path = "../../examples/make_tag_room/ceiling.rs"]
@@ -40,7 +40,7 @@ fn model<'a>(world: &'a World, name: &str) -> &'a Model {
     world.models.iter().find(|model| model.name == name).unwrap()
 }
 
-/// The committed files are what the generator makes.
+/// The committed files equal the output of the generator.
 #[test]
 fn files_are_current() {
     let codes = codes::all().unwrap();
@@ -55,14 +55,14 @@ fn files_are_current() {
     }
 }
 
-/// Every texture says what the list says, and is upright: its corners are where the list's order wants them.
+/// Every texture has the content in the list, and is upright: its corners are in the order of the list.
 #[test]
 fn textures_decode_upright() {
     for code in listed() {
         let file = models().join(format!("tag_ceiling/materials/textures/{}.png", code.name));
         let mut picture = image::open(&file).unwrap().into_luma8();
         if code.is_qr {
-            // Down to a size for which the reader is made.
+            // Reduced to a size that the reader supports.
             let edge = picture.width() / 4;
             picture = image::imageops::resize(&picture, edge, edge, image::imageops::FilterType::Triangle);
         }
@@ -80,9 +80,9 @@ fn textures_decode_upright() {
     }
 }
 
-/// The loaded world has each code once, with its texture, where the list says.
+/// The loaded world has each code once, with its texture, at the position in the list.
 #[test]
-fn plates_hang_where_the_list_says() {
+fn plates_have_the_positions_of_the_list() {
     let world = tag_ceiling();
     let ceiling = model(&world, "tag_ceiling");
     let codes = listed();
@@ -104,17 +104,17 @@ fn plates_hang_where_the_list_says() {
             let edge = (code.corners[i] - code.corners[(i + 1) % 4]).length();
             assert!((edge - code.edge_m).abs() < 5e-6, "{}: edge {i} is {edge}", code.name);
         }
-        // Seen from below the order is counter-clockwise.
+        // Seen from below, the order is counter-clockwise.
         let [a, b, c, _] = code.corners;
         assert!((b - a).cross(c - b).z < 0.0, "{} is mirrored", code.name);
     }
 }
 
-/// f of a 640 × 480 picture with a horizontal angle of view of 1.3962634 rad.
+/// The focal length of a picture of 640 × 480 with a horizontal angle of view of 1.3962634 rad.
 const FOCAL: f64 = 381.361_15;
 
-/// From anywhere in the free area nothing stands between the camera and a code that is in its picture; and nothing
-/// stands in the area.
+/// From every position in the free area, nothing is between the camera and a code in its picture, and nothing is in the
+/// area.
 #[test]
 fn furniture_hides_no_code_and_leaves_room_to_drive() {
     let world = tag_ceiling();
@@ -127,7 +127,7 @@ fn furniture_hides_no_code_and_leaves_room_to_drive() {
             let shape: Box<dyn parry3d::shape::Shape> = match collision.geometry {
                 Geometry::Box { size } => Box::new(parry3d::shape::Cuboid::new((size / 2.0).as_vec3())),
                 Geometry::Sphere { radius } => Box::new(parry3d::shape::Ball::new(radius as f32)),
-                // A box around it will do.
+                // A box around it is enough.
                 Geometry::Cylinder { radius, length } => {
                     let half = DVec3::new(radius, radius, length / 2.0).as_vec3();
                     Box::new(parry3d::shape::Cuboid::new(half))
@@ -165,7 +165,7 @@ fn furniture_hides_no_code_and_leaves_room_to_drive() {
     }
 }
 
-/// Lamps and ambient light together never saturate white, and leave the ceiling bright enough everywhere.
+/// Lamps and ambient light together never saturate white, and the ceiling is bright enough everywhere.
 #[test]
 fn the_ceiling_is_evenly_lit() {
     let world = tag_ceiling();

@@ -1,5 +1,5 @@
-//! The main job's point: detectors that nobody here wrote, in another process than the simulator, find every code
-//! on the ceiling, and the robot's place from them.
+//! The main purpose: in another process than the simulator, independent detectors find every code on the ceiling, and
+//! the robot's pose is computed from them.
 
 use crate::eyes::{Seen, april_tags, listed, qr_codes};
 use crate::live::control::step;
@@ -14,16 +14,16 @@ use std::collections::{BTreeMap, HashMap};
 use std::time::Instant;
 
 const POSES: usize = 20;
-/// The same, where truth is looked at.
+/// The same, for the test of ground truth.
 const TRUE_POSES: usize = 12;
-/// The robot goes that far from one pose to the next.
+/// The distance that the robot drives from one pose to the next.
 const APART_M: f64 = 0.5;
 const POSITION_TOLERANCE_M: f64 = 0.005;
 const ANGLE_TOLERANCE_DEG: f64 = 0.3;
-/// A corner nearer to the edge of the picture has lost part of the white that the detector finds it by.
+/// A corner nearer to the edge of the picture lacks a part of the white margin that the detector needs.
 const CLEAR_OF_EDGE_PX: f64 = 4.0;
 
-/// A robot that drives its round in steps, so that no picture is made but those that are looked at.
+/// A robot that drives its loop in steps, so that only the needed pictures are rendered.
 struct Drive {
     simulator: Simulator,
     control: SimulationControl,
@@ -39,12 +39,12 @@ impl Drive {
         Self { simulator, control, step_ns }
     }
 
-    /// Drives on for half a second.
+    /// Drives for half a second.
     fn on(&mut self) {
         step(&mut self.control, 500_000_000 / self.step_ns);
     }
 
-    /// Drives on frame by frame until there is something to be taken.
+    /// Drives frame by frame until `take` returns something.
     fn until<T>(&mut self, mut take: impl FnMut() -> Option<T>) -> T {
         let started = Instant::now();
         loop {
@@ -58,9 +58,9 @@ impl Drive {
 }
 
 #[test]
-fn every_code_is_found_and_tells_where_the_camera_is() {
+fn every_code_is_found_and_gives_the_pose_of_the_camera() {
     let codes = listed();
-    // Noise is on.
+    // With noise.
     let mut drive = Drive::start(&[]);
     let mut views = Vec::new();
     while views.len() < POSES {
@@ -95,7 +95,7 @@ fn every_code_is_found_and_tells_where_the_camera_is() {
             .filter_map(|code| Some((code, seen.get(code.says.as_str())?)))
             .flat_map(|(code, seen)| code.corners.into_iter().zip(seen.corners))
             .collect();
-        // The search begins well off, so that it is the picture that finds the pose.
+        // The search starts from a distant pose, so that the result comes from the picture.
         let nudge = Pose::from_xyz_rpy(DVec3::new(0.1, -0.1, 0.1), DVec3::new(0.05, 0.05, -0.1));
         let found = solve_pose(truth * nudge, &points, &intrinsics);
         let off_m = found.translation().distance(truth.translation());
@@ -108,7 +108,7 @@ fn every_code_is_found_and_tells_where_the_camera_is() {
     assert!(tags >= 60 && qrs >= 40, "only {tags} AprilTags and {qrs} QR codes lay in the pictures");
 }
 
-/// A picture, and what is true of it.
+/// A picture with its ground truth.
 struct Known {
     camera: Pose,
     lens: Intrinsics,
@@ -118,10 +118,10 @@ struct Known {
     instance: Vec<u32>,
 }
 
-/// The truth of each picture beside what is found in it: corners of tags as the AprilTag library and zbar see them and as
-/// the list of corners projects, boxes as they follow from the picture of instances pixel by pixel.
+/// The ground truth of each picture against detections in it: corners of tags against the AprilTag library, zbar and
+/// the projected list of corners; boxes against the picture of instances, pixel by pixel.
 #[test]
-fn truth_has_the_corners_that_detectors_find_and_the_boxes_of_the_pixels() {
+fn ground_truth_agrees_with_detectors_and_pixels() {
     let codes = listed();
     let mut drive = Drive::start(&["--truth"]);
     let streams = ["image_raw", "image_raw/truth/tags", "image_raw/truth/boxes", "image_raw/truth/instance"];
@@ -158,15 +158,17 @@ fn truth_has_the_corners_that_detectors_find_and_the_boxes_of_the_pixels() {
     for Known { camera, lens, picture, tags, boxes, instance } in &views {
         let find =
             |family: &str, id: u32| tags.iter().find(|tag| tag.family.as_str() == family && tag.id == id);
-        // What a detector finds is there, where it finds it.
+        // Each detection is in the ground truth, at the same position.
         for (family, seen) in april_tags(picture)
             .iter()
             .map(|seen| ("tag36h11", seen))
             .chain(qr_codes(picture).iter().map(|seen| ("qr", seen)))
         {
             let id = seen.says.trim_start_matches("BV-").parse().unwrap();
-            let tag = find(family, id).unwrap_or_else(|| panic!("{family} {id} is found and not true"));
-            // From the top left clockwise; the detectors' begin at the bottom left, counter-clockwise.
+            let tag = find(family, id)
+                .unwrap_or_else(|| panic!("{family} {id} is detected, but not in the ground truth"));
+            // Ground truth is clockwise from the top left; the detectors begin at the bottom left and go
+            // counter-clockwise.
             for ((found, visible), truth) in
                 [3, 2, 1, 0].map(|at| seen.corners[at]).iter().zip(tag.visible).zip(tag.corners)
             {
@@ -176,13 +178,17 @@ fn truth_has_the_corners_that_detectors_find_and_the_boxes_of_the_pixels() {
                 }
             }
         }
-        // And what is listed is there, too, exactly, with its pose.
+        // Each code in the list is in the ground truth too, exactly, with its pose.
         for code in &codes {
             let id = code.says.trim_start_matches("BV-").parse().unwrap();
             let corners = [3, 2, 1, 0].map(|at| project(code.corners[at], camera, lens));
             let inside = corners.map(|[x, y]| (-0.5..639.5).contains(&x) && (-0.5..479.5).contains(&y));
             let Some(tag) = find(if code.is_qr { "qr" } else { "tag36h11" }, id) else {
-                assert!(!inside.contains(&true), "{} is in the picture and not told of", code.name);
+                assert!(
+                    !inside.contains(&true),
+                    "{} is in the picture, but not in the ground truth",
+                    code.name
+                );
                 continue;
             };
             assert!((tag.size - code.edge_m).abs() < 1e-9);
@@ -190,15 +196,16 @@ fn truth_has_the_corners_that_detectors_find_and_the_boxes_of_the_pixels() {
             for (at, [right, up]) in
                 [[-0.5, 0.5], [0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]].into_iter().enumerate()
             {
-                let (told, expected) = (tag.corners[at], corners[at]);
-                listed_off_px = listed_off_px.max((told[0] - expected[0]).hypot(told[1] - expected[1]));
+                let (reported, expected) = (tag.corners[at], corners[at]);
+                listed_off_px =
+                    listed_off_px.max((reported[0] - expected[0]).hypot(reported[1] - expected[1]));
                 let edge = expected[0].min(639.0 - expected[0]).min(expected[1]).min(479.0 - expected[1]);
                 assert!((tag.visible[at] == 1) == inside[at] || (edge + 0.5).abs() < 0.1, "{}", code.name);
                 hidden += u32::from(tag.visible[at] == 0);
-                // Its pose puts it at the same pixel.
+                // Its pose projects to the same pixel.
                 let p = pose.transform_point(DVec3::new(right, up, 0.0) * tag.size);
                 let by_pose = [lens.fx * p.x / p.z + lens.cx, lens.fy * p.y / p.z + lens.cy];
-                let off = (told[0] - by_pose[0]).hypot(told[1] - by_pose[1]);
+                let off = (reported[0] - by_pose[0]).hypot(reported[1] - by_pose[1]);
                 assert!(off < 1e-6, "{}: its pose is {off} px off", code.name);
             }
         }
@@ -210,11 +217,11 @@ fn truth_has_the_corners_that_detectors_find_and_the_boxes_of_the_pixels() {
             (*count, *min, *max) =
                 (*count + 1, [min[0].min(x), min[1].min(y)], [max[0].max(x), max[1].max(y)]);
         }
-        let told: BTreeMap<_, _> =
+        let reported: BTreeMap<_, _> =
             boxes.iter().map(|thing| (thing.instance, (thing.pixels, thing.min, thing.max))).collect();
-        assert_eq!(told, expected);
+        assert_eq!(reported, expected);
         boxes_seen += boxes.len();
-        // The whole thing's box holds what is seen of it.
+        // The box of the whole object contains its visible part.
         for thing in boxes {
             let pose = Pose::new(DVec3::from_array(thing.position), DQuat::from_array(thing.orientation));
             let corner = |at: usize| DVec3::from_array([0, 1, 2].map(|axis| (at >> axis & 1) as f64 - 0.5));
@@ -247,12 +254,12 @@ fn truth_has_the_corners_that_detectors_find_and_the_boxes_of_the_pixels() {
     );
     println!("list: {listed_off_px:.1e} px at most; {hidden} corners out of the picture; {boxes_seen} boxes");
     assert!(off_px.len() >= 200 && mean(&off_px) < 0.2 && most(&off_px) < 1.0);
-    // zbar tells whole pixels.
+    // zbar returns whole pixels.
     assert!(qr_off_px.len() >= 100 && mean(&qr_off_px) < 1.5);
     assert!(listed_off_px < 0.01 && hidden > 0 && boxes_seen > 100);
 }
 
-/// Pose of the camera (x forward, y left, z up) that the frame itself tells.
+/// The pose of the camera (x forward, y left, z up) in the header of the frame.
 fn true_pose(frame: &Frame) -> Pose {
     let header = frame.header();
     let orientation = header.orientation.map(f64::from);
@@ -269,7 +276,7 @@ fn grey(frame: &Frame) -> GrayImage {
     })
 }
 
-/// Pixel of a point of the world.
+/// The pixel of a point of the world.
 fn project(point: DVec3, world_from_camera: &Pose, lens: &Intrinsics) -> [f64; 2] {
     let p = world_from_camera.inverse().transform_point(point);
     [lens.cx - lens.fx * p.y / p.x, lens.cy - lens.fy * p.z / p.x]
@@ -283,7 +290,7 @@ fn lie_in_picture(points: &[DVec3], margin_px: f64, world_from_camera: &Pose, le
     })
 }
 
-/// The camera's pose that brings the points nearest to where they were seen: least squares by Gauss and Newton.
+/// The camera's pose for which the points are nearest to where they were seen: least squares by Gauss–Newton.
 fn solve_pose(start: Pose, points: &[(DVec3, [f64; 2])], lens: &Intrinsics) -> Pose {
     let moved = |pose: &Pose, by: &Vector6<f64>| {
         *pose * Pose::from_xyz_rpy(DVec3::new(by[0], by[1], by[2]), DVec3::new(by[3], by[4], by[5]))

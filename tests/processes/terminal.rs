@@ -1,4 +1,4 @@
-//! The table of a run, in terminals of several sizes, while robots come and go.
+//! The table of a run in terminals of several sizes, while robots are spawned and deleted.
 
 use crate::live::terminal::Terminal;
 use crate::live::{PATIENCE, belvedere, output, own_domain};
@@ -18,7 +18,7 @@ const THREE_ROBOTS: &[&str] = &[
     "still",
 ];
 
-/// Runs it in a terminal.
+/// Runs the simulator in a terminal.
 fn run(columns: usize, rows: usize, arguments: &[&str]) -> (Terminal, String) {
     let domain = own_domain();
     let arguments = [&["run", "--domain", &domain], arguments].concat();
@@ -29,7 +29,7 @@ fn is_total(row: &str) -> bool {
     row.contains(" s simulated, real-")
 }
 
-/// Of the rows of a screen, those of the table: there is one of it, and nothing below it.
+/// Returns the rows of the table on a screen. There must be exactly one table, with nothing below it.
 #[track_caller]
 fn table(rows: &[String]) -> &[String] {
     let screen = rows.join("\n");
@@ -47,7 +47,7 @@ fn the_table_fits_into_terminals_of_all_sizes() {
     let many = [THREE_ROBOTS, &["--truth"]].concat();
     let sizes =
         [(80, 24, &[][..]), (70, 20, &[]), (80, 24, &["--truth"]), (80, 24, THREE_ROBOTS), (200, 60, &many)];
-    // Beside each other, since most of the time of each is waiting for the next table.
+    // In parallel, because each mostly waits for the next table.
     std::thread::scope(|scope| {
         for (columns, rows, arguments) in sizes {
             scope.spawn(move || assert_fits(columns, rows, arguments));
@@ -65,7 +65,7 @@ fn assert_fits(columns: usize, rows: usize, arguments: &[&str]) {
     // Several times.
     for _ in 0..3 {
         let before = terminal.rows();
-        shown = terminal.wait_until("the table stands still", |rows| *rows != before && is_shown(rows));
+        shown = terminal.wait_until("the table is not updated", |rows| *rows != before && is_shown(rows));
     }
     let a_second = (terminal.bytes() - bytes) as f64 / since.elapsed().as_secs_f64();
     println!("{columns} x {rows}, {arguments:?}: {a_second:.0} bytes a second");
@@ -112,13 +112,13 @@ fn control(domain: &str, arguments: &[&str]) {
     assert!(done.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&done.stderr));
 }
 
-/// No rate is one that no stream has.
+/// Checks that no rate is impossible for the stream.
 #[track_caller]
 fn assert_sane(table: &[String]) {
     for row in table.iter().filter(|row| row.starts_with('/')) {
         let cells: Vec<&str> = row.split_whitespace().collect();
         let hz = |cell: &str| cell.parse::<f64>().ok();
-        // Over a moment, a frame more than is asked for is a rate of some times as much.
+        // Over a short time, one additional frame gives a rate several times as high.
         if let (Some(rate), Some(asked)) = (hz(cells[1]), hz(cells[2])) {
             assert!((0.0..=10.0 * asked + 100.0).contains(&rate), "{row}");
         }
@@ -144,7 +144,7 @@ fn robots_come_and_go_in_a_terminal() {
     let (robot, recording) = (robot(folder.path()), folder.path().join("run.mcap"));
     let arguments = ["--drive", "still", "--record", recording.to_str().unwrap(), "--patience", "60"];
     let (mut terminal, domain) = run(120, 60, &arguments);
-    // The screen may be looked at while it is being drawn.
+    // The screen may be read while it is being drawn.
     let is_whole = |rows: &[String]| rows.last().is_some_and(|row| is_total(row));
     terminal.wait_until("there is no table", |rows| has_topic(rows, "/scan"));
     control(&domain, &["spawn", &robot, "--name", "carl", "--namespace", "carl", "--pose", "1,1"]);
@@ -153,7 +153,7 @@ fn robots_come_and_go_in_a_terminal() {
     });
     assert_sane(table(&shown));
     control(&domain, &["delete", "carl"]);
-    // The first of the streams go, the others take their places.
+    // The first streams are deleted, and the others take their rows.
     control(&domain, &["delete", "turtlebot"]);
     let gone =
         |rows: &[String]| is_whole(rows) && !has_topic(rows, "/carl/odom") && !has_topic(rows, "/scan");
@@ -163,7 +163,7 @@ fn robots_come_and_go_in_a_terminal() {
     terminal.wait_until("the robot's streams are not shown again", |rows| has_topic(rows, "/carl/odom"));
     for _ in 0..2 {
         let before = terminal.rows();
-        let shown = terminal.wait_until("the table stands still", |rows| *rows != before && is_whole(rows));
+        let shown = terminal.wait_until("the table is not updated", |rows| *rows != before && is_whole(rows));
         assert_sane(table(&shown));
     }
     let (status, rows) = terminal.interrupt();
@@ -186,7 +186,7 @@ fn robots_come_and_go_without_a_terminal() {
         .spawn()
         .unwrap();
     let started = Instant::now();
-    // The streams of commands are there first, before anything is published.
+    // The streams of commands exist first, before anything is published.
     while !String::from_utf8_lossy(&output(&["list", "--domain", &domain]).stdout).contains("/odom") {
         assert!(started.elapsed() < PATIENCE);
         std::thread::sleep(Duration::from_millis(50));

@@ -1,4 +1,4 @@
-//! `belvedere urdf`: what it prints is the robot that was loaded, in a form that needs no xacro and no package path.
+//! `belvedere urdf`: its output is the robot that was loaded, in a form that needs no xacro and no package path.
 
 use crate::live::belvedere;
 use belvedere::description::load::{LoadOptions, load_robot, robot_names};
@@ -13,7 +13,7 @@ use tempfile::TempDir;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 
-/// As Gazebo does: one of the articles' robots has a sensor on a link that it lacks.
+/// In Gazebo mode, because one of the articles' robots has a sensor on a missing link.
 fn load(name: &str, packages: PackagePath) -> Model {
     let options = LoadOptions {
         packages,
@@ -26,7 +26,7 @@ fn load(name: &str, packages: PackagePath) -> Model {
     robot.unwrap()
 }
 
-/// What the command prints, and what it says beside it.
+/// The standard output and the standard error of the command.
 fn urdf(arguments: &[&str]) -> (String, String) {
     let done = belvedere().arg("urdf").args(arguments).output().unwrap();
     let said = String::from_utf8(done.stderr).unwrap();
@@ -34,7 +34,7 @@ fn urdf(arguments: &[&str]) -> (String, String) {
     (String::from_utf8(done.stdout).unwrap(), said)
 }
 
-/// Everything that is known of a robot but where that was written.
+/// All data of a robot except the places in files.
 fn content(robot: &Model) -> String {
     let mut text = format!("{robot:?}");
     while let Some(start) = text.find("source: Source {") {
@@ -44,8 +44,8 @@ fn content(robot: &Model) -> String {
     text
 }
 
-/// The robot of a printed text, which stands in a folder where nothing else is. Without the frames that pictures are in,
-/// which are `optical_frames.rs`'s.
+/// Reads a printed text from a folder without other files. Optical frames, which are tested in `optical_frames.rs`, are
+/// removed.
 fn read_again(printed: &str) -> Model {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("printed.urdf");
@@ -65,7 +65,7 @@ fn assert_plain(element: &Element) {
 }
 
 #[test]
-fn every_robot_of_ours_read_again_is_the_same() {
+fn all_our_robots_survive_a_round_trip() {
     let names = robot_names(&package_path([], None));
     assert!(names.len() >= 8, "{names:?}");
     for name in &names {
@@ -79,7 +79,7 @@ fn every_robot_of_ours_read_again_is_the_same() {
 }
 
 #[test]
-fn the_articles_robots_read_again_are_the_same() {
+fn the_articles_robots_survive_a_round_trip() {
     let shared = PathBuf::from(concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/seed-robot"));
     for (folder, name) in
         [("ceiling-camera", "kobuki_nostack_camera"), ("kinect-hokuyo", "kobuki_hexagons_KinectHokuyo")]
@@ -95,17 +95,17 @@ fn the_articles_robots_read_again_are_the_same() {
 }
 
 #[test]
-fn the_environment_chooses_as_for_run() {
+fn the_environment_has_the_same_effect_as_for_run() {
     let mut command = belvedere();
     command.arg("urdf").env("TURTLEBOT_STACKS", "hexagons").env("TURTLEBOT_3D_SENSOR", "kinect");
     let printed = String::from_utf8(command.output().unwrap().stdout).unwrap();
     assert_eq!(printed, urdf(&["kobuki_hexagons_kinect"]).0);
 }
 
-/// Files of a user's own packages, of a package that only --package-path or `ROS_PACKAGE_PATH` name, of names with
-/// spaces, beside the robot's own file.
+/// Files from a user's own packages, from a package that only --package-path or `ROS_PACKAGE_PATH` contains, with names
+/// with spaces, and beside the robot's own file.
 #[test]
-fn files_are_named_so_that_anybody_finds_them() {
+fn files_are_named_by_absolute_paths() {
     let workspace = TempDir::new().unwrap();
     let arm = workspace.path().join("my packages/arm_description");
     fs::create_dir_all(arm.join("urdf")).unwrap();
@@ -150,7 +150,8 @@ fn files_are_named_so_that_anybody_finds_them() {
     assert_eq!(String::from_utf8(through_ros.stdout).unwrap(), printed);
 }
 
-/// What urdfdom would refuse: a robot without a name, materials defined twice, late, by Gazebo alone, or not at all.
+/// Input that urdfdom would refuse: a robot without a name, materials defined twice, late, only by Gazebo, or not at
+/// all.
 #[test]
 fn materials_are_defined_once_and_before_they_are_used() {
     let folder = TempDir::new().unwrap();
@@ -192,7 +193,7 @@ fn materials_are_defined_once_and_before_they_are_used() {
 }
 
 #[test]
-fn a_file_that_is_not_there_keeps_its_name_and_is_told_of() {
+fn a_missing_file_keeps_its_name_and_is_reported() {
     let folder = TempDir::new().unwrap();
     let file = folder.path().join("r.urdf");
     let robot = "<robot name='r'><link name='l'><visual><geometry>\n<mesh filename='package://gone/m.stl'/></geometry></visual></link></robot>";
@@ -203,7 +204,7 @@ fn a_file_that_is_not_there_keeps_its_name_and_is_told_of() {
 }
 
 #[test]
-fn what_is_no_robot_is_refused() {
+fn files_that_are_not_robots_are_refused() {
     let folder = TempDir::new().unwrap();
     for (name, text, says) in [
         ("w.urdf", "<sdf><world/></sdf>", "the outermost element is <sdf>"),

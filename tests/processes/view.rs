@@ -1,4 +1,4 @@
-//! The page's server as another program sees it: who is let in, what comes, and that nobody is slowed.
+//! The page's server as seen by another program: access, streams, and no slowdown of other consumers.
 #![cfg(feature = "view")]
 
 use crate::live;
@@ -20,7 +20,7 @@ const STATES: &str = "simulation/link_states";
 const KINECT: [&str; 6] = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"];
 
 #[test]
-fn only_who_knows_the_token_is_let_in_and_no_path_leaves_the_page() {
+fn access_needs_the_token_and_paths_stay_within_the_page() {
     let server = Server::run(&own_domain(), &KINECT);
     let (host, token) = (&server.host, &server.token);
     let page = server.get(&format!("/?token={token}"));
@@ -59,24 +59,24 @@ fn only_who_knows_the_token_is_let_in_and_no_path_leaves_the_page() {
         let answer = upgrade(host, origin, token);
         assert!(answer.starts_with("HTTP/1.1 403 ") && answer.contains(reason), "{host} {origin}: {answer}");
     }
-    // By a tunnel, as of ssh -L 9000:127.0.0.1:8765.
+    // Through a tunnel, such as ssh -L 9000:127.0.0.1:8765.
     let tunnelled = server.ask(&format!("GET /?token={token} HTTP/1.1\r\nHost: localhost:9000\r\n\r\n"));
     assert!(tunnelled.starts_with("HTTP/1.1 200 "), "{tunnelled}");
     let long = format!("GET /?token={token} HTTP/1.1\r\nHost: {host}\r\nX: {}\r\n\r\n", "x".repeat(1 << 20));
     let mut stream = TcpStream::connect(host).unwrap();
-    // It is closed before all is read.
+    // The connection is closed before the whole request is read.
     let _ = stream.write_all(long.as_bytes());
     assert!(server.ask("no request at all\r\n\r\n").starts_with("HTTP/1.1 400 "));
     assert!(server.ask(&format!("POST / HTTP/1.1\r\nHost: {host}\r\n\r\n")).starts_with("HTTP/1.1 405 "));
-    // It lives.
+    // The server is still running.
     server.page().next("clock");
 }
 
 #[test]
-fn pictures_come_time_stands_and_the_robot_is_driven() {
+fn the_page_receives_pictures_pauses_and_drives() {
     let server = Server::run(&own_domain(), &KINECT);
     let mut page = server.page();
-    let streams = page.told("streams");
+    let streams = page.next_json("streams");
     let of = |kind: &str| {
         let streams = streams["streams"].as_array().unwrap().iter();
         streams
@@ -95,7 +95,7 @@ fn pictures_come_time_stands_and_the_robot_is_driven() {
     let stood = page.next(STATES);
     assert_eq!(page.next(STATES).stamp(), stood.stamp());
     assert_eq!(page.control("step")["done"], true);
-    // Ten steps of physics, then it stands again.
+    // Ten steps of physics, then it is paused again.
     let mut stepped = page.next(STATES).stamp();
     loop {
         let next = page.next(STATES).stamp();
@@ -110,7 +110,7 @@ fn pictures_come_time_stands_and_the_robot_is_driven() {
 
 /// Whatever a page has done, the simulator that serves it leaves no file behind.
 #[test]
-fn ctrl_c_leaves_nothing_of_a_run_that_a_page_commanded() {
+fn ctrl_c_leaves_nothing_of_a_run_controlled_by_a_page() {
     for round in 0..5 {
         let domain = own_domain();
         let mut server = Server::run(&domain, &["--drive", "still", "--world", "empty"]);
@@ -125,21 +125,21 @@ fn ctrl_c_leaves_nothing_of_a_run_that_a_page_commanded() {
 }
 
 #[test]
-fn what_a_page_may_not_do_is_refused_in_words() {
+fn forbidden_requests_of_a_page_are_refused_with_a_reason() {
     let server = Server::run(&own_domain(), &KINECT);
     let mut page = server.page();
     for (message, reason) in [
         (json!({ "op": "control", "operation": "spawn" }), "may not"),
-        (json!({ "op": "drive", "topic": "scan" }), "no robot takes velocities on /scan"),
+        (json!({ "op": "drive", "topic": "scan" }), "no robot accepts velocities on /scan"),
         (json!({ "op": "next", "topic": "" }), "topic"),
         (json!({ "op": "dance" }), "dance"),
         (json!([]), "not understood"),
     ] {
         page.say(&message);
-        let text = page.told("status")["text"].to_string();
+        let text = page.next_json("status")["text"].to_string();
         assert!(text.contains(reason), "{message}: {text}");
     }
-    // Too long: it is let go, perhaps before all is sent.
+    // A message that is too long closes the connection, perhaps before all of it is sent.
     let long = json!({ "op": "x".repeat(1 << 20) });
     let _ = page.socket.send(Message::text(long.to_string()));
     while page.socket.read().is_ok() {}
@@ -147,7 +147,7 @@ fn what_a_page_may_not_do_is_refused_in_words() {
 }
 
 #[test]
-fn the_robot_goes_where_the_keys_send_it() {
+fn the_robot_is_driven_by_keys() {
     let server = Server::run(&own_domain(), &KINECT);
     let mut page = server.page();
     let link = format!("{ROBOT}::");
@@ -164,7 +164,7 @@ fn the_robot_goes_where_the_keys_send_it() {
 }
 
 #[test]
-fn a_slow_page_slows_nobody_and_what_nobody_shows_is_not_rendered() {
+fn a_slow_page_slows_no_other_and_hidden_streams_are_not_rendered() {
     let domain = own_domain();
     let server = Server::run(&domain, &KINECT);
     let mut slow = server.page();
@@ -172,18 +172,18 @@ fn a_slow_page_slows_nobody_and_what_nobody_shows_is_not_rendered() {
     let first = quick.next(PICTURE);
     let seq = |shown: &Shown| shown.header["seq"].as_u64().unwrap();
     let mut last = seq(&first);
-    // The other one asks and takes nothing, until no more fits between.
+    // The other page requests frames and takes nothing, until the buffers in between are full.
     for _ in 0..60 {
         slow.say(&json!({ "op": "next", "topic": PICTURE }));
         let next = quick.next(PICTURE);
         assert!(seq(&next) > last);
         last = seq(&next);
     }
-    // When it takes what was sent, it is told of now.
+    // Once it has taken the frames that were sent, it receives current ones.
     slow.next(STATES);
-    // Of depths none was made yet: the first frame is the first.
+    // No depth has been rendered yet: the first frame has number 0.
     assert_eq!(seq(&quick.next(DEPTH)), 0);
-    // A page that goes, or asks no more, has nothing rendered for it.
+    // Nothing is rendered for a page that has left or requests nothing more.
     drop(slow);
     quick.say(&json!({ "op": "stop", "topic": PICTURE }));
     quick.say(&json!({ "op": "stop", "topic": DEPTH }));
@@ -195,7 +195,7 @@ fn a_slow_page_slows_nobody_and_what_nobody_shows_is_not_rendered() {
 }
 
 #[test]
-fn a_page_goes_on_when_the_simulator_is_started_again() {
+fn a_page_continues_when_the_simulator_is_restarted() {
     let domain = own_domain();
     let server = Server::view(&domain);
     let mut page = server.page();
@@ -213,7 +213,7 @@ fn a_page_goes_on_when_the_simulator_is_started_again() {
 }
 
 #[test]
-fn a_page_may_come_again_to_a_server_with_the_same_token() {
+fn a_page_can_reconnect_to_a_server_with_the_same_token() {
     let domain = own_domain();
     let arguments = [&KINECT[..], &["--token", "a-token-of-ours"]].concat();
     let server = Server::run(&domain, &arguments);
@@ -225,31 +225,32 @@ fn a_page_may_come_again_to_a_server_with_the_same_token() {
     again.page().next(PICTURE);
 }
 
-/// What is spawned has its shape on the page, and what is deleted has none any more.
+/// Spawned models appear on the page, and deleted ones disappear.
 #[test]
 fn models_that_come_and_go_are_shown() {
     let domain = own_domain();
     let server = Server::run(&domain, &KINECT);
     let mut page = server.page();
-    let first = page.told("scene")["edition"].as_u64().unwrap();
+    let first = page.next_json("scene")["edition"].as_u64().unwrap();
     let node = Node::open(&Domain::new(&domain).unwrap(), "control").unwrap();
     let mut control = SimulationControl::open(&node).unwrap();
     let shows = || server.get(&format!("/scene.glb?token={}", server.token)).contains("\"crate::body\"");
     assert!(!shows());
     done_with(&mut control, &named(Operation::Spawn, "crate"), BOX);
-    assert_eq!(page.told("scene")["edition"], first + 1);
+    assert_eq!(page.next_json("scene")["edition"], first + 1);
     assert!(shows());
     done_with(&mut control, &named(Operation::Delete, "crate"), "");
-    assert_eq!(page.told("scene")["edition"], first + 2);
+    assert_eq!(page.next_json("scene")["edition"], first + 2);
     assert!(!shows());
 }
 
-/// A page may fetch its frames, as browsers take them faster so; without it, and after it, they come by its WebSocket.
+/// A page can fetch its frames by HTTP, which is faster for browsers; without that, and after it, they are sent by its
+/// WebSocket.
 #[test]
-fn frames_are_fetched_by_the_page_that_they_are_for() {
+fn a_page_can_fetch_its_own_frames() {
     let server = Server::run(&own_domain(), &KINECT);
     let mut page = server.page();
-    let name = page.told("page")["name"].as_str().unwrap().to_owned();
+    let name = page.next_json("page")["name"].as_str().unwrap().to_owned();
     assert_eq!(page.next(PICTURE).payload.len(), 640 * 480 * 3);
     let target = format!("/frames?token={}&page={name}", server.token);
     assert!(server.get(&format!("/frames?page={name}")).starts_with("HTTP/1.1 403 "));
@@ -271,7 +272,7 @@ fn frames_are_fetched_by_the_page_that_they_are_for() {
         assert_eq!(shown.header["topic"], topic);
         shown
     };
-    // The thread of the page has it within a moment; what it has sent before has come.
+    // The page's thread switches within a moment; everything sent before has arrived.
     std::thread::sleep(Duration::from_millis(300));
     let mut stamps = Vec::new();
     for topic in [PICTURE, DEPTH, STATES, PICTURE, DEPTH, PICTURE] {
@@ -285,7 +286,7 @@ fn frames_are_fetched_by_the_page_that_they_are_for() {
     assert!(stamps.is_sorted_by(|one, other| one < other), "{stamps:?}");
     drop(stream);
     let deadline = Instant::now() + PATIENCE;
-    // What is lost with it is asked for again.
+    // Frames that are lost with the connection are requested again.
     page.socket.get_ref().set_read_timeout(Some(Duration::from_millis(500))).unwrap();
     while page.try_next(PICTURE).is_none() {
         assert!(Instant::now() < deadline, "no frame by the WebSocket");
@@ -293,7 +294,7 @@ fn frames_are_fetched_by_the_page_that_they_are_for() {
 }
 
 #[test]
-fn what_cannot_be_served_is_said_in_a_sentence() {
+fn errors_of_the_server_are_one_sentence() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let port = taken.local_addr().unwrap().port().to_string();
     let fails = |arguments: &[&str], words: &[&str]| {
@@ -315,7 +316,7 @@ fn what_cannot_be_served_is_said_in_a_sentence() {
 #[test]
 fn a_camera_is_seen_in_a_terminal() {
     let simulator = live::Simulator::start(&KINECT);
-    // It may not be there yet.
+    // The stream may not exist yet.
     simulator.subscribe(PICTURE).wait(PATIENCE).unwrap();
     let show = |arguments: &[&str]| {
         let mut command = belvedere();
@@ -326,7 +327,7 @@ fn a_camera_is_seen_in_a_terminal() {
         let output = show(arguments);
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
         let text = String::from_utf8(output.stdout).unwrap();
-        // 640 to 480 in 80 columns and 22 rows of two.
+        // 640 to 480 in 80 columns and 22 rows of two pixels.
         let lines: Vec<&str> = text.lines().filter(|line| line.contains('▀')).collect();
         assert_eq!(lines.len(), 22, "{text}");
         assert!(lines.iter().all(|line| line.matches('▀').count() == 59), "{text}");

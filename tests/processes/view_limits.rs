@@ -1,4 +1,4 @@
-//! What the page's server does when there are too many clients, no browser, or files to be given away.
+//! The page's server with too many clients, without a browser, and its access to files.
 #![cfg(feature = "view")]
 
 use crate::live::{PATIENCE, belvedere, own_domain};
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 use tungstenite::protocol::Role;
 use tungstenite::{Message, WebSocket};
 
-/// What a WebSocket is asked for with.
+/// The header of a request for a WebSocket.
 fn upgrade(server: &Server) -> String {
     format!(
         "GET /?token={} HTTP/1.1\r\nHost: {}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n\
@@ -24,7 +24,7 @@ fn upgrade(server: &Server) -> String {
 }
 
 #[test]
-fn clients_and_connections_are_limited_and_places_come_free() {
+fn connections_are_limited_and_freed() {
     let server = Server::run(&own_domain(), &["--drive", "still"]);
     let mut pages: Vec<_> = (0..6).map(|_| server.page()).collect();
     let answer = server.ask(&upgrade(&server));
@@ -32,7 +32,7 @@ fn clients_and_connections_are_limited_and_places_come_free() {
         answer.starts_with("HTTP/1.1 503 ") && answer.contains("6 clients are connected already"),
         "{answer}"
     );
-    // Those who look already see what they saw before.
+    // Existing clients still receive their streams.
     for page in &mut pages {
         page.next("clock");
     }
@@ -44,10 +44,10 @@ fn clients_and_connections_are_limited_and_places_come_free() {
     }
 }
 
-/// Any user of the machine can connect, and has no token: the oldest of these connections give way, and who has the token is
-/// let in.
+/// Any user of the machine can connect without a token: the oldest of these connections are closed, and clients with
+/// the token are accepted.
 #[test]
-fn who_has_no_token_locks_nobody_out() {
+fn connections_without_a_token_do_not_block_others() {
     let server = Server::run(&own_domain(), &["--drive", "still"]);
     let mut halves: Vec<_> = (0..40)
         .map(|_| {
@@ -62,23 +62,23 @@ fn who_has_no_token_locks_nobody_out() {
         assert!(page.starts_with("HTTP/1.1 200 "), "{page}");
     }
     server.page().next("clock");
-    // The first of them was closed without a word.
+    // The first of them was closed without an answer.
     let mut answer = Vec::new();
     let _ = halves[0].read_to_end(&mut answer);
     assert_eq!(answer, b"");
-    // The last one has some seconds for the rest.
+    // The last one has some seconds for the rest of its request.
     halves.pop().unwrap().read_to_end(&mut answer).unwrap();
     assert!(answer.starts_with(b"HTTP/1.1 408 "), "{}", String::from_utf8_lossy(&answer));
 }
 
-/// The most memory that a process has had, KiB.
+/// The peak memory of a process in KiB.
 fn peak_kib(process: u32) -> u64 {
     let status = fs::read_to_string(format!("/proc/{process}/status")).unwrap();
     let line = status.lines().find(|line| line.starts_with("VmHWM:")).unwrap();
     line.split_whitespace().nth(1).unwrap().parse().unwrap()
 }
 
-/// A binary STL file of so many triangles, 50 bytes each.
+/// Writes a binary STL file with this many triangles of 50 bytes each.
 fn write_stl(path: &Path, triangles: u32) {
     let mut bytes = vec![0; 80];
     bytes.extend_from_slice(&triangles.to_le_bytes());
@@ -91,9 +91,9 @@ fn write_stl(path: &Path, triangles: u32) {
     fs::write(path, bytes).unwrap();
 }
 
-/// Who asks and does not take the answers waits, and costs the simulator no memory.
+/// A client that does not take its answers waits, and costs the simulator no memory.
 #[test]
-fn answers_that_are_not_taken_do_not_pile_up() {
+fn unread_answers_do_not_accumulate() {
     let folder = tempfile::tempdir().unwrap();
     write_stl(&folder.path().join("part.stl"), 40_000);
     let robot = folder.path().join("robot.urdf");
@@ -114,12 +114,12 @@ fn answers_that_are_not_taken_do_not_pile_up() {
     );
     let mut client = server.connect("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n");
     client.say(&json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
-    let parameters = client.told("parameterValues");
+    let parameters = client.next_json("parameterValues");
     let urdf = parameters["parameters"][0]["value"].as_str().unwrap();
     let mesh = urdf.split('"').find(|word| word.starts_with("package://")).unwrap();
     let parameters = json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "b" });
     let asset = json!({ "op": "fetchAsset", "uri": mesh, "requestId": 1 });
-    // Some 80 MB each.
+    // About 80 MB each.
     for (question, times, least) in [(parameters, 4000, 20_000), (asset, 40, 2_000_000)] {
         client.say(&question);
         assert!(next_of(&mut client, least) < 8_000_000);
@@ -131,7 +131,7 @@ fn answers_that_are_not_taken_do_not_pile_up() {
                 sending.send(Message::text(question.to_string())).unwrap();
             }
         });
-        // Time for them to pile up in.
+        // Time in which they could accumulate.
         std::thread::sleep(Duration::from_secs(1));
         for _ in 0..times {
             next_of(&mut client, least);
@@ -142,7 +142,7 @@ fn answers_that_are_not_taken_do_not_pile_up() {
     }
 }
 
-/// The length of the next message that has as many bytes.
+/// The length of the next message with at least this many bytes.
 fn next_of(client: &mut Page, least: usize) -> usize {
     loop {
         let len = client.socket.read().unwrap().len();
@@ -152,11 +152,11 @@ fn next_of(client: &mut Page, least: usize) -> usize {
     }
 }
 
-/// Whether one more WebSocket is served.
+/// Returns true if one more WebSocket is accepted.
 fn is_let_in(server: &Server) -> bool {
     let mut stream = TcpStream::connect(&server.host).unwrap();
     stream.set_read_timeout(Some(PATIENCE)).unwrap();
-    // One that is refused may be closed before it has said all.
+    // A refused connection may be closed before the answer is complete.
     let mut begin = [0; 12];
     let said = stream.write_all(upgrade(server).as_bytes()).and_then(|()| stream.read_exact(&mut begin));
     said.is_ok() && begin == *b"HTTP/1.1 101"
@@ -165,7 +165,7 @@ fn is_let_in(server: &Server) -> bool {
 #[test]
 fn without_a_browser_the_address_is_printed_and_served() {
     let folder = tempfile::tempdir().unwrap();
-    // No xdg-open at all, and one that finds no browser.
+    // Without xdg-open, and with one that finds no browser.
     let nowhere = folder.path().join("nowhere");
     let failing = folder.path().join("failing");
     fs::create_dir(&failing).unwrap();
@@ -184,8 +184,8 @@ fn without_a_browser_the_address_is_printed_and_served() {
     }
 }
 
-/// Other users of the machine can read the arguments of programs: a browser is given an address without the token, which opens
-/// the page once.
+/// Other users of the machine can read the arguments of programs. A browser is therefore given an address without the
+/// token, which opens the page once.
 #[test]
 fn the_browser_is_not_given_the_token_among_its_arguments() {
     let folder = tempfile::tempdir().unwrap();
@@ -213,11 +213,11 @@ fn the_browser_is_not_given_the_token_among_its_arguments() {
     let elsewhere = format!("Location: /?token={}\r\n", server.token);
     assert!(first.starts_with("HTTP/1.1 303 ") && first.contains(&elsewhere), "{first}");
     let second = server.get(target);
-    assert!(second.starts_with("HTTP/1.1 403 ") && second.contains("one time"), "{second}");
+    assert!(second.starts_with("HTTP/1.1 403 ") && second.contains("only once"), "{second}");
 }
 
 #[test]
-fn a_token_may_be_in_a_file_that_others_cannot_read() {
+fn a_token_can_be_read_from_a_private_file() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("token");
     fs::write(&file, "a-token-of-ours\n").unwrap();
@@ -242,8 +242,8 @@ fn a_token_may_be_in_a_file_that_others_cannot_read() {
     fails(&file, "8 or more");
 }
 
-/// A mesh of one triangle whose file names pictures: beside it, in `materials/textures` as of another machine, one that is
-/// not there, and outside of the list of pictures.
+/// A mesh of one triangle whose file names pictures: beside it, in `materials/textures` with a path of another machine,
+/// one that is missing, and outside the list of pictures.
 fn write_collada(folder: &Path) -> PathBuf {
     fs::create_dir_all(folder.join("materials/textures")).unwrap();
     fs::write(folder.join("a picture.png"), "of a part").unwrap();
@@ -267,9 +267,9 @@ fn write_collada(folder: &Path) -> PathBuf {
     path
 }
 
-/// Clients of Foxglove's protocol are given the meshes that a robot names, by names of ours, and no other file.
+/// Clients of Foxglove's protocol can fetch the meshes that a robot names, by generated names, and no other file.
 #[test]
-fn meshes_are_given_to_who_cannot_read_them_and_nothing_else_is() {
+fn clients_can_fetch_meshes_and_no_other_file() {
     let folder = tempfile::tempdir().unwrap();
     let mesh = folder.path().join("a part.stl");
     let stl = "solid part\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 0.1 0 0\nvertex 0 0.1 0\nendloop\n\
@@ -293,10 +293,10 @@ fn meshes_are_given_to_who_cannot_read_them_and_nothing_else_is() {
         &["--robot", robot.to_str().unwrap(), "--world", "empty", "--drive", "still"],
     );
     let mut client = server.connect("Sec-WebSocket-Protocol: foxglove.sdk.v1\r\n");
-    let info = client.told("serverInfo");
+    let info = client.next_json("serverInfo");
     assert!(info["capabilities"].as_array().unwrap().contains(&json!("assets")), "{info}");
     client.say(&json!({ "op": "getParameters", "parameterNames": ["/robot_description"], "id": "a" }));
-    let values = client.told("parameterValues");
+    let values = client.next_json("parameterValues");
     let urdf = values["parameters"][0]["value"].as_str().unwrap().to_owned();
     assert!(!urdf.contains("file://") && !urdf.contains(folder.path().to_str().unwrap()), "{urdf}");
     let name = urdf.split('"').find(|word| word.starts_with("package://")).unwrap().to_owned();
@@ -325,7 +325,8 @@ fn meshes_are_given_to_who_cannot_read_them_and_nothing_else_is() {
             "{wrong}: {error}"
         );
     }
-    // Pictures that a Collada file names have names below its own in what is sent of it, and no other file is given.
+    // The pictures of a Collada file have names below its own in the version that is sent, and no other file can be
+    // fetched.
     let collada = fetch(&name.replace("/0/a_part.stl", "/1/b.dae"), 10);
     assert_eq!((collada.0, &*collada.1), (0, ""));
     let collada = String::from_utf8(collada.2).unwrap();
@@ -338,7 +339,7 @@ fn meshes_are_given_to_who_cannot_read_them_and_nothing_else_is() {
     assert_eq!(fetch(&beside(own), 11).2, b"of a part");
     assert_eq!(fetch(&beside(other), 12).2, b"of wood");
     assert_eq!(fetch(&beside(missing), 13).0, 1);
-    // What is there no more is said, without its place on this machine.
+    // A missing file is reported without its path on this machine.
     fs::remove_file(&mesh).unwrap();
     let (status, error, _) = fetch(&name, 9);
     assert!(status == 1 && error.contains("cannot be read") && !error.contains("tmp"), "{error}");

@@ -1,4 +1,4 @@
-"""A bag that was made of a recording has all its messages: bag.py run.bag run.mcap."""
+"""Checks that a bag converted from a recording has all its messages: bag.py run.bag run.mcap."""
 
 import sys
 

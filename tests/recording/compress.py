@@ -1,4 +1,4 @@
-"""Writes a recording again with chunks compressed by Zstandard, by the official writer: python compress.py FROM TO."""
+"""Rewrites a recording with the official writer, with chunks compressed by Zstandard: python compress.py FROM TO."""
 
 import sys
 
@@ -36,4 +36,4 @@ with open(source, "rb") as read, open(target, "wb") as written:
         )
         count += 1
     writer.finish()
-print(f"{count} messages written again by the official writer, with zstd")
+print(f"{count} messages rewritten by the official writer, with zstd")

@@ -1,4 +1,4 @@
-"""Reads recordings as others do: every message decodes, bears the sum of its type in Noetic, and agrees with its frame."""
+"""Reads recordings with independent readers: every message decodes, has its type's MD5 sum, and agrees with its frame."""
 
 import math
 import struct
@@ -8,7 +8,7 @@ from mcap.reader import make_reader
 from mcap_ros1._vendor.genpy.dynamic import generate_dynamic
 from mcap_ros1.decoder import DecoderFactory
 
-# What rosmsg md5 prints in Noetic.
+# The output of rosmsg md5 in Noetic.
 SUMS = {
     "sensor_msgs/Image": "060021388200f6f0f447d0fcd9c64743",
     "sensor_msgs/CameraInfo": "c9a58c1b0b154e0e6da7578cb991d214",
@@ -33,7 +33,7 @@ SUMS = {
 
 
 def check_file(path: str) -> set[str]:
-    """Reads one file; gives the types that it has messages of."""
+    """Reads one file; returns the types of its messages."""
     seen: dict[str, int] = {}
     frames = 0
     last = {}
@@ -73,7 +73,7 @@ def check_file(path: str) -> set[str]:
 
 
 def check_instrument(name: str | None, message, payload: bytes) -> None:
-    """A message of an instrument says what the frame behind it says; offsets are those of WIRE.md."""
+    """Compares a message of an instrument with the frame that follows it; offsets are those of WIRE.md."""
 
     def numbers(offset: int, count: int) -> tuple[float, ...]:
         return struct.unpack_from(f"<{count}d", payload, offset)
@@ -98,7 +98,7 @@ def check_instrument(name: str | None, message, payload: bytes) -> None:
 
 
 def check_message(name: str, message) -> None:
-    """What must hold of any message of a type."""
+    """Checks the rules for any message of a type."""
     if name == "sensor_msgs/Image":
         assert len(message.data) == message.step * message.height and message.width > 0
         assert any(message.data)

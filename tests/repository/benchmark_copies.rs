@@ -1,4 +1,4 @@
-//! The gate of the benchmarks measures with fresh copies of its program, and puts together what they say.
+//! The benchmark gate measures with fresh copies of its program, and combines their results.
 
 #[allow(unreachable_pub, reason = "part of another target")]
 #[path = "../../benches/gate/copies.rs"]
@@ -11,7 +11,7 @@ use figures::{Figures, Pooled, Unit, gains, median, pool};
 use std::fs;
 use std::path::Path;
 
-/// A folder with a copy of a program of the system.
+/// A folder with a copy of a system program.
 fn folder_with(program: &str) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::copy(program, folder.path().join("program")).unwrap();
@@ -23,7 +23,7 @@ fn names_in(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn each_copy_is_a_file_of_its_own_and_nothing_is_left_of_it() {
+fn each_copy_is_a_separate_file_and_is_removed() {
     let folder = folder_with("/bin/readlink");
     let program = folder.path().join("program");
     let run = || copies::run(&program, &["/proc/self/exe"]).unwrap();
@@ -37,7 +37,7 @@ fn each_copy_is_a_file_of_its_own_and_nothing_is_left_of_it() {
 }
 
 #[test]
-fn a_copy_that_fails_is_an_error_and_leaves_nothing_either() {
+fn a_failing_copy_is_an_error_and_is_removed() {
     let folder = folder_with("/bin/false");
     let message = copies::run(&folder.path().join("program"), &[""; 0]).unwrap_err();
     assert!(message.contains("exit status: 1"), "{message}");
@@ -54,8 +54,8 @@ fn figures(group: &str, name: &str, peer: &str, ratio: f64) -> Figures {
 }
 
 #[test]
-fn the_median_of_the_copies_counts() {
-    // One copy lies badly, and one measured nothing of the second entry.
+fn the_median_of_the_copies_is_used() {
+    // One copy is slow because of its position in memory, and one did not measure the second entry.
     let copy = |first: f64, second: Option<f64>| {
         let second = second.map(|ratio| figures("S1", "R2", "parry3d", ratio));
         [Some(figures("S1", "R1", "parry3d", first)), second].into_iter().flatten().collect::<Vec<_>>()
@@ -77,7 +77,7 @@ fn medians_are_the_middle_one_or_the_mean_of_the_middle_two() {
 }
 
 #[test]
-fn a_level_gains_the_geometric_mean_of_what_stands_beside_parry3d() {
+fn the_gain_of_a_level_is_the_geometric_mean_of_entries_with_parry3d() {
     let level = |[a, b, own, frame]: [f64; 4]| {
         pool(&[vec![
             figures("S1", "R1", "parry3d", a),
@@ -91,11 +91,11 @@ fn a_level_gains_the_geometric_mean_of_what_stands_beside_parry3d() {
     let found = gains(&wide, &narrow, &whole);
     let names: Vec<_> = found.iter().map(|(group, _)| group.as_str()).collect();
     assert_eq!(names, ["S1", "frames"]);
-    // √(2 · 4), and what stands beside itself does not count.
+    // √(2 · 4); entries that are compared with themselves do not count.
     for ((_, gain), expected) in found.iter().zip([8_f64.sqrt(), 1.5]) {
         assert!((gain - expected).abs() < 1e-12, "{gain} is not {expected}");
     }
-    // A part of a group gains something else than the whole.
+    // A part of a group has another gain than the whole.
     let found = gains(&wide[1..], &narrow, &whole);
     assert!(matches!(&found[..], [(group, _)] if group == "frames"), "{found:?}");
 }

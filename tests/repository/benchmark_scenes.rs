@@ -1,4 +1,4 @@
-//! The scenes of the benchmarks are what they say, number for number.
+//! The scenes of the benchmarks are exactly as recorded.
 //!
 //! With `RAYCAST_DATA=DIR` they are also compared with the files of a benchmark of several ray casters (`.scn`:
 //! `SCN1`, counts of vertices and triangles, both as arrays; `.ray`: `RAY1`, count, width, height, whether the
@@ -12,8 +12,8 @@ mod scenes;
 use scenes::{RAYS, RaySet, SCENES, Scene};
 use std::path::Path;
 
-/// Counts and sums over all coordinates, vector i weighted by 1 + i mod 7, as worked out by an independent program
-/// in another language.
+/// Counts, and sums over all coordinates with vector i weighted by 1 + i mod 7, computed by an independent program in
+/// another language.
 struct Expected {
     name: &'static str,
     vertices: usize,
@@ -21,7 +21,7 @@ struct Expected {
     vertex_sum: [f64; 3],
     /// Σ i·index over the indices of all triangles in their order, wrapping.
     index_sum: u64,
-    /// Of the directions of R1, R3 and R5.
+    /// The sums of the directions of R1, R3 and R5.
     direction_sums: [[f64; 3]; 3],
     random_origin_sum: [f64; 3],
 }
@@ -109,7 +109,7 @@ fn sum(vectors: &[[f32; 3]]) -> [f64; 3] {
         .fold([0.0; 3], |sum, (v, i)| [0, 1, 2].map(|axis| sum[axis] + f64::from(1 + i) * f64::from(v[axis])))
 }
 
-/// A single vector may be off by the last bit of a sine.
+/// A single vector may differ by the last bit of a sine.
 fn near(sum: [f64; 3], expected: [f64; 3], count: usize, what: &str) {
     for axis in 0..3 {
         let off = (sum[axis] - expected[axis]).abs();
@@ -118,9 +118,9 @@ fn near(sum: [f64; 3], expected: [f64; 3], count: usize, what: &str) {
 }
 
 #[test]
-fn scenes_are_those_of_the_files() {
+fn scenes_equal_the_files() {
     let Ok(directory) = std::env::var("RAYCAST_DATA") else {
-        return; // Nothing to compare with: `scenes_are_as_recorded` has the sums of the same files.
+        return; // There are no files to compare with. `scenes_are_as_recorded` has the sums of the same files.
     };
     for name in SCENES {
         let scene = Scene::new(name);

@@ -1,4 +1,4 @@
-//! The gate of the benchmarks opens and shuts where it says.
+//! The verdicts of the benchmark gate.
 
 #[allow(dead_code, unreachable_pub, reason = "parts of another target")]
 #[path = "../../benches/budgets/mod.rs"]
@@ -15,7 +15,7 @@ fn parse(text: &str) -> Budgets {
 }
 
 #[test]
-fn a_ratio_falls_when_it_is_more_than_a_tenth_below_its_mark() {
+fn a_ratio_falls_if_it_is_more_than_a_tenth_below_its_mark() {
     let at = |tolerance| Some(Mark { ratio: 10.0, tolerance, source: Source::Best });
     assert_eq!(judge(8.99, at(TOLERANCE)), Verdict::Falls);
     assert_eq!(judge(9.01, at(TOLERANCE)), Verdict::Holds);
@@ -27,22 +27,23 @@ fn a_ratio_falls_when_it_is_more_than_a_tenth_below_its_mark() {
     assert_eq!(judge(6.49, at(TOLERANCE_ELSEWHERE)), Verdict::Falls);
 }
 
-/// A level of two entries, recorded on one processor, and bests of two.
+/// A level with two entries, recorded on one processor, and bests of two processors.
 const BUDGETS: &str = "[processors]\navx2 = \"zen\"\n[avx2.S1]\nR1 = 7.0\nR2 = 5.0\n\
                        [best.zen.avx2.S1]\nR1 = 7.5\n[best.lake.avx2.S1]\nR1 = 4.0";
 
 #[test]
-fn a_ratio_more_than_a_tenth_below_the_best_falls_even_where_the_record_is_lower() {
+fn the_best_decides_even_if_the_record_is_lower() {
     let budgets = parse(BUDGETS);
     let on =
         |processor: &str, entry: &str, ratio| judge(ratio, mark(&budgets, processor, "avx2", "S1", entry));
-    // 6.7 is within a tenth of the record of 7.0, not of the best of 7.5.
+    // 6.7 is within a tenth of the record of 7.0, but not of the best of 7.5.
     assert_eq!(on("zen", "R1", 6.7), Verdict::Falls);
     assert_eq!(on("zen", "R1", 6.8), Verdict::Holds);
-    // Another processor has a best of its own, and its record is nobody's business there.
+    // Another processor has its own best, and its record does not matter there.
     assert_eq!(on("lake", "R1", 3.5), Verdict::Falls);
     assert_eq!(on("lake", "R1", 3.7), Verdict::Holds);
-    // Without a best, the record decides: to a tenth where it was measured, and more widely elsewhere.
+    // Without a best, the record decides: within a tenth on the processor where it was measured, and a wider tolerance
+    // elsewhere.
     assert_eq!(on("zen", "R2", 4.4), Verdict::Falls);
     assert_eq!(on("lake", "R2", 4.4), Verdict::Holds);
     assert_eq!(on("lake", "R2", 3.2), Verdict::Falls);
@@ -50,14 +51,14 @@ fn a_ratio_more_than_a_tenth_below_the_best_falls_even_where_the_record_is_lower
 }
 
 #[test]
-fn noise_that_the_file_tells_of_widens_the_tolerance_of_its_entry_alone() {
+fn declared_noise_widens_the_tolerance_of_its_entry_only() {
     let noise = "[noise.S1.R1]\ntolerance = 0.2\nwhy = \"One of two copies is a fifth slower.\"";
     let budgets = parse(&format!("{BUDGETS}\n{noise}"));
     let on =
         |processor: &str, entry: &str, ratio| judge(ratio, mark(&budgets, processor, "avx2", "S1", entry));
     assert_eq!([on("zen", "R1", 6.1), on("zen", "R1", 5.9)], [Verdict::Holds, Verdict::Falls]);
     assert_eq!([on("zen", "R2", 4.6), on("zen", "R2", 4.4)], [Verdict::Holds, Verdict::Falls]);
-    // What is from another processor has more already.
+    // The tolerance is already wider for another processor.
     assert_eq!(on("lake", "R2", 3.3), Verdict::Holds);
     for (bad, what) in [
         ("tolerance = 0.2", "why"),
@@ -97,7 +98,7 @@ fn each_record_has_a_best_of_its_processor() {
 }
 
 #[test]
-fn a_record_is_kept_for_its_level_alone() {
+fn a_record_is_kept_for_its_level_only() {
     let mut budgets = Budgets::default();
     budgets.record("zen", "avx2", "S1", "R1", 12.345);
     budgets.record("zen", "avx2", "S3", "R2", 0.012_345);
@@ -116,7 +117,7 @@ fn recording_raises_a_best_and_never_lowers_one() {
     assert_eq!(budgets.best("zen", "avx2", "S1", "R1"), Some(7.5));
     budgets.record("zen", "avx2", "S1", "R1", 8.0);
     assert_eq!(budgets.best("zen", "avx2", "S1", "R1"), Some(8.0));
-    // Another processor raises its own best, and leaves the records of the level alone.
+    // Another processor raises its own best, and leaves the records of the level unchanged.
     budgets.record("lake", "avx2", "S1", "R1", 4.2);
     assert_eq!(budgets.best("lake", "avx2", "S1", "R1"), Some(4.2));
     assert_eq!(budgets.best("zen", "avx2", "S1", "R1"), Some(8.0));
@@ -124,8 +125,8 @@ fn recording_raises_a_best_and_never_lowers_one() {
 }
 
 #[test]
-fn what_recording_writes_can_be_read() {
-    // The lowest that still holds, of bests whose tenth is rounded this way and that.
+fn recorded_files_can_be_read() {
+    // The lowest ratio that still holds, for bests whose tenth is rounded up or down.
     for best in [1.23, 1.26, 9.97, 10.1, 0.111, 120.0] {
         let mut budgets = Budgets::default();
         budgets.record("zen", "avx2", "S1", "R1", best);
@@ -135,7 +136,7 @@ fn what_recording_writes_can_be_read() {
 }
 
 #[test]
-fn a_record_that_nothing_could_fall_below_is_an_error() {
+fn a_record_below_which_nothing_can_fall_is_an_error() {
     for bad in [
         "[avx2.S1]\nR1 = nan",
         "[avx2.S1]\nR1 = 0.0",
@@ -148,13 +149,13 @@ fn a_record_that_nothing_could_fall_below_is_an_error() {
     }
 }
 
-/// What the file of these tables is refused for.
+/// The error for a file with these tables.
 fn refused(text: &str) -> String {
     Budgets::parse(text).expect_err(text)
 }
 
 #[test]
-fn a_record_that_is_talked_down_is_refused() {
+fn a_record_far_below_the_best_is_refused() {
     let file = |record: f64| {
         format!(
             "[processors]\navx512 = \"zen\"\n[avx512.frames]\nrgb = {record}\n[best.zen.avx512.frames]\nrgb = 7.5"

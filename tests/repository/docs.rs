@@ -1,10 +1,10 @@
-//! The pages: every link leads somewhere, every page is in the book.
+//! The pages of the documentation: every link has a target, every page is in the book.
 
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders that hold what others wrote, or what was built.
+/// Folders with files of others, or with build output.
 const NOT_OURS: [&str; 5] = ["target", "build", "node_modules", ".git", ".venv"];
 
 fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
@@ -19,7 +19,7 @@ fn pages(folder: &Path, found: &mut Vec<PathBuf>) {
     }
 }
 
-/// The text without blocks and pieces of code, in which a bracket is no link.
+/// The text without code blocks and inline code, in which a bracket is not a link.
 fn prose(text: &str) -> String {
     let mut is_code = false;
     let mut prose = String::new();
@@ -34,12 +34,12 @@ fn prose(text: &str) -> String {
     prose
 }
 
-/// What links lead to: what stands in `](…)`.
+/// The targets of links: the content of `](…)`.
 fn targets(prose: &str) -> impl Iterator<Item = &str> {
     prose.split("](").skip(1).filter_map(|rest| rest.split_once(')')).map(|(target, _)| target)
 }
 
-/// The names that GitHub gives to headings.
+/// The anchors that GitHub generates for headings.
 fn anchors(text: &str) -> BTreeSet<String> {
     let mut is_code = false;
     let mut found = BTreeSet::new();
@@ -56,7 +56,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
 }
 
 #[test]
-fn every_link_leads_somewhere() {
+fn every_link_has_a_target() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
     let mut all = Vec::new();
     pages(root, &mut all);
@@ -78,8 +78,8 @@ fn every_link_leads_somewhere() {
             }
         }
     }
-    assert!(broken.is_empty(), "links that lead nowhere:\n{}", broken.join("\n"));
-    assert!(count > 100, "only {count} links were found: they are not read");
+    assert!(broken.is_empty(), "links without a target:\n{}", broken.join("\n"));
+    assert!(count > 100, "only {count} links were found, so they are not parsed correctly");
 }
 
 #[test]
@@ -95,4 +95,25 @@ fn every_page_is_in_the_book() {
         .filter(|page| page != "SUMMARY.md")
         .collect();
     assert_eq!(listed, there);
+}
+
+/// The pages list every robot and world that comes with the program, and the gallery shows each.
+#[test]
+fn every_shipped_robot_and_world_is_shown() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let gallery = fs::read_to_string(root.join("docs/gallery.md")).unwrap();
+    for (folder, ending, page) in [
+        ("models/turtlebot_description/robots", ".urdf.xacro", "docs/robots.md"),
+        ("models/worlds", ".world", "docs/worlds.md"),
+    ] {
+        let page_text = fs::read_to_string(root.join(page)).unwrap();
+        let files = fs::read_dir(root.join(folder)).unwrap().map(|file| file.unwrap().file_name());
+        let files: Vec<String> = files.map(|file| file.into_string().unwrap()).collect();
+        let names: Vec<&str> = files.iter().filter_map(|file| file.strip_suffix(ending)).collect();
+        assert!(!names.is_empty());
+        for name in names {
+            assert!(page_text.contains(&format!("| `{name}`")), "{page} has no row for {name}");
+            assert!(gallery.contains(&format!("gallery/{name}.jpg")), "docs/gallery.md does not show {name}");
+        }
+    }
 }

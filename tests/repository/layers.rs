@@ -1,10 +1,10 @@
-//! The arrows of ARCHITECTURE.md: each layer uses only those before it, and no two files use each other.
+//! The dependencies in ARCHITECTURE.md: each layer uses only those below it, and no two files use each other.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// Of the simulator, bottom up.
+/// The layers of the simulator, bottom up.
 const SIMULATOR: &[&str] = &[
     "colours",
     "gltf",
@@ -23,7 +23,7 @@ const SIMULATOR: &[&str] = &[
     "cli",
 ];
 
-/// Of the bridge.
+/// The layers of the bridge.
 const BRIDGE: &[&str] = &[
     "clock",
     "session",
@@ -43,7 +43,7 @@ const BRIDGE: &[&str] = &[
     "control",
 ];
 
-/// Of the sensors.
+/// The layers of the sensors.
 const SENSORS: &[&str] = &[
     "simd",
     "pose",
@@ -64,7 +64,7 @@ const SENSORS: &[&str] = &[
     "rapier",
 ];
 
-/// Of xacro.
+/// The layers of xacro.
 const XACRO: &[&str] = &[
     "diagnostics",
     "suggestion",
@@ -88,7 +88,7 @@ const XACRO: &[&str] = &[
 /// A path of modules, without `crate`.
 type Module = Vec<String>;
 
-/// The modules of a crate, by their paths, and what each file holds, without comments and its tests.
+/// The modules of a crate by their paths, with the text of each file without comments and tests.
 struct Crate {
     texts: BTreeMap<Module, String>,
 }
@@ -100,7 +100,7 @@ impl Crate {
         Self { texts }
     }
 
-    /// The module that a path leads to from one module, by way of what the modules in between export.
+    /// The module to which a path leads from another module, through re-exports of the modules in between.
     fn resolve(&self, from: &[String], path: &[String], hops: usize) -> Module {
         let mut at = from.to_vec();
         for (place, name) in path.iter().enumerate() {
@@ -109,7 +109,7 @@ impl Crate {
                 at = inner;
                 continue;
             }
-            // An item: of this module, or of one that it exports it from.
+            // An item of this module, or of a module from which it re-exports the item.
             let exported = self.texts.get(&at).into_iter().flat_map(|text| exports(text));
             let via = exported.into_iter().find(|export| export.last() == Some(name));
             return match via {
@@ -123,7 +123,7 @@ impl Crate {
         at
     }
 
-    /// Which module uses which, and one path by which it does. A module and its own parts do not count.
+    /// Which module uses which, with one path as an example. A module and its own children do not count.
     fn uses(&self) -> BTreeMap<(Module, Module), String> {
         let mut uses = BTreeMap::new();
         for (own, text) in &self.texts {
@@ -152,7 +152,7 @@ fn read_folder(folder: &Path, module: &[String], texts: &mut BTreeMap<Module, St
             read_folder(&path, &inner, texts);
         } else if path.extension().is_some_and(|extension| extension == "rs") {
             let text = fs::read_to_string(&path).unwrap();
-            // Tests of a file may use what they like.
+            // Tests of a file may use any module.
             let is_tests = |line: &&str| {
                 line.starts_with("#[cfg(") && line.contains("test") && !line.contains("doctest")
             };
@@ -166,7 +166,7 @@ fn read_folder(folder: &Path, module: &[String], texts: &mut BTreeMap<Module, St
     }
 }
 
-/// What a module exports from its parts.
+/// The modules that a module re-exports from its children.
 fn exports(text: &str) -> Vec<Module> {
     ["pub use ", "pub(crate) use ", "pub(super) use "]
         .iter()
@@ -175,7 +175,7 @@ fn exports(text: &str) -> Vec<Module> {
         .collect()
 }
 
-/// The paths from the crate or the parent.
+/// The paths that begin at the crate or the parent.
 fn paths(text: &str) -> Vec<(&'static str, Module)> {
     let mut found = Vec::new();
     for root in ["crate", "super"] {
@@ -191,7 +191,7 @@ fn paths(text: &str) -> Vec<(&'static str, Module)> {
     found
 }
 
-/// The paths of a tree `a::{b, c::d}`, and how much of the text it is.
+/// The paths of a tree `a::{b, c::d}`, and the length of its text.
 fn tree(text: &str) -> (Vec<Module>, usize) {
     let mut at = text.len() - text.trim_start().len();
     if text[at..].starts_with('{') {
@@ -220,7 +220,7 @@ fn tree(text: &str) -> (Vec<Module>, usize) {
     (paths, at + 2 + len)
 }
 
-/// The modules from which one comes back to where one started.
+/// The modules that use themselves through others.
 fn circles(uses: &BTreeMap<(Module, Module), String>) -> BTreeSet<String> {
     let mut next: BTreeMap<&Module, Vec<&Module>> = BTreeMap::new();
     for (own, used) in uses.keys() {
@@ -243,7 +243,7 @@ fn circles(uses: &BTreeMap<(Module, Module), String>) -> BTreeSet<String> {
     next.keys().filter(|start| comes_back(start)).map(|start| start.join("::")).collect()
 }
 
-/// Which of the layers use one above them.
+/// The uses of a layer by one below it.
 fn upward(layers: &[&str], uses: &BTreeMap<(Module, Module), String>) -> Vec<String> {
     let place =
         |module: &Module| module.first().and_then(|name| layers.iter().position(|layer| layer == name));
@@ -261,7 +261,7 @@ fn check_layers(folder: &str, layers: &[&str]) -> BTreeMap<(Module, Module), Str
     let missing: Vec<_> = missing.into_iter().filter(|name| !layers.contains(&name.as_str())).collect();
     assert!(missing.is_empty(), "{folder}: in no layer, give it one here: {missing:?}");
     let uses = read.uses();
-    assert!(uses.len() > 50, "nearly nothing was found: is the form of `use` another one? {uses:#?}");
+    assert!(uses.len() > 50, "hardly any uses were found: has the form of `use` changed? {uses:#?}");
     let upward = upward(layers, &uses);
     assert!(upward.is_empty(), "{folder}: used from below:\n{upward:#?}");
     uses
@@ -275,7 +275,8 @@ fn each_layer_of_the_simulator_uses_only_those_below_it() {
 
 #[test]
 fn no_two_files_of_the_descriptions_use_each_other() {
-    // The model holds the sensors' data, which stand beside their parsers: files are in order, folders are not.
+    // The model contains the data of sensors, which is defined beside their parsers: files are ordered, folders are
+    // not.
     let uses = Crate::read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/description/src")).uses();
     assert!(uses.len() > 50, "{uses:#?}");
     assert_eq!(circles(&uses), BTreeSet::new(), "{uses:#?}");
@@ -300,7 +301,7 @@ fn each_layer_of_the_bridge_uses_only_those_below_it_and_no_two_files_use_each_o
 }
 
 #[test]
-fn a_circle_is_found() {
+fn a_cycle_is_found() {
     let texts = [
         ("a", "use crate::{b::{c, D}, e};"),
         ("b", "pub use c::D;"),

@@ -1,4 +1,4 @@
-//! What holds of the repository itself: its layers, its pages, what its benchmarks say.
+//! Tests of the repository itself: its layers, its pages, the data of its benchmarks.
 
 mod benchmark_copies;
 mod benchmark_history;

@@ -1,4 +1,4 @@
-//! What the published crates hold.
+//! The content of published crates.
 
 use std::path::Path;
 use std::process::Command;
@@ -44,7 +44,7 @@ fn listed(name: &str) -> Vec<String> {
     String::from_utf8_lossy(&listed.stdout).lines().map(str::to_owned).collect()
 }
 
-/// What is left out is not named by what is in: each file that a source includes lies in the package.
+/// Packaged files must not name excluded ones: each file that a source includes is in the package.
 fn check_source(name: &str, folder: &Path, source: &str, files: &[String]) {
     let text = std::fs::read_to_string(folder.join(source)).expect("a source that is listed");
     for (line, text) in text.lines().enumerate() {

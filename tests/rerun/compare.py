@@ -1,4 +1,4 @@
-"""What Rerun reads of a log is what the recording of the same run has, frame by frame: compare.py run.rrd run.mcap."""
+"""Compares a log as read by Rerun with the recording of the same run, frame by frame: compare.py run.rrd run.mcap."""
 
 import sys
 from collections import defaultdict
@@ -12,7 +12,7 @@ TYPES = ("sensor_msgs/Image", "sensor_msgs/LaserScan")
 
 
 def logged(path: str) -> dict[str, dict[str, dict[int, np.ndarray]]]:
-    """Numbers by topic, component and simulated time."""
+    """Values of the log by topic, component and simulated time."""
     found = defaultdict(lambda: defaultdict(dict))
     for chunk in RrdReader(path).stream().to_chunks():
         batch = chunk.to_record_batch()
@@ -32,7 +32,7 @@ def logged(path: str) -> dict[str, dict[str, dict[int, np.ndarray]]]:
 
 
 def recorded(path: str) -> dict[str, dict[int, object]]:
-    """Messages by topic and simulated time."""
+    """Messages of the recording by topic and simulated time."""
     found = defaultdict(dict)
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
@@ -44,7 +44,7 @@ def recorded(path: str) -> dict[str, dict[int, object]]:
 
 
 def points(scan: object) -> np.ndarray:
-    """A scan's points one by one, from the message alone."""
+    """The points of a scan, computed from the message."""
     rays = ((scan.angle_min + index * scan.angle_increment, r) for index, r in enumerate(scan.ranges))
     there = [
         (r * np.cos(angle), r * np.sin(angle), 0.0) for angle, r in rays if scan.range_min <= r <= scan.range_max

@@ -1,4 +1,4 @@
-//! Models for the tests, written by hand.
+//! Handwritten models for tests.
 
 use belvedere::description::Source;
 use belvedere::description::model::{
@@ -63,7 +63,7 @@ pub(crate) fn empty_model(name: &str) -> Model {
     }
 }
 
-/// Hangs a new link on another one; returns its index.
+/// Attaches a new link to another one, and returns its index.
 pub(crate) fn hang(
     model: &mut Model,
     parent: LinkIndex,
@@ -88,7 +88,7 @@ pub(crate) fn hang(
     child
 }
 
-/// A Kobuki with the numbers of its description, and a camera mast as the `TurtleBot` carries it.
+/// A Kobuki with the numbers of its description, and a camera mast like the `TurtleBot`'s.
 pub(crate) fn kobuki() -> Model {
     let mut robot = empty_model("turtlebot");
     robot.links.push(link("base_footprint", Pose::IDENTITY));

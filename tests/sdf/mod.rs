@@ -1,4 +1,4 @@
-//! World files written by a test, and what loading them says.
+//! World files written by a test, and the messages of loading them.
 #![allow(dead_code, reason = "each test binary uses its own part of this")]
 
 use belvedere::description::load::load_world;
@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::path::PathBuf;
 use tempfile::TempDir;
 
-/// A folder with a world file and whatever it refers to.
+/// A folder with a world file and the files that it refers to.
 pub(crate) struct Folder(TempDir);
 
 impl Folder {
@@ -29,7 +29,7 @@ impl Folder {
         path
     }
 
-    /// Loads `<world>` content of an SDF version.
+    /// Loads the content of `<world>` in a version of SDF.
     pub(crate) fn load(
         &self,
         version: &str,
@@ -53,14 +53,14 @@ pub(crate) fn load(file_or_name: &str, gazebo_compat: bool) -> (Option<World>, V
     (world, diagnostics.problems().to_vec())
 }
 
-/// Loads what must be without fault.
+/// Loads content that must have no errors.
 pub(crate) fn good(version: &str, content: &str) -> World {
     let (world, problems) = Folder::new().load(version, content, false);
     assert!(problems.is_empty(), "{problems:#?}");
     world.unwrap()
 }
 
-/// The only problem, which must be an error at `test.world:line` with all of `words`, and a remedy.
+/// Asserts that there is a single problem: an error at `test.world:line` that contains all `words`, and has a remedy.
 #[track_caller]
 pub(crate) fn assert_one_error(problems: &[Problem], line: u32, words: &[&str]) {
     let [problem] = problems else { panic!("expected one error, got {problems:#?}") };
@@ -74,14 +74,14 @@ pub(crate) fn assert_one_error(problems: &[Problem], line: u32, words: &[&str]) 
     }
 }
 
-/// One error from faulty content; its line is counted from 1 at the content's first line.
+/// Asserts that faulty content gives one error; its line is counted from 1 at the first line of the content.
 #[track_caller]
 pub(crate) fn assert_bad(version: &str, content: &str, line: u32, words: &[&str]) {
     let (_, problems) = Folder::new().load(version, content, false);
     assert_one_error(&problems, line + 1, words);
 }
 
-/// A static model of one link.
+/// A static model with one link.
 pub(crate) fn model(inner: &str) -> String {
     format!("<model name='m'><static>true</static><link name='l'>\n{inner}\n</link></model>")
 }

@@ -1,5 +1,5 @@
-//! Bases by their plugins: each drives a closed path as it is told, tells its odometry under its plugin's names, and keeps
-//! its limits. Sizes are those of a sweep, not of one robot.
+//! Bases by their plugins: each drives a closed path as commanded, publishes odometry under its plugin's names, and
+//! keeps its limits. Sizes are varied over a range, not those of one robot.
 
 mod drives;
 mod plugins;
@@ -15,13 +15,13 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::time::Duration;
 
-/// What a robot is like.
+/// The dimensions of a robot.
 #[derive(Clone, Copy, Debug)]
 struct Size {
     separation_m: f64,
     radius_m: f64,
     mass_kg: f64,
-    /// Distance of the axles of four wheels; of two wheels, that of the casters.
+    /// The distance between the axles of four wheels; for two wheels, that of the casters.
     length_m: f64,
 }
 
@@ -57,7 +57,7 @@ fn chassis(size: Size) -> String {
     )
 }
 
-/// Two wheels and two casters.
+/// A robot with two wheels and two casters.
 fn two_wheels(size: Size, names: [&str; 2], plugins: &str) -> Model {
     let y = 0.5 * size.separation_m;
     let casters: String = [(0, 0.5), (1, -0.5)]
@@ -125,7 +125,7 @@ impl Bench {
     fn new(model: &Model) -> Self {
         let mut simulation = Simulation::builder(load::world("empty").unwrap()).seed(7).build().unwrap();
         let robot = simulation.spawn(model, SpawnOptions::default()).unwrap();
-        // It comes to rest.
+        // Wait until it is at rest.
         simulation.run_for(Duration::from_millis(200));
         let start = simulation.pose(robot).unwrap().translation();
         Self { simulation, robot, start }
@@ -136,7 +136,7 @@ impl Bench {
         self.simulation.run_for(Duration::from_secs_f64(seconds));
     }
 
-    /// Where it is in the frame of its start, in m, and its heading in rad.
+    /// The position in the frame of its start, in m, and the heading in rad.
     fn place(&self) -> (DVec3, f64) {
         let pose = self.simulation.pose(self.robot).unwrap();
         (pose.translation() - self.start, pose.rpy().z)
@@ -153,7 +153,7 @@ impl Bench {
     }
 }
 
-/// Drives half a circle and a whole one to the left, of a radius in m; how far it is from where it ought to be, in m.
+/// Drives half a circle and a full one to the left, with a radius in m; returns the largest position error in m.
 fn circle(bench: &mut Bench, speed_m_s: f64, radius_m: f64) -> f64 {
     let rate = speed_m_s / radius_m;
     bench.drive(Command::new(speed_m_s, rate), PI / rate);

@@ -1,4 +1,4 @@
-//! Depth cameras of the simulator as the devices that they stand for, by file and by rule.
+//! Depth camera presets in the simulator, by file and by rule.
 
 use belvedere::description::load::{LoadOptions, load_robot};
 use belvedere::description::model::SensorKind;
@@ -8,7 +8,7 @@ use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::device::depth_model::presets;
 
-/// A box of 0.4 m a side, 1 m ahead, and a wall 2 m ahead of the sensor.
+/// A box with edges of 0.4 m, 1 m ahead of the sensor, and a wall 2 m ahead.
 const ROOM: &str = "<sdf version='1.6'><model name='room'><static>true</static><link name='l'>
     <visual name='box'><pose>1.2 0 1 0 0 0</pose><geometry><box><size>0.4 0.4 0.4</size></box></geometry></visual>
     <visual name='wall'><pose>2.1 0 1 0 0 0</pose><geometry><box><size>0.2 20 20</size></box></geometry></visual>
@@ -48,7 +48,7 @@ fn a_preset_of_the_file_has_noise_steps_and_shadows() {
         rows.clone().map(|row| kinect[row * 320..][..320].iter().filter(|depth| depth.is_nan()).count());
     let mean = shadow.sum::<usize>() as f64 / rows.len() as f64;
     assert!((mean - expected).abs() < 0.5, "{mean} px, not {expected}");
-    // σ of the wall, but for what the frayed edges of the box change.
+    // The σ on the wall, except near the frayed edges of the box.
     let errors: Vec<f64> = kinect[..320 * 50].iter().map(|depth| f64::from(*depth) - 2.0).collect();
     let sigma = (errors.iter().map(|error| error * error).sum::<f64>() / errors.len() as f64).sqrt();
     assert!((sigma / 6.064e-3 - 1.0).abs() < 0.03, "{sigma}");
@@ -57,7 +57,7 @@ fn a_preset_of_the_file_has_noise_steps_and_shadows() {
     levels.sort_unstable_by(f32::total_cmp);
     levels.dedup();
     assert!(levels.len() < 12, "{} levels", levels.len());
-    // The same bytes again.
+    // A second run gives the same bytes.
     assert_eq!(
         kinect.iter().map(|depth| depth.to_bits()).collect::<Vec<_>>(),
         depths(&camera(&format!("{OPENNI}<plugin filename='belvedere'><preset>kinect_v1</preset></plugin>")))
@@ -67,13 +67,13 @@ fn a_preset_of_the_file_has_noise_steps_and_shadows() {
     );
 }
 
-/// Without its projector a stereo camera finds nothing on a plain wall.
+/// Without its projector, a stereo camera finds no matches on a plain wall.
 #[test]
 fn a_stereo_camera_without_its_projector_needs_texture() {
     let share = |projector: &str| {
         let own = format!("<plugin filename='belvedere'>{projector}<preset>d435</preset></plugin>");
         let depths = depths(&camera(&format!("{OPENNI}{own}")));
-        // Rows above the box: the wall alone. The left of them the other imager does not see.
+        // Only the wall, in rows above the box. Its left part is not visible to the other imager.
         let wall = (10..50).flat_map(|row| depths[row * 320 + 100..(row + 1) * 320 - 10].to_vec());
         let found: Vec<bool> = wall.map(f32::is_finite).collect();
         found.iter().filter(|found| **found).count() as f64 / found.len() as f64

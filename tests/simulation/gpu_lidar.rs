@@ -6,8 +6,8 @@ use belvedere::simulation::{Simulation, SpawnOptions};
 
 const FREE: f32 = f32::INFINITY;
 
-/// What stands around the sensor: ahead a wall that is only seen, on the left one that is only hit, behind one of both
-/// whose looks are nearer; on the right an open sheet, seen and hit, whose outside is turned away.
+/// The surroundings of the sensor: ahead a wall with only a visual, on the left one with only a collision shape, behind
+/// one with both, whose visual is nearer; on the right an open sheet with both, whose outside is turned away.
 const WALLS: &str = "<sdf version='1.6'><model name='walls'><static>true</static><link name='l'>
     <visual name='ahead'><pose>3 0 1 0 0 0</pose><laser_retro>7</laser_retro><geometry><box><size>0.2 2 2</size></box></geometry></visual>
     <collision name='left'><pose>0 4 1 0 0 0</pose><geometry><box><size>2 0.2 2</size></box></geometry></collision>
@@ -17,10 +17,10 @@ const WALLS: &str = "<sdf version='1.6'><model name='walls'><static>true</static
     <collision name='right'><pose>0 -6 1 0 0 0</pose><geometry><box><size>2 0.2 2</size></box></geometry></collision>
     </link></model></sdf>";
 
-/// A lidar of four beams (ahead, left, behind, right) in a housing that is both seen and hit.
+/// A lidar of four beams (ahead, left, behind, right) in a housing with a visual and a collision shape.
 fn lidar(kind: &str, frames: &str) -> String {
     let housing = "<pose>0 0 1 0 0 0</pose><geometry><box><size>.3 .3 .3</size></box></geometry>";
-    // The head inside the housing would be seen from outside.
+    // The outside of the head in the housing would be visible.
     let head = "<pose>0 0 1 0 0 0</pose><geometry><cylinder><radius>.05</radius><length>.1</length></cylinder></geometry>";
     format!(
         "<sdf version='1.6'><model name='m'><static>true</static><link name='l'>
@@ -64,9 +64,9 @@ fn cpu_lidars_hit_collision_shapes() {
     }
 }
 
-/// A mesh of the sensor's own around it is its housing; a part beside the sensor is in its way.
+/// A visual of the sensor's link that surrounds it is its housing; one beside the sensor blocks its view.
 #[test]
-fn a_gpu_lidar_looks_out_of_its_own_visuals() {
+fn a_gpu_lidar_sees_through_its_housing() {
     let post = "</visual><visual name='post'><pose>0 0.5 1 0 0 0</pose><geometry><cylinder><radius>.02</radius><length>1</length></cylinder></geometry></visual><collision name='c'>";
     let robot = lidar("gpu_ray", "ray").replace("</visual><collision name='c'>", post);
     assert_sees(&robot, [2.9, 0.48, 1.9, FREE], [7.0, 0.0, 0.0, 0.0]);

@@ -1,4 +1,4 @@
-//! Inertial units in the simulator: what they feel of known motions, and what files ask of them.
+//! Inertial units in the simulator: their readings for known motions, and the effect of the files' parameters.
 
 use belvedere::description::load;
 use belvedere::description::model::{Model, SensorKind};
@@ -14,7 +14,7 @@ use std::time::Duration;
 
 const GRAVITY: f64 = 9.8;
 
-/// A box of 1 kg with this in its link, or beside it.
+/// A box of 1 kg with this content in its link, or beside it.
 fn carrier(in_link: &str, beside: &str) -> Model {
     load::model(&format!(
         "<sdf version='1.6'><model name='box'><link name='body'>
@@ -51,7 +51,7 @@ impl Bench {
         (bytemuck::pod_read_unaligned(frame.payload()), frame)
     }
 
-    /// After so many ms, the mean since the reading before.
+    /// The mean since the previous reading, after this many ms.
     fn after(&mut self, milliseconds: u64) -> Imu {
         self.simulation.run_for(Duration::from_millis(milliseconds));
         self.read("imu").0
@@ -63,23 +63,23 @@ fn near(read: [f64; 3], expected: DVec3, within: f64) {
 }
 
 #[test]
-fn at_rest_it_feels_the_floor_along_its_own_axes() {
+fn at_rest_it_measures_the_floors_force_in_its_own_axes() {
     let floor = Pose::from_translation(DVec3::Z * 0.1);
     let mut upright = Bench::new(&carrier(&sensor("0.1 0 0 0 0 0", 100, ""), ""), floor);
     upright.after(500);
     let rest = upright.after(500);
     near(rest.linear_acceleration, DVec3::Z * GRAVITY, 1e-3);
     near(rest.angular_velocity, DVec3::ZERO, 1e-4);
-    // Rolled by a quarter to the left-hand side's up: its y looks up.
+    // Rolled by a quarter turn, so that its y points up.
     let mut rolled = Bench::new(&carrier(&sensor(&format!("0 0 0 {FRAC_PI_2} 0 0"), 100, ""), ""), floor);
     rolled.after(500);
     near(rolled.after(500).linear_acceleration, DVec3::Y * GRAVITY, 1e-3);
-    // As exact as it is, it says so.
+    // Without noise, its covariance is zero.
     assert_eq!(rest.angular_velocity_covariance, [0.0; 9]);
 }
 
 #[test]
-fn in_free_fall_it_feels_nothing() {
+fn in_free_fall_it_measures_nothing() {
     let at = Pose::from_xyz_rpy(DVec3::Z * 60.0, DVec3::new(0.3, -0.5, 1.0));
     let mut bench = Bench::new(&carrier(&sensor("0.1 0.2 0.3 1 2 3", 100, ""), ""), at);
     bench.after(100);
@@ -87,7 +87,7 @@ fn in_free_fall_it_feels_nothing() {
 }
 
 #[test]
-fn off_the_axis_of_a_turn_it_feels_the_turn() {
+fn off_the_axis_it_measures_the_centripetal_force() {
     let planar = "<plugin name='p' filename='libgazebo_ros_planar_move.so'/>";
     let model = carrier(&sensor("0.5 0 0 0 0 0.3", 200, ""), planar);
     let mut bench = Bench::new(&model, Pose::from_translation(DVec3::Z * 0.1));
@@ -98,19 +98,19 @@ fn off_the_axis_of_a_turn_it_feels_the_turn() {
     }
     let read = bench.after(5);
     near(read.angular_velocity, DVec3::Z * 1.5, 1e-3);
-    // ω²r towards the axis, in axes that are turned by 0.3 rad.
+    // ω²r towards the axis, in axes that are rotated by 0.3 rad.
     let towards = DQuat::from_rotation_z(-0.3) * DVec3::NEG_X;
     near(read.linear_acceleration, towards * (1.5 * 1.5 * 0.5) + DVec3::Z * GRAVITY, 0.02);
 }
 
 #[test]
-fn orientations_are_told_against_what_the_file_says() {
+fn orientations_are_relative_to_the_frame_of_the_file() {
     let tilted = DVec3::new(0.0, 0.0, 1.0);
     let at = Pose::from_xyz_rpy(DVec3::Z * 0.1, tilted);
     let turned = |yaw: f64| DQuat::from_rotation_z(yaw);
     let frame = |text: &str| format!("<orientation_reference_frame>{text}</orientation_reference_frame>");
     let localization = |name: &str| frame(&format!("<localization>{name}</localization>"));
-    // Of a unit whose x is 1 rad left of the world's, which is east.
+    // For a unit whose x is 1 rad to the left of the world's, which is east.
     let north_west_up = turned(1.0 - FRAC_PI_2);
     let half =
         DQuat::from_array([std::f64::consts::FRAC_1_SQRT_2, std::f64::consts::FRAC_1_SQRT_2, 0.0, 0.0]);
@@ -118,13 +118,13 @@ fn orientations_are_told_against_what_the_file_says() {
         (String::new(), DQuat::IDENTITY),
         (localization("ENU"), turned(1.0)),
         (localization("NWU"), north_west_up),
-        // Half a turn about what lies between north and east exchanges the two and turns up to down.
+        // Half a turn about the axis between north and east swaps the two, and turns up to down.
         (localization("NED"), half * turned(1.0)),
         (frame("<custom_rpy parent_frame='world'>0 0 0.25</custom_rpy>"), turned(0.75)),
         (frame("<custom_rpy>0 0 0.25</custom_rpy>"), turned(-0.25)),
     ] {
         let mut bench = Bench::new(&carrier(&sensor("0 0 0 0 0 0", 100, &inside), ""), at);
-        // Where it starts, and not where it is asked first.
+        // Relative to the start, not to the first reading.
         let first = bench.read("imu").0;
         let pose = Pose::from_xyz_rpy(DVec3::new(2.0, 0.0, 0.1), tilted);
         bench.simulation.place(bench.carrier, &pose, DVec3::ZERO, DVec3::ZERO).unwrap();
@@ -141,7 +141,7 @@ fn orientations_are_told_against_what_the_file_says() {
 }
 
 #[test]
-fn noise_is_what_the_file_says_axis_by_axis() {
+fn noise_follows_the_file_axis_by_axis() {
     let noise = |inside: &str| format!("<noise type='gaussian'>{inside}</noise>");
     let inside = format!(
         "<angular_velocity><x>{}</x><z>{}</z></angular_velocity>
@@ -177,7 +177,7 @@ fn noise_is_what_the_file_says_axis_by_axis() {
             && last.angular_velocity_covariance[4] == 0.0
     );
 
-    // The same bytes again after a reset.
+    // The same bytes after a reset.
     let again = |bench: &mut Bench| {
         bench.simulation.reset().unwrap();
         (0..50).map(|_| bench.after(10)).map(|read| bytemuck::bytes_of(&read).to_vec()).collect::<Vec<_>>()
@@ -185,7 +185,7 @@ fn noise_is_what_the_file_says_axis_by_axis() {
     assert_eq!(again(&mut bench), again(&mut bench));
 }
 
-/// As robots on the road describe them: names, frames, rates and figures of the plugins.
+/// As in descriptions of real robots: names, frames, rates and figures of the plugins.
 #[test]
 fn plugins_have_their_own_names_and_defaults() {
     let in_sensor = |parameters: &str| {
@@ -230,7 +230,7 @@ fn plugins_have_their_own_names_and_defaults() {
         assert!((DVec3::from(read.linear_acceleration) - DVec3::Z * GRAVITY).length() < 1.0, "{read:?}");
         assert!(DQuat::from_array(read.orientation).dot(DQuat::IDENTITY).abs() > 0.99);
     }
-    // In a namespace, that stands in place of the model's name.
+    // With a namespace, that replaces the name of the model.
     let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     let options = SpawnOptions { namespace: "anna".into(), ..SpawnOptions::default() };
     simulation.spawn(&carrier(&in_sensor(ros1), ""), options).unwrap();
@@ -242,7 +242,7 @@ fn plugins_have_their_own_names_and_defaults() {
     };
     let read = unit(&carrier("", hector));
     assert_eq!((read.config.gyro.stddev, read.heading.stddev), ([0.005; 3], [0.005]));
-    // It forgets by 1/3600 Hz, and 0.005 is what it comes to: q²τ/2.
+    // Its correlation frequency is 1/3600 Hz, and its variance tends to 0.005²: q²τ/2.
     let (drift, time_s) = (read.config.accelerometer.drift[0], read.config.accelerometer.drift_time_s[0]);
     assert!((time_s - 3600.0).abs() < 1e-6 && (drift * drift * time_s / 2.0 - 0.005 * 0.005).abs() < 1e-12);
     let read = unit(&carrier("", rotors));
@@ -253,7 +253,7 @@ fn plugins_have_their_own_names_and_defaults() {
 }
 
 #[test]
-fn figures_that_sdf_lacks_are_told_by_a_plugin_of_ours() {
+fn our_plugin_gives_figures_that_sdf_lacks() {
     let unit = |inside: &str| {
         let text = format!(
             "<sensor name='u' type='imu'><topic>imu</topic><plugin name='b' filename='belvedere'>{inside}</plugin></sensor>"
@@ -296,7 +296,7 @@ fn figures_that_sdf_lacks_are_told_by_a_plugin_of_ours() {
     }
 }
 
-/// One on the world's own model tells; moved by hand it feels nothing of the way.
+/// A unit on a model of the world reports too; if it is moved by a command, it measures no acceleration.
 #[test]
 fn a_unit_of_the_world_reports_too() {
     let model = carrier(&sensor("0 0 0 0 0 0", 100, ""), "<static>true</static><pose>1 2 3 0 0 0</pose>");

@@ -1,4 +1,4 @@
-//! Receivers, magnetometers, altimeters, barometers, sonars: what they read of places that are known.
+//! Receivers, magnetometers, altimeters, barometers, sonars: their readings at known places.
 
 use crate::sdf;
 
@@ -19,7 +19,7 @@ fn world(inside: &str) -> World {
     sdf::good("1.6", inside)
 }
 
-/// Zürich, with a world whose x points so far left of east.
+/// Zürich, in a world whose x points this far to the left of east.
 fn zurich(heading_deg: f64) -> World {
     world(&format!(
         "<spherical_coordinates><surface_model>EARTH_WGS84</surface_model><latitude_deg>47.3667</latitude_deg>
@@ -28,7 +28,7 @@ fn zurich(heading_deg: f64) -> World {
     ))
 }
 
-/// A thing that floats, with this in its link, or beside it.
+/// A floating model with this content in its link, or beside it.
 fn carrier(in_link: &str, beside: &str) -> Model {
     load::model(&format!(
         "<sdf version='1.6'><model name='thing'><link name='body'><gravity>false</gravity>
@@ -53,7 +53,7 @@ impl Bench {
         Self { simulation, carrier }
     }
 
-    /// Puts the thing somewhere, moving at a velocity, and lets so many ms pass.
+    /// Moves the model to a pose with a velocity, and lets this many ms pass.
     fn put(&mut self, at: Pose, velocity: DVec3, milliseconds: u64) {
         self.simulation.place(self.carrier, &at, velocity, DVec3::ZERO).unwrap();
         self.simulation.run_for(Duration::from_millis(milliseconds));
@@ -71,12 +71,13 @@ fn near(read: [f64; 3], expected: DVec3, within: f64) {
 }
 
 #[test]
-fn a_receiver_tells_where_on_the_earth_it_is() {
+fn a_receiver_reports_its_position_on_the_earth() {
     for kind in ["gps", "navsat"] {
         let mut bench = Bench::new(zurich(0.0), &carrier(&sensor(kind, ""), ""));
         bench.put(Pose::from_translation(DVec3::new(100.0, 200.0, 3.0)), DVec3::new(1.0, 2.0, 0.0), 1);
         let fix: NavSatFix = bench.read("s");
-        // A degree there and 500 m up, from the radii of curvature of WGS 84; 200 m north, one to the east is 2.6 m shorter.
+        // A degree there and 500 m up, from the radii of curvature of WGS 84; 200 m farther north, a degree to the east
+        // is 2.6 m shorter.
         let (north, east) = (200.002 / (fix.latitude - 47.3667), 100.001 / (fix.longitude - 8.55));
         assert!((north - 111_186.8).abs() < 1.0 && (east - 75_540.0).abs() < 3.0, "{north} {east}");
         assert!((fix.altitude - 503.0).abs() < 0.01, "{fix:?}");
@@ -94,7 +95,7 @@ fn a_receiver_tells_where_on_the_earth_it_is() {
 }
 
 #[test]
-fn a_receiver_errs_in_metres() {
+fn errors_of_a_receiver_are_in_metres() {
     let noise = |stddev: f64| format!("<noise type='gaussian'><stddev>{stddev}</stddev></noise>");
     let inside = format!(
         "<gps><position_sensing><horizontal>{}</horizontal><vertical>{}</vertical></position_sensing></gps>",
@@ -117,7 +118,7 @@ fn a_receiver_errs_in_metres() {
         stddev(&|fix| fix.latitude * 111_186.8),
         stddev(&|fix| fix.altitude),
     ];
-    // Three deviations of a deviation of 1000 samples.
+    // Three standard errors of a standard deviation from 1000 samples.
     for (found, expected) in found.into_iter().zip([0.5, 0.5, 2.0]) {
         assert!((found / expected - 1.0).abs() < 0.07, "{found:?}, not {expected}");
     }
@@ -125,9 +126,9 @@ fn a_receiver_errs_in_metres() {
     near([covariance[0], covariance[4], covariance[8]], DVec3::new(0.25, 0.25, 4.0), 1e-9);
 }
 
-/// As a robot's file asks for it that drives outdoors.
+/// As in the file of an outdoor robot.
 #[test]
-fn team_hectors_receiver_has_a_place_of_its_own() {
+fn team_hectors_receiver_has_its_own_reference() {
     let plugin = |inside: &str| {
         format!(
             "<plugin name='gps' filename='libhector_gazebo_ros_gps.so'><bodyName>body</bodyName>{inside}</plugin>"
@@ -149,7 +150,7 @@ fn team_hectors_receiver_has_a_place_of_its_own() {
     let mut bench = Bench::new(zurich(0.0), &carrier("", &plugin("")));
     assert!((bench.read::<NavSatFix>("/fix").latitude - 49.9).abs() < 1e-6);
     assert!(bench.simulation.topics().unwrap().contains(&"/fix_velocity".to_owned()));
-    // What it errs by is along the world's axes.
+    // Its errors are along the world's axes.
     let errors = "<offset>3 0 1</offset><drift>0 0 0</drift>";
     let fix: NavSatFix = Bench::new(zurich(0.0), &carrier("", &plugin(errors))).read("/fix");
     assert!(((fix.latitude - 49.9) * 111_227.1 - 3.0).abs() < 0.02 && (fix.altitude - 1.0).abs() < 1e-5);
@@ -169,14 +170,14 @@ fn a_magnetometer_reads_the_worlds_field_along_its_axes() {
     near(bench.read::<MagneticField>("s").magnetic_field, DVec3::new(2e-5, 0.0, -4e-5), 1e-12);
     bench.put(Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(0.0, 0.0, FRAC_PI_2)), DVec3::ZERO, 1);
     near(bench.read::<MagneticField>("s").magnetic_field, DVec3::new(0.0, -2e-5, -4e-5), 1e-11);
-    // Without a word of it: sdf's.
+    // Without the element, the field is SDF's default.
     let mut bench = Bench::new(world(""), &carrier(&sensor("magnetometer", ""), ""));
     near(
         bench.read::<MagneticField>("s").magnetic_field,
         DVec3::new(5.5645e-6, 22.8758e-6, -42.3884e-6),
         1e-12,
     );
-    // Team Hector's: of length 1, 60° down, by default to the north, which is its x.
+    // Team Hector's field has length 1 and an inclination of 60° down, by default to the north, which is its x.
     let plugin = |inside: &str| {
         format!(
             "<plugin name='m' filename='libhector_gazebo_ros_magnetic.so'><bodyName>body</bodyName>{inside}</plugin>"
@@ -198,7 +199,7 @@ fn heights_and_pressures_are_those_of_the_place() {
     let mut bench = Bench::new(world(""), &model);
     let start: Altimeter = bench.read("alt");
     assert_eq!((start.vertical_position, start.vertical_reference), (0.0, 0.0));
-    // The standard's table, at 1000 m.
+    // The table of the standard, at 1000 m.
     let pressure: FluidPressure = bench.read("s");
     assert!((pressure.fluid_pressure / 89_876.0 - 1.0).abs() < 2e-5, "{pressure:?}");
     bench.put(Pose::from_translation(DVec3::Z * 1000.0), DVec3::Z * -3.0, 1);
@@ -221,7 +222,7 @@ fn heights_and_pressures_are_those_of_the_place() {
 }
 
 #[test]
-fn a_sonar_hears_the_first_thing_in_its_cone() {
+fn a_sonar_measures_the_nearest_surface_in_its_cone() {
     let post = |name: &str, x: f64, z: f64| {
         format!(
             "<model name='{name}'><static>true</static><pose>{x} 0 {z} 0 0 0</pose><link name='l'><collision name='c'>
@@ -230,7 +231,7 @@ fn a_sonar_hears_the_first_thing_in_its_cone() {
     };
     let floor = "<model name='floor'><static>true</static><link name='l'><collision name='c'><geometry><box>
         <size>20 20 0.2</size></box></geometry></collision></link></model>";
-    // It hears along its −z: at 4 m the cone is 1 m wide to each side.
+    // It points along its −z: at 4 m the cone extends 1 m to each side.
     let sonar = "<sonar><min>0.1</min><max>4</max><radius>1</radius></sonar>";
     let read = |things: &str, pose: Pose| {
         let mut bench = Bench::new(world(&format!("{floor}{things}")), &carrier(&sensor("sonar", sonar), ""));
@@ -244,12 +245,12 @@ fn a_sonar_hears_the_first_thing_in_its_cone() {
     assert!(
         (f64::from(alone.field_of_view) - full).abs() < 1e-6 && alone.radiation_type == Range::ULTRASOUND
     );
-    // Its middle 2 m below and 0.4 m beside is within the cone, 0.8 m beside is not.
+    // With its centre 2 m below and 0.4 m beside, it is within the cone; 0.8 m beside, it is not.
     let within = read(&post("p", 0.4, 1.1), above);
     let expected = (2.0_f64.powi(2) + 0.4_f64.powi(2)).sqrt() - 0.1;
     assert!((f64::from(within.range) - expected).abs() < 0.01, "{within:?}, not {expected}");
     assert!((f64::from(read(&post("p", 0.8, 1.1), above).range) - 3.0).abs() < 1e-3);
-    // Beyond its reach there is nothing, and what is too near is said to be (REP-117).
+    // Beyond its range there is nothing, and surfaces that are too near are reported so (REP-117).
     assert_eq!(read("", Pose::from_translation(DVec3::Z * 9.0)).range, f32::INFINITY);
     assert_eq!(read("", Pose::from_translation(DVec3::Z * 0.15)).range, f32::NEG_INFINITY);
 }
@@ -278,7 +279,7 @@ fn team_hectors_sonar_has_the_cone_of_its_rays() {
 }
 
 #[test]
-fn what_the_world_says_wrongly_is_one_error() {
+fn invalid_coordinates_of_a_world_give_one_error() {
     for (inside, expected) in [
         ("<latitude_deg>91</latitude_deg>", "<latitude_deg> is 91"),
         ("<longitude_deg>x</longitude_deg>", "'x' is not a finite number"),

@@ -1,5 +1,5 @@
-//! Clouds of lidars whose beams each have a time of their own: taken back to the world by where the sensor was at the
-//! time of each, points lie on the walls.
+//! Clouds of lidars whose beams have individual times: transformed to the world by the pose of the sensor at each
+//! point's time, they are on the walls.
 
 use belvedere::description::load;
 use belvedere::description::model::{CloudLayout, Lidar, SensorKind};
@@ -12,12 +12,12 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::time::Duration;
 
-/// How fast the sensor goes and turns.
+/// The velocity and the angular rate of the sensor.
 const SPEED: DVec3 = DVec3::new(5.0, -2.0, 0.0);
 const TURN: DVec3 = DVec3::new(0.0, 0.0, 3.0);
 const START: DVec3 = DVec3::new(-1.0, 0.5, 1.5);
 
-/// Inner faces of a room: normal outwards, and distance from the origin.
+/// The inner faces of a room: outward normals, and distances from the origin.
 const ROOM: [(DVec3, f64); 6] = [
     (DVec3::X, 6.0),
     (DVec3::NEG_X, 5.0),
@@ -42,7 +42,7 @@ fn room() -> String {
     )
 }
 
-/// A sensor that floats, and what tells of its beams.
+/// A floating sensor, with this description of its beams.
 fn floating(beams: &str) -> String {
     format!(
         "<sdf version='1.6'><model name='floating'><link name='l'><gravity>false</gravity>
@@ -56,7 +56,7 @@ fn plugin(parameters: &str) -> String {
     )
 }
 
-/// Beams of a `<ray>`, half a turn of them.
+/// Beams of a `<ray>` over half a turn.
 fn grid(parameters: &str) -> String {
     format!(
         "<update_rate>10</update_rate><ray><scan>
@@ -96,7 +96,7 @@ fn points(frame: &FrameBuf) -> Vec<Point> {
         .collect()
 }
 
-/// The cloud of a sensor that goes and turns, 0.35 s after it has begun to, with another topic of it at the same moment.
+/// The cloud of a sensor that has moved and turned for 0.35 s, with another of its topics at the same moment.
 fn cloud(beams: &str, gazebo_compat: bool, also: &str) -> (FrameHeader, Vec<Point>, FrameBuf) {
     let world = load::world("empty").unwrap();
     let mut simulation = Simulation::builder(world).gazebo_compat(gazebo_compat).build().unwrap();
@@ -104,7 +104,7 @@ fn cloud(beams: &str, gazebo_compat: bool, also: &str) -> (FrameHeader, Vec<Poin
     let sensor = simulation.spawn(&load::model(&floating(beams)).unwrap(), SpawnOptions::default()).unwrap();
     simulation.place(sensor, &Pose::from_translation(START), SPEED, TURN).unwrap();
     let (mut frame, mut other) = (FrameBuf::default(), FrameBuf::default());
-    // From now on physics remembers.
+    // From now on, physics keeps a history of poses.
     simulation.render("points", &mut frame).unwrap();
     simulation.run_for(Duration::from_millis(350));
     simulation.render("points", &mut frame).unwrap();
@@ -114,12 +114,12 @@ fn cloud(beams: &str, gazebo_compat: bool, also: &str) -> (FrameHeader, Vec<Poin
     (*frame.header(), points(&frame), other)
 }
 
-/// Where the sensor is so many seconds after the beginning.
+/// The pose of the sensor this many seconds after the beginning.
 fn world_from_sensor(time_s: f64) -> Pose {
     Pose::from_xyz_rpy(START + SPEED * time_s, TURN * time_s)
 }
 
-/// From a point in the room to what a ray meets.
+/// The distance from a point in the room to the hit of a ray.
 fn to_wall(origin: DVec3, direction: DVec3) -> f64 {
     ROOM.iter()
         .map(|(normal, distance)| (distance - origin.dot(*normal)) / direction.dot(*normal))
@@ -127,13 +127,14 @@ fn to_wall(origin: DVec3, direction: DVec3) -> f64 {
         .fold(f64::INFINITY, f64::min)
 }
 
-/// How far a point of the world is from the nearest wall, and which that is.
+/// The distance of a point of the world from the nearest wall, and the wall's index.
 fn from_wall(point: DVec3) -> (f64, usize) {
     let off = ROOM.map(|(normal, distance)| (distance - point.dot(normal)).abs());
     (0..6).map(|wall| (off[wall], wall)).min_by(|one, other| one.0.total_cmp(&other.0)).unwrap()
 }
 
-/// The farthest that points are from walls if each is taken back by the pose of its own time, or all by that of the stamp.
+/// The largest distances of points from walls if each is transformed by the pose at its own time, or all by that at the
+/// timestamp.
 fn skew(points: &[Point]) -> [f64; 2] {
     let most = |time: fn(&Point) -> f64| {
         let off = points.iter().filter(|point| !point.place.is_nan());
@@ -144,19 +145,19 @@ fn skew(points: &[Point]) -> [f64; 2] {
 }
 
 #[test]
-fn beams_of_velodynes_plugin_have_times_and_places_of_their_own() {
+fn beams_of_velodynes_plugin_have_individual_times_and_origins() {
     let (header, points, truth) = cloud(&grid(""), false, "points/truth/range");
     assert_eq!((header.kind(), header.encoding()), (Some(Kind::PointCloud), Some(Encoding::XyzIrtF32)));
     assert_eq!((header.width, header.height, header.elem_stride), (91 * 8, 1, 22));
     let [own, stamp] = skew(&points);
     println!("off by {own:.2e} m each by its time, {stamp:.2} m all by the stamp's");
-    // Physics counts in f32.
+    // Physics uses f32.
     assert!(own < 3e-4 && stamp > 0.5);
     let truth = truth.view();
     let ranges: Vec<f32> = truth.numbers::<f32>(truth.rows()).collect();
     for (index, point) in points.iter().enumerate() {
         let (column, row) = (index / 8, index % 8);
-        // From the left on, clockwise: half a turn in half of the tenth of a second.
+        // From the left, clockwise: half a turn in half of the tenth of a second.
         assert!((point.time_s - (-0.1 + 0.05 * column as f64 / 90.0)).abs() < 1e-8, "{}", point.time_s);
         let azimuth = std::f64::consts::FRAC_PI_2 * (1.0 - column as f64 / 45.0);
         assert!((point.place.y.atan2(point.place.x) - azimuth).abs() < 1e-6);
@@ -166,15 +167,15 @@ fn beams_of_velodynes_plugin_have_times_and_places_of_their_own() {
         let (_, wall) = from_wall(world_from_sensor(0.35 + point.time_s).transform_point(point.place));
         assert_eq!(point.intensity, if wall == 5 { 0.0 } else { 10.0 * (wall + 1) as f32 });
     }
-    // Gazebo's are of one moment.
+    // In Gazebo mode, all beams have the same time.
     let (_, points, _) = cloud(&grid(""), true, "points");
     let [own, _] = skew(&points);
     assert!(own < 3e-4 && points.iter().all(|point| point.time_s == 0.0), "{own}");
 }
 
 #[test]
-fn what_is_not_wanted_in_a_cloud_is_left_out_or_nan() {
-    // The ground sends nothing back.
+fn invalid_points_are_left_out_or_nan() {
+    // The ground returns no light.
     let (header, dense, _) = cloud(&grid("<min_intensity>1</min_intensity>"), false, "points");
     assert_eq!((header.height, header.width as usize), (1, dense.len()));
     let organized = grid("<min_intensity>1</min_intensity><organize_cloud>true</organize_cloud>");
@@ -184,13 +185,13 @@ fn what_is_not_wanted_in_a_cloud_is_left_out_or_nan() {
     assert!(dense.len() < all.len() && dense.len() > 300, "{}", dense.len());
     assert_eq!(there.len(), dense.len());
     assert!(there.iter().zip(&dense).all(|(one, other)| one.place == other.place && one.ring == other.ring));
-    // Nothing at all is in range.
+    // Nothing is in range.
     let (header, none, _) = cloud(&grid("<max_range>0.2</max_range>"), false, "points");
     assert_eq!((header.width, none.len()), (0, 0));
 }
 
 #[test]
-fn presets_fire_as_their_manuals_say() {
+fn presets_fire_as_in_their_manuals() {
     for (name, lasers, column_s, period_s) in
         [("vlp16", 16, 55.296e-6, 2.304e-6), ("hdl32e", 32, 46.08e-6, 1.152e-6)]
     {
@@ -204,7 +205,7 @@ fn presets_fire_as_their_manuals_say() {
         for point in &points {
             let id = order[usize::from(point.ring)];
             let laser = &head.lasers[id];
-            // A whole number of columns from one of them.
+            // A whole number of columns from one of the lasers.
             let columns = (point.time_s - points[0].time_s - period_s * id as f64) / column_s;
             let first = order[usize::from(points[0].ring)];
             let columns = columns + period_s * first as f64 / column_s;
@@ -222,13 +223,13 @@ fn presets_fire_as_their_manuals_say() {
         let stddev = (squares / points.len() as f64).sqrt();
         println!("{name}: {} points, σ {stddev:.4} m, at most {worst:.3} m", points.len());
         let device = presets::named(name).unwrap();
-        // What the steps of ranges add.
+        // The contribution of the rounding of ranges.
         let expected = device.stddev_m.hypot(device.resolution_m / f64::sqrt(12.0));
         assert!((stddev / expected - 1.0).abs() < 0.02 && worst < 6.0 * expected, "{stddev} {worst}");
     }
 }
 
-/// An image whose rows are lasers and whose columns are directions, of a sensor that goes and turns.
+/// An image whose rows are lasers and whose columns are directions, from a sensor that moves and turns.
 #[test]
 fn ousters_clouds_are_images_of_directions() {
     for (name, lasers, columns) in [("os0_128", 128, 1024), ("os1_64", 64, 512)] {
@@ -251,7 +252,7 @@ fn ousters_clouds_are_images_of_directions() {
             let (laser, time_s) = (&head.lasers[row], f64::from(u32_at(20)) * 1e-9);
             let turned = time_s / 0.1 * f64::from(columns);
             assert!((turned - turned.round()).abs() < 1e-5 && turned < f64::from(columns) - 0.5);
-            // From behind, clockwise: the column's direction within half a column.
+            // Clockwise from behind: within half a column of the column's direction.
             let looks = PI - TAU * time_s / 0.1;
             let off = looks + laser.azimuth_rad - (PI - TAU * column as f64 / f64::from(columns));
             let off = (off + PI).rem_euclid(TAU) - PI;
@@ -268,7 +269,7 @@ fn ousters_clouds_are_images_of_directions() {
             let azimuth = direction.y.atan2(direction.x) - looks - laser.azimuth_rad;
             assert!(((azimuth + PI).rem_euclid(TAU) - PI).abs() < 1e-5);
             let (measured, pose) = ((point - origin).length(), world_from_sensor(0.25 + time_s));
-            // From the axis.
+            // Measured from the axis.
             assert!((f64::from(u32_at(32)) * 1e-3 - measured - along).abs() < 0.51e-3);
             let truth = to_wall(pose.transform_point(origin), pose.transform_vector(direction));
             (count, squares) = (count + 1.0, squares + (measured - truth).powi(2));
@@ -283,7 +284,7 @@ fn ousters_clouds_are_images_of_directions() {
     }
 }
 
-/// Ranges of a scan that turns, from where the sensor was at the time of each ray.
+/// Ranges of a scan, from the pose of the sensor at the time of each ray.
 #[test]
 fn scanners_of_one_beam_send_scans() {
     let laser = "<plugin name='p' filename='libgazebo_ros_laser.so'><topicName>points</topicName></plugin>";
@@ -338,7 +339,7 @@ fn scanners_of_one_beam_send_scans() {
         let mean = sum / count;
         let stddev = (squares / count - mean * mean).sqrt();
         println!("{name}: {count} rays, {mean:.3} ± {stddev:.3} σ");
-        // Four deviations of what so many rays may be off by; what is systematic is up to three of its own.
+        // Four standard errors for this many rays; systematic errors are up to three of their own standard deviations.
         let systematic = 3.0 * head.bias_stddev_m / 0.012;
         assert!(mean.abs() < 4.0 / f64::sqrt(count) + systematic, "{name}: {mean}");
         assert!((stddev - 1.0).abs() < 4.0 / f64::sqrt(2.0 * count), "{name}: {stddev}");
@@ -346,13 +347,13 @@ fn scanners_of_one_beam_send_scans() {
 }
 
 #[test]
-fn files_say_which_scanner_it_is() {
+fn the_preset_of_a_file_selects_the_scanner() {
     let plugin =
         "<plugin name='p' filename='libgazebo_ros_velodyne_gpu_laser.so'><ros><namespace>/car</namespace>
         <remapping>~/out:=points</remapping></ros><frame_name>velodyne</frame_name>
         <organize_cloud>true</organize_cloud><min_intensity>3</min_intensity></plugin>";
     let read = |beams: &str| load::model(&floating(beams)).map(|mut model| model.sensors.remove(0));
-    // Without an <update_rate> it turns as it comes; ranges and noise are its own.
+    // Without an <update_rate> it has its default rate; ranges and noise are its own.
     let sensor = read(&format!("{}{plugin}", own("vlp16"))).unwrap();
     assert_eq!(sensor.effective_rate_hz(), Some(10.0));
     let SensorKind::Ray(Lidar { ray, plugin: Some(laser), preset: Some(device), .. }) = sensor.kind else {
@@ -362,12 +363,12 @@ fn files_say_which_scanner_it_is() {
     assert_eq!((ray.range_min_m, ray.range_max_m, ray.noise.precision), (1.0, 100.0, 0.002));
     assert_eq!((laser.topic.as_str(), laser.frame_name.as_str()), ("/car/points", "velodyne"));
     assert_eq!(laser.cloud, Some(CloudLayout { is_organized: true, min_intensity: 3.0 }));
-    // As gz-sim has it.
+    // As in gz-sim.
     let sensor =
         read(&format!("<topic>lidar</topic><update_rate>20</update_rate>{}", own("hdl32e"))).unwrap();
     let SensorKind::Ray(Lidar { plugin: Some(laser), .. }) = sensor.kind else { panic!() };
     assert_eq!((laser.topic.as_str(), laser.cloud), ("/lidar/points", Some(CloudLayout::default())));
-    // Columns and rates in the choices that there are.
+    // Columns and rates from the available choices.
     let columns = |name: &str, columns: &str, rate: &str| {
         let own = own(name).replace("</preset>", &format!("</preset><columns>{columns}</columns>"));
         format!("<update_rate>{rate}</update_rate>{own}")

@@ -1,4 +1,4 @@
-//! Clouds in the layouts of Livox's drivers, of a flash, and of a head of 128 lasers.
+//! Clouds in the layouts of Livox's drivers, of a flash lidar, and of a head of 128 lasers.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
@@ -9,7 +9,7 @@ use belvedere_sensors::scanner::presets;
 use glam::DVec3;
 use std::time::Duration;
 
-/// How fast the sensor goes, and where it starts: 6 m before a wall, at whose middle it looks.
+/// The velocity of the sensor, which starts 6 m in front of a wall and faces its middle.
 const SPEED: DVec3 = DVec3::new(5.0, 0.0, 0.0);
 const START: DVec3 = DVec3::new(-1.0, 0.0, 6.0);
 const WALL_X: f64 = 5.0;
@@ -24,7 +24,7 @@ struct Point {
     time_ns: f64,
 }
 
-/// A cloud of a sensor on its way to the wall.
+/// A cloud of a sensor that moves towards the wall.
 fn cloud(own: &str, until_ms: u64) -> (FrameHeader, FrameBuf) {
     let wall = format!(
         "<sdf version='1.6'><model name='wall'><static>true</static><link name='l'><collision name='c'>
@@ -41,7 +41,7 @@ fn cloud(own: &str, until_ms: u64) -> (FrameHeader, FrameBuf) {
     let sensor = simulation.spawn(&load::model(&robot).unwrap(), SpawnOptions::default()).unwrap();
     simulation.place(sensor, &Pose::from_translation(START), SPEED, DVec3::ZERO).unwrap();
     let mut frame = FrameBuf::default();
-    // From now on physics remembers.
+    // From now on, physics keeps a history of poses.
     simulation.render("lidar/points", &mut frame).unwrap();
     simulation.run_for(Duration::from_millis(until_ms));
     simulation.render("lidar/points", &mut frame).unwrap();
@@ -66,9 +66,9 @@ fn livox(own: &str) -> (FrameHeader, Vec<Point>) {
 }
 
 #[test]
-fn a_mid_70_sends_what_livoxs_driver_does() {
+fn a_mid_70_sends_the_cloud_of_livoxs_driver() {
     let (header, points) = livox("<preset>mid70</preset>");
-    // From the beginning of the scan on, every 10 µs; all of the cone meets the wall or the ground.
+    // Every 10 µs from the beginning of the scan; the whole cone hits the wall or the ground.
     assert_eq!(
         (header.stamp_ns, header.width, header.height, header.elem_stride),
         (200_000_000, 10_000, 1, 26)
@@ -95,9 +95,10 @@ fn a_mid_70_sends_what_livoxs_driver_does() {
     assert!(count > 9000.0 && (stddev / 0.02 - 1.0).abs() < 0.03 && off_stamp > 0.4, "{stddev}");
 }
 
-/// Volleys of four lasers, 20 µs apart, of which the wall and the ground are met; six lasers one after the other.
+/// Volleys of four lasers, 20 µs apart, some of which hit the wall and the ground; and six lasers that fire one after
+/// the other.
 #[test]
-fn a_mid_360_and_a_hap_tell_their_lasers_as_lines() {
+fn a_mid_360_and_a_hap_report_their_lasers_as_lines() {
     for (name, volley_ns, laser_ns, lasers) in [("mid360", 20_000.0, 0.0, 4_u8), ("hap", 13_274.0, 2212.0, 6)]
     {
         let (header, points) = livox(&format!("<preset>{name}</preset>"));
@@ -107,7 +108,8 @@ fn a_mid_360_and_a_hap_tell_their_lasers_as_lines() {
         for point in &points {
             assert!(point.line < lasers && point.tag == 0);
             lines[usize::from(point.line)] += 1;
-            // Volleys go on without regard to frames, of which this is the second: it begins 0.1 s after the first volley.
+            // Volleys continue independent of frames. This is the second frame, which begins 0.1 s after the first
+            // volley.
             let since_first_ns = point.time_ns - header.stamp_ns as f64 + 1e8;
             let volley = (since_first_ns - laser_ns * f64::from(point.line)) / volley_ns;
             assert!((volley - volley.round()).abs() * volley_ns < 1.0, "{name}: {} ns", point.time_ns);
@@ -129,7 +131,7 @@ fn livoxs_reflectivity_and_returns_are_on_its_scales() {
     );
     assert!(points.len() >= 10_000, "{}", points.len());
     for point in points.iter().filter(|point| (START + SPEED * point.time_ns * 1e-9 + point.place).z > 1.0) {
-        // The beam is 5 mrad high, and its rays meet the wall at angles that differ by as much.
+        // The beam is 5 mrad high, and the angles of its rays at the wall differ by as much.
         let expected = 1.5 * f64::from(RETRO) * point.place.normalize().x;
         assert!((f64::from(point.intensity) / expected - 1.0).abs() < 0.01, "{}", point.intensity);
         assert_eq!(point.tag, 0);
@@ -137,9 +139,9 @@ fn livoxs_reflectivity_and_returns_are_on_its_scales() {
     assert!(points.iter().all(|point| point.tag == 0 || point.tag == 0x10));
 }
 
-/// All pixels at the stamp, in rows.
+/// All pixels have the timestamp of the frame, in rows.
 #[test]
-fn a_flash_is_a_picture_of_one_moment() {
+fn all_pixels_of_a_flash_lidar_have_the_same_time() {
     let (header, frame) = cloud("<preset>hfl110</preset>", 200);
     assert_eq!(header.encoding(), Some(Encoding::XyzIrtF32));
     let view = frame.view();
@@ -170,12 +172,12 @@ fn a_vls_128_has_128_rings() {
     for bytes in view.numbers::<[u8; 22]>(view.rows()) {
         seen[usize::from(u16::from_le_bytes([bytes[16], bytes[17]]))] += 1;
         let float = |at: usize| f64::from(f32::from_le_bytes(bytes[at..at + 4].try_into().unwrap()));
-        // By the time of the stamp the head looks ahead again; lasers look aside by up to 6.4°.
+        // At the timestamp, the head points ahead again; lasers point aside by up to 6.4°.
         let looks = -(float(18) / 0.1 * 360.0 + 360.0);
         let azimuth = float(4).atan2(float(0)).to_degrees();
         let aside = (azimuth - looks + 180.0).rem_euclid(360.0) - 180.0;
         assert!(aside.abs() < 6.36 && aside.abs() > 0.9, "{aside}");
     }
-    // Each ring meets the wall.
+    // Each ring hits the wall.
     assert!(seen.iter().all(|points| *points > 400), "{seen:?}");
 }

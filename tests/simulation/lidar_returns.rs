@@ -1,4 +1,4 @@
-//! What files say of a lidar's beams: several returns, reflectivity, weather, in its clouds.
+//! The beams of a lidar as described in files: several returns, reflectivity and weather in its clouds.
 
 use belvedere::description::load;
 use belvedere::description::model::{Lidar, PacketProfile, SensorKind};
@@ -10,7 +10,7 @@ use belvedere_sensors::scanner::{Beam, Crosstalk, Halo, Intensity, Receiver, Ret
 use glam::DVec3;
 
 const EYE: DVec3 = DVec3::new(0.0, 0.0, 2.5);
-/// A plate before a wall: how far each is in front of the sensor, and its reflectivity in per cent.
+/// A plate in front of a wall: the distance of each from the sensor, and its reflectivity in per cent.
 const PLATE: (f64, f64) = (3.0, 40.0);
 const WALL: (f64, f64) = (8.0, 80.0);
 /// Half the size of the plate.
@@ -30,7 +30,7 @@ fn plates() -> String {
     )
 }
 
-/// A sensor that floats, with an update rate of 10 Hz; `beams` begins on line 3.
+/// A floating sensor with an update rate of 10 Hz; `beams` begins on line 3.
 fn floating(beams: &str) -> String {
     format!(
         "<sdf version='1.6'><model name='floating'><link name='l'><gravity>false</gravity>
@@ -82,7 +82,7 @@ fn points(frame: &FrameBuf) -> Vec<Point> {
         .collect()
 }
 
-/// What a topic of the sensor has of the plates.
+/// The content of a topic of the sensor in front of the plates.
 fn taken(beams: &str, topic: &str) -> (FrameHeader, FrameBuf) {
     let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
     simulation.spawn(&load::model(&plates()).unwrap(), SpawnOptions::default()).unwrap();
@@ -98,7 +98,7 @@ fn cloud(elements: &str, parameters: &str) -> (FrameHeader, Vec<Point>) {
     (header, points(&frame))
 }
 
-/// The cosine of the angle at which beams meet the plates, and which of them a point is on.
+/// The cosine of the angle at which a beam hits the plates, and the plate that a point is on.
 fn met(point: &Point) -> (f64, (f64, f64)) {
     let cos = point.place.normalize().x;
     let plate = if point.place.x < 0.5 * (PLATE.0 + WALL.0) { PLATE } else { WALL };
@@ -117,25 +117,25 @@ fn both_returns_of_a_beam_at_an_edge_are_in_the_cloud() {
         let (cos, plate) = met(last);
         let second = second.filter(|second| (second.time_s, second.ring) == (last.time_s, last.ring));
         let Some(second) = second else {
-            // All of a beam, from a diffuse surface.
+            // The whole beam, from a diffuse surface.
             assert!((last.intensity / (plate.1 * cos) - 1.0).abs() < 1e-3, "{}", last.intensity);
             next += 1;
             continue;
         };
         let (second_cos, before) = met(second);
         assert_eq!((plate, before), (WALL, PLATE));
-        // What one has the other has not.
+        // The two shares add up to the whole.
         let shares = last.intensity / (WALL.1 * cos) + second.intensity / (PLATE.1 * second_cos);
         assert!((shares - 1.0).abs() < 5e-3, "{shares}");
         let edge = second.place.y.abs().max(second.place.z.abs()) / second.place.x * PLATE.0;
         assert!((edge - HALF).abs() < 0.0101 * PLATE.0 * 1.05, "{edge}");
         (pairs, next) = (pairs + 1, next + 2);
     }
-    // Seven rows of beams end at the plate's left and right; so far each beam reaches to either side: rings of rays at three
-    // quarters of it.
+    // Seven rows of beams end at the plate's left and right side. Each beam reaches this far to either side, because
+    // the rings of rays are at three quarters of the radius.
     let expected = 7.0 * 2.0 * (2.0 * 0.75 * 0.01) / 0.002;
     assert!((f64::from(pairs) / expected - 1.0).abs() < 0.25, "{pairs}");
-    // A row a return; without the second, one.
+    // With `organize_cloud`, there is one row per return; without the second return, one row.
     let organized = "<organize_cloud>true</organize_cloud>";
     let (header, rows) = cloud(wide, organized);
     assert_eq!((header.width, header.height, rows.len()), (9, 301 * 2, 9 * 301 * 2));
@@ -148,7 +148,7 @@ fn both_returns_of_a_beam_at_an_edge_are_in_the_cloud() {
 }
 
 #[test]
-fn fog_takes_its_share_and_a_receiver_notices_no_less_than_it_can() {
+fn fog_attenuates_and_a_receiver_has_a_threshold() {
     let seen = |more: &str| cloud(&format!("<intensity>reflectivity</intensity>{more}"), "").1;
     let (clear, fog) = (seen(""), seen("<fog_visibility>20</fog_visibility>"));
     let extinction = 20.0_f64.ln() / 20.0;
@@ -158,16 +158,16 @@ fn fog_takes_its_share_and_a_receiver_notices_no_less_than_it_can() {
         let lost = (-2.0 * extinction * one.place.length()).exp();
         assert!((other.intensity / one.intensity / lost - 1.0).abs() < 1e-4, "{}", other.intensity);
     }
-    // Of the wall's 0.8 from 8 m there is 0.0125; 0.9 from 8 m is 0.0141, and the plate sends 0.044.
+    // 0.0125 is left of the wall's 0.8 from 8 m; 0.9 from 8 m is 0.0141, and the plate returns 0.044.
     let near = seen("<receiver_reach>8</receiver_reach>");
     assert!(near.len() > 500 && near.iter().all(|point| met(point).1 == PLATE), "{}", near.len());
     let far = seen("<receiver_reach>12</receiver_reach>");
     assert_eq!(far.len(), clear.len());
 }
 
-/// The second returns are in a cloud of their own, pixel by pixel.
+/// The second returns are in a separate cloud, pixel by pixel.
 #[test]
-fn an_ousters_second_returns_are_a_second_cloud() {
+fn second_returns_of_an_ouster_are_a_second_cloud() {
     let beams = own("<preset>os0_32</preset><columns>2048</columns><returns>dual</returns>") + &velodyne("");
     let images = ["points", "points2"].map(|topic| taken(&beams, topic));
     let [first, second] = images.map(|(header, frame)| {
@@ -211,13 +211,13 @@ fn elements_of_the_plugin_are_those_of_a_scanner() {
     assert_eq!(physics.crosstalk, Crosstalk { chance: 0.001 });
     assert_eq!(physics.receiver, Some(Receiver { reach_m: 90.0, resolution_m: 0.1, background: 3.0 }));
     assert_eq!(physics.weather, Weather { visibility_m: 50.0, rain_mm_per_h: 30.0, snow_mm_per_h: 2.0 });
-    // Who wants more than the strongest return has rays for it, in a beam as wide as the preset's.
+    // If more than the strongest return is requested, the beam has several rays, and the width of the preset's beam.
     let lidar = lidar_of(&(own("<preset>vlp16</preset><returns>dual</returns>") + &velodyne(""))).unwrap();
     let beam = Beam { divergence_rad: [3e-3, 1.5e-3], aperture_m: [0.0127, 0.0095], rays: 8 };
     assert_eq!((lidar.physics.returns, lidar.physics.beam), (Returns::Dual, beam));
     let lidar = lidar_of(&(own("<preset>vlp16</preset>") + &velodyne(""))).unwrap();
     assert_eq!((lidar.physics.returns, lidar.physics.beam.rays), (Returns::Strongest, 1));
-    // Ouster's profile of two returns, and the returns of its packets, tell each other.
+    // Ouster's profile with two returns implies two returns of the packets, and the reverse.
     let dual = PacketProfile::Rng19Rfl8Sig16Nir16Dual;
     for more in
         ["<returns>dual</returns>", "<udp_profile_lidar>RNG19_RFL8_SIG16_NIR16_DUAL</udp_profile_lidar>"]
@@ -231,7 +231,7 @@ fn elements_of_the_plugin_are_those_of_a_scanner() {
 }
 
 #[test]
-fn what_beams_cannot_be_is_refused_with_its_line() {
+fn invalid_beams_are_refused_with_their_line() {
     let laser = "<plugin name='p' filename='libgazebo_ros_laser.so'><topicName>points</topicName></plugin>";
     let vlp = |element: &str| own(&format!("<preset>vlp16</preset>\n{element}")) + &velodyne("");
     for (beams, expected) in [

@@ -1,11 +1,11 @@
-//! `<optics>` of visuals and collisions: what lidars and depth cameras see by way of mirrors and panes.
+//! `<optics>` of visuals and collisions: lidars and depth cameras see reflections in mirrors and surfaces behind panes.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 
-/// A wall 4 m to the left, a mirror 3 m ahead at 45° that shows it, and a pane 2 m behind with a wall 5 m behind it. Gazebo's
-/// CPU lidars see the collisions, all others the visuals.
+/// A wall 4 m to the left, a mirror 3 m ahead at 45° that reflects it, and a pane 2 m behind with a wall 5 m behind.
+/// Gazebo's CPU lidars see the collisions, all other sensors the visuals.
 fn walls(part: &str) -> String {
     let thing = |name: &str, pose: &str, size: &str, optics: &str| {
         format!(
@@ -48,7 +48,7 @@ fn taken(sensor: &str, part: &str, topic: &str) -> FrameBuf {
 }
 
 #[test]
-fn lidars_see_by_way_of_mirrors_and_panes() {
+fn lidars_see_reflections_and_through_panes() {
     for (kind, part) in [("ray", "collision"), ("gpu_ray", "visual")] {
         let lidar = format!(
             "<sensor name='s' type='{kind}'><pose>0 0 1 0 0 0</pose><ray><scan><horizontal><samples>3</samples>
@@ -57,19 +57,19 @@ fn lidars_see_by_way_of_mirrors_and_panes() {
         );
         let frame = taken(&lidar, part, "scan");
         let planes: &[f32] = bytemuck::cast_slice(frame.view().payload());
-        // Ahead the wall on the left, 3 + 4 m away; on the left nothing; behind through the pane.
+        // Ahead, the wall on the left, 3 + 4 m away; on the left nothing; behind, the wall behind the pane.
         let expected = [7.0, f32::INFINITY, 5.0];
         for (found, expected) in planes[..3].iter().zip(expected) {
             let near = (found - expected).abs() < 1e-4 || *found == expected;
             assert!(near, "{kind}: {:?} instead of {expected}", &planes[..3]);
         }
-        // Named "left" and "behind", they have as much of `laser_retro` as letters.
+        // For "left" and "behind", `laser_retro` is the number of letters of the name.
         assert_eq!(planes[3..6], [4.0, 0.0, 6.0], "{kind}");
     }
 }
 
 #[test]
-fn depth_cameras_see_by_way_of_mirrors_and_panes() {
+fn depth_cameras_see_reflections_and_through_panes() {
     for (yaw, expected) in [(0.0, 7.0), (std::f64::consts::PI, 5.0)] {
         let camera = format!(
             "<sensor name='s' type='depth_camera'><pose>0 0 1 0 0 {yaw}</pose><camera><horizontal_fov>0.1</horizontal_fov>
@@ -84,7 +84,7 @@ fn depth_cameras_see_by_way_of_mirrors_and_panes() {
 }
 
 #[test]
-fn what_optics_cannot_be_is_refused_with_its_line() {
+fn invalid_optics_are_refused_with_their_line() {
     let model = |optics: &str| {
         format!(
             "<sdf version='1.6'><model name='m'><link name='l'><visual name='v'>

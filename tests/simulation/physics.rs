@@ -1,4 +1,4 @@
-//! What files say of joints and masses, and what physics makes of it.
+//! Joints and masses in files, and their effect in physics.
 
 use crate::sdf;
 
@@ -13,7 +13,7 @@ use glam::DVec3;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// A wheel or slide without weight on a post, and its limits.
+/// A weightless wheel or slide on a post, with its limits.
 fn limited(kind: &str, limits: &str) -> World {
     good(
         "1.6",
@@ -27,7 +27,7 @@ fn limited(kind: &str, limits: &str) -> World {
     )
 }
 
-/// Where a joint comes to when its motor turns it for so long at 4 rad/s or m/s.
+/// The position that a joint reaches if its motor turns it for this time at 4 rad/s or m/s.
 fn driven(world: &World, velocity: f64, seconds: f64) -> f64 {
     let mut physics = Physics::new(world).unwrap();
     let joint = world.models[0].joints.iter().position(|joint| joint.kind != JointKind::Fixed).unwrap();
@@ -52,7 +52,7 @@ fn a_limit_holds_on_one_side_and_beyond_a_turn() {
 }
 
 #[test]
-fn an_inertia_that_no_body_has_is_told_and_harmless() {
+fn an_impossible_inertia_is_reported_and_harmless() {
     let tumbling = |inertia: &str| {
         let content = format!(
             "<model name='m'><pose>0 0 0 0 0 0</pose><link name='l'><gravity>false</gravity><inertial><mass>1</mass><inertia>{inertia}</inertia></inertial>
@@ -71,7 +71,7 @@ fn an_inertia_that_no_body_has_is_told_and_harmless() {
     assert_eq!(problem.severity, Severity::Warning);
     assert!(problem.to_string().contains("not positive definite"), "{problem}");
     assert!(speed < 10.0, "{speed}");
-    // Thin ones and points, as files have them.
+    // Thin bodies and points, as they occur in files.
     for good in ["<ixx>0</ixx><iyy>0</iyy><izz>0</izz>", "<ixx>0</ixx><iyy>0.1</iyy><izz>0.1</izz>"] {
         let (problems, speed) = tumbling(good);
         assert!(problems.is_empty(), "{problems:#?}");
@@ -79,9 +79,9 @@ fn an_inertia_that_no_body_has_is_told_and_harmless() {
     }
 }
 
-/// An arm with a gripper whose fingers' inertia is a guess, as a public robot has it, swings and comes to rest.
+/// An arm with a gripper whose fingers' inertia is a guess, as in a public robot, swings and comes to rest.
 #[test]
-fn fingers_with_inertia_about_one_axis_alone_do_not_blow_up() {
+fn fingers_with_inertia_about_only_one_axis_stay_stable() {
     let finger = |name: &str, side: f64| {
         format!(
             "<link name='{name}'><pose>0.8 {} 1 0 0 0</pose><inertial><mass>0.08</mass><inertia><ixx>0.002</ixx><iyy>0</iyy><izz>0</izz></inertia></inertial></link>
@@ -114,12 +114,12 @@ fn fingers_with_inertia_about_one_axis_alone_do_not_blow_up() {
         physics.step();
         fastest = fastest.max(physics.link_velocity(0, lower).0.length());
     }
-    // From 0.4 m up it can fall with √(2·9.8·0.4) = 2.8 m/s, whipped by what falls with it some more.
+    // From 0.4 m up it can fall with √(2·9.8·0.4) = 2.8 m/s; the other falling parts can make it somewhat faster.
     assert!(fastest < 8.0, "{fastest} m/s");
 }
 
 #[test]
-fn links_of_a_model_touch_where_it_says_so_and_never_over_a_joint() {
+fn links_of_a_model_collide_only_on_request_and_never_across_a_joint() {
     // A drop of 1 m onto a plate of the same model, and a knob on a joint within that plate.
     let fallen = |model: &str, link: &str| {
         let content = format!(
@@ -163,11 +163,11 @@ fn a_ball_swings_about_its_pivot_in_all_directions() {
         assert!((at.distance(DVec3::Z * 2.0) - 1.25_f64.sqrt()).abs() < 0.01, "{at}");
         lowest = if at.z < lowest.z { at } else { lowest };
     }
-    // It comes through the bottom, under the pivot, as it swings.
+    // It swings through the bottom, below the pivot.
     assert!((lowest.z - (2.0 - 1.25_f64.sqrt())).abs() < 0.01, "{lowest}");
 }
 
-/// A Kobuki that stands on its casters alone, pushed: what friction leaves of 0.5 m/s after half a second.
+/// A Kobuki that stands only on its casters is pushed: the speed that friction leaves of 0.5 m/s after half a second.
 fn glides(friction: Option<f64>) -> f64 {
     let mut robot = kobuki();
     for link in robot.links.iter_mut().filter(|link| link.name.contains("caster")) {
@@ -198,7 +198,7 @@ fn glides(friction: Option<f64>) -> f64 {
 }
 
 #[test]
-fn casters_rub_as_their_file_says() {
+fn casters_have_the_friction_of_their_file() {
     assert!((glides(Some(0.0)) - 0.5).abs() < 0.02, "{}", glides(Some(0.0)));
     // μ = 0.05 takes 0.05 · 9.8 m/s² · 0.5 s.
     assert!((glides(Some(0.05)) - (0.5 - 0.245)).abs() < 0.02, "{}", glides(Some(0.05)));
@@ -207,7 +207,7 @@ fn casters_rub_as_their_file_says() {
 }
 
 #[test]
-fn a_wheel_of_triangles_has_their_radius() {
+fn the_radius_of_a_wheel_is_taken_from_its_triangles() {
     let ring = |radius: f32| -> Mesh {
         let corner = |number: u32, z: f32| {
             let (sin, cos) = (number as f32 * 0.1 * std::f32::consts::TAU / 2.0).sin_cos();
@@ -243,7 +243,7 @@ fn a_wheel_of_triangles_has_their_radius() {
 }
 
 #[test]
-fn a_model_stands_where_its_canonical_link_is() {
+fn the_pose_of_a_model_is_that_of_its_canonical_link() {
     let links = "<link name='falls'/><link name='stays'><gravity>false</gravity></link>";
     for (attribute, expected) in [("canonical_link='stays'", 5.0), ("", 5.0 - 0.5 * 9.8)] {
         let world =

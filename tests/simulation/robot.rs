@@ -1,4 +1,4 @@
-//! The robot's base in the physics: it drives straight, turns, stands still, stops, and respects walls.
+//! The robot's base in physics: it drives straight, turns, stands still, stops, and does not pass walls.
 
 use crate::robot_models;
 
@@ -10,10 +10,10 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Steps in seconds that worlds use: corridor, a Gazebo server at 250 Hz, playground.
+/// The steps in seconds of worlds: corridor, a Gazebo server at 250 Hz, playground.
 const STEPS_S: [f64; 3] = [0.001, 0.004, 0.01];
 
-/// How much slower than told a loaded motor may run: rapier's solver is iterative.
+/// How much slower than commanded a loaded motor may run, because rapier's solver is iterative.
 const MOTOR_LAG: f64 = 0.07;
 
 struct Bench {
@@ -56,7 +56,7 @@ impl Bench {
         self.highest_m = self.highest_m.max(base.translation().z);
     }
 
-    /// Runs for a time; `command` is given anew every 0.1 s, as a user's node would.
+    /// Runs for a time; `command` is repeated every 0.1 s, as a user's node would do.
     fn run(&mut self, seconds: f64, command: Option<Command>) {
         let end_ns = self.physics.time_ns() + (seconds * 1e9) as u64;
         let mut next_command_ns = self.physics.time_ns();
@@ -130,7 +130,7 @@ fn stops_at_a_wall() {
         let mut bench = Bench::new(step_s, vec![wall], Pose::IDENTITY);
         bench.run(6.0, Some(command(0.7, 0.0)));
         let base = bench.base();
-        // The wall's face is at 0.95, the base's radius 0.178.
+        // The wall's face is at 0.95, the base's radius is 0.178.
         assert!((base.translation().x - 0.772).abs() < 0.02, "{}", base.translation());
         assert!(bench.lowest_m > -0.02 && bench.highest_m < 0.05, "{}..{}", bench.lowest_m, bench.highest_m);
         bench.run(2.0, Some(command(-0.3, 0.0)));
@@ -144,7 +144,7 @@ fn stops_without_commands() {
     bench.robot.command(Command::new(0.5, 0.0), 0);
     bench.run(2.0, None);
     let from = bench.base().translation();
-    // 0.5 s to get up to speed, 0.1 s at it, 0.5 s to stop.
+    // 0.5 s to accelerate, 0.1 s at full speed, 0.5 s to stop.
     assert!((from.x - 0.3).abs() < 0.01, "{from}");
     bench.run(1.0, None);
     assert!(bench.base().translation().distance(from) < 1e-4);
@@ -179,7 +179,7 @@ fn a_box_is_a_passive_robot() {
 
 #[test]
 fn stands_and_climbs_on_a_slope() {
-    // 10 degrees about y, nose up; friction 1 holds up to 45.
+    // 10 degrees about y, nose up; friction 1 holds up to 45 degrees.
     let slope = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(0.0, -10.0_f64.to_radians(), 0.0));
     let plane = static_model("slope", slope, Geometry::Plane { normal: DVec3::Z, size: [100.0; 2] });
     let mut physics = Physics::new(&world(0.004, vec![plane])).expect("a good world");
@@ -201,7 +201,7 @@ fn stands_and_climbs_on_a_slope() {
     assert!((climbed.x - (1.5 - 0.045)).abs() < 0.02, "{climbed}");
 }
 
-/// Poses of links, the published transforms and the moving links agree, between steps too.
+/// Poses of links, the published transforms and the moving links agree, also between steps.
 #[test]
 fn transforms_agree_with_the_world() {
     let model = kobuki();
@@ -252,7 +252,7 @@ fn the_same_run_gives_the_same_bits() {
 
 /// A pendulum on a motor that holds it level: the effort is m·g·l.
 #[test]
-fn a_motor_tells_its_effort() {
+fn a_motor_reports_its_effort() {
     use belvedere::description::model::JointKind;
     let mut arm = empty_model("arm");
     arm.links.push(robot_models::link("stand", Pose::IDENTITY));
@@ -270,7 +270,7 @@ fn a_motor_tells_its_effort() {
         physics.step();
     }
     let state = physics.joint_state(index, 0).expect("it moves");
-    // About +y a positive turn lowers the rod, so the motor pushes the other way.
+    // A positive turn about +y lowers the rod, so the motor pushes in the other direction.
     assert!((state.effort.abs() - 2.0 * 9.8 * 0.5).abs() < 0.1, "{state:?}");
     physics.drive_joint(index, 0, -1.0, 100.0);
     for _ in 0..1000 {

@@ -1,4 +1,4 @@
-//! Streams, their frames, and the noise of sensors: each by what it is called, whatever else there is.
+//! Streams, their frames, and the noise of sensors depend on names, not on other sensors.
 
 use belvedere::description::load;
 use belvedere::description::model::{Model, World};
@@ -7,7 +7,7 @@ use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// A thing of links, each with sensors: `(link, [(sensor, topic)])`.
+/// A model with links that have sensors: `(link, [(sensor, topic)])`.
 fn thing(links: &[(&str, &[(&str, &str)])]) -> Model {
     let sensor = |(name, topic): &(&str, &str)| {
         format!(
@@ -43,24 +43,24 @@ fn noise(links: &[(&str, &[(&str, &str)])], topic: &str) -> Vec<u8> {
 }
 
 #[test]
-fn noise_goes_by_what_a_sensor_is_called_and_not_by_its_place() {
+fn noise_depends_on_the_name_of_a_sensor_not_on_its_position() {
     let alone = noise(&[("body", &[("c", "/c")])], "/c");
-    // Others beside it, before it and behind it, on its link and on others, even of its name.
+    // With other sensors beside it, before it and after it, on its link and on others, even with the same name.
     assert_eq!(noise(&[("body", &[("a", "/a"), ("c", "/c"), ("d", "/d")])], "/c"), alone);
     assert_eq!(noise(&[("arm", &[("a", "/a"), ("c", "/arm/c")]), ("body", &[("c", "/c")])], "/c"), alone);
-    // Its topic is not its name.
+    // The topic does not matter.
     assert_eq!(noise(&[("body", &[("c", "/x")])], "/x"), alone);
     assert_ne!(noise(&[("body", &[("x", "/c")])], "/c"), alone);
     let both: &[_] = &[("arm", &[("c", "/arm/c")][..]), ("body", &[("c", "/c")])];
     assert_ne!(noise(both, "/arm/c"), noise(both, "/c"));
-    // No file should, but two on one link may have one name.
+    // Files should not do this, but two sensors on one link may have the same name.
     let twins: &[_] = &[("body", &[("c", "/c"), ("c", "/d")][..])];
     assert_eq!(noise(twins, "/c"), alone);
     assert_ne!(noise(twins, "/d"), alone);
 }
 
 #[test]
-fn models_without_namespaces_have_noise_of_their_own() {
+fn models_without_namespaces_have_different_noise() {
     let mut simulation = Simulation::builder(World::empty()).build().unwrap();
     spawn(&mut simulation, &thing(&[("body", &[("c", "/c")])]), "one", 0.0);
     let alone = rendered(&mut simulation, "/c");
@@ -72,7 +72,7 @@ fn models_without_namespaces_have_noise_of_their_own() {
 
 #[test]
 fn no_frame_within_a_namespace_begins_with_a_slash() {
-    // Gazebo's plugin names the frame /world if the file names none.
+    // Gazebo's plugin uses the frame /world if the file names none.
     let model = load::model(
         "<sdf version='1.6'><model name='m'><link name='l'><sensor name='s' type='ray'><ray><range><max>9</max></range></ray>
          <plugin name='p' filename='libgazebo_ros_laser.so'><topicName>scan</topicName></plugin></sensor></link></model></sdf>",
@@ -91,7 +91,7 @@ fn no_frame_within_a_namespace_begins_with_a_slash() {
 }
 
 #[test]
-fn notes_tell_what_is_decided_when_streams_are_opened() {
+fn notes_report_decisions_made_when_streams_are_opened() {
     let model = load::model(
         "<sdf version='1.6'><model name='m'><static>true</static><link name='l'>
          <sensor name='gps' type='navsat'><topic>fix</topic></sensor></link></model></sdf>",

@@ -8,6 +8,8 @@ export function shortened(name: string): HTMLElement {
   whole.title = name;
   head.textContent = name.slice(0, cut);
   tail.textContent = name.slice(cut);
+  // The style sheet reserves room for an ellipsis, which so short a beginning does not need.
+  if (cut <= 2) head.style.minWidth = "max-content";
   whole.append(head, tail);
   return whole;
 }

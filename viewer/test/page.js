@@ -1,9 +1,8 @@
-// The page in Chromium against a live simulator: belvedere's program, then the folder for screenshots.
+// The page in Chromium against a live simulator: the argument is belvedere's program.
 import assert from "node:assert/strict";
 import { chromium } from "playwright-core";
 import { end, killAll, sleep, start, until } from "./simulator.js";
 
-const pictures = process.argv[3];
 const KINECT = ["--robot", "kobuki_hexagons_kinect", "--world", "playground", "--drive", "still"];
 const PICTURE = "camera/rgb/image_raw";
 
@@ -207,11 +206,6 @@ try {
   await until("pictures again", async () => (await viewer(page)).frames[PICTURE] > frames + 3);
   problems = problems.filter((text) => !text.includes("ERR_CONNECTION_REFUSED"));
   console.log("it goes on after the simulator was killed and started again");
-  if (pictures !== undefined) {
-    await page.evaluate(() => window.space.look([-1.6, -1.9, 1.7]));
-    await sleep(1500);
-    await page.screenshot({ path: `${pictures}/viewer.png` });
-  }
   // While plots are hidden their old values go, too.
   const kept = await until("some values", async () => ((await viewer(page)).plots.size > 12 ? (await viewer(page)).plots.size : 0));
   await page.evaluate(() => {

@@ -1,10 +1,9 @@
-// A recording on the page, along its time line, in Chromium: belvedere's program, then the folder for the moving picture.
+// A recording on the page, along its time line, in Chromium: the argument is belvedere's program.
 import assert from "node:assert/strict";
-import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
-import { animate } from "./animation.js";
 import { end, killAll, play, record, until } from "./simulator.js";
 
 const PICTURE = "camera/rgb/image_raw";
@@ -101,31 +100,6 @@ try {
   console.log(`played at the rate 4: ${rate.toFixed(1)}; at its end it stands, and begins again`);
   assert.deepEqual(problems, []);
 
-  const pictures = process.argv[3];
-  if (pictures !== undefined) {
-    await page.setViewportSize({ width: 1120, height: 560 });
-    await page.click('#timeline [data-is="play"]');
-    await until("that it stands", async () => (await viewer()).state === "paused");
-    await page.locator('#timeline [data-is="rate"]').selectOption("1");
-    await page.evaluate(() => window.space.look([-1.6, -1.9, 1.7]));
-    const shots = [];
-    for (let frame = 0; frame < 48; frame++) {
-      const wanted = 0.5 + frame / 10;
-      await page.evaluate((wanted) => {
-        const bar = document.querySelector('#timeline [data-is="bar"]');
-        bar.value = String(wanted);
-        bar.dispatchEvent(new window.Event("input"));
-      }, wanted);
-      await until("its place", async () => Math.abs((await head()).position - wanted) < 1e-6);
-      // The cloud is drawn a little after its frame has come.
-      await page.waitForTimeout(700);
-      shots.push(await page.screenshot());
-    }
-    const moving = await animate(page, shots, { width: 840, height: 420, periodMs: 100 });
-    writeFileSync(join(pictures, "viewer.webp"), moving);
-    console.log(`a moving picture of ${(moving.length / 1e6).toFixed(2)} MB`);
-    assert.ok(moving.length < 1.5e6);
-  }
   await end(player);
 } finally {
   killAll();

@@ -24,10 +24,11 @@ use crate::domain::Ipc;
 pub(crate) fn wait_for(listener: &Listener<Ipc>, timeout: Duration) -> io::Result<()> {
     let timeout =
         Timespec { tv_sec: timeout.as_secs().cast_signed(), tv_nsec: timeout.subsec_nanos().into() };
-    if poll(&mut [PollFd::from_borrowed_fd(fd_of(listener), PollFlags::IN)], Some(&timeout))? > 0 {
-        listener.try_wait(|_| {}).map_err(|_| io::Errno::INTR)?;
-    }
-    Ok(())
+    poll(&mut [PollFd::from_borrowed_fd(fd_of(listener), PollFlags::IN)], Some(&timeout))?;
+    // Also after a timeout. iceoryx2 0.10 can lose the datagram of a notification that is sent while it clears another
+    // one (`drain_events` reads the socket twice), and still counts it as sent. Until the notification is cleared, no
+    // notifier sends another datagram, and the descriptor stays unreadable for ever.
+    listener.try_wait(|_| {}).map(drop).map_err(|_| io::Errno::INTR)
 }
 
 fn fd_of(listener: &Listener<Ipc>) -> BorrowedFd<'_> {
@@ -78,5 +79,33 @@ impl Readiness {
 impl AsFd for Readiness {
     fn as_fd(&self) -> BorrowedFd<'_> {
         self.epoll.as_fd()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::{os::unix::net::UnixDatagram, time::Instant};
+
+    use super::*;
+    use crate::{Domain, Kind, Node, StreamSpec, stream};
+
+    #[test]
+    fn a_lost_datagram_delays_one_wait_and_not_all_later_ones() {
+        let domain = Domain::new(&format!("lost-datagram-{}", std::process::id())).unwrap();
+        let node = Node::open(&domain, "test").unwrap();
+        let spec = StreamSpec::structs("clock", Kind::Clock, 1);
+        let (_frames, events) = stream::open_or_create(&node, &spec).unwrap();
+        let (listener, notifier) =
+            (events.listener_builder().create().unwrap(), events.notifier_builder().create().unwrap());
+        notifier.notify().unwrap();
+        let socket = UnixDatagram::from(fd_of(&listener).try_clone_to_owned().unwrap());
+        assert_eq!(socket.recv(&mut [0; 8]).unwrap(), 1);
+
+        let long = Duration::from_secs(60);
+        wait_for(&listener, Duration::from_millis(1)).unwrap();
+        notifier.notify().unwrap();
+        let begin = Instant::now();
+        wait_for(&listener, long).unwrap();
+        assert!(begin.elapsed() < long, "the second notification does not wake it");
     }
 }

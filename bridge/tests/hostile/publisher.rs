@@ -37,9 +37,7 @@ impl Hostile {
             .service_builder(&name)
             .publish_subscribe::<[u8]>()
             .user_header::<FrameHeader>()
-            // A blocked publisher and a consumer that polls every 100 ms pass one buffer on per round: 16 frames at a
-            // time took minutes.
-            .subscriber_max_buffer_size(256)
+            .subscriber_max_buffer_size(16)
             .history_size(0)
             .enable_safe_overflow(overflow)
             .create()

@@ -41,8 +41,8 @@ impl Spent {
 impl fmt::Display for Spent {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Elements => write!(f, "this unfolds into more than {MAX_ELEMENTS} elements"),
-            Self::Bytes => write!(f, "this unfolds into more than {} MB", MAX_BYTES >> 20),
+            Self::Elements => write!(f, "this expands to more than {MAX_ELEMENTS} elements"),
+            Self::Bytes => write!(f, "this expands to more than {} MB", MAX_BYTES >> 20),
             Self::Depth => write!(f, "this is nested more than {MAX_DEPTH} deep"),
         }
     }

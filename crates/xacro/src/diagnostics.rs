@@ -1,4 +1,4 @@
-//! What was found wrong in the user's files, each with its place and its remedy.
+//! Problems found in the user's files, each with its place and its remedy.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -10,12 +10,12 @@ use std::sync::Arc;
 pub struct Source {
     /// The file as it was opened.
     pub file: Arc<Path>,
-    /// Line number from 1; 0 when the whole file is meant.
+    /// Line number from 1; 0 for the whole file.
     pub line: u32,
 }
 
 impl Source {
-    /// A line of a file; line 0 means the whole file.
+    /// Creates a source from a file and a line; line 0 is the whole file.
     pub fn new(file: impl Into<PathBuf>, line: u32) -> Self {
         Self { file: file.into().into(), line }
     }
@@ -28,14 +28,14 @@ impl fmt::Display for Source {
     }
 }
 
-/// How bad a [`Problem`] is.
+/// The severity of a [`Problem`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Severity {
-    /// Worth knowing: a choice that was made for the user.
+    /// Information, such as a choice that was made for the user.
     Note,
-    /// Something is ignored that the user may have counted on.
+    /// Something is ignored that the user may rely on.
     Warning,
-    /// The description cannot be used as it is.
+    /// The description cannot be used.
     Error,
 }
 
@@ -49,21 +49,21 @@ impl fmt::Display for Severity {
     }
 }
 
-/// One thing found wrong: where, what, and what to do about it.
+/// A problem: its place, a description, and a remedy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Problem {
-    /// How bad it is.
+    /// The severity.
     pub severity: Severity,
-    /// Where it stands.
+    /// The place in the file.
     pub source: Source,
-    /// What is wrong, naming the offending value.
+    /// What is wrong, including the invalid value.
     pub what: String,
     /// What the user can do.
     pub remedy: String,
 }
 
 impl fmt::Display for Problem {
-    /// `file:line: error: what; remedy`, the form that editors and compilers' users know.
+    /// Writes `file:line: error: what; remedy`, a form that editors know from compilers.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}: {}: {}", self.source, self.severity, self.what)?;
         if self.remedy.is_empty() { Ok(()) } else { write!(f, "; {}", self.remedy) }
@@ -72,7 +72,7 @@ impl fmt::Display for Problem {
 
 impl std::error::Error for Problem {}
 
-/// Every problem found while loading, in the order of discovery; and every file that was read.
+/// All problems found while loading, in the order of discovery, and all files that were read.
 #[derive(Debug, Default, Clone)]
 pub struct Diagnostics {
     problems: Vec<Problem>,
@@ -80,17 +80,17 @@ pub struct Diagnostics {
 }
 
 impl Diagnostics {
-    /// Notes that the description cannot be used.
+    /// Adds an error: the description cannot be used.
     pub fn error(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
         self.push(Severity::Error, source, what, remedy);
     }
 
-    /// Notes that something is ignored.
+    /// Adds a warning: something is ignored.
     pub fn warning(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
         self.push(Severity::Warning, source, what, remedy);
     }
 
-    /// Notes a choice that was made.
+    /// Adds a note: a choice was made for the user.
     pub fn note(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
         self.push(Severity::Note, source, what, remedy);
     }
@@ -103,42 +103,42 @@ impl Diagnostics {
         remedy: impl Into<String>,
     ) {
         let problem = Problem { severity, source: source.clone(), what: what.into(), remedy: remedy.into() };
-        // A macro called twice, or a file included twice, repeats its problems: say each once.
+        // A macro that is called twice, or a file that is included twice, repeats its problems. Each is reported once.
         if !self.problems.contains(&problem) {
             self.problems.push(problem);
         }
     }
 
-    /// Takes in a problem found elsewhere.
+    /// Adds a problem that was found elsewhere.
     pub fn add(&mut self, problem: Problem) {
         if !self.problems.contains(&problem) {
             self.problems.push(problem);
         }
     }
 
-    /// Notes that what is loaded depends on the content of a file.
+    /// Records that the result depends on the content of a file.
     pub fn opened(&mut self, file: &Path) {
         if !self.files.contains(file) {
             self.files.insert(file.to_owned());
         }
     }
 
-    /// The files on whose content that depends which was loaded, as they were opened.
+    /// Returns the files on whose content the result depends, as they were opened.
     pub fn files(&self) -> &BTreeSet<PathBuf> {
         &self.files
     }
 
-    /// All problems, in the order of discovery.
+    /// Returns all problems, in the order of discovery.
     pub fn problems(&self) -> &[Problem] {
         &self.problems
     }
 
-    /// The errors alone.
+    /// Returns only the errors.
     pub fn errors(&self) -> impl Iterator<Item = &Problem> {
         self.problems.iter().filter(|problem| problem.severity == Severity::Error)
     }
 
-    /// Makes every warning an error.
+    /// Turns every warning into an error.
     pub fn warnings_are_errors(&mut self) {
         for problem in &mut self.problems {
             if problem.severity == Severity::Warning {
@@ -147,7 +147,7 @@ impl Diagnostics {
         }
     }
 
-    /// True when the description cannot be used.
+    /// Returns true if there are errors, so that the description cannot be used.
     pub fn has_errors(&self) -> bool {
         self.errors().next().is_some()
     }

@@ -13,11 +13,11 @@ use super::value::{Entries, Function, Value};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Where an expression finds its names.
+/// Resolves the names of an expression.
 pub(super) trait Names {
-    /// Returns the property of that name, if there is one.
+    /// Returns the property with this name, if there is one.
     fn get(&mut self, name: &str) -> Result<Option<Value>, Fault>;
-    /// Calls a function that is not one of Python's, if there is one of that name.
+    /// Calls a function that is not one of Python's, if there is one with this name.
     fn call(&mut self, function: &str, arguments: &Arguments) -> Option<Result<Value, Fault>>;
     /// Returns the fault to report for a name that is not defined.
     fn undefined(&self, name: &str) -> Fault;
@@ -80,7 +80,7 @@ impl Evaluator<'_> {
             }
             Expression::Set(items) => self.display(items).and_then(set),
             Expression::Map(entries) => self.map(entries),
-            Expression::Star(_) => Err(Fault::new("'*' stands alone", "write it inside of a list or a call")),
+            Expression::Star(_) => Err(Fault::new("'*' stands alone", "use it inside a list or a call")),
             Expression::Unary(operator, operand) => self.unary(*operator, operand),
             Expression::And(left, right) => self.either(left, right, false),
             Expression::Or(left, right) => self.either(left, right, true),
@@ -116,7 +116,7 @@ impl Evaluator<'_> {
         arithmetic::unary(operator, &self.value(operand)?)
     }
 
-    /// Returns the left value if it decides, else the right one.
+    /// Returns the left value if it decides the result, otherwise the right one.
     fn either(&mut self, left: &Expression, right: &Expression, decides: bool) -> Result<Value, Fault> {
         let left = self.value(left)?;
         if left.truth() == decides { Ok(left) } else { self.value(right) }
@@ -147,7 +147,7 @@ impl Evaluator<'_> {
                 continue;
             }
             let Value::Map(more) = self.value(value)? else {
-                return Err(Fault::new("'**' needs a dictionary", "write it before one"));
+                return Err(Fault::new("'**' needs a dictionary", "write a dictionary behind it"));
             };
             for (name, value) in more.entries.borrow().iter() {
                 entries.insert(key(name)?, name.clone(), value.clone());
@@ -215,13 +215,13 @@ impl Evaluator<'_> {
             Value::Map(map) if map.dotted => subscript::item(object, &Value::text(name), self.work),
             Value::Map(_) => Err(Fault::new(
                 format!(
-                    "the dictionary has no attribute '{name}': only those of YAML files have their keys as such"
+                    "the dictionary has no attribute '{name}': only dictionaries of YAML files have their keys as attributes"
                 ),
                 format!("write ['{name}'], or xacro.dotify(…) around the dictionary"),
             )),
             _ => Err(Fault::new(
                 format!("'{}' is {}, which has no '{name}'", object.shown(), object.kind()),
-                "correct the name behind the dot",
+                "correct the name after the dot",
             )),
         }
     }

@@ -23,13 +23,14 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Reads a file and expands it. `arguments` are what `$(arg name)` gives, before the defaults of `<xacro:arg>`.
+/// Reads a file and expands it. `arguments` are the values of `$(arg name)`; they override the defaults of
+/// `<xacro:arg>`.
 ///
-/// The first error ends the expansion, as in ROS's xacro. Choices made for the user (a file of a package taken
-/// from our copy) go to `diagnostics`.
+/// The first error ends the expansion, as in ROS's xacro. Choices made for the user (such as a file of a package that
+/// is taken from our copy) are reported in `diagnostics`.
 ///
 /// # Errors
-/// A [`Problem`] at the line where the offending text was written, with the macro calls that led to it.
+/// Returns a [`Problem`] at the line where the invalid text was written, with the macro calls that led to it.
 pub fn expand(
     path: &Path,
     packages: &PackagePath,
@@ -40,10 +41,10 @@ pub fn expand(
     expand_root(Element::parse_file(path)?, path, packages, arguments, diagnostics)
 }
 
-/// The same of a file that was parsed already, or of a text: `path` is what its relative names refer to.
+/// Expands a file that has been parsed already, or a text; relative names are resolved against `path`.
 ///
 /// # Errors
-/// As [`expand`].
+/// The errors of [`expand`].
 pub fn expand_root(
     root: Element,
     path: &Path,
@@ -62,7 +63,7 @@ pub fn expand_root(
         files: vec![path.to_path_buf()],
         parsed: HashMap::new(),
         borrowed: HashSet::new(),
-        // A plain URDF's unknown elements are nobody's macros.
+        // In a plain URDF, unknown elements are not misspelt macros.
         strict: path.extension().is_some_and(|extension| extension == "xacro"),
     };
     expander.root(root)
@@ -79,18 +80,18 @@ pub(super) struct Expander<'a> {
     pub(super) work: Rc<Work>,
     /// Macros that are being expanded: name and place of the call.
     calls: Vec<(String, Source)>,
-    /// Files that are being expanded, each included by the one before.
+    /// The files that are being expanded; each is included by the previous one.
     pub(super) files: Vec<PathBuf>,
     parsed: HashMap<PathBuf, Rc<Element>>,
-    /// Files taken from our packages that were told of.
+    /// Files taken from our packages that have been reported.
     borrowed: HashSet<PathBuf>,
     strict: bool,
 }
 
-/// Where expanded nodes go.
+/// The output of expanded nodes.
 #[derive(Default)]
 struct Output {
-    /// From `xacro:attribute`.
+    /// Attributes from `xacro:attribute`.
     attributes: Vec<(String, String)>,
     children: Vec<Node>,
 }
@@ -106,7 +107,7 @@ impl Expander<'_> {
         Ok(result)
     }
 
-    /// `source` is where the element around them stands: text has no place of its own.
+    /// Expands nodes. `source` is the place of the element around them, because text has no place of its own.
     fn nodes(
         &mut self,
         nodes: &[Node],
@@ -159,7 +160,7 @@ impl Expander<'_> {
         }
     }
 
-    /// An element of the result: its attributes and content evaluated.
+    /// Expands an element of the result by evaluating its attributes and its content.
     fn plain(&mut self, element: &Element) -> Result<Element, Problem> {
         let attributes = self.attributes(element)?;
         let mut inside = Output::default();
@@ -230,7 +231,7 @@ impl Expander<'_> {
                 output.attributes.push(attribute);
                 Ok(())
             }
-            // `call`: the macro's name is computed.
+            // `call`: the name of the macro is computed.
             _ => {
                 let name = self.required(element, "macro")?;
                 let mut renamed = Element { name: format!("xacro:{name}"), ..element.clone() };
@@ -240,7 +241,7 @@ impl Expander<'_> {
         }
     }
 
-    /// An attribute that must be there, evaluated, and not empty unless it is a value.
+    /// Returns the value of a required attribute; it must not be empty, except for `value` and `default`.
     fn required(&mut self, element: &Element, attribute: &str) -> Result<String, Problem> {
         let missing = || {
             Fault::new(
@@ -257,7 +258,7 @@ impl Expander<'_> {
             .map_err(|fault| self.problem(fault, &element.source))
     }
 
-    /// A computed name of an element or attribute.
+    /// Returns the computed name of an element or attribute.
     fn xml_name(&mut self, element: &Element, attribute: &str) -> Result<String, Problem> {
         let name = self.required(element, attribute)?;
         let begins = |c: char| c.is_alphabetic() || c == '_';
@@ -269,7 +270,7 @@ impl Expander<'_> {
         }
         let fault = Fault::new(
             format!("'{name}' cannot be the name of an element or attribute"),
-            "use letters, digits, '_', '-' and '.', a letter first",
+            "use letters, digits, '_', '-' and '.', beginning with a letter",
         );
         Err(self.problem(fault, &element.source))
     }
@@ -323,7 +324,7 @@ impl Expander<'_> {
         result
     }
 
-    /// Counts a copy of what an element contains.
+    /// Counts a copy of an element's content.
     pub(super) fn copied(&mut self, element: &Element) -> Result<(), Fault> {
         let Weight { elements, bytes, .. } = element.weight();
         Ok(self.budget.take(elements, bytes)?)
@@ -334,7 +335,7 @@ impl Expander<'_> {
         &mut self.scopes[top]
     }
 
-    /// Says once that a file came from our copy of a package.
+    /// Reports once that a file was taken from our copy of a package.
     pub(super) fn note_borrowed(&mut self, package: &str, file: &str, found: &Found, source: &Source) {
         let Some(missing_in) = &found.missing_in else { return };
         if self.borrowed.insert(found.path.clone()) {
@@ -350,7 +351,7 @@ impl Expander<'_> {
         }
     }
 
-    /// As an error at `source`, with the macro calls that led there.
+    /// Returns the fault as an error at `source`, with the macro calls that led there.
     fn problem(&self, fault: Fault, source: &Source) -> Problem {
         let mut problem = fault.into_problem(source);
         if let Some((name, call)) = self.calls.last()

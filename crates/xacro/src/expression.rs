@@ -5,7 +5,7 @@
 //! | `lambda x: …`, `a if c else b` | |
 //! | `or`, `and`, `not` | |
 //! | `== != < <= > >= in`, `not in`, `is`, `is not` | chains, as in `0 < x < 1` |
-//! | the bitwise or, `^`, `&`, `<< >>`, `+ -`, `* / // %` | each binds more than those before |
+//! | the bitwise or, `^`, `&`, `<< >>`, `+ -`, `* / // %` | each binds more strongly than the previous one |
 //! | unary `+ - ~`, then `**` | |
 //! | `f(x)`, `x[i]`, `x[i:j:k]`, `x.name` | |
 //! | `[…]`, `(…)`, `{…}` | displays and comprehensions |
@@ -20,7 +20,7 @@ use super::fault::Fault;
 use super::value::Value;
 use std::rc::Rc;
 
-/// An expression, parsed.
+/// A parsed expression.
 #[derive(Debug, Clone)]
 pub(super) enum Expression {
     Literal(Value),
@@ -30,7 +30,7 @@ pub(super) enum Expression {
     List(Vec<Expression>),
     Tuple(Vec<Expression>),
     Set(Vec<Expression>),
-    /// Keys and values; a value without a key is a dictionary to take in.
+    /// Keys and values; a value without a key is a dictionary whose entries are added.
     Map(Vec<(Option<Expression>, Expression)>),
     /// `*items` in a display.
     Star(Box<Expression>),
@@ -104,7 +104,7 @@ pub(super) enum Argument {
     Keywords(Expression),
 }
 
-/// `[element for target in items if condition]`, and its siblings.
+/// `[element for target in items if condition]`, and the corresponding forms for sets, dictionaries and generators.
 #[derive(Debug)]
 pub(super) struct Comprehension {
     pub(super) kind: Collection,
@@ -115,7 +115,7 @@ pub(super) struct Comprehension {
     pub(super) clauses: Vec<Clause>,
 }
 
-/// What a comprehension makes.
+/// The type of the collection that a comprehension creates.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Collection {
     List,
@@ -124,7 +124,7 @@ pub(super) enum Collection {
     Generator,
 }
 
-/// `for target in items`, and the conditions behind it.
+/// `for target in items`, with its conditions.
 #[derive(Debug)]
 pub(super) struct Clause {
     pub(super) target: Target,
@@ -132,7 +132,7 @@ pub(super) struct Clause {
     pub(super) conditions: Vec<Expression>,
 }
 
-/// What `for` assigns to.
+/// The target of the assignment by `for`.
 #[derive(Debug)]
 pub(super) enum Target {
     Name(String),
@@ -147,12 +147,12 @@ pub(super) struct Lambda {
     /// The name that takes further positional arguments.
     pub(super) rest: Option<String>,
     pub(super) body: Expression,
-    /// How many levels of expressions a call takes.
+    /// The number of levels of expressions that a call counts as.
     pub(super) levels: usize,
 }
 
 impl Expression {
-    /// Returns how deep it is nested.
+    /// Returns the depth of nesting.
     pub(super) fn levels(&self) -> usize {
         let mut deepest = 0;
         self.each(&mut |part| deepest = deepest.max(part.levels()));
@@ -164,7 +164,7 @@ impl Expression {
         own + deepest
     }
 
-    /// Visits the direct parts. The body of a lambda is none: it is evaluated when it is called.
+    /// Visits the direct parts. The body of a lambda is not visited: it is evaluated when the lambda is called.
     fn each(&self, visit: &mut dyn FnMut(&Self)) {
         match self {
             Self::Literal(_) | Self::Name(_) => {}
@@ -217,7 +217,7 @@ impl Expression {
         }
     }
 
-    /// Returns the names of a chain `a.b.c`, if it is nothing but that.
+    /// Returns the names of a chain `a.b.c`, or `None` if the expression is anything else.
     pub(super) fn dotted_name(&self) -> Option<String> {
         match self {
             Self::Name(name) => Some(name.clone()),
@@ -227,7 +227,7 @@ impl Expression {
     }
 }
 
-/// Returns whether a word is one of Python's keywords, which are no names.
+/// Returns true if a word is one of Python's keywords, which cannot be names.
 pub(super) fn is_keyword(word: &str) -> bool {
     parser::KEYWORDS.contains(&word) || ["True", "False", "None"].contains(&word)
 }

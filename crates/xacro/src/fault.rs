@@ -1,12 +1,12 @@
-//! What goes wrong inside a text or an expression, before its place in the file is known.
+//! Faults inside a text or an expression, before their place in the file is known.
 
 use crate::budget::Spent;
 use crate::diagnostics::{Problem, Severity, Source};
 
-/// A problem that may not know its place yet.
+/// A problem whose place may not be known yet.
 #[derive(Debug, Clone)]
 pub(super) struct Fault {
-    /// Set when it lies elsewhere than where the text stands, as in a property that is evaluated when used.
+    /// Set if the place is not that of the text, as in a property that is evaluated when it is used.
     pub(super) source: Option<Source>,
     pub(super) what: String,
     pub(super) remedy: String,
@@ -23,13 +23,13 @@ impl Fault {
         Self { source: None, what: what.into(), remedy: remedy.into() }
     }
 
-    /// Puts it at `source` unless it has a place.
+    /// Sets the place to `source` if there is none.
     pub(super) fn at(mut self, source: &Source) -> Self {
         self.source.get_or_insert_with(|| source.clone());
         self
     }
 
-    /// As an error, at `source` unless it has a place.
+    /// Converts the fault to an error, at `source` if there is no place.
     pub(super) fn into_problem(self, source: &Source) -> Problem {
         Problem {
             severity: Severity::Error,

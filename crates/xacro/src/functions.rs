@@ -35,18 +35,18 @@ pub(super) struct Arguments {
 }
 
 impl Arguments {
-    /// Returns the arguments of a function that takes none by name.
+    /// Returns the arguments of a function that accepts none by name.
     pub(super) fn unnamed(&self, function: &str) -> Result<&[Value], Fault> {
         match self.named.first() {
             None => Ok(&self.positional),
             Some((name, _)) => Err(Fault::new(
-                format!("{function} has no argument of the name '{name}'"),
+                format!("{function} has no argument named '{name}'"),
                 "give it without a name",
             )),
         }
     }
 
-    /// Gives arguments the places of a list of parameters, some of which were given by their names.
+    /// Assigns arguments to a list of parameters; some arguments may be given by name.
     pub(super) fn placed<const N: usize>(
         &self,
         function: &str,
@@ -65,16 +65,13 @@ impl Arguments {
                 Some(place @ None) => *place = Some(value),
                 Some(Some(_)) => {
                     return Err(Fault::new(
-                        format!("{function} gets its argument '{name}' twice"),
+                        format!("the argument '{name}' of {function} is given twice"),
                         "leave one of them out",
                     ));
                 }
                 None => {
                     let meant = did_you_mean(name, parameters).unwrap_or_else(|| "leave it out".into());
-                    return Err(Fault::new(
-                        format!("{function} has no argument of the name '{name}'"),
-                        meant,
-                    ));
+                    return Err(Fault::new(format!("{function} has no argument named '{name}'"), meant));
                 }
             }
         }
@@ -94,7 +91,7 @@ pub(super) fn constant(name: &str) -> Option<Value> {
     }))
 }
 
-/// The built-in functions, which xacro has with and partly without `python.` before them.
+/// The built-in functions, which xacro has with, and some also without, the prefix `python.`.
 const BUILTIN: [&str; 31] = [
     "abs",
     "all",
@@ -129,7 +126,7 @@ const BUILTIN: [&str; 31] = [
     "bin",
 ];
 
-/// Returns the function of a name, if there is one.
+/// Returns the function with this name, if there is one.
 pub(super) fn find(name: &str) -> Option<Function> {
     let known = |names: &[&'static str], name: &str| {
         names.iter().find(|known| **known == name).map(|known| Function::Builtin(known))
@@ -147,11 +144,12 @@ pub(super) fn find(name: &str) -> Option<Function> {
 pub(super) fn unknown(name: &str) -> Fault {
     let known = BUILTIN.into_iter().chain(mathematics::NAMES);
     let meant = did_you_mean(name, known.chain(["xacro.load_yaml", "xacro.arg", "xacro.abs_filename"]));
-    let remedy = meant.unwrap_or_else(|| "use one of Python's that xacro has, as abs, round or len".into());
+    let remedy = meant
+        .unwrap_or_else(|| "use one of Python's functions that xacro has, such as abs, round or len".into());
     Fault::new(format!("unknown function '{name}'"), remedy)
 }
 
-/// Calls a built-in function that takes no other function.
+/// Calls a built-in function that does not take a function as an argument.
 pub(super) fn call(name: &str, arguments: &Arguments, work: &Work) -> Result<Value, Fault> {
     let result = match mathematics::call(name, arguments, work)? {
         Some(value) => Some(value),
@@ -163,7 +161,7 @@ pub(super) fn call(name: &str, arguments: &Arguments, work: &Work) -> Result<Val
     result.ok_or_else(|| misuse(name, &arguments.positional))
 }
 
-/// Returns whether a value has a method of that name.
+/// Returns true if a value has a method with this name.
 pub(super) fn has_method(object: &Value, name: &str) -> bool {
     let names: &[&str] = match object {
         Value::Text(_) => &text::NAMES,
@@ -209,12 +207,12 @@ fn no_method(object: &Value, name: &str) -> Fault {
     Fault::new(format!("{} has no method '{name}'", object.kind()), remedy)
 }
 
-/// Returns whether Python takes a character for white space.
+/// Returns true if Python treats a character as white space.
 fn is_space(c: char) -> bool {
     c.is_whitespace() || ('\u{1c}'..='\u{1f}').contains(&c)
 }
 
-/// Returns the fault of a function that has no value for its arguments.
+/// Returns the fault of a function that is not defined for its arguments.
 pub(crate) fn misuse(name: &str, arguments: &[Value]) -> Fault {
     let given: Vec<_> = arguments.iter().map(Value::shown).collect();
     Fault::new(

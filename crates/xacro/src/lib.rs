@@ -2,14 +2,14 @@
 //!
 //! # Modules
 //!
-//! Every element keeps the [`Source`](diagnostics::Source) of the line it was written on, so that later errors point into
+//! Every element keeps the [`Source`](diagnostics::Source) of the line it was written on, so that later errors refer to
 //! the user's own text. This is why the crate exists: xacro-rs (0.2) gives no file and line and lacks attributes,
-//! conditional expressions, `in` and `%`; urdf-rs calls ROS's xacro as a program; and ROS's xacro is written in Python and
-//! forgets the lines as well.
+//! conditional expressions, `in` and `%`; urdf-rs calls ROS's xacro as a program; and ROS's xacro is written in Python
+//! and also loses the lines.
 //!
-//! An element without the prefix `xacro:` is a macro call if such a macro exists, the element gives what the macro needs and
-//! no more, and the name is not one of the frequent elements of URDF and SDF: a macro `sonar` does not capture the
-//! `<sonar>` inside a `<sensor>`.
+//! An element without the prefix `xacro:` is a macro call if a macro with its name exists, if it has all required
+//! parameters and nothing else, and if the name is not one of the frequent elements of URDF and SDF: a macro `sonar`
+//! does not capture the `<sonar>` inside a `<sensor>`.
 //!
 //! | module | contents |
 //! |---|---|
@@ -18,10 +18,10 @@
 //! | [`package`] | finding ROS packages and their files |
 //! | [`budget`] | limits on what a file may expand to |
 //! | [`suggestion`] | "did you mean" |
-//! | `expand` | walks the tree: directives, macro calls, includes; `${…}` and `$(…)` in texts and attributes |
-//! | `scope`, `macros` | what is defined where |
-//! | `yaml` | files that `load_yaml` reads |
-//! | `text`, `expression`, `evaluate`, `functions`, `value` | the expression language, bottom up |
+//!  `expand` | the traversal of the tree: directives, macro calls, includes; `${…}` and `$(…)` in texts and attributes |
+//!  `scope`, `macros` | the scopes of names, and the definitions of macros |
+//!  `yaml` | files that `load_yaml` reads |
+//!  `text`, `expression`, `evaluate`, `functions`, `value` | the expression language, bottom up |
 #![forbid(unsafe_code)]
 
 pub mod budget;

@@ -5,15 +5,15 @@ use std::cell::Cell;
 
 /// The greatest size of one value in bytes.
 const MAX_SIZE: usize = 4_000_000;
-/// The greatest length of an integer in bits. Python prints none that has more than 4300 digits.
+/// The greatest length of an integer in bits. Python prints no integer with more than 4300 digits.
 const MAX_BITS: u64 = 14_000;
-/// The steps that all expressions of a file may take together: a second or two.
+/// The greatest number of steps of all expressions of a file: they take a second or two.
 const MAX_WORK: usize = 10_000_000;
 
-/// Returns the size of a value that is to be made.
+/// Returns the size of a value that is to be created.
 ///
 /// # Errors
-/// A value that would be too large.
+/// If the value would be too large.
 pub(super) fn sized(size: usize) -> Result<usize, Fault> {
     if size > MAX_SIZE {
         let what = format!("a text or list grows beyond {MAX_SIZE} bytes, or is nested too deeply");
@@ -22,10 +22,10 @@ pub(super) fn sized(size: usize) -> Result<usize, Fault> {
     Ok(size)
 }
 
-/// Checks the length of an integer that is to be made.
+/// Checks the length of an integer that is to be created.
 ///
 /// # Errors
-/// An integer that would be too long.
+/// If the integer would be too long.
 pub(super) fn bits(bits: u64) -> Result<(), Fault> {
     if bits > MAX_BITS { Err(too_large()) } else { Ok(()) }
 }

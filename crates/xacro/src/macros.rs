@@ -5,7 +5,7 @@ use crate::diagnostics::Source;
 use crate::xml::{Element, Node};
 use std::rc::Rc;
 
-/// A macro as it was defined.
+/// The definition of a macro.
 #[derive(Debug)]
 pub(super) struct Macro {
     pub(super) name: String,
@@ -14,18 +14,18 @@ pub(super) struct Macro {
     pub(super) source: Source,
 }
 
-/// What a macro is given.
+/// A parameter of a macro.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum Parameter {
-    /// From an attribute.
+    /// A value from an attribute.
     Value {
         name: String,
-        /// `^`: the property of the same name where the macro is called.
+        /// `^`: the value is that of the property with the same name in the caller's scope.
         forward: bool,
-        /// Text to evaluate if it is not given.
+        /// The text that is evaluated if the attribute is missing.
         default: Option<String>,
     },
-    /// From a child element: `*name` the element itself, `**name` what is inside. Named with its stars.
+    /// A child element: `*name` is the element itself, `**name` is its content. The name includes the stars.
     Block(String),
 }
 
@@ -54,7 +54,7 @@ impl Macro {
         })
     }
 
-    /// Whether it takes an attribute of that name.
+    /// Returns true if the macro has a parameter for an attribute with this name.
     pub(super) fn takes(&self, attribute: &str) -> bool {
         self.parameters.iter().any(|p| matches!(p, Parameter::Value { name, .. } if name == attribute))
     }
@@ -100,7 +100,7 @@ fn parameters(text: &str) -> Result<Vec<Parameter>, String> {
     Ok(parameters)
 }
 
-/// Length of a default value: up to white space outside of quotes and of `${…}` and `$(…)`.
+/// The length of a default value: up to white space outside quotes, `${…}` and `$(…)`.
 fn default_length(text: &str) -> usize {
     let mut closers: Vec<char> = Vec::new();
     let mut before = ' ';

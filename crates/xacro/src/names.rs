@@ -1,6 +1,6 @@
-//! Element names that belong to URDF and SDF, and so are no misspelt macros.
+//! Element names that belong to URDF and SDF, and so are not misspelt macros.
 
-/// What may stand directly inside `<robot>`.
+/// Elements that URDF allows directly inside `<robot>`.
 pub(super) const TOP_LEVEL: [&str; 14] = [
     "chain_controller",
     "controller",
@@ -18,7 +18,7 @@ pub(super) const TOP_LEVEL: [&str; 14] = [
     "virtual_joint",
 ];
 
-/// What other programs read inside `<robot>`.
+/// Elements that other programs read inside `<robot>`.
 pub(super) const FOREIGN: [&str; 9] = [
     "capabilities",
     "compiler",
@@ -31,7 +31,7 @@ pub(super) const FOREIGN: [&str; 9] = [
     "end_effector",
 ];
 
-/// Names below the top that a macro without the prefix `xacro:` does not capture.
+/// Names below the top that a macro call without the prefix `xacro:` does not capture.
 const NESTED: [&str; 53] = [
     "actuator",
     "always_on",
@@ -88,7 +88,7 @@ const NESTED: [&str; 53] = [
     "width",
 ];
 
-/// Whether an element of that name, without a prefix, is itself and never a macro call.
+/// Returns true if an element with this name and without a prefix is never a macro call.
 pub(super) fn is_own(name: &str, at_top: bool) -> bool {
     if at_top { TOP_LEVEL.contains(&name) } else { NESTED.contains(&name) }
 }

@@ -1,4 +1,4 @@
-//! Finds ROS packages, as rospack does, and the files in them.
+//! Finds ROS packages, like rospack, and files in them.
 
 use super::xml::Element;
 use std::collections::{HashMap, HashSet};
@@ -6,20 +6,20 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
-/// Folders that one crawl looks into: a hundred times a large workspace's.
+/// The greatest number of folders that one crawl visits: a hundred times those of a large workspace.
 const MAX_FOLDERS: usize = 200_000;
 
 /// An ordered list of folders that contain packages: the user's first, a fallback folder last.
 ///
-/// A package is found as rospack finds it: anywhere below such a folder, by the `<name>` in its `package.xml`. A folder
-/// of the package's name directly inside, or the folder itself, needs no `package.xml`.
+/// Packages are found like by rospack: anywhere below such a folder, by the `<name>` in their `package.xml`. A folder
+/// with the package's name directly inside, or the folder itself, needs no `package.xml`.
 #[derive(Debug, Clone)]
 pub struct PackagePath {
     user: Vec<Root>,
     fallback: Option<PathBuf>,
 }
 
-/// A folder that packages lie below, crawled when a package is looked for that does not lie directly inside.
+/// A folder that contains packages. It is crawled when a package is requested that is not directly inside.
 #[derive(Debug, Clone)]
 struct Root {
     folder: PathBuf,
@@ -31,13 +31,13 @@ struct Root {
 pub struct Found {
     /// The file or folder.
     pub path: PathBuf,
-    /// The user's copy of the package, if it lacks the file and the file was taken from another copy.
+    /// The user's copy of the package, if it lacks the file, which was then taken from another copy.
     pub missing_in: Option<PathBuf>,
 }
 
 impl PackagePath {
-    /// Lists the `user` folders in their order, then those of `ros_package_path`, which is the value of the environment
-    /// variable `ROS_PACKAGE_PATH`.
+    /// Creates a list of the `user` folders in their order, followed by those of `ros_package_path`, the value of the
+    /// environment variable `ROS_PACKAGE_PATH`.
     pub fn new(user: impl IntoIterator<Item = PathBuf>, ros_package_path: Option<&OsStr>) -> Self {
         let ros = ros_package_path
             .map(|paths| std::env::split_paths(paths).collect::<Vec<_>>())
@@ -47,28 +47,29 @@ impl PackagePath {
         Self { user, fallback: None }
     }
 
-    /// Adds a folder that is searched after all others, for packages that a program brings along.
+    /// Adds a folder that is searched after all others, for packages that are included with a program.
     #[must_use]
     pub fn with_fallback(self, folder: impl Into<PathBuf>) -> Self {
         Self { fallback: Some(folder.into()), ..self }
     }
 
-    /// The folder that is searched after all others.
+    /// Returns the folder that is searched after all others.
     pub fn fallback(&self) -> Option<&Path> {
         self.fallback.as_deref()
     }
 
-    /// Every folder, in the order of search.
+    /// Returns all folders, in the order of search.
     pub fn folders(&self) -> impl Iterator<Item = &Path> {
         self.user.iter().map(|root| root.folder.as_path()).chain(self.fallback())
     }
 
-    /// The first package of that name.
+    /// Returns the first package with this name.
     pub fn find_package(&self, package: &str) -> Option<PathBuf> {
         self.find_packages(package).next()
     }
 
-    /// A file of a package. The user's packages come first; one that lacks the file does not hide the fallback's.
+    /// Returns a file of a package. The user's packages come first; if one of them lacks the file, the fallback's copy
+    /// is used.
     pub fn find_file(&self, package: &str, relative: impl AsRef<Path>) -> Option<Found> {
         let mut missing_in = None;
         for package_folder in self.find_packages(package) {
@@ -81,15 +82,15 @@ impl PackagePath {
         None
     }
 
-    /// The packages of that name, at most one for each folder.
+    /// Returns the packages with this name, at most one per folder.
     fn find_packages(&self, package: &str) -> impl Iterator<Item = PathBuf> {
         let in_user = self.user.iter().filter_map(move |root| root.package(package));
         let in_fallback = self.fallback().and_then(|folder| directly_in(folder, package));
         in_user.chain(in_fallback)
     }
 
-    /// The folders that the user's packages export to Gazebo by the attribute `key` of `<export><gazebo_ros …>`:
-    /// `gazebo_model_path` or `gazebo_media_path`.
+    /// Returns the folders that the user's packages export to Gazebo by the attribute `key` of `<export><gazebo_ros
+    /// …>`: `gazebo_model_path` or `gazebo_media_path`.
     pub fn exported(&self, key: &str) -> Vec<PathBuf> {
         let mut folders = Vec::new();
         for root in &self.user {
@@ -113,20 +114,20 @@ impl Root {
         directly_in(&self.folder, package).or_else(|| self.packages().get(package).cloned())
     }
 
-    /// All packages below, by name.
+    /// All packages below the folder, by name.
     fn packages(&self) -> &HashMap<String, PathBuf> {
         self.crawled.get_or_init(|| crawl(&self.folder))
     }
 }
 
-/// A folder of the package's name in `folder`, or `folder` itself, unless it calls itself otherwise.
+/// A folder with the package's name in `folder`, or `folder` itself, unless its `package.xml` gives another name.
 fn directly_in(folder: &Path, package: &str) -> Option<PathBuf> {
     let itself = (folder.file_name() == Some(OsStr::new(package))).then(|| folder.to_path_buf());
     let is_it = |place: &PathBuf| place.is_dir() && name_of(place).is_none_or(|name| name == package);
     Some(folder.join(package)).into_iter().chain(itself).find(is_it)
 }
 
-/// What the `package.xml` of a folder calls it; none if there is none.
+/// The name of the package in a folder from its `package.xml`, or `None` without that file.
 fn name_of(folder: &Path) -> Option<String> {
     let manifest = folder.join("package.xml");
     if !manifest.is_file() {
@@ -136,8 +137,9 @@ fn name_of(folder: &Path) -> Option<String> {
     name.filter(|name| !name.is_empty()).or_else(|| Some(folder.file_name()?.to_string_lossy().into_owned()))
 }
 
-/// The packages below a folder, the first of a name in the order of the alphabet. As in rospack, nothing is looked for
-/// inside of a package, in hidden folders, or where `CATKIN_IGNORE` says so; a link that leads back is not followed.
+/// The packages below a folder; of packages with the same name, the first in alphabetical order. As in rospack,
+/// packages inside packages, in hidden folders and in folders with a `CATKIN_IGNORE` are not found. Links that lead
+/// back are not followed.
 fn crawl(folder: &Path) -> HashMap<String, PathBuf> {
     let mut packages = HashMap::new();
     let mut seen = HashSet::new();
@@ -148,10 +150,10 @@ fn crawl(folder: &Path) -> HashMap<String, PathBuf> {
             continue;
         }
         if seen.len() > MAX_FOLDERS {
-            tracing::warn!("packages are looked for in the first {MAX_FOLDERS} folders alone");
+            tracing::warn!("packages are only searched in the first {MAX_FOLDERS} folders");
             break;
         }
-        // Packages from before catkin have a manifest.xml and the name of their folder.
+        // Packages from before catkin have a manifest.xml, and are named like their folder.
         let old = || folder.join("manifest.xml").is_file().then(|| folder.file_name()).flatten();
         if let Some(name) = name_of(&folder).or_else(|| Some(old()?.to_string_lossy().into_owned())) {
             packages.entry(name).or_insert(folder);
@@ -185,7 +187,7 @@ mod tests {
             fs::write(at(path), text).unwrap();
         };
         let named = |name: &str| format!("<package format='2'><name>{name}</name></package>");
-        // Two levels down, under a name of its own; a package inside of a package, a hidden one, an ignored one.
+        // Two levels down, under its own name; then a package inside a package, a hidden one, and an ignored one.
         write("src/vendor/robot-repo/description/package.xml", &named("my_description"));
         write("src/vendor/robot-repo/description/test/package.xml", &named("inner"));
         write("src/.cache/hidden/package.xml", &named("hidden"));

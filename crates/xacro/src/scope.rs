@@ -1,7 +1,7 @@
-//! Where names live: properties, blocks and macros, in scopes that lie over each other.
+//! Storage of names: properties, blocks and macros, in nested scopes.
 //!
-//! The file is the lowest scope. Every macro call lies on that of its caller, as in xacro: a macro sees the
-//! properties of whoever calls it.
+//! The outermost scope is that of the file. As in xacro, the scope of a macro call is inside the scope of its caller,
+//! so a macro sees the caller's properties.
 
 use super::fault::Fault;
 use super::macros::Macro;
@@ -11,18 +11,18 @@ use crate::xml::{Node, Weight};
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// A property, as far as it is known.
+/// A property and its state of evaluation.
 #[derive(Debug, Clone)]
 pub(super) enum Property {
     Known(Value),
-    /// Its text is evaluated when it is first used, in the scope that holds it.
+    /// The text is evaluated on first use, in the scope that contains the property.
     Lazy {
         text: String,
         source: Source,
     },
-    /// Is being evaluated just now: using it is a circle.
+    /// The property is being evaluated; using it now is a cycle.
     Evaluating,
-    /// Could not be evaluated when its namespace was closed.
+    /// The property could not be evaluated when its namespace was closed.
     Broken(Fault),
 }
 
@@ -30,10 +30,10 @@ pub(super) enum Property {
 #[derive(Debug, Clone)]
 pub(super) struct Block {
     pub(super) nodes: Rc<[Node]>,
-    /// What each insertion takes of the budget.
+    /// The size that each insertion adds to the budget.
     pub(super) weight: Weight,
-    /// A macro's argument was expanded where the macro was called; a property block is expanded where it is
-    /// inserted.
+    /// True if the block is already expanded. A macro's argument is expanded in the scope of the caller, a property
+    /// block where it is inserted.
     pub(super) expanded: bool,
 }
 
@@ -41,9 +41,9 @@ pub(super) struct Block {
 #[derive(Debug, Clone, Default)]
 pub(super) struct Scope {
     pub(super) properties: HashMap<String, Property>,
-    /// By name with its stars: `*origin` (the element) or `**content` (what is inside).
+    /// Blocks by name including the stars: `*origin` (the element) or `**content` (its content).
     pub(super) blocks: HashMap<String, Block>,
     pub(super) macros: HashMap<String, Rc<Macro>>,
-    /// Files included with `ns`.
+    /// The namespaces of files that were included with `ns`.
     pub(super) namespaces: HashMap<String, Rc<Scope>>,
 }

@@ -1,18 +1,18 @@
-//! "Did you mean": the name that was likely meant in place of one that is not known.
+//! "Did you mean": the known name that was probably meant by an unknown one.
 
-/// Characters that names must begin with in common to be taken for each other.
+/// The number of first characters in which names must agree to be considered similar.
 const BEGINNING: usize = 3;
 
-/// How likely a candidate was meant, the likeliest first.
+/// The similarity of a candidate, the most similar first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Likeness {
-    /// It is a slip of the hand away.
+    /// It differs by one typing error.
     Slip,
     /// It begins or ends with the whole name.
     Part,
-    /// It is two slips away.
+    /// It differs by two typing errors.
     TwoSlips,
-    /// It begins as the name does, with so many characters left.
+    /// It begins with the same characters, except for this number of the name's last ones.
     Beginning(usize),
     /// Half of it agrees.
     Half,
@@ -37,7 +37,7 @@ fn likeness(name: &str, candidate: &str, distance: usize) -> Likeness {
     }
 }
 
-/// The candidate that is most like the name, however unlike it is, and how like.
+/// Returns the candidate most similar to the name, however different it is, with its similarity.
 fn most_like<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -49,24 +49,24 @@ fn most_like<'a>(
     judged.min_by_key(|(likeness, distance, _)| (*likeness, *distance))
 }
 
-/// The candidate that is most like the name, where one of them must be meant.
+/// Returns the candidate most similar to the name, if one of them must have been meant.
 pub fn closest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     most_like(name, candidates).map(|(_, _, candidate)| candidate)
 }
 
-/// The candidate that was likely meant: one that is a slip of the hand away; else one that begins, or ends, as the name
-/// does; else one of which half agrees. None if there is none of these.
+/// Returns the candidate that was probably meant: one that differs by a typing error; else one that begins or ends like
+/// the name; else one of which half agrees. `None` if there is no such candidate.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let likely = most_like(name, candidates).filter(|(likeness, ..)| *likeness != Likeness::Unlike);
     likely.map(|(_, _, candidate)| candidate)
 }
 
-/// The question, if a candidate was likely meant.
+/// Returns the question "did you mean …?", if there is a probable candidate.
 pub fn did_you_mean<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<String> {
     nearest(name, candidates).map(|near| format!("did you mean '{near}'?"))
 }
 
-/// The question, if a candidate was likely meant, and what can be done otherwise.
+/// Returns the question, if there is a probable candidate, followed by another remedy; otherwise only the remedy.
 pub fn did_you_mean_or<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
@@ -81,7 +81,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_begins_alike_is_likelier_than_what_has_as_many_letters() {
+    fn common_beginnings_count_more_than_edit_distance() {
         let links = ["laser", "base_footprint", "base_link", "depth_joint", "left_wheel_joint"];
         for (name, expected) in [
             ("left_joint", Some("left_wheel_joint")),
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn the_question_stands_before_what_can_be_done() {
+    fn the_question_precedes_the_remedy() {
         assert_eq!(
             did_you_mean_or("lazer", ["laser"], "Else leave it out"),
             "did you mean 'laser'? Else leave it out"

@@ -1,11 +1,11 @@
-//! Splits a text into what stands in it: plain text, `${expression}`, `$(extension)`, and the escapes `$${`, `$$(`.
+//! Splits a text into plain text, `${expression}`, `$(extension)`, and the escapes `$${`, `$$(`.
 
 use super::fault::Fault;
 
 /// A part of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Piece<'a> {
-    /// As it is.
+    /// Plain text.
     Text(&'a str),
     /// The inside of `${…}`.
     Expression(&'a str),
@@ -13,7 +13,7 @@ pub(super) enum Piece<'a> {
     Extension(&'a str),
 }
 
-/// The parts of `text`, in order.
+/// Returns the parts of `text`, in order.
 pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Fault> {
     let mut pieces = Vec::new();
     let mut rest = text;
@@ -37,7 +37,7 @@ pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Fault> {
                 pieces.push(if open == '{' { Piece::Expression(inside) } else { Piece::Extension(inside) });
                 &rest[end + 1..]
             }
-            // One dollar less, and the bracket is plain text.
+            // One dollar is removed, and the bracket is plain text.
             Some(_) => {
                 pieces.push(Piece::Text(&rest[1..=dollars]));
                 &rest[dollars + 1..]
@@ -54,8 +54,8 @@ pub(super) fn pieces(text: &str) -> Result<Vec<Piece<'_>>, Fault> {
     Ok(pieces)
 }
 
-/// Where the bracket closes that opens at byte 1. Brackets nest; those inside quotes do not count, nor does a quote behind
-/// a backslash inside quotes.
+/// Returns the position at which the bracket at byte 1 is closed. Brackets nest; brackets inside quotes are ignored,
+/// and so is a quote after a backslash inside quotes.
 fn end_of(text: &str, open: char) -> Option<usize> {
     let close = if open == '{' { '}' } else { ')' };
     let mut depth = 0_usize;

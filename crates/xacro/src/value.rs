@@ -1,4 +1,4 @@
-//! Values of expressions: what they are, and Python's rules for truth and literals.
+//! Values of expressions: their types, and Python's rules for truth and literals.
 
 mod compare;
 mod containers;
@@ -18,9 +18,10 @@ use std::cell::RefCell;
 use std::collections::VecDeque;
 use std::rc::Rc;
 
-/// What an expression, a property or a macro parameter holds.
+/// The value of an expression, a property or a macro parameter.
 ///
-/// Lists and dictionaries are shared, as in Python: what a method changes is seen by every property that holds the list.
+/// Lists and dictionaries are shared, as in Python: if a method changes a list, every property that holds this list
+/// changes.
 #[derive(Debug, Clone)]
 pub(super) enum Value {
     None,
@@ -33,7 +34,7 @@ pub(super) enum Value {
     Map(Rc<Map>),
     Set(Rc<RefCell<Entries>>),
     Range(Rc<Range>),
-    /// What `keys()`, `values()` and `items()` of a dictionary give.
+    /// The result of `keys()`, `values()` and `items()` of a dictionary.
     View(View, Rc<Map>),
     Iterator(Rc<Stream>),
     Function(Function),
@@ -55,11 +56,11 @@ pub(super) enum View {
     Items,
 }
 
-/// An iterator, which gives its items once. The items are computed when the iterator is made; the fault of the first
-/// that has no value is reported when that item is asked for.
+/// An iterator, which returns its items once. The items are computed when the iterator is created; the fault of the
+/// first item without a value is reported when that item is requested.
 #[derive(Debug)]
 pub(super) struct Stream {
-    /// The name of its Python type, as `map` or `generator`.
+    /// The name of its Python type, such as `map` or `generator`.
     pub(super) kind: &'static str,
     pub(super) items: RefCell<VecDeque<Value>>,
     pub(super) fault: Option<Fault>,
@@ -72,11 +73,11 @@ pub(super) enum Function {
     Builtin(&'static str),
     /// A method and its object.
     Method(Box<Value>, String),
-    /// A lambda, whose content the evaluator knows.
+    /// A lambda, whose content only the evaluator knows.
     Lambda(Rc<dyn Any>),
 }
 
-/// The depth of nested lists at which a value is refused, so that no walk through it exhausts the stack.
+/// The depth of nested lists from which a value is refused, so that no traversal exhausts the stack.
 const MAX_DEPTH: usize = 100;
 /// The size in bytes at which [`Value::size`] stops counting.
 const COUNTED: usize = 16 << 20;
@@ -93,45 +94,45 @@ impl Range {
         if low < high { (high - low - &one) / step + one } else { BigInt::zero() }
     }
 
-    /// Returns the item at a place that is known to be inside.
+    /// Returns the item at a position, which must be inside.
     pub(super) fn at(&self, place: &BigInt) -> BigInt {
         &self.start + place * &self.step
     }
 }
 
 impl Value {
-    /// Makes a text.
+    /// Creates a text.
     pub(super) fn text(text: impl Into<String>) -> Self {
         Self::Text(text.into())
     }
 
-    /// Makes an integer.
+    /// Creates an integer.
     pub(super) fn int(value: impl Into<BigInt>) -> Self {
         Self::Int(value.into())
     }
 
-    /// Makes a new list.
+    /// Creates a list.
     pub(super) fn list(items: Vec<Self>) -> Self {
         Self::List(Rc::new(List::new(items, false)))
     }
 
-    /// Makes a tuple.
+    /// Creates a tuple.
     pub(super) fn tuple(items: Vec<Self>) -> Self {
         Self::Tuple(Rc::new(Tuple { items }))
     }
 
-    /// Makes a dictionary.
+    /// Creates a dictionary.
     pub(super) fn map(entries: Entries) -> Self {
         Self::Map(Rc::new(Map::new(entries, false)))
     }
 
-    /// Makes an iterator over items, with the fault that comes behind them.
+    /// Creates an iterator over items, followed by a fault, if any.
     pub(super) fn iterator(kind: &'static str, items: Vec<Self>, fault: Option<Fault>) -> Self {
         Self::Iterator(Rc::new(Stream { kind, items: RefCell::new(items.into()), fault }))
     }
 
-    /// Returns the same list or dictionary as xacro hands out parts of YAML files: a copy whose keys can be written behind
-    /// a dot.
+    /// Returns the same list or dictionary in the form in which xacro returns parts of YAML files: a copy whose keys
+    /// can be used as attributes.
     pub(super) fn dotted(self) -> Self {
         match self {
             Self::List(list) => Self::List(Rc::new(List::new(list.items.borrow().clone(), true))),
@@ -140,8 +141,8 @@ impl Value {
         }
     }
 
-    /// Reads a property's text as xacro does: a number if it is one, `true` and `false`, a text in single
-    /// quotes without them, else the text itself. Underscores never belong to a number.
+    /// Parses a property's text like xacro: a number, `true` or `false`, a text in single quotes without these, or
+    /// otherwise the text itself. Underscores are never part of a number.
     pub(super) fn literal(text: &str) -> Self {
         if text.len() >= 2 && text.starts_with('\'') && text.ends_with('\'') {
             return Self::text(&text[1..text.len() - 1]);
@@ -161,7 +162,7 @@ impl Value {
         }
     }
 
-    /// Reads a text again as a literal; anything else has its type already.
+    /// Parses a text again as a literal; other values are returned unchanged.
     pub(super) fn into_literal(self) -> Self {
         match self {
             Self::Text(text) => Self::literal(&text),
@@ -169,13 +170,13 @@ impl Value {
         }
     }
 
-    /// Returns the bytes, roughly. A value that is nested too deeply is larger than any limit.
+    /// Returns the approximate size in bytes. A value that is nested too deeply is larger than any limit.
     pub(super) fn size(&self) -> usize {
         let mut size = 0;
         if self.measure(MAX_DEPTH, &mut size) { size } else { usize::MAX }
     }
 
-    /// Adds the size, and says whether the value is neither nested too deeply nor too large.
+    /// Adds the size, and returns true if the value is neither nested too deeply nor too large.
     fn measure(&self, depth: usize, size: &mut usize) -> bool {
         *size += size_of::<Self>();
         if depth == 0 || *size > COUNTED {
@@ -205,7 +206,7 @@ impl Value {
         true
     }
 
-    /// Returns Python's truth: zero and empty are false.
+    /// Returns the truth value in Python: zero and empty values are false.
     pub(super) fn truth(&self) -> bool {
         match self {
             Self::None => false,
@@ -222,7 +223,8 @@ impl Value {
         }
     }
 
-    /// Returns the number, if it is one; a boolean counts as 0 or 1. An integer beyond all floats is infinite.
+    /// Returns the value as a number, if it is one; a boolean counts as 0 or 1. An integer beyond the range of floats
+    /// is infinite.
     pub(super) fn number(&self) -> Option<f64> {
         match self {
             Self::Float(value) => Some(*value),
@@ -230,7 +232,7 @@ impl Value {
         }
     }
 
-    /// Returns the integer, if it is one; a boolean counts as 0 or 1.
+    /// Returns the value as an integer, if it is one; a boolean counts as 0 or 1.
     pub(super) fn integer(&self) -> Option<BigInt> {
         match self {
             Self::Int(value) => Some(value.clone()),
@@ -239,7 +241,7 @@ impl Value {
         }
     }
 
-    /// Returns the integer, if it is one of 64 bits.
+    /// Returns the value as an integer of 64 bits, if it is one.
     pub(super) fn small_integer(&self) -> Option<i64> {
         match self {
             Self::Int(value) => value.to_i64(),
@@ -248,7 +250,7 @@ impl Value {
         }
     }
 
-    /// Returns the text, if it is one.
+    /// Returns the text, if the value is one.
     pub(super) fn as_text(&self) -> Option<&str> {
         match self {
             Self::Text(text) => Some(text),
@@ -256,7 +258,7 @@ impl Value {
         }
     }
 
-    /// Names what it is, for error messages.
+    /// Returns a description of the type for error messages.
     pub(super) fn kind(&self) -> &'static str {
         match self {
             Self::None => "nothing",

@@ -1,7 +1,7 @@
-//! XML elements that remember the file and line they came from.
+//! XML elements that keep the file and line they came from.
 //!
-//! xacro moves elements from one file into another, so a parsed document's own positions are not enough:
-//! every [`Element`] carries its [`Source`] for life.
+//! xacro moves elements from one file to another, so positions in a single document are not enough: every [`Element`]
+//! has its own [`Source`].
 
 mod parse;
 mod write;
@@ -18,7 +18,7 @@ pub struct Element {
     pub attributes: Vec<(String, String)>,
     /// Child elements and text, in the order of the file. Comments are left out.
     pub children: Vec<Node>,
-    /// Where it stands.
+    /// The place at which it was written.
     pub source: Source,
 }
 
@@ -27,7 +27,7 @@ pub struct Element {
 pub enum Node {
     /// A nested element.
     Element(Element),
-    /// A run of text, entities resolved.
+    /// Text with resolved entities.
     Text(String),
     /// The text of a CDATA section, in which xacro expands nothing.
     Cdata(String),
@@ -45,7 +45,7 @@ pub struct Weight {
 }
 
 impl Weight {
-    /// Sums up nodes that stand side by side.
+    /// Adds up the weights of adjacent nodes.
     pub fn of(nodes: &[Node]) -> Self {
         nodes.iter().fold(Self::default(), |sum, node| {
             let node = match node {
@@ -65,7 +65,7 @@ impl Element {
     /// Reads and parses a file.
     ///
     /// # Errors
-    /// A file that cannot be read or is not XML; the problem names the line and what the parser found.
+    /// If the file cannot be read or is not XML; the problem names the line and what the parser found.
     pub fn parse_file(path: &Path) -> Result<Self, Problem> {
         let fail = |line, what: String, remedy: &str| Problem {
             severity: Severity::Error,
@@ -82,7 +82,7 @@ impl Element {
             if bytes.contains(&0) {
                 return Err(fail(0, "not UTF-8 text".into(), "save it as UTF-8"));
             }
-            // Old files, mostly in their comments: ISO 8859-1, whose bytes are Unicode's first 256 characters.
+            // Old files are ISO 8859-1, mostly in their comments. Its bytes are the first 256 characters of Unicode.
             Ok(bytes.into_iter().map(char::from).collect())
         })?;
         Self::parse(&text, path)
@@ -91,12 +91,12 @@ impl Element {
     /// Parses a text that came from `path`.
     ///
     /// # Errors
-    /// A text that is not XML; the problem names the line and what the parser found.
+    /// If the text is not XML; the problem names the line and what the parser found.
     pub fn parse(text: &str, path: &Path) -> Result<Self, Problem> {
         parse::document(text, &path.into())
     }
 
-    /// Measures this element and everything inside it.
+    /// Measures this element and its content.
     pub fn weight(&self) -> Weight {
         let attributes: usize = self.attributes.iter().map(|(name, value)| name.len() + value.len()).sum();
         let mut weight = Weight::of(&self.children);
@@ -106,12 +106,12 @@ impl Element {
         weight
     }
 
-    /// The value of an attribute.
+    /// Returns the value of an attribute.
     pub fn attribute(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(key, _)| key == name).map(|(_, value)| value.as_str())
     }
 
-    /// Child elements, in order.
+    /// Returns the child elements, in order.
     pub fn elements(&self) -> impl Iterator<Item = &Element> {
         self.children.iter().filter_map(|child| match child {
             Node::Element(element) => Some(element),
@@ -119,17 +119,17 @@ impl Element {
         })
     }
 
-    /// Child elements of one name, in order.
+    /// Returns the child elements with one name, in order.
     pub fn elements_named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Element> {
         self.elements().filter(move |element| element.name == name)
     }
 
-    /// The first child element of that name.
+    /// Returns the first child element with this name.
     pub fn child(&self, name: &str) -> Option<&Element> {
         self.elements().find(|element| element.name == name)
     }
 
-    /// All text directly inside, trimmed.
+    /// Returns all text directly inside, trimmed.
     pub fn text(&self) -> String {
         let text: String = self
             .children
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn what_gazebo_reads_is_read() {
+    fn xml_that_gazebo_accepts_is_accepted() {
         let text = "\n<?xml version='1.0'?>\n<!-- a -- b ---><sdf><gz:pose a=\"1 < 2 && x > 0\" gz:b='&#65;&#x42;&nbsp;'>\r\n\
             R&D &lt;<![CDATA[<&]]></gz:pose>\n<b/></sdf>\n<!-- end -->";
         let root = Element::parse(text, Path::new("w.sdf")).unwrap();
@@ -171,7 +171,7 @@ mod tests {
 
     #[test]
     fn lines_are_found_in_linear_time() {
-        // One element a line; 4 MB take four times as long as 1 MB, not sixteen times.
+        // One element per line; 4 MB take four times as long as 1 MB, not sixteen times.
         let text = |lines: usize| format!("<a>\n{}</a>", "<link name='wheel' mass='1.0'/>\n".repeat(lines));
         let seconds = |text: &str| {
             let took = |_| {
@@ -185,7 +185,7 @@ mod tests {
         };
         let (short, long) = (text(33_000), text(132_000));
         assert!(short.len() > 1_000_000 && long.len() > 4_000_000);
-        // On a machine that others use, too, some of them are too long.
+        // On a machine with other load, some ratios are too large.
         let mut ratios = (0..8).map(|_| seconds(&long) / seconds(&short));
         assert!(ratios.any(|ratio| ratio < 8.0), "sixteen times as long, or so");
     }

@@ -1,4 +1,4 @@
-//! YAML files as values, for `xacro.load_yaml`: YAML 1.1 as the `SafeLoader` of `PyYAML` reads it, and xacro's units.
+//! YAML files as values, for `xacro.load_yaml`: YAML 1.1 as read by the `SafeLoader` of `PyYAML`, with xacro's units.
 
 mod scalars;
 
@@ -13,10 +13,10 @@ use scalars::{by_tag, plain};
 use std::collections::HashMap;
 use std::path::Path;
 
-/// Lists and mappings within one another.
+/// The greatest nesting of lists and mappings.
 const MAX_DEPTH: usize = 60;
 
-/// The tags of xacro's units, and how many meters or radians each is.
+/// The tags of xacro's units, with their values in metres or radians.
 const UNITS: [(&str, f64); 7] = [
     ("radians", 1.0),
     ("degrees", std::f64::consts::PI / 180.0),
@@ -41,12 +41,12 @@ fn bad(what: impl Into<String>) -> Fault {
     Fault::new(what, "correct it there")
 }
 
-/// A list or mapping that is not at its end.
+/// A list or mapping that has not ended.
 struct Open {
     anchor: usize,
     is_mapping: bool,
     values: Vec<Value>,
-    /// Which of the values are the key `<<`.
+    /// The indices of the values that are the key `<<`.
     merges: Vec<usize>,
 }
 
@@ -124,7 +124,7 @@ fn unknown_tag(tag: &Tag) -> Fault {
     Fault::new(format!("the tag '{name}' is not known"), format!("use one of {known}, or none"))
 }
 
-/// Makes a dictionary of keys and values in turn. `<<` takes in other mappings, before the keys that stand here.
+/// Creates a dictionary from alternating keys and values. `<<` inserts other mappings, before the keys written here.
 fn mapping(open: &Open) -> Result<Value, Fault> {
     let mut entries = Entries::default();
     let pairs = || open.values.chunks_exact(2).enumerate();
@@ -139,7 +139,7 @@ fn mapping(open: &Open) -> Result<Value, Fault> {
                 return Err(bad("'<<' needs a mapping, or a list of mappings"));
             };
             for (name, value) in map.entries.borrow().iter() {
-                // What comes first holds, as YAML says.
+                // Of several merged mappings, the first value of a key counts, as YAML specifies.
                 let key = key(name)?;
                 if !entries.contains(&key) {
                     entries.insert(key, name.clone(), value.clone());
@@ -148,7 +148,7 @@ fn mapping(open: &Open) -> Result<Value, Fault> {
         }
     }
     for (_, pair) in pairs().filter(|(at, _)| !is_merge(*at)) {
-        // Of a key that is written twice the last value counts.
+        // If a key is written twice, the last value counts.
         entries.insert(key(&pair[0])?, pair[0].clone(), pair[1].clone());
     }
     Ok(Value::map(entries))
@@ -164,7 +164,7 @@ fn scalar(text: &str, is_plain: bool, tag: Option<&Tag>) -> Result<Value, Fault>
     let unit = UNITS.iter().find(|(unit, _)| tag.handle == "!" && tag.suffix == *unit);
     match unit {
         Some((_, factor)) => number(text).map(|number| Value::Float(number * factor)),
-        // A `!` alone makes it a text.
+        // A single `!` makes it a text.
         None if tag.handle.is_empty() && tag.suffix == "!" => Ok(Value::text(text)),
         None => Err(unknown_tag(tag)),
     }
@@ -181,7 +181,7 @@ fn number(text: &str) -> Result<f64, Fault> {
             None
         }
         fn undefined(&self, name: &str) -> Fault {
-            Fault::new(format!("'{name}' is no number"), "write a number, or an expression of numbers")
+            Fault::new(format!("'{name}' is not a number"), "write a number, or an expression of numbers")
         }
         fn enter(&mut self, levels: usize) -> Result<(), Fault> {
             self.0 += levels;
@@ -208,7 +208,7 @@ mod tests {
         let text = "a: 1\nb: [1.5, true, no, ~, 'x', \"2\", word]\nc: &c {d: !degrees 180.0, e: !radians pi / 2}\n\
             f: *c\ng: {<<: *c, d: 0}\n";
         let value = document(text).unwrap();
-        // As Python prints it.
+        // As printed by Python.
         let printed = "{'a': 1, 'b': [1.5, True, False, None, 'x', '2', 'word'], 'c': {'d': pi, 'e': pi/2}, \
             'f': {'d': pi, 'e': pi/2}, 'g': {'d': 0, 'e': pi/2}}";
         let printed = printed.replace("pi/2", "1.5707963267948966").replace("pi", "3.141592653589793");

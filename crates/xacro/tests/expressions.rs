@@ -1,4 +1,4 @@
-//! Expressions against ROS's xacro: `expressions.txt` has what xacro 2.1.1 printed.
+//! Expressions against ROS's xacro: `expressions.txt` contains the output of xacro 2.1.1.
 
 use belvedere_xacro::diagnostics::{Diagnostics, Problem, Source};
 use belvedere_xacro::package::PackagePath;
@@ -17,7 +17,7 @@ fn expanded(text: &str) -> Result<String, Problem> {
 }
 
 #[test]
-fn each_expression_has_the_value_that_xacro_gives() {
+fn each_expression_has_the_same_value_as_in_xacro() {
     let table =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/expressions.txt")).unwrap();
     let lines: Vec<&str> = table.lines().filter(|line| !line.starts_with("# ")).collect();

@@ -6,7 +6,7 @@ use belvedere_xacro::package::PackagePath;
 use std::fs;
 use tempfile::TempDir;
 
-/// What a folder of files expands to, and the problems that were told of. The first file is expanded.
+/// Returns the expansion of the first of some files in a folder, and the reported problems.
 fn expand_files(files: &[(&str, &str)]) -> (Result<String, String>, Vec<String>) {
     let folder = TempDir::new().unwrap();
     for (name, content) in files {
@@ -23,20 +23,20 @@ fn expand_files(files: &[(&str, &str)]) -> (Result<String, String>, Vec<String>)
     let mut diagnostics = Diagnostics::default();
     let result = expand(&folder.path().join(files[0].0), &packages, &[], &mut diagnostics);
     let at = folder.path().to_str().unwrap();
-    let told = diagnostics.problems().iter().map(|problem| problem.to_string().replace(at, "."));
-    let told: Vec<String> = told.collect();
+    let reported = diagnostics.problems().iter().map(|problem| problem.to_string().replace(at, "."));
+    let reported: Vec<String> = reported.collect();
     let text = result.map(|root| {
         let lines = root.to_string().replace(at, ".");
         let inside: Vec<&str> =
             lines.lines().skip(2).map(str::trim).filter(|line| *line != "</robot>").collect();
         inside.concat()
     });
-    (text.map_err(|problem| problem.to_string().replace(at, ".")), told)
+    (text.map_err(|problem| problem.to_string().replace(at, ".")), reported)
 }
 
 fn expands_to(content: &str, expected: &str) {
-    let (text, told) = expand_files(&[("r.xacro", content)]);
-    assert_eq!(text.as_deref(), Ok(expected), "{content}: {told:#?}");
+    let (text, reported) = expand_files(&[("r.xacro", content)]);
+    assert_eq!(text.as_deref(), Ok(expected), "{content}: {reported:#?}");
 }
 
 fn is_refused(content: &str, words: &[&str]) {
@@ -50,7 +50,7 @@ fn is_refused(content: &str, words: &[&str]) {
 #[test]
 fn properties_and_macros() {
     for (content, expected) in [
-        // Texts in quotes are read twice.
+        // Texts in quotes are parsed twice.
         (r#"<xacro:property name="b" value="'3'"/><a v="${b+1}"/>"#, r#"<a v="4"/>"#),
         (
             r#"<xacro:property name="a" value="5"/><xacro:property name="b" value="'${a}'"/><a v="${b+1}"/>"#,
@@ -74,7 +74,7 @@ fn properties_and_macros() {
             r#"<xacro:macro name="m" params="l"><xacro:if value="${l}"><a v="${l.pop(0)}"/><xacro:m l="${l}"/></xacro:if></xacro:macro><xacro:property name="q" value="${[1,2,3]}"/><xacro:m l="${q}"/>"#,
             r#"<a v="1"/><a v="2"/><a v="3"/>"#,
         ),
-        // Comprehensions and lambdas see properties, and properties hold lambdas.
+        // Comprehensions and lambdas see properties, and properties can hold lambdas.
         (
             r#"<xacro:property name="k" value="2"/><a v="${[k*i for i in range(3)]}"/>"#,
             r#"<a v="[0, 2, 4]"/>"#,
@@ -114,10 +114,10 @@ fn properties_and_macros() {
     ] {
         is_refused(content, words);
     }
-    let (_, told) =
+    let (_, reported) =
         expand_files(&[("r.xacro", "<a v=\"${xacro.warning('old', 1)}${xacro.message('hi')}\"/>")]);
-    assert!(told.contains(&"./r.xacro:1: warning: old 1".to_owned()), "{told:#?}");
-    assert!(told.contains(&"./r.xacro:1: note: hi".to_owned()), "{told:#?}");
+    assert!(reported.contains(&"./r.xacro:1: warning: old 1".to_owned()), "{reported:#?}");
+    assert!(reported.contains(&"./r.xacro:1: note: hi".to_owned()), "{reported:#?}");
 }
 
 #[test]
@@ -144,7 +144,7 @@ fn yaml_files() {
     }
     for (yaml, word) in [
         ("a: !cubits 3", "!cubits"),
-        ("a: !degrees x", "'x' is no number"),
+        ("a: !degrees x", "'x' is not a number"),
         ("a: !meters 1 +", "ends too early"),
         ("a: 2024-01-02", "date"),
         ("a: 1\n---\nb: 2", "more than one document"),
@@ -159,7 +159,7 @@ fn yaml_files() {
     }
 }
 
-/// Expressions of a YAML file, and what xacro prints.
+/// Expressions on a YAML file, and the output of xacro.
 const YAML: &[(&str, &str)] = &[
     ("${y.u}", "[2.0, 2.0, 0.3048, 0.0254, 3.141592653589793, 1.5707963267948966, 0.0508]"),
     ("${y.b}", "[True, False, True, False, True, None, None, '', None]"),
@@ -198,8 +198,8 @@ const YAML: &[(&str, &str)] = &[
 ];
 
 #[test]
-fn includes_count_from_the_file_that_is_being_expanded() {
-    // The macro stands in sub/m.xacro, and is called in r.xacro: its include is r.xacro's neighbour.
+fn includes_are_relative_to_the_file_that_is_being_expanded() {
+    // The macro is in sub/m.xacro and called in r.xacro: its include is next to r.xacro.
     let call = ("r.xacro", "<xacro:include filename='sub/m.xacro'/><xacro:m/>");
     let definition =
         ("sub/m.xacro", "<xacro:macro name='m'><xacro:include filename='part.xacro'/></xacro:macro>");
@@ -214,11 +214,11 @@ fn includes_count_from_the_file_that_is_being_expanded() {
 fn patterns_include_files_in_the_order_of_their_names() {
     let parts = [("p/b.xacro", "<b/>"), ("p/a.xacro", "<a/>"), ("p/.c.xacro", "<c/>"), ("p/d.urdf", "<d/>")];
     let with = |include| [&[("r.xacro", include)], &parts[..]].concat();
-    let (text, told) = expand_files(&with("<xacro:include filename='p/*.xacro'/>"));
-    assert_eq!(text.as_deref(), Ok("<a/><b/>"), "{told:#?}");
+    let (text, reported) = expand_files(&with("<xacro:include filename='p/*.xacro'/>"));
+    assert_eq!(text.as_deref(), Ok("<a/><b/>"), "{reported:#?}");
     assert_eq!(expand_files(&with("<xacro:include filename='*/[!a].*'/>")).0.as_deref(), Ok("<b/><d/>"));
-    let (text, told) = expand_files(&with("<xacro:include filename='p/z*.xacro'/>"));
-    assert!(text.as_deref() == Ok("") && told[0].contains("no file matches"), "{text:?} {told:#?}");
+    let (text, reported) = expand_files(&with("<xacro:include filename='p/z*.xacro'/>"));
+    assert!(text.as_deref() == Ok("") && reported[0].contains("no file matches"), "{text:?} {reported:#?}");
     let spaced = "<xacro:include filename='s/*.xacro' ns='s'/><e v='${s.k}'/><xacro:s.m/>";
     let files = [
         ("r.xacro", spaced),
@@ -229,12 +229,15 @@ fn patterns_include_files_in_the_order_of_their_names() {
 }
 
 #[test]
-fn elements_of_other_programs_pass_and_are_no_macros() {
+fn elements_of_other_programs_are_kept_and_not_macros() {
     expands_to("<mujoco><compiler/></mujoco><loop_joint/>", "<mujoco><compiler/></mujoco><loop_joint/>");
-    let (text, told) = expand_files(&[("r.xacro", "<xacro:macro name='kobuki'/><kobuky/>")]);
+    let (text, reported) = expand_files(&[("r.xacro", "<xacro:macro name='kobuki'/><kobuky/>")]);
     assert_eq!(text.as_deref(), Ok("<kobuky/>"));
-    assert!(told[0].contains("warning") && told[0].contains("did you mean 'kobuki'?"), "{told:#?}");
-    // A macro that is named as an element of its own body, or of another's.
+    assert!(
+        reported[0].contains("warning") && reported[0].contains("did you mean 'kobuki'?"),
+        "{reported:#?}"
+    );
+    // A macro with the name of an element of its own body, or of another macro's.
     for (content, expected) in [
         (
             "<xacro:macro name='sonar' params='name'><link name='${name}'><sonar><min>1</min></sonar></link></xacro:macro>\
@@ -254,7 +257,7 @@ fn elements_of_other_programs_pass_and_are_no_macros() {
              <kp>2</kp></gazebo></xacro:macro><xacro:m/>",
             "<gazebo><kp>1</kp><kp>2</kp></gazebo>",
         ),
-        // The older style.
+        // The older style without prefixes.
         (
             "<xacro:macro name='wheel' params='side'><link name='${side}'/></xacro:macro><wheel side='l'/>",
             "<link name=\"l\"/>",

@@ -1,6 +1,5 @@
-//! A lens in one line of text, as the examples read it: its model, fx fy cx cy skew, and the model's parameters, those
-//! of `wide_angle` being c1 c2 c3 f, fun (id, sin or tan) and the cutoff angle; an equirectangular one has width and
-//! height alone.
+//! Parses a lens from one line of text: its model, fx fy cx cy skew, and the model's parameters. Those of `wide_angle`
+//! are c1 c2 c3 f, fun (id, sin or tan) and the cutoff angle. An equirectangular lens has only width and height.
 
 use belvedere_sensors::optics::{
     AngleFunction, BrownConrady, DoubleSphere, Equirectangular, Eucm, Intrinsics, KannalaBrandt, Lens,
@@ -8,7 +7,7 @@ use belvedere_sensors::optics::{
 };
 use std::error::Error;
 
-/// Words as numbers.
+/// Parses words as numbers.
 pub(crate) fn numbers<'a>(words: impl Iterator<Item = &'a str>) -> Result<Vec<f64>, Box<dyn Error>> {
     words.map(|word| word.parse().map_err(|_| format!("`{word}` is not a number").into())).collect()
 }
@@ -20,7 +19,7 @@ pub(crate) fn parse_lens(line: &str) -> Result<Box<dyn Lens>, Box<dyn Error>> {
         return Err("the first line is empty: it must be a model and its parameters".into());
     }
     let model = words.remove(0);
-    // The only word among numbers.
+    // This is the only word among numbers.
     let function =
         words.iter().position(|word| ["id", "sin", "tan"].contains(word)).map(|at| words.remove(at));
     let all = numbers(words.into_iter())?;

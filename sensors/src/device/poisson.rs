@@ -115,7 +115,7 @@ mod tests {
     const EXTREMES: [f32; 2] = [-6.547, 6.547];
 
     #[test]
-    fn no_count_is_below_none() {
+    fn no_count_is_negative() {
         for mean in [MANY, 16.5, 20.0, 100.0, 1e6] {
             for step in 0..=10_000 {
                 let normal = EXTREMES[0] + (EXTREMES[1] - EXTREMES[0]) * (step as f32 * 1e-4);
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn sums_begin_and_end() {
+    fn sums_end_within_their_number_of_terms() {
         // The sum for the greatest sampled mean continues after its first term and ends before its last.
         let last = f64::from(MANY);
         let term = |k: usize| libm::exp(k as f64 * libm::log(last) - last - libm::lgamma(k as f64 + 1.0));
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn the_exponential() {
+    fn the_exponential_is_accurate() {
         for step in 0..=16_000 {
             let x = step as f32 * 0.001;
             let expected = libm::exp(-f64::from(x));

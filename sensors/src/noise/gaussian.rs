@@ -238,7 +238,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sixteen_values_are_rounded_as_each_alone() {
+    fn vectors_are_rounded_like_single_values() {
         let places = [0.0, 0.5, 1.0, 1.5, 2.5, 12.5, 4_194_303.5, 4_194_304.0, 8_388_607.0, 8_388_607.5];
         let far =
             [8_388_608.0, 16_777_217.0, 2_147_483_520.0, 2_147_483_648.0, 1e20, f32::INFINITY, f32::NAN];

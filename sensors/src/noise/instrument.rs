@@ -260,7 +260,7 @@ mod tests {
     const STREAM: Stream = Stream { seed: 1, sensor: 0, frame: 0, channel: 100 };
 
     #[test]
-    fn steps_that_cannot_be_counted_leave_values_as_they_are() {
+    fn values_stay_unrounded_if_their_steps_cannot_be_counted() {
         for (precision, value) in [(1e-310, 1.0), (5e-324, -3.0), (1e-3, 1e306), (1.5e308, 1.6e308)] {
             let config = InstrumentConfig::default().precision([precision]);
             let instrument = Instrument::new(config).unwrap();
@@ -278,7 +278,7 @@ mod tests {
     }
 
     #[test]
-    fn no_period_spoils_the_drift() {
+    fn the_drift_stays_finite_after_any_period() {
         for drift_time_s in [10.0, f64::INFINITY] {
             let config = InstrumentConfig::default().drift([0.1]).drift_time_s([drift_time_s]);
             let instrument = Instrument::new(config).unwrap();
@@ -296,7 +296,7 @@ mod tests {
                 assert!(drift.is_finite(), "{drift} after a period of {period_s}");
             }
             let drift = of_period(0.1, state);
-            assert!(drift.is_finite() && drift != 0.5, "it goes on, to {drift}");
+            assert!(drift.is_finite() && drift != 0.5, "the drift continues to {drift}");
         }
     }
 }

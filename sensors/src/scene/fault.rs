@@ -52,7 +52,10 @@ impl core::fmt::Display for SceneFault {
                 write!(f, "`{slice}` of the scene has {have} elements, and the others call for {need}")
             }
             Self::Value { slice, element, field, value } => {
-                write!(f, "element {element} of `{slice}` of the scene: {field} cannot be {value}")
+                write!(f, "element {element} of `{slice}` of the scene: {field} cannot be ")?;
+                // Most fields are single-precision numbers, which need fewer digits.
+                let single = *value as f32;
+                if f64::from(single) == *value { write!(f, "{single}") } else { write!(f, "{value}") }
             }
             Self::Tree { mesh, fault } => {
                 write!(f, "the tree of element {mesh} of `meshes` of the scene: {fault}")
@@ -112,5 +115,25 @@ impl Element {
         self.require(first as usize == *end && count as usize <= length - *end, field, f64::from(first))?;
         *end += count as usize;
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use super::*;
+    use std::string::ToString as _;
+
+    #[test]
+    fn values_are_shown_with_the_digits_that_they_were_written_with() {
+        let said = |value| Element::of("lights", 3).require(false, "falloff", value).unwrap_err().to_string();
+        assert_eq!(said(f64::from(-0.1_f32)), "element 3 of `lights` of the scene: falloff cannot be -0.1");
+        assert_eq!(said(-0.1), "element 3 of `lights` of the scene: falloff cannot be -0.1");
+        assert_eq!(
+            said(1e300),
+            "element 3 of `lights` of the scene: falloff cannot be ".to_owned() + &1e300.to_string()
+        );
+        assert!(said(f64::NAN).ends_with("cannot be NaN"));
     }
 }

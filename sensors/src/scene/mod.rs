@@ -270,7 +270,7 @@ pub enum SceneError {
         /// Number of elements of the scene.
         need: usize,
     },
-    /// What is to be removed is still in use.
+    /// The element that should be removed is still in use.
     InUse {
         /// The kind of the user: `instance` or `material`.
         user: &'static str,

@@ -92,8 +92,10 @@ impl core::fmt::Display for TreeFault {
                 write!(f, "box {lane} of node {node} is not finite or does not contain what is below it")
             }
             Self::TooDeep(node) => write!(f, "node {node} has more than {} nodes above it", MAX_DEPTH - 1),
-            Self::StrayNode(node) => write!(f, "node {node} has no children, or is nobody's child"),
-            Self::StrayBlock(block) => write!(f, "block {block} has no triangles, or is nobody's child"),
+            Self::StrayNode(node) => write!(f, "node {node} has no children, or is not a child of any node"),
+            Self::StrayBlock(block) => {
+                write!(f, "block {block} has no triangles, or is not a child of any node")
+            }
             Self::Triangle { block, lane } => {
                 write!(f, "lane {lane} of block {block} does not hold a triangle of the mesh")
             }

@@ -50,7 +50,7 @@ impl<'a> Scene<'a> {
     /// Returns the scene with other lamps.
     ///
     /// # Errors
-    /// Those of [`SceneBuilder::add_light`](super::SceneBuilder::add_light).
+    /// The errors of [`SceneBuilder::add_light`](super::SceneBuilder::add_light).
     pub fn with_lights(self, lights: &'a [Light]) -> Result<Self, SceneError> {
         lights.iter().try_for_each(limits::light)?;
         Ok(Self { lights, ..self })

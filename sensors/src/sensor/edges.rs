@@ -73,7 +73,7 @@ pub enum Edges {
 
 /// The number of rays of a pixel at an edge.
 const SAMPLES: usize = 4;
-/// Offsets of these rays to the right and down from the pixel's centre. No two lie in the same of its four rows or
+/// Offsets of these rays to the right and down from the pixel's centre. Each lies in a different one of four rows and of four
 /// columns.
 const OFFSETS: [[f64; 2]; SAMPLES] = [[-0.125, -0.375], [0.375, -0.125], [-0.375, 0.125], [0.125, 0.375]];
 /// The number of pixels whose rays are traced together.

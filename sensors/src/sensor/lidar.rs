@@ -1,5 +1,5 @@
-//! Lidars with a regular grid of beams from one point, as Gazebo's; those that fire beam by beam, as real products do,
-//! are [`scanner`](crate::scanner)s.
+//! Lidars with a regular grid of beams from one point, as in Gazebo. Lidars that fire beam by beam, as real products
+//! do, are [`scanner`](crate::scanner)s.
 
 mod config;
 mod points;
@@ -26,8 +26,8 @@ use crate::trace::{SenseError, Truth, Workspace};
 pub use config::{Beams, LidarConfig, MAX_BEAMS, MAX_SAMPLES, Sweep};
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16};
 
-/// A lidar with a regular grid of beams from one point, as Gazebo's: take it for that or for a simple range finder, and
-/// a [`Scanner`](crate::scanner::Scanner) for a product of a maker. Its configuration is checked.
+/// A lidar with a regular grid of beams from one point, as in Gazebo. Use it for that or for a simple range finder, and
+/// a [`Scanner`](crate::scanner::Scanner) for a product. The configuration is checked when the lidar is created.
 #[derive(Debug, Clone, Copy)]
 pub struct Lidar {
     config: LidarConfig,
@@ -258,7 +258,7 @@ struct LidarBeams<'a> {
     lidar: &'a Lidar,
     capture: &'a Capture<'a>,
     sight: Sight,
-    /// Whether the lines are whole ones, so that ranges are measured here. In parts of lines they stay true.
+    /// Whether the lines are complete, so that ranges get their noise here. Ranges of parts of lines remain exact.
     is_whole: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Lidars that fire beam by beam while they move, as real products do; Gazebo's grid of beams is
+//! Lidars that fire beam by beam while they move, as real products do. For a grid of beams as in Gazebo, use
 //! [`lidar`](crate::lidar).
 //!
 //! A [`Scanner`] has a [`Pattern`] of firings, each with its own time and origin, and traces each of them from the
@@ -90,9 +90,10 @@ pub use weather::{DropSizes, Weather};
 /// The largest number of pieces into which a frame is divided. Results do not depend on it.
 const MOST_PIECES: usize = 16;
 
-/// A lidar that fires beam by beam while it moves, as a real product does: take it for a Velodyne, Ouster, Livox, SICK
-/// or Hokuyo, and a [`Lidar`](crate::lidar::Lidar) for Gazebo's grid of beams. Its configuration is checked;
-/// [`presets`] has those of products.
+/// A lidar that fires beam by beam while it moves, as a real product does. Use it for a Velodyne, Ouster, Livox, SICK
+/// or Hokuyo, and a [`Lidar`](crate::lidar::Lidar) for Gazebo's grid of beams.
+///
+/// The configuration is checked when the scanner is created; [`presets`] has the configurations of products.
 #[derive(Debug, Clone, Copy)]
 pub struct Scanner<'a> {
     config: ScannerConfig<'a>,
@@ -184,8 +185,8 @@ impl<'a> Scanner<'a> {
             && self.config.receiver.is_none_or(|receiver| receiver.resolution_m == 0.0)
     }
 
-    /// Returns the measured range for a true one and a standard normal number `z`. Noise is that of all ranges, that of
-    /// the spread at this range, and `more` (a standard deviation in metres).
+    /// Returns the measured range for a true one and a standard normal number `z`. The variance of the noise is the sum
+    /// of three: the noise of all ranges, the spread at this range, and `more` (a standard deviation in metres).
     #[inline(always)]
     fn measured(&self, truth: f64, z: f32, more: f64) -> f32 {
         let config = &self.config;
@@ -198,7 +199,8 @@ impl<'a> Scanner<'a> {
         config.noise.apply_to_range(truth as f32, bias, z, limits)
     }
 
-    /// Returns the standard deviation of a range that follows from the power of its return: the weaker, the larger.
+    /// Returns the standard deviation of a range that results from the power of its return: weaker returns have a
+    /// larger one.
     fn spread(&self, echo: &Echo) -> f64 {
         let resolution_m = self.config.receiver.map_or(0.0, |receiver| receiver.resolution_m);
         resolution_m / sqrt(2.0 * echo.weight / self.least)

@@ -71,8 +71,8 @@ struct Gloss {
 }
 
 impl Shader {
-    /// A shader that does not tell what is [seen](Shader::seen). A constant, since what a function returns and is then
-    /// put into a struct takes twice its room on the stack.
+    /// A shader that does not record what is [seen](Shader::seen). It is a constant because the return value of a
+    /// function that is then moved into a struct takes twice its size on the stack.
     pub(crate) const NEW: Self = Self {
         surfaces: Surfaces::new(),
         known_faces: KnownFaces::new(),
@@ -88,13 +88,13 @@ impl Shader {
         seen: None,
     };
 
-    /// Sets which sides of surfaces are seen, and whether it tells what is.
+    /// Sets which sides of surfaces are visible, and whether fingerprints of what is seen are recorded.
     pub(crate) fn set(&mut self, faces: Faces, tells: bool) {
         self.faces = faces;
         self.seen = tells.then_some([0; LANES]);
     }
 
-    /// Rays that nothing is kept in from one call to the next, for others to work with.
+    /// Returns scratch memory for rays. Nothing in it is kept from one call to the next.
     pub(crate) fn rays(&mut self) -> (&mut Packet, &mut LocalRays) {
         self.shadows.rays()
     }
@@ -206,7 +206,7 @@ impl Shader {
         let mut footprints = [Footprint::nothing(simd); ROWS];
         let is_flat_light = scene.lights.is_empty() && self.seen.is_none();
         if is_flat_light && !mapped {
-            // Neither is needed.
+            // Neither normals nor footprints are needed.
         } else if let Kind::Solid(solid) = instance.kind()
             && solid.has_flat_faces()
         {

@@ -47,13 +47,13 @@ impl Shadows {
         }
     }
 
-    /// Rays that nothing is kept in from one call to the next.
+    /// Returns scratch memory for rays. Nothing in it is kept from one call to the next.
     pub(super) fn rays(&mut self) -> (&mut Packet, &mut LocalRays) {
         (&mut self.packet, &mut self.local)
     }
 
-    /// Which of the lanes that are `lit` a lamp does not reach, of which some see the `back` of a surface. The outside
-    /// of things casts shadows: the bulb around a lamp does not keep its light in.
+    /// The lanes in `lit` that the light of a lamp does not reach; the lanes in `back` see the back of a surface. Only
+    /// outsides of surfaces cast shadows, so the bulb around a lamp does not keep its light in.
     #[inline(always)]
     pub(crate) fn of_lamp<S: Simd>(
         &mut self,

@@ -21,8 +21,8 @@ const GAP: f64 = 1e-5;
 /// If less than this fraction of the light is left, the ray is not continued: a quarter of a step of 8 bits.
 const LEAST: f32 = 1.0 / 1024.0;
 
-/// Adds to the colours of a tile, which `shader` has just worked out, what is seen behind its clear surfaces. Of the
-/// tile, directions and the lanes without a ray stay what they are.
+/// Adds what is seen behind the clear surfaces of a tile to its colours, which `shader` has just computed. The
+/// directions of the tile and its lanes without a ray stay unchanged.
 #[inline(never)]
 pub(crate) fn look<S: Simd>(
     simd: S,
@@ -77,7 +77,7 @@ fn look_behind<S: Simd>(
                 continue;
             }
             let is_hit = tile.hits >> lane & 1 != 0;
-            // A ray that meets the surface which it has just left has not got behind it.
+            // A ray that hits the surface that it has just left has not got behind it.
             let again = is_hit && (placed[lane], triangle[lane]) == (tile.placed[lane], tile.local[lane]);
             let clear = shader.clear >> lane & 1 != 0;
             let coverage = match clear {

@@ -79,7 +79,7 @@ pub fn grid_workspace_len(scene: &Scene<'_>, grid: &Optics<'_>) -> usize {
 }
 
 impl Hits<'_> {
-    /// The answers of the first `rays` rays, and the rest.
+    /// Splits off the outputs of the first `rays` rays.
     pub(super) fn split_at(self, rays: usize) -> (Self, Self) {
         let (distance, distance_rest) = split_at(self.distance, rays);
         let (normal, normal_rest) = split_at(self.normal, rays);
@@ -96,7 +96,7 @@ impl Hits<'_> {
         (Self { distance, normal, instance, primitive, barycentrics }, rest)
     }
 
-    /// That each output holds `rays` elements.
+    /// Checks that each output has `rays` elements.
     pub(super) fn check(&self, rays: usize) -> Result<(), SenseError> {
         check_output("distance", self.distance.as_ref().map(|values| values.len()), rays)?;
         check_output("normal", self.normal.as_ref().map(|values| values.len()), rays)?;
@@ -106,7 +106,7 @@ impl Hits<'_> {
     }
 }
 
-/// Hits, cut between rows of blocks.
+/// Outputs of hits, split between rows of blocks.
 struct HitRows<'a> {
     hits: Hits<'a>,
     rays_in_block_row: usize,
@@ -133,11 +133,11 @@ impl BandWork<HitRows<'_>> for Cast {
     }
 }
 
-/// Writes the answers of the rays of a band.
+/// Writes the hits of the rays of a band.
 #[inline(always)]
 fn write_hits<S: Simd>(simd: S, band: &Band<'_>, measure: &Measure, faces: Faces, hits: &mut Hits<'_>) {
     let mut resolver = Resolver::new(band.view);
-    // Two loops: short ones keep what they need in registers.
+    // Two loops, because short ones keep their values in registers.
     if let Some(distance) = hits.distance.as_deref_mut() {
         for_each_block(
             band,
@@ -147,7 +147,7 @@ fn write_hits<S: Simd>(simd: S, band: &Band<'_>, measure: &Measure, faces: Faces
             },
         );
     }
-    // Those of solids depend on where a ray meets its surface, and not on which it is alone.
+    // The normals of solids depend on the point that is hit, not only on the slot.
     let mut normal = if has_solids(band.view) { hits.normal.take() } else { None };
     if let Some(normal) = normal.as_deref_mut() {
         let mut finder = NormalFinder::new(faces);
@@ -189,7 +189,7 @@ fn write_hits<S: Simd>(simd: S, band: &Band<'_>, measure: &Measure, faces: Faces
     }
 }
 
-/// Whether all rays of a block have hit the same: so it is with most, if triangles are large.
+/// Returns true if all rays of a block hit the same slot, which is common if triangles are large.
 #[inline(always)]
 fn all_same<S: Simd>(simd: S, slots: &[u32; WIDTH]) -> bool {
     u32x16::load_array_ref(simd, slots).simd_eq(u32x16::splat(simd, slots[0])).all_true()
@@ -209,7 +209,7 @@ fn write_same<S: Simd>(simd: S, resolver: &mut Resolver<'_>, slot: u32, place: &
     }
 }
 
-/// Ray by ray.
+/// Writes the outputs ray by ray.
 #[inline(always)]
 fn write_each<S: Simd>(
     simd: S,
@@ -252,7 +252,7 @@ fn write_each<S: Simd>(
     }
 }
 
-/// What is answered for a slot.
+/// The values that are reported for a slot.
 #[derive(Clone, Copy)]
 struct FoundPrimitive {
     normal: [f32; 3],

@@ -122,15 +122,15 @@ impl core::fmt::Display for SenseError {
                 write!(f, "a landmark is on instance {value}; the scene has {instances}, counted from 0")
             }
             Self::OtherMoment { parameter } => {
-                write!(f, "flow wants a moment to flow to: give the capture `{parameter}`")
+                write!(f, "flow needs a second moment: set `{parameter}` of the capture")
             }
             Self::FlowOfColumns => f.write_str(
-                "flow is not worked out for a lidar whose columns have moments of their own: give all of the capture's \
-                 shutters one moment, or leave `flow` and `flow_back` out",
+                "flow is not computed for a lidar whose columns are captured at different moments: give all of the \
+                 capture's shutters one moment, or leave `flow` and `flow_back` out",
             ),
-            Self::FlowOfFirings => {
-                f.write_str("flow is not worked out where each ray has a time of its own: leave `flow` and `flow_back` out")
-            }
+            Self::FlowOfFirings => f.write_str(
+                "flow is not computed for sensors whose rays have individual times: leave `flow` and `flow_back` out",
+            ),
             Self::Shutter { rule } => write!(f, "the shutter must {rule}"),
             Self::Keyframes { keyframe, rule } => write!(f, "keyframe {keyframe} of the shutter must {rule}"),
             Self::Slices { slice, rule } => write!(f, "slice {slice} of the shutter must {rule}"),
@@ -146,7 +146,7 @@ impl From<ParameterError> for SenseError {
     }
 }
 
-/// That an output, if there is one, holds `need` elements.
+/// Checks that an output, if there is one, has `need` elements.
 pub(crate) fn check_output(
     parameter: &'static str,
     length: Option<usize>,

@@ -8,8 +8,8 @@
 //! | module | holds |
 //! |---|---|
 //! | `placed` | the instances of a scene around the sensor, under a tree |
-//! | `grid`, `image` | frames of rays that share an origin, and how shapes are drawn into them |
-//! | `packet` | 64 rays at a time: shadows, mirrors and panes, rays that move |
+//!  `grid`, `image` | frames of rays that share an origin, and the drawing of shapes into them |
+//!  `packet` | 64 rays at a time: shadows, mirrors and panes, moving rays |
 //! | [`rays`] | independent rays |
 //! | `shapes` | intersections of a ray with each kind of shape |
 //! | `hit` | the instance, point, distance and normal of a hit |

@@ -3,8 +3,8 @@
 /// The treatment of surfaces nearer than the smallest distance of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TooNear {
-    /// REP-117: they are in the way, and the distance is −∞.
+    /// They block the ray, and the distance is −∞ (REP 117).
     Blocks,
-    /// As in Gazebo: rays begin at the smallest distance, and see what lies behind.
+    /// Rays begin at the smallest distance and see what lies behind, as in Gazebo.
     SeenThrough,
 }

@@ -13,7 +13,7 @@ import numpy as np
 TOLERANCE = 0.03
 RATE, SECONDS = 100.0, 20_000.0
 PRESETS = {
-    # Density, what drives the bias, its correlation time, step: of gyro and accelerometer.
+    # Gyro and accelerometer: noise density, density that drives the bias, its correlation time, quantisation step.
     "adis16448": [
         (3.394e-4, 3.879e-5, 1000.0, np.radians(0.04)),
         (4e-3, 6e-3, 300.0, 0.833e-3 * 9.80665),
@@ -23,7 +23,7 @@ TIMES = np.array([0.1, 0.2, 0.5, 1, 2, 5, 10, 30, 100, 300])
 
 
 def closed_form(times, density, drive, tau, step):
-    """White noise, with that of the steps, and the bias."""
+    """Returns the deviation of white noise including quantisation, and of the drifting bias."""
     white = (density**2 + step**2 / 12 / RATE) / times
     x = times / tau
     bias = (drive * tau) ** 2 / times * (1 - (3 - 4 * np.exp(-x) + np.exp(-2 * x)) / (2 * x))
@@ -31,7 +31,7 @@ def closed_form(times, density, drive, tau, step):
 
 
 def deviation(axes):
-    """Of all axes together, and how sure that is."""
+    """Returns the deviations of all axes together, and their relative uncertainty."""
     variances, windows = 0, 0
     for axis in axes.T:
         times, found, _, _ = allantools.oadev(axis, rate=RATE, data_type="freq", taus=TIMES)
@@ -52,7 +52,7 @@ def main():
             expected = closed_form(TIMES, *figures)
             for time, value, right, sigma in zip(TIMES, found, expected, spread):
                 print(f"{name} {kind:13} {time:6.1f} s  {value:.4e}  {right:.4e}  {value / right - 1:+.2%}")
-                # Beyond, there are too few times in the record to tell.
+                # For longer times, the record has too few windows for this tolerance.
                 allowed = max(TOLERANCE, 3 * sigma)
                 assert abs(value / right - 1) < allowed, (kind, time)
                 if allowed == TOLERANCE:
@@ -63,7 +63,10 @@ def main():
                 slope = np.polyfit(np.log(TIMES[:4]), np.log(found[:4]), 1)[0]
                 print(f"{name} {kind:13} density {found[TIMES == 1][0]:.4e} of {density:.4e}, slope {slope:.3f}")
                 assert abs(slope + 0.5) < 0.02, slope
-    print(f"Allan deviations agree: at most {worst:.2%} apart where a record of {SECONDS:.0f} s tells 3 %")
+    print(
+        f"Allan deviations agree: the largest error is {worst:.2%}, for times at which a record of {SECONDS:.0f} s"
+        " resolves 3 %"
+    )
 
 
 main()

@@ -1,25 +1,25 @@
-//! Scenes and places made at random to be hard to trace: of all sizes, thin and huge triangles, sensors next to their
-//! planes, meshes far from their origin and from the world's, scales that differ by axis.
+//! Random scenes and sensor poses that are hard to trace: all sizes, thin and huge triangles, sensors near their
+//! planes, meshes far from their own and the world's origin, and different scales per axis.
 
 use super::brute::Pair;
 use super::exactness::{Dice, Scenario, Soup};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// What is hard about a scene.
+/// The difficulty of a scene.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Kind {
     Fair,
     Needles,
-    /// A few hundred times as large as the way to them.
+    /// Triangles a few hundred times as large as their distance.
     Huge,
-    /// Sensors stand in the planes of triangles, and next to them.
+    /// Sensors are in the planes of triangles, and near them.
     NearPlanes,
-    /// Vertices lie ten thousand times the size of the mesh from its origin.
+    /// Vertices are ten thousand times the size of the mesh away from its origin.
     FarVertices,
-    /// The instance lies 100 km from the world's origin, and its scale differs by axis.
+    /// The instance is 100 km from the world's origin, with different scales per axis.
     FarScaled,
-    /// Dense clumps of triangles, each clump about as large as the distance of two rays.
+    /// Dense clumps of triangles, each about as large as the distance between two rays.
     Clumps,
 }
 
@@ -33,10 +33,10 @@ pub(crate) const KINDS: [Kind; 7] = [
     Kind::Clumps,
 ];
 
-/// Triangles of a clump.
+/// The number of triangles of a clump.
 const CLUMP: u32 = 50;
 
-/// Ten to a power between two.
+/// Ten to a random power between two limits.
 pub(crate) fn magnitude(dice: &mut Dice, low: f64, high: f64) -> f64 {
     10_f64.powf(low + (high - low) * dice.roll())
 }
@@ -79,12 +79,12 @@ pub(crate) struct Hard {
     pub(crate) kind: Kind,
     pub(crate) scenario: Scenario,
     pub(crate) poses: Vec<Pose>,
-    /// Of all triangles, in the world.
+    /// The corners of all triangles, in the world.
     pub(crate) corners: Vec<[DVec3; 3]>,
 }
 
-/// A point of a triangle as likely as one next to an edge, so near that half of them are within a ten thousandth of the
-/// way from `place`.
+/// With equal probability, a point of a triangle or one so near to an edge that half of them are within a ten
+/// thousandth of the distance from `place`.
 pub(crate) fn aim(dice: &mut Dice, [a, b, c]: [DVec3; 3], place: DVec3) -> DVec3 {
     let (u, v) = (dice.roll(), dice.roll());
     if dice.roll() < 0.5 {
@@ -123,7 +123,7 @@ pub(crate) fn scene(dice: &mut Dice, kind: Kind) -> Hard {
             let on_plane = a + (b - a) * u * 0.5 + (c - a) * v * 0.5;
             let normal = (b - a).cross(c - a).normalize_or_zero();
             let away = match kind {
-                // In parts of the size: from next to nothing to a tenth.
+                // As a fraction of the size: from almost nothing to a tenth.
                 Kind::NearPlanes => normal * (magnitude(dice, -9.0, -1.0) * size),
                 Kind::Huge => normal * (magnitude(dice, -4.0, 0.0) * size),
                 _ => dice.cube() * size,

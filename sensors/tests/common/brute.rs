@@ -1,34 +1,34 @@
-//! Where rays first meet instances, the slow way: every triangle and every solid, in f64.
+//! An oracle for the first hits of rays: it tests every triangle and every solid, in f64.
 
 use super::oracle::{Ray, first_hit_scaled};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{InstanceConfig, MaterialId, SceneBuilder, Shape};
 use glam::DVec3;
 
-/// How near to an edge, in parts of the way there, a ray may count either way.
+/// If a ray passes this near to an edge, relative to its distance, it may hit or miss.
 pub(crate) const EDGE: f64 = 1e-6;
-/// How far distances may be from the oracle's, in parts of them.
+/// The largest error of a distance, relative to it.
 pub(crate) const DISTANCE: f64 = 1e-5;
 
-/// One instance as the oracle sees it.
+/// An instance as the oracle sees it.
 struct Body {
     shape: Shape,
     pose: Pose,
     scale: DVec3,
-    /// Corners in the world, less the instance's position; outwards by winding, also if it is mirrored.
+    /// Corners in the world, relative to the instance's position; wound outwards even if the instance is mirrored.
     triangles: Vec<[DVec3; 3]>,
 }
 
-/// A scene twice: for the library, and for the oracle.
+/// The same scene for the library and for the oracle.
 #[derive(Default)]
 pub(crate) struct Pair {
     pub(crate) builder: SceneBuilder,
     bodies: Vec<Body>,
-    /// Of meshes and height fields that were added.
+    /// The triangles of the meshes and height fields that were added.
     soups: Vec<(Shape, Vec<[DVec3; 3]>)>,
 }
 
-/// A ray may hit this.
+/// A possible hit of a ray.
 #[derive(Clone, Copy, Debug)]
 struct Candidate {
     t: f64,
@@ -37,17 +37,17 @@ struct Candidate {
     sure: bool,
 }
 
-/// What is known of the comparisons so far.
+/// The counts of all comparisons.
 #[derive(Default, Debug)]
 pub(crate) struct Tally {
     pub(crate) rays: usize,
     pub(crate) hits: usize,
-    /// Rays for which an edge was within [`EDGE`].
+    /// Rays that passed within [`EDGE`] of an edge.
     pub(crate) doubtful: usize,
     pub(crate) worst: f64,
 }
 
-/// What the library says of a ray.
+/// The library's result for a ray.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Found {
     pub(crate) distance: f32,
@@ -106,7 +106,7 @@ impl Pair {
         self.bodies.push(Body { shape, pose, scale, triangles });
     }
 
-    /// All that a ray may hit. `origin` and `offset` together are where it starts; t is in units of `direction`.
+    /// All possible hits of a ray. It starts at `origin` + `offset`; t is in units of `direction`.
     fn candidates(
         &self,
         origin: DVec3,
@@ -137,7 +137,7 @@ impl Pair {
         found
     }
 
-    /// Holds what the library found against what there is. `per_t` is the distance for each t.
+    /// Compares the library's result with the possible hits. `per_t` is the distance per unit of t.
     #[allow(clippy::too_many_arguments, reason = "each is one thing the verdict depends on")]
     pub(crate) fn check(
         &self,
@@ -152,7 +152,7 @@ impl Pair {
         let mut candidates = self.candidates(origin, offset, direction, range, both);
         candidates.sort_by(|a, b| a.t.total_cmp(&b.t));
         let sure = candidates.iter().position(|candidate| candidate.sure);
-        // Nothing behind the first sure hit counts, but what is as near within the tolerance does.
+        // Nothing behind the first certain hit counts, except for hits within the tolerance of its distance.
         let limit = sure.map_or(f64::INFINITY, |at| candidates[at].t * (1.0 + DISTANCE));
         let possible: Vec<_> = candidates.iter().filter(|candidate| candidate.t <= limit).collect();
         tally.rays += 1;
@@ -196,7 +196,7 @@ impl Pair {
     }
 }
 
-/// Barycentrics and normal of a hit on a triangle.
+/// Checks barycentric coordinates and normal of a hit on a triangle.
 fn check_point(
     body: &Body,
     &[a, b, c]: &[DVec3; 3],
@@ -208,7 +208,7 @@ fn check_point(
     let mirrored = body.scale.x * body.scale.y * body.scale.z < 0.0;
     let normal = (b - a).cross(c - a);
     let unit = normal.normalize();
-    // Where the sides are nearly parallel, the normal is what the rounding of the corners makes it.
+    // If the sides are nearly parallel, the normal depends on the rounding of the corners.
     let sharp = normal.length() / ((b - a).length() * (c - a).length()).max((c - b).length_squared());
     if sharp > 1e-3 {
         assert!((wide(found.normal) - unit).length() < 1e-5, "normal, not {unit}: {}", context());
@@ -216,14 +216,14 @@ fn check_point(
     let [second, third] = found.barycentrics.map(f64::from);
     let (b, c) = if mirrored { (c, b) } else { (b, c) };
     let point = a + (b - a) * second + (c - a) * third;
-    // How far the point lies beside the ray, against how far f32 weights can tell.
+    // The distance of the point from the ray, compared with the resolution of f32 weights.
     let beside = (point - origin).cross(direction.normalize()).length();
     let size = (b - a).length().max((c - a).length());
     let way = (point - origin).length();
     assert!(beside <= 1e-5 * size + EDGE * way, "{beside:e} beside the ray: {}", context());
 }
 
-/// t, and whether the ray surely hits; none if it surely misses.
+/// t, and whether the ray certainly hits; `None` if it certainly misses.
 fn triangle(
     corners: &[DVec3; 3],
     origin: DVec3,
@@ -239,13 +239,13 @@ fn triangle(
     }
     let t = normal.dot(a) / slope;
     if !within(t, range)? {
-        // Which of the ends it is does not matter: either is doubtful.
+        // Either end may be meant; in both cases the hit is doubtful.
         return inside(&[a, b, c], direction, slope).map(|_| (t, false));
     }
     inside(&[a, b, c], direction, slope).map(|sure| (t, sure))
 }
 
-/// Whether t surely lies in the range; none if it surely does not.
+/// Whether t is certainly in the range; `None` if it certainly is not.
 fn within(t: f64, [near, far]: [f64; 2]) -> Option<bool> {
     if t.is_nan() || t <= 0.0 || t < near * (1.0 - EDGE) || t > far * (1.0 + EDGE) {
         return None;
@@ -253,25 +253,26 @@ fn within(t: f64, [near, far]: [f64; 2]) -> Option<bool> {
     Some(t >= near * (1.0 + EDGE) && t <= far * (1.0 - EDGE))
 }
 
-/// Whether a ray from 0 surely passes between the edges: the sines of its angles to the planes through 0 and them.
+/// Whether a ray from 0 certainly passes between the edges, from the sines of its angles to the planes through 0 and
+/// the edges.
 fn inside(corners: &[DVec3; 3], direction: DVec3, slope: f64) -> Option<bool> {
     let side = if slope < 0.0 { -1.0 } else { 1.0 };
     let mut sure = true;
     for edge in 0..3 {
         let (p, q) = (corners[edge], corners[(edge + 1) % 3]);
-        // (p + q) × (q − p) / 2 loses less than p × q where both are near each other.
+        // (p + q) × (q − p) / 2 is more accurate than p × q if the two are close to each other.
         let plane = (p + q).cross(q - p) * 0.5;
         let sine = side * plane.dot(direction) / (plane.length() * direction.length());
         if sine < -EDGE {
             return None;
         }
-        // An edge through the origin has no plane: NaN is not sure.
+        // For an edge through the origin there is no plane: the result is NaN, which is not certain.
         sure &= sine > EDGE;
     }
     Some(sure)
 }
 
-/// The same of a solid: sure if rays a little to all sides agree.
+/// The same for a solid. The result is certain if rays slightly to all sides agree.
 fn solid(body: &Body, origin: DVec3, direction: DVec3, range: [f64; 2], both: bool) -> Option<(f64, bool)> {
     let pose = Pose::new(DVec3::ZERO, body.pose.rotation());
     let hit = |direction: DVec3| {

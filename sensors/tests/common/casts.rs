@@ -1,4 +1,4 @@
-//! Casts of a scenario with every output there is.
+//! Casts of a scenario with all outputs.
 
 use super::brute::Found;
 use super::exactness::Scenario;
@@ -10,7 +10,7 @@ use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf, cast_grid, grid_worksp
 use belvedere_sensors::{Execution, Pose};
 use glam::DVec3;
 
-/// Outputs of a cast.
+/// The outputs of a cast.
 pub(crate) struct Answers {
     pub(crate) distance: Vec<f32>,
     normal: Vec<[f32; 3]>,
@@ -50,7 +50,7 @@ impl Answers {
         }
     }
 
-    /// Each output by its name, as bytes.
+    /// Returns each output with its name, as bytes.
     pub(crate) fn bytes(&self) -> [(&'static str, Vec<u8>); 5] {
         [
             ("distance", bytemuck::cast_slice(&self.distance).to_vec()),
@@ -62,7 +62,7 @@ impl Answers {
     }
 }
 
-/// What the rays of a grid meet.
+/// The hits of the rays of a grid.
 pub(crate) fn cast(
     scenario: &Scenario,
     (grid, pose, range): (&Optics<'_>, &Pose, [f64; 2]),
@@ -81,7 +81,7 @@ pub(crate) fn cast(
     answers
 }
 
-/// What rays meet that have nothing in common, and whether they meet anything.
+/// The hits of independent rays, and whether they hit anything.
 pub(crate) fn cast_each(
     scenario: &Scenario,
     reference: DVec3,
@@ -102,7 +102,7 @@ pub(crate) fn cast_each(
     (answers, occluded)
 }
 
-/// The levels of this machine's architecture; none for those that the machine has not.
+/// The levels of this architecture; `None` for those that this machine does not have.
 pub(crate) fn levels() -> Vec<(&'static str, Option<Level>)> {
     let best = Level::new();
     #[cfg(target_arch = "x86_64")]

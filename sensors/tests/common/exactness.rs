@@ -6,7 +6,7 @@ use belvedere_sensors::scene::Shape;
 use glam::{DVec3, Vec3};
 use std::collections::HashMap;
 
-/// Numbers in [0, 1), the same everywhere (Steele et al. 2014, "Fast splittable pseudorandom number generators").
+/// Numbers in [0, 1), the same on every machine (Steele et al. 2014, "Fast splittable pseudorandom number generators").
 pub(crate) struct Dice(pub(crate) u64);
 
 impl Dice {
@@ -18,7 +18,7 @@ impl Dice {
         ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
     }
 
-    /// In [−1, 1)³.
+    /// A point in [−1, 1)³.
     pub(crate) fn cube(&mut self) -> DVec3 {
         DVec3::new(self.roll(), self.roll(), self.roll()) * 2.0 - 1.0
     }
@@ -31,7 +31,7 @@ impl Dice {
 /// Vertices and triangles.
 pub(crate) type Soup = (Vec<[f32; 3]>, Vec<[u32; 3]>);
 
-/// An octahedron whose faces are cut in four `rounds` times, on the unit ball.
+/// An octahedron on the unit ball, each of whose faces is divided into four `rounds` times.
 pub(crate) fn geosphere(rounds: u32) -> Soup {
     let mut corners = vec![Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z];
     let mut triangles =
@@ -71,7 +71,7 @@ fn moved((vertices, triangles): Soup, scale: f32, by: [f32; 3]) -> Soup {
     (vertices.into_iter().map(at).collect(), triangles)
 }
 
-/// Triangles of all shapes: fair ones, needles, and ones without area.
+/// Triangles of all shapes: normal ones, needles, and triangles without area.
 fn splinters(dice: &mut Dice, count: usize) -> Soup {
     let mut vertices: Vec<[f32; 3]> = Vec::new();
     for index in 0..count {
@@ -92,7 +92,7 @@ fn splinters(dice: &mut Dice, count: usize) -> Soup {
     (vertices, triangles)
 }
 
-/// Every shape that is not made of triangles, about 1 m large.
+/// All shapes that do not consist of triangles, about 1 m in size.
 pub(crate) const SOLIDS: [Shape; 8] = [
     Shape::Box { size: [0.9, 0.5, 0.7] },
     Shape::Rectangle { size: [1.2, 0.8] },
@@ -104,7 +104,7 @@ pub(crate) const SOLIDS: [Shape; 8] = [
     Shape::Plane,
 ];
 
-/// A scene, and how large what is to be seen of it is, around `centre`.
+/// A scene, and the size of its visible part around `centre`.
 pub(crate) struct Scenario {
     pub(crate) name: &'static str,
     pub(crate) pair: Pair,
@@ -118,7 +118,7 @@ fn scenario(name: &'static str, centre: DVec3, size: f64, fill: impl FnOnce(&mut
     Scenario { name, pair, centre, size }
 }
 
-/// Meshes, mirrored and stretched, around `centre`.
+/// Adds mirrored and stretched meshes around `centre`.
 fn crowd(pair: &mut Pair, soup: &Soup, centre: DVec3, size: f64) {
     let mesh = pair.mesh(&soup.0, &soup.1);
     let mut dice = Dice(5);
@@ -189,7 +189,7 @@ pub(crate) fn scenarios() -> Vec<Scenario> {
     all
 }
 
-/// Where sensors stand in a scene: outside, inside along the axes, and turned.
+/// Poses of sensors in a scene: outside, inside along the axes, and rotated.
 pub(crate) fn stands(scenario: &Scenario) -> [Pose; 3] {
     let Scenario { centre, size, .. } = *scenario;
     [

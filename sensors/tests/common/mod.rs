@@ -1,4 +1,4 @@
-//! What the tests of the sensors share.
+//! Code that the tests of the sensors share.
 #![allow(dead_code, reason = "each test uses its part")]
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
@@ -23,7 +23,7 @@ use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Moment, Pose, Sensor};
 use glam::DVec3;
 
-/// Pixels across and down of [`camera`].
+/// The size in pixels of the pictures of [`camera`].
 pub(crate) const SIZE: [u32; 2] = [640, 480];
 
 /// A camera of 640 × 480 pixels without noise, 1.2 rad wide.
@@ -31,12 +31,12 @@ pub(crate) fn camera() -> CameraConfig<'static> {
     camera_of(SIZE, 1.2)
 }
 
-/// The same of another size and angle of view.
+/// The same with another size and angle of view.
 pub(crate) fn camera_of([width, height]: [u32; 2], horizontal_fov_rad: f64) -> CameraConfig<'static> {
     CameraConfig::new(PinholeGrid::from_fov(width, height, horizontal_fov_rad).unwrap()).seed(1)
 }
 
-/// The pinhole of a camera that has one.
+/// The pinhole of a camera; panics for another lens.
 pub(crate) fn pinhole(config: &CameraConfig<'_>) -> PinholeGrid {
     match config.optics {
         Optics::Pinhole(lens) => lens,
@@ -44,12 +44,12 @@ pub(crate) fn pinhole(config: &CameraConfig<'_>) -> PinholeGrid {
     }
 }
 
-/// A depth camera of that geometry, whose depths are limited by the clip distances alone.
+/// A depth camera with that geometry, whose depths are only limited by the clip distances.
 pub(crate) fn depth_camera() -> DepthCameraConfig<'static> {
     DepthCameraConfig::new(camera())
 }
 
-/// A lidar in the plane, half a turn wide.
+/// A horizontal lidar with a field of view of half a turn.
 pub(crate) const LIDAR: LidarConfig = LidarConfig::new(Beams {
     samples: 720,
     min_angle_rad: -core::f64::consts::FRAC_PI_2,
@@ -63,13 +63,13 @@ pub(crate) const LIDAR: LidarConfig = LidarConfig::new(Beams {
 .seed(1)
 .sensor(0);
 
-/// A sensor at `eye` that looks at `target`, turned by `roll` about its axis.
+/// The pose of a sensor at `eye` that looks at `target`, rolled by `roll` about its axis.
 pub(crate) fn look_at(eye: DVec3, target: DVec3, roll: f64) -> Pose {
     let ahead = (target - eye).normalize();
     Pose::from_xyz_rpy(eye, DVec3::new(roll, -ahead.z.asin(), ahead.y.atan2(ahead.x)))
 }
 
-/// A material that shines in one colour whatever the light.
+/// Adds a material that emits one colour, whatever the light.
 pub(crate) fn glowing(builder: &mut SceneBuilder, colour: [f32; 3]) -> MaterialId {
     let config = MaterialConfig {
         emissive: colour,
@@ -80,7 +80,7 @@ pub(crate) fn glowing(builder: &mut SceneBuilder, colour: [f32; 3]) -> MaterialI
     builder.add_material(&config).expect("a valid material")
 }
 
-/// Adds a shape that all sensors see.
+/// Adds a shape that is visible to all sensors.
 pub(crate) fn add(builder: &mut SceneBuilder, shape: Shape, pose: Pose, material: MaterialId) -> InstanceId {
     let config = InstanceConfig { shape, world_from_instance: pose, material, ..Default::default() };
     builder.add_instance(&config).expect("a valid instance")
@@ -92,7 +92,7 @@ pub(crate) fn add_grey(builder: &mut SceneBuilder, shape: Shape, pose: Pose) -> 
     add(builder, shape, pose, grey)
 }
 
-/// A scene, and where its instances are.
+/// A scene, and the poses of its instances.
 #[derive(Clone, Copy)]
 pub(crate) struct Stage<'a> {
     pub(crate) scene: Scene<'a>,
@@ -112,7 +112,7 @@ impl<'a> From<(Scene<'a>, &'a [Pose])> for Stage<'a> {
 }
 
 impl<'a> Stage<'a> {
-    /// With a sensor.
+    /// The moment with a sensor at this pose.
     pub(crate) fn moment(&self, world_from_sensor: Pose) -> Moment<'a> {
         Moment { world_from_sensor, world_from_instance: self.poses }
     }
@@ -159,7 +159,7 @@ pub(crate) fn picture<'a>(stage: impl Into<Stage<'a>>, config: CameraConfig<'_>,
     picture_with(stage, config, pose, 0, Execution::default())
 }
 
-/// Takes a frame of a colour camera in some way of execution.
+/// Takes a frame of a colour camera with the given execution.
 pub(crate) fn picture_with<'a>(
     stage: impl Into<Stage<'a>>,
     config: CameraConfig<'_>,
@@ -184,12 +184,12 @@ pub(crate) fn picture_with<'a>(
     pixels
 }
 
-/// Takes frame 0 of a lidar: ranges and intensities.
+/// Takes frame 0 of a lidar and returns ranges and intensities.
 pub(crate) fn scan<'a>(stage: impl Into<Stage<'a>>, config: LidarConfig, pose: Pose) -> (Vec<f32>, Vec<f32>) {
     scan_frame(stage, config, pose, 0)
 }
 
-/// Takes a frame of a lidar: ranges and intensities.
+/// Takes a frame of a lidar and returns ranges and intensities.
 pub(crate) fn scan_frame<'a>(
     stage: impl Into<Stage<'a>>,
     config: LidarConfig,
@@ -212,7 +212,7 @@ pub(crate) fn scan_frame<'a>(
     (ranges, intensities)
 }
 
-/// A scene with every shape, texture and kind of lamp; returns an instance that may be moved.
+/// Builds a scene with every shape, texture and kind of lamp, and returns an instance that may be moved.
 pub(crate) fn scenery(builder: &mut SceneBuilder) -> InstanceId {
     let texels: Vec<[u8; 4]> =
         (0..60 * 44).map(|i| [(i * 7 % 256) as u8, (i / 60 * 5) as u8, (i % 60 * 4) as u8, 255]).collect();
@@ -245,7 +245,7 @@ pub(crate) fn scenery(builder: &mut SceneBuilder) -> InstanceId {
     let mut last = InstanceId(0);
     for index in 0..24 {
         let i = f64::from(index);
-        // Scattered without the platform's sine: the scene's bits are the same everywhere.
+        // Scattered without the platform's sine, so that the bits of the scene are the same on every machine.
         let position =
             DVec3::new((i * 0.618).fract() * 5.0 - 2.0, (i * 0.414).fract() * 5.0 - 2.5, 0.3 + i * 0.06);
         let pose = Pose::from_xyz_rpy(position, DVec3::new(0.4 * i, 0.3 * i - 1.2, i));

@@ -1,4 +1,4 @@
-//! Where a single ray first meets a shape: school geometry in f64, one surface at a time, written apart from
+//! An oracle for the first hit of a ray on a shape: elementary geometry in f64, one surface at a time, independent of
 //! the library's kernels.
 
 use belvedere_sensors::Pose;
@@ -27,12 +27,12 @@ impl Ray {
     }
 }
 
-/// The ray of a camera's pixel, with t the depth.
+/// The ray of a camera's pixel, for which t is the depth.
 pub(crate) fn pixel_ray(camera: &CameraConfig<'_>, pose: &Pose, column: u32, row: u32) -> Ray {
     ray_at(camera, pose, [column, row].map(f64::from))
 }
 
-/// The ray through a point between pixels.
+/// The ray through a point between pixel centres.
 pub(crate) fn ray_at(camera: &CameraConfig<'_>, pose: &Pose, [column, row]: [f64; 2]) -> Ray {
     let lens = super::pinhole(camera).intrinsics();
     let (right, down) = (column - lens.cx, row - lens.cy);
@@ -40,16 +40,16 @@ pub(crate) fn ray_at(camera: &CameraConfig<'_>, pose: &Pose, [column, row]: [f64
     Ray { origin: pose.translation(), direction }
 }
 
-/// A point of a shape's surface on a ray, and the outward normal there.
+/// t of a point of a shape's surface on a ray, and the outward normal there.
 pub(crate) type Candidate = (f64, DVec3);
 
-/// The least t ≥ `t_min` at which the ray meets the shape's surface; from outside only, unless `both` sides
-/// count. Meshes have no formula of their own.
+/// The least t ≥ `t_min` at which the ray hits the shape's surface, from outside only unless `both` sides count. Meshes
+/// have no formula.
 pub(crate) fn first_hit(shape: &Shape, pose: &Pose, ray: &Ray, t_min: f64, both: bool) -> Option<f64> {
     first_hit_scaled(shape, pose, DVec3::ONE, ray, t_min, both)
 }
 
-/// The same of a shape that is scaled along its own axes.
+/// The same for a shape that is scaled along its own axes.
 pub(crate) fn first_hit_scaled(
     shape: &Shape,
     pose: &Pose,
@@ -61,7 +61,7 @@ pub(crate) fn first_hit_scaled(
     first_surface(shape, pose, scale, ray, t_min, both).map(|(t, _)| t)
 }
 
-/// The same, and the outward unit normal there in the world.
+/// The same, with the outward unit normal there in the world.
 pub(crate) fn first_surface(
     shape: &Shape,
     pose: &Pose,
@@ -109,11 +109,11 @@ pub(crate) fn first_surface(
         .into_iter()
         .filter(|(t, normal)| *t >= t_min && (both || normal.dot(ray.direction) < 0.0))
         .min_by(|(a, _), (b, _)| a.total_cmp(b))
-        // Normals go by the inverse transpose.
+        // Normals are transformed by the inverse transpose.
         .map(|(t, normal)| (t, (pose.rotation() * (normal / scale)).normalize()))
 }
 
-/// The same shape with all lengths multiplied.
+/// The shape with all lengths multiplied by a factor.
 pub(crate) fn scaled(shape: &Shape, factor: f64) -> Shape {
     match *shape {
         Shape::Box { size } => Shape::Box { size: size.map(|edge| edge * factor) },
@@ -132,7 +132,7 @@ pub(crate) fn scaled(shape: &Shape, factor: f64) -> Shape {
     }
 }
 
-/// The plane normal·p = offset, where `within` holds.
+/// The part of the plane normal·p = offset where `within` holds.
 fn plane(ray: &Ray, normal: DVec3, offset: f64, within: impl Fn(DVec3) -> bool) -> Option<Candidate> {
     let t = (offset - normal.dot(ray.origin)) / normal.dot(ray.direction);
     (t.is_finite() && within(ray.at(t))).then_some((t, normal))
@@ -149,7 +149,7 @@ fn box_faces(ray: &Ray, half: DVec3) -> Vec<Candidate> {
         .collect()
 }
 
-/// By Pythagoras: from the point of the ray that is nearest to the centre, half a chord back and forth.
+/// By Pythagoras: half a chord back and forth from the ray's point nearest to the centre.
 fn ball(ray: &Ray, centre: DVec3, radius: f64) -> Vec<Candidate> {
     let speed = ray.direction.length();
     let ahead = ray.direction / speed;
@@ -182,15 +182,15 @@ fn tube(ray: &Ray, radius: f64, length: f64) -> Vec<Candidate> {
         .collect()
 }
 
-/// The side of a cone, by bisection: f(t) = ρ − (radius at that height) is convex along a ray, as the sum of the
-/// convex distance to the axis and a linear function.
+/// The side of a cone, by bisection: f(t) = ρ − (radius at that height) is convex along a ray, because it is the sum of
+/// the convex distance to the axis and a linear function.
 fn mantle(ray: &Ray, radius: f64, length: f64) -> Vec<Candidate> {
     let slope = radius / length;
     let outside = |t: f64| {
         let p = ray.at(t);
         p.x.hypot(p.y) - slope * (length / 2.0 - p.z)
     };
-    // Where the ray passes the ball around the cone; beyond it there is nothing to find.
+    // The interval in which the ray is inside the ball around the cone; beyond it there are no hits.
     let ends = ball(ray, DVec3::ZERO, radius.max(length));
     let [(start, _), (end, _)] = ends[..] else { return vec![] };
     let rises = |t: f64| {

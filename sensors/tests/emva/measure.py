@@ -1,7 +1,7 @@
 """Measures a rendered camera by EMVA 1288's reference implementation: python measure.py path/to/emva
 
-Flat fields and darks at a series of exposure times go through the whole camera. What the standard's own program
-(PyPI emva1288, release 4.0 of the standard) finds in them must be what was set.
+Flat fields and dark frames at a series of exposure times go through the whole camera. The reference implementation
+(PyPI emva1288, release 4.0 of the standard) must find the parameters that were set.
 """
 
 import pathlib
@@ -30,15 +30,15 @@ SET = {
     "bits": 12,
 }
 COLOUR = 0.5
-# Photons that fill the well, and a series of exposures from nothing to beyond that.
+# The number of photons that fill the well, and a series of exposures from 0 to beyond that.
 FULL = SET["full_well_e"] / SET["quantum_efficiency"]
 SERIES = np.concatenate([[0.005, 0.01, 0.02, 0.03], np.linspace(0.05, 0.9, 25), np.linspace(0.91, 1.08, 18)])
-# Pictures for the spatial values, in the middle of the range.
+# The number of pictures for the spatial values, in the middle of the range.
 STACK = 32
 
 
 def render(program, directory):
-    """Pictures and a descriptor file of them; the exposure times and photons of the series."""
+    """Writes pictures and their descriptor file; returns the exposure times and photons of the series."""
     asked = []
     words = " ".join(f"{name}={value}" for name, value in SET.items())
     head = f"width={SIZE[0]} height={SIZE[1]} {words}"
@@ -72,10 +72,10 @@ def load(path):
 
 
 def saturation(times, photons):
-    """What the standard calls the saturation capacity, by quadrature: the signal of light at the peak of the variance.
+    """Returns the standard's saturation capacity by quadrature: the signal of light at the peak of the variance.
 
-    A full well cuts off the upper end of the counts, so that their variance falls before their mean does. The noise of
-    reading comes after the well and is not cut off.
+    A full well cuts off the upper end of the counts, so that their variance falls before their mean does. Read noise is
+    added after the well and is not cut off.
     """
     response = np.linspace(-4.5, 4.5, 91)
     weight = norm.pdf(response) / norm.pdf(response).sum()
@@ -120,7 +120,7 @@ def main():
         off = found / expected - 1
         failed |= not abs(off) <= TOLERANCE
         print(f"{name:34} set {expected:10.5g}  found {found:10.5g}  {off:+.3%}")
-    # Rows and columns have no patterns of their own: less than a hundredth of the pixels' in DSNU's and PRNU's variance.
+    # Rows and columns have no patterns of their own: their variance is less than a hundredth of that of the pixels.
     for name, part, whole in [
         ("DSNU of columns and rows", results.s_2_y_col_dark + results.s_2_y_row_dark, results.s_2_y_dark),
         ("PRNU of columns and rows", results.s_2_y_col + results.s_2_y_row, results.s_2_y),

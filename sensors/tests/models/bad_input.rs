@@ -1,4 +1,4 @@
-//! Whatever is put into a scene or a sensor: an error or a frame, never a panic.
+//! Any input to a scene or a sensor gives an error or a frame, but never a panic.
 
 use crate::common;
 
@@ -19,7 +19,7 @@ use proptest::array::uniform3;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-/// Numbers that people write, and those that nobody should.
+/// Reasonable numbers, and unreasonable ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         6 => -5.0..5.0,
@@ -160,7 +160,7 @@ proptest! {
         let _ = builder.set_pose(InstanceId(instance), pose);
         sense_all(&builder, view);
         let baked = builder.bake();
-        let (scene, poses) = Scene::from_baked(bytemuck::cast_slice(&baked)).expect("what is accepted can be read back");
+        let (scene, poses) = Scene::from_baked(bytemuck::cast_slice(&baked)).expect("accepted scenes can be read back");
         prop_assert_eq!(scene.instances().len(), builder.scene().instances().len());
         prop_assert_eq!(poses, builder.poses());
     }
@@ -173,7 +173,7 @@ proptest! {
     ) {
         let [fov, near, far, min, max, from, to, up] = numbers;
         let Ok(grid) = PinholeGrid::from_fov(size.0, size.1, fov) else {
-            // Too narrow a field of view makes the focal length overflow.
+            // In a very narrow field of view, the focal length overflows.
             let focal_px = f64::from(size.0) * 0.5 / (fov * 0.5).tan();
             prop_assert!(size.0 == 0 || size.1 == 0 || !(fov > 0.0 && fov < core::f64::consts::PI) || focal_px > f64::MAX / 2.0);
             return Ok(());
@@ -202,7 +202,7 @@ proptest! {
 }
 
 #[test]
-fn every_error_has_its_name() {
+fn every_invalid_input_gives_its_own_error() {
     let mut builder = SceneBuilder::new();
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, f32::NAN, 0.0]];
     assert_eq!(builder.add_texture(0, 4, &[]), Err(SceneError::BadTexture));
@@ -211,7 +211,7 @@ fn every_error_has_its_name() {
     assert_eq!(builder.add_material(&missing), Err(SceneError::NoSuchTexture(0)));
     assert!(
         builder.add_mesh(&corners[..2], &[], &[]).is_ok(),
-        "a mesh of no triangles is there, and not hit"
+        "a mesh without triangles exists, and is not hit"
     );
     assert_eq!(builder.add_mesh(&corners, &[], &[[0, 1, 2]]), Err(SceneError::BadVertex(2)));
     assert_eq!(
@@ -341,7 +341,7 @@ fn grids_that_cannot_be_cast_are_refused() {
     let here = builder.moment(Pose::IDENTITY);
     let refused = cast_grid(&scene, &here, &good, range, VISUAL, Faces::Both, &mut none, Hits::default());
     assert!(matches!(refused, Err(SenseError::Workspace { value: 0, .. })));
-    // What no pinhole has is refused where one is made.
+    // Invalid pinholes are refused when they are created.
     let lens = PinholeGrid::from_fov(8, 2, 1.0).unwrap();
     let intrinsics = lens.intrinsics();
     for bad in [
@@ -357,7 +357,7 @@ fn grids_that_cannot_be_cast_are_refused() {
     let large = Optics::Pinhole(PinholeGrid::new(8, 40_000, *lens.lens()).unwrap());
     let refused = cast(&large, range, &Pose::IDENTITY, 16);
     assert_eq!(size_of_grid(refused), ("height", 40_000.0));
-    // The most columns there may be, of more than a turn.
+    // The largest number of columns, with more than a turn.
     let many = SphericalGrid {
         columns: MAX_GRID_SIZE,
         rows: 1,
@@ -370,7 +370,7 @@ fn grids_that_cannot_be_cast_are_refused() {
 }
 
 #[test]
-fn a_picture_that_is_too_large_is_told_as_it_was_asked_for() {
+fn the_error_of_a_picture_that_is_too_large_names_the_requested_size() {
     for ([width, height], wrong) in [
         ([40_000, 8], "width of the camera is 40000"),
         ([8, 16_385], "height of the camera is 16385"),

@@ -1,4 +1,4 @@
-//! Beams of scanners: what comes back of what their width, surfaces and the air make of a pulse, against closed forms.
+//! Beams of scanners: returns that depend on their width, on surfaces and on the air, against closed forms.
 
 use crate::common::add_grey;
 use belvedere_sensors::noise::GaussianNoise;
@@ -40,7 +40,7 @@ fn near(found: f32, expected: f64, within: f64) {
     assert!((found - expected).abs() <= within * expected.abs(), "{found} instead of {expected}");
 }
 
-/// A thin plate that faces the sensor, from one y on to the left, of some `laser_retro`.
+/// A thin plate that faces the sensor and extends from `right` to the left, with a `laser_retro`.
 fn add_plate(builder: &mut SceneBuilder, x: f64, right: f64, laser_retro: f32) {
     let material = builder.add_material(&MaterialConfig::default()).unwrap();
     let config = InstanceConfig {
@@ -57,7 +57,7 @@ fn beam(rays: u32) -> Beam {
     Beam { divergence_rad: [3e-3, 1.5e-3], aperture_m: [12.7e-3, 9.5e-3], rays }
 }
 
-/// Where the rays lie, as shares of half the width and height: the table of [`Beam`].
+/// The positions of the rays, as fractions of half the width and height: the table of [`Beam`].
 fn places(rays: u32) -> Vec<[f64; 2]> {
     let rings: &[(u32, f64)] = match rays {
         7 => &[(1, 0.0), (6, (4.0_f64 / 7.0).sqrt())],
@@ -72,9 +72,9 @@ fn places(rays: u32) -> Vec<[f64; 2]> {
     rings.iter().flat_map(on_ring).collect()
 }
 
-/// A plate at 10 m that reaches into the beam from the left, before one at 13 m.
+/// A plate at 10 m that covers a part of the beam from the left, in front of one at 13 m.
 #[test]
-fn a_beam_that_meets_two_plates_has_two_returns() {
+fn a_beam_that_hits_two_plates_has_two_returns() {
     let table = [AHEAD];
     let half = 0.5 * (12.7e-3 + 2.0 * (1.5e-3_f64).tan() * 10.0);
     for rays in [1, 7, 8, 19] {
@@ -90,13 +90,13 @@ fn a_beam_that_meets_two_plates_has_two_returns() {
             let (first, last) =
                 (if share > 0.0 { 10.0 } else { 13.0 }, if share < 1.0 { 13.0 } else { 10.0 });
             let strongest = if share >= 0.5 { 10.0 } else { 13.0 };
-            // Rays aside are longer, by up to 3 µm.
+            // Outer rays are longer, by up to 3 µm.
             let is = |found: f32, expected: f64| near(found, expected, 1e-6);
             is(seen(Returns::Strongest).0[0], strongest);
             is(seen(Returns::First).0[0], first);
             is(seen(Returns::Last).0[0], last);
             is(seen(Returns::Mean).0[0], 10.0 * share + 13.0 * (1.0 - share));
-            // The last, and the strongest that is not.
+            // The last, and the strongest of the others.
             let (ranges, points, retros) = seen(Returns::Dual);
             let (all, _, all_retros) = seen(Returns::Several(5));
             is(ranges[0], last);
@@ -112,7 +112,7 @@ fn a_beam_that_meets_two_plates_has_two_returns() {
             assert!(all_retros[none..].iter().all(|retro| *retro == 0.0));
             assert!(ranges[none..].iter().all(|range| *range == f32::INFINITY));
             assert!(points[none..].iter().all(|point| point[0].is_nan()));
-            // The area of a circle's segment.
+            // The area of a segment of a circle.
             let area = (edge.clamp(-1.0, 1.0).acos() - edge * (1.0 - edge * edge).max(0.0).sqrt()) / PI;
             worst = worst.max((share - area).abs());
         }
@@ -128,7 +128,7 @@ fn a_beam_that_meets_two_plates_has_two_returns() {
 
 /// Five plates one behind the other, each a little farther into the beam.
 #[test]
-fn what_is_nearer_than_a_pulse_is_one_return() {
+fn surfaces_closer_than_a_pulse_are_one_return() {
     let table = [AHEAD];
     let edges = [0.7, 0.45, 0.0, -0.35, -5.0];
     let (mut plates, mut shares) = (SceneBuilder::new(), Vec::new());
@@ -154,7 +154,7 @@ fn what_is_nearer_than_a_pulse_is_one_return() {
     near(merged[0], mean(0..5), 1e-6);
     assert_eq!(merged[1], f32::INFINITY);
     near(seen(Returns::Mean, 0.0)[0], mean(0..5), 1e-6);
-    // Of more than are wanted, the strongest, in order.
+    // If there are more returns than requested, the strongest are reported, ordered by range.
     let mut order: Vec<usize> = (0..5).collect();
     order.sort_by(|a, b| shares[*b].total_cmp(&shares[*a]));
     let mut three = order[..3].to_vec();
@@ -162,16 +162,17 @@ fn what_is_nearer_than_a_pulse_is_one_return() {
     for (range, plate) in seen(Returns::Several(3), 0.7).into_iter().zip(three) {
         near(range, 20.0 + 0.8 * plate as f64, 1e-6);
     }
-    // The last is the strongest here: with it goes the second strongest.
+    // The last is the strongest here, so the second strongest is reported with it.
     assert_eq!(order[0], 4);
     let dual = seen(Returns::Dual, 0.7);
     near(dual[0], 23.2, 1e-6);
     near(dual[1], 20.0 + 0.8 * order[1] as f64, 1e-6);
 }
 
-/// A VLP-16 that drives and turns before walls that its beams are narrower than: every ray of a beam is of its own time.
+/// A VLP-16 that drives and turns in front of walls that are wider than its beams: every ray of a beam has the time of
+/// its firing.
 #[test]
-fn beams_start_where_the_sensor_is_at_their_time() {
+fn beams_start_at_the_pose_of_the_sensor_at_their_time() {
     let mut walls = SceneBuilder::new();
     for (normal, distance) in [(DVec3::X, 9.0), (DVec3::NEG_X, 7.0), (DVec3::Y, 8.0), (DVec3::NEG_Y, 6.0)] {
         let size = (DVec3::splat(100.0) - normal.abs() * 99.8).to_array();
@@ -216,9 +217,9 @@ fn beams_start_where_the_sensor_is_at_their_time() {
     assert!(worst < 4e-6, "{worst:e}");
 }
 
-/// What is true is so of the ray in the middle, and without a width all is as with one ray.
+/// Ground truth is that of the middle ray, and without a width everything is as with a single ray.
 #[test]
-fn truth_is_that_of_the_middle() {
+fn ground_truth_is_that_of_the_middle_ray() {
     let table = [AHEAD, Firing { direction: DVec3::Y, ..AHEAD }];
     let mut plates = SceneBuilder::new();
     add_plate(&mut plates, 10.0, 0.001, 0.0);
@@ -241,7 +242,7 @@ fn truth_is_that_of_the_middle() {
     assert_eq!(dual, [13.0, f32::INFINITY, f32::INFINITY, f32::INFINITY]);
 }
 
-/// A board of some reflectivity, turned by an angle about the vertical, with the scanner before its middle.
+/// A board with some reflectivity, rotated by an angle about the vertical, with the scanner in front of its middle.
 fn board(range: f64, turned: f64, laser_retro: f32, diffuse: [f32; 3]) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let material = builder.add_material(&MaterialConfig { diffuse, ..Default::default() }).unwrap();
@@ -258,7 +259,7 @@ fn board(range: f64, turned: f64, laser_retro: f32, diffuse: [f32; 3]) -> SceneB
 }
 
 #[test]
-fn intensity_goes_with_reflectivity_angle_and_range() {
+fn intensity_depends_on_reflectivity_angle_and_range() {
     let table = [AHEAD];
     let config = ScannerConfig::new(Pattern::Table(&table)).range_max_m(250.0);
     let seen = |intensity, scene: &SceneBuilder| still(config.intensity(intensity), scene).2[0];
@@ -271,20 +272,20 @@ fn intensity_goes_with_reflectivity_angle_and_range() {
                 near(seen(Intensity::Reflectivity, &scene), 100.0 * power * range * range, 1e-6);
                 assert_eq!(seen(Intensity::Retro, &scene), retro);
             }
-            // Retroreflectors are as bright at any angle.
+            // Retroreflectors are equally bright at any angle.
             let sign = board(range, degrees.to_radians(), 178.0, [0.0; 3]);
             near(seen(Intensity::Reflectivity, &sign), 178.0, 1e-6);
             near(seen(Intensity::Power, &sign), (1.0 + 99.0 * 78.0 / 155.0) / (range * range), 1e-6);
         }
     }
-    // A beam of which a plate covers a share gets that share of it back.
+    // If a plate covers a share of a beam, that share of the light comes back.
     let mut plate = SceneBuilder::new();
     let half = 0.5 * (12.7e-3 + 2.0 * (1.5e-3_f64).tan() * 10.0);
     add_plate(&mut plate, 10.0, 0.1 * half, 50.0);
     let share = places(19).iter().filter(|[left, _]| *left > 0.1).count() as f64 / 19.0;
     let covered = still(config.beam(beam(19)).intensity(Intensity::Reflectivity), &plate).2[0];
     near(covered, 50.0 * share, 1e-4);
-    // Two of one share and unlike reflectivity: the brighter one is the stronger.
+    // Of two surfaces with the same share of the beam, the one with the higher reflectivity is the stronger.
     add_plate(&mut plate, 30.0, -5.0, 200.0);
     let both = config.beam(beam(19)).pulse_m(1.0);
     near(still(both, &plate).0[0], 30.0, 1e-6);
@@ -296,9 +297,9 @@ fn intensity_goes_with_reflectivity_angle_and_range() {
     near(still(both.intensity(Intensity::Power), &dim).0[0], 10.0, 1e-6);
 }
 
-/// P < 0.9/reach² is lost.
+/// Returns with P < 0.9/reach² are lost.
 #[test]
-fn dark_surfaces_are_lost_nearer_than_bright_ones() {
+fn dark_surfaces_are_lost_at_shorter_ranges_than_bright_ones() {
     let table = [AHEAD];
     let reached = |receiver: Receiver, retro: f32, degrees: f64, weather: Weather| {
         let config = ScannerConfig::new(Pattern::Table(&table)).range_max_m(300.0).weather(weather);
@@ -318,21 +319,21 @@ fn dark_surfaces_are_lost_nearer_than_bright_ones() {
     within(reached(receiver, 90.0, 0.0, Weather::CLEAR), 120.0);
     within(reached(receiver, 10.0, 0.0, Weather::CLEAR), 40.0);
     within(reached(receiver, 90.0, 60.0, Weather::CLEAR), 120.0 * 0.5_f64.sqrt());
-    // The sun: three times the noise is half of twice as much to be noticed.
+    // Sunlight: with three times the noise added, twice as much power is needed.
     within(
         reached(Receiver { background: 3.0, ..receiver }, 90.0, 0.0, Weather::CLEAR),
         120.0 * 0.5_f64.sqrt(),
     );
-    // In haze, where r²·e^(2αr) is as much.
+    // In haze, the range at which r²·e^(2αr) is the same.
     let haze = Weather { visibility_m: 1000.0, ..Weather::CLEAR };
     let range = reached(receiver, 90.0, 0.0, haze);
     let alpha = 20_f64.ln() / 1000.0;
     within(range * (alpha * range).exp(), 120.0);
 }
 
-/// From the middle of a ball of 8 m and reflectivity 0.5.
+/// From the centre of a ball of 8 m with reflectivity 0.5.
 #[test]
-fn ranges_vary_with_what_comes_back() {
+fn range_noise_depends_on_the_returned_power() {
     let mut ball = SceneBuilder::new();
     let material = ball.add_material(&MaterialConfig { diffuse: [0.5; 3], ..Default::default() }).unwrap();
     ball.add_instance(&InstanceConfig {
@@ -356,7 +357,7 @@ fn ranges_vary_with_what_comes_back() {
 
 /// Hahner et al. 2021, equations 8 to 13, as sums of small steps.
 #[test]
-fn fog_dims_what_is_behind_it_and_sends_light_back_itself() {
+fn fog_attenuates_surfaces_and_scatters_light_back() {
     let alpha = 0.06_f64;
     let fog = Weather { visibility_m: 20_f64.ln() / alpha, ..Weather::CLEAR };
     assert!((fog.visibility_m - 49.93).abs() < 0.005 && (fog.extinction_per_m() - alpha).abs() < 1e-12);
@@ -393,14 +394,14 @@ fn fog_dims_what_is_behind_it_and_sends_light_back_itself() {
         let strongest = still(config.returns(Returns::Strongest), &scene).0[0];
         near(strongest, if hard > power { metres } else { range }, 0.01);
     }
-    // Before a wall that is nearer than that there is no fog, and of a sky there is nothing else.
+    // In front of a wall that is nearer than that, fog has no return; with nothing else in range, it has the only one.
     assert_eq!(still(config, &board(2.0, 0.0, 100.0, [0.0; 3])).0, [2.0, f32::INFINITY]);
     near(still(config, &SceneBuilder::new()).0[0], range, 0.01);
 }
 
 /// Marshall and Palmer's drops in a cone of 3 mrad, by their integral over ranges.
 #[test]
-fn drops_are_met_as_often_as_there_are_drops() {
+fn the_number_of_detected_drops_is_as_expected() {
     for (weather, sizes) in [
         (Weather { rain_mm_per_h: 30.0, ..Weather::CLEAR }, DropSizes::rain(30.0).unwrap()),
         (Weather { snow_mm_per_h: 2.0, ..Weather::CLEAR }, DropSizes::snow(2.0).unwrap()),
@@ -412,7 +413,7 @@ fn drops_are_met_as_often_as_there_are_drops() {
         let (ranges, _, powers) = still(config, &SceneBuilder::new());
         let least = 0.9 / (reach * reach);
         let drops: Vec<_> = ranges.iter().zip(&powers).filter(|(range, _)| range.is_finite()).collect();
-        // How many are from a range to another, and so much brighter than the least.
+        // The expected number between two ranges whose power is so many times the least.
         let expected = |from: f64, to: f64, times: f64| {
             let steps = 10_000;
             let dr = (to - from) / f64::from(steps);
@@ -437,7 +438,7 @@ fn drops_are_met_as_often_as_there_are_drops() {
             };
             let (found, expected) = (drops.iter().filter(is_one).count() as f64, expected(from, to, times));
             println!("{from} to {to} m, {times} times: {found} of {expected}");
-            // Extinction takes a per cent; chance, so much.
+            // Extinction takes one per cent; the rest of the tolerance is for chance.
             assert!(
                 (found - expected).abs() < 0.015 * expected + 4.0 * expected.sqrt(),
                 "{found} {expected}"
@@ -452,7 +453,7 @@ fn drops_are_met_as_often_as_there_are_drops() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_parameters_are_refused() {
     let table = [AHEAD];
     let plain = ScannerConfig::new(Pattern::Table(&table));
     let said = |config: ScannerConfig<'_>| Scanner::new(config).unwrap_err().to_string();
@@ -508,7 +509,7 @@ fn what_cannot_be_is_refused() {
         said(endless)
             .starts_with("range_max_m of the scanner is inf; it must be finite where there is weather")
     );
-    // An output of one return is too short for two.
+    // An output for one return is too short for two.
     let scanner = Scanner::new(plain.returns(Returns::Dual)).unwrap();
     let builder = SceneBuilder::new();
     let (scene, capture) = (builder.scene(), Capture::new(0, builder.moment(Pose::IDENTITY)));

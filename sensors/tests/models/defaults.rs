@@ -1,4 +1,4 @@
-//! The documentation of each field of a configuration names the field's default.
+//! The documentation of each field of a configuration states the field's default.
 
 use belvedere_sensors::Pose;
 use belvedere_sensors::camera::{CameraConfig, Edges, PixelFormat};
@@ -17,8 +17,8 @@ use belvedere_sensors::scene::{
 };
 use belvedere_sensors::trace::{Faces, TooNear};
 
-/// Returns the fields of a struct in a source file, each with its documentation in one line, without the marks of links
-/// and code.
+/// Returns the fields of a struct in a source file, each with its documentation in one line, without the markup of
+/// links and code.
 fn fields<'a>(source: &'a str, name: &str) -> Vec<(&'a str, String)> {
     let begin = source.find(&format!("pub struct {name}")).expect("the struct is in this file");
     let body = &source[begin..][..source[begin..].find("\n}\n").expect("it ends")];
@@ -35,8 +35,8 @@ fn fields<'a>(source: &'a str, name: &str) -> Vec<(&'a str, String)> {
     fields
 }
 
-/// Compares what the documentation says with the value: each row is a field, what its documentation names as the
-/// default, and the same as a value. Fields in the first list have no default.
+/// Compares the documentation with the values: each row is a field, its default as documented, and the same as a value.
+/// Fields in the first list have no default.
 macro_rules! check {
     ($name:ident in $file:literal, $config:expr, given [$($given:literal),*]; $($field:ident: $text:literal = $value:expr;)*) => {
         let config = $config;
@@ -59,7 +59,7 @@ macro_rules! check {
 }
 
 #[test]
-fn the_sensors_say_their_defaults() {
+fn sensors_document_their_defaults() {
     let camera = CameraConfig::new(PinholeGrid::from_fov(8, 6, 1.0).unwrap());
     check! {
         CameraConfig in "sensor/camera/config.rs", camera, given ["optics"];
@@ -119,7 +119,7 @@ fn the_sensors_say_their_defaults() {
 }
 
 #[test]
-fn devices_and_instruments_say_their_defaults() {
+fn devices_and_instruments_document_their_defaults() {
     check! {
         ImuConfig in "sensor/imu.rs", ImuConfig::default(), given [];
         gyro: "InstrumentConfig::default" = InstrumentConfig::default();
@@ -184,7 +184,7 @@ fn devices_and_instruments_say_their_defaults() {
 }
 
 #[test]
-fn scenes_say_their_defaults() {
+fn scenes_document_their_defaults() {
     check! {
         MaterialConfig in "scene/material.rs", MaterialConfig::default(), given [];
         diffuse: "0.7 for each colour" = [0.7; 3];

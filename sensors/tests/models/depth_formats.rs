@@ -1,4 +1,4 @@
-//! The parts of a depth frame agree with each other, and intensities with what was hit.
+//! The outputs of a depth frame agree with each other, and intensities with the surfaces that were hit.
 
 use crate::common;
 
@@ -47,7 +47,7 @@ fn whole_frame(builder: &SceneBuilder, camera: &DepthCamera, pose: Pose) -> Fram
     frame
 }
 
-/// A ramp from near to far, of one colour.
+/// A ramp from near to far, in a single colour.
 fn ramp(builder: &mut SceneBuilder) {
     let orange = glowing(builder, [1.0, 0.5, 0.25]);
     let floor = Shape::Rectangle { size: [300.0, 40.0] };
@@ -64,7 +64,8 @@ fn millimetres_are_the_metres_rounded() {
     for (&metres, &millimetres) in frame.metres.iter().zip(&frame.millimetres) {
         let rounded = (f64::from(metres) * 1000.0).round();
         if rounded <= 65535.0 {
-            // f32 holds 65 m to 4 µm: of two roundings the one a hair off the middle may differ.
+            // f32 resolves 65 m to 4 µm, so one of the two roundings may differ near the middle between two
+            // millimetres.
             assert!((f64::from(millimetres) - f64::from(metres) * 1000.0).abs() < 0.51, "{metres}");
             valid += 1;
         } else {
@@ -123,7 +124,7 @@ fn the_colour_is_that_of_the_camera_alone() {
     assert!(frame.colour == alone);
 }
 
-/// The parts of a frame that are asked for, as bytes; none of the others.
+/// The requested outputs of a frame, as bytes; the others are not computed.
 fn parts_of(builder: &SceneBuilder, camera: &DepthCamera, pose: Pose, wanted: [bool; 5]) -> [Vec<u8>; 5] {
     let pixels = camera.pixels();
     let (mut metres, mut millimetres) = (vec![0.0_f32; pixels], vec![0_u16; pixels]);
@@ -149,7 +150,7 @@ fn parts_of(builder: &SceneBuilder, camera: &DepthCamera, pose: Pose, wanted: [b
 }
 
 #[test]
-fn a_part_alone_is_what_it_is_among_all() {
+fn each_output_alone_is_the_same_as_together_with_the_others() {
     let mut builder = SceneBuilder::new();
     ramp(&mut builder);
     add_grey(&mut builder, Shape::Sphere { radius: 0.5 }, Pose::from_translation(DVec3::X * 4.0));
@@ -274,8 +275,8 @@ fn cameras_do_not_see_collision_shapes() {
 }
 
 #[test]
-fn noise_makes_no_depths_out_of_range() {
-    // A wall nearer than the noise is large, and one farther than the greatest depth by less.
+fn noise_does_not_give_depths_out_of_range() {
+    // A wall that is nearer than the size of the noise, and one that is less than that nearer than the greatest depth.
     for (wall_m, min, max) in [(0.05, 0.0, 10.0), (0.05, 0.03, 10.0), (1.95, 0.5, 2.0), (0.5, 0.4, 0.6)] {
         let mut builder = SceneBuilder::new();
         let wall = Shape::Rectangle { size: [10.0; 2] };
@@ -300,7 +301,7 @@ fn noise_makes_no_depths_out_of_range() {
                 near += u32::from(metres == f32::NEG_INFINITY);
                 far += u32::from(metres == f32::INFINITY);
             }
-            // Shares of a normal distribution, of 307,200 pixels.
+            // Fractions of a normal distribution, of 307,200 pixels.
             let below = |depth: f64| 0.5 * libm::erfc((wall_m - depth) / (0.1 * core::f64::consts::SQRT_2));
             let pixels = frame.metres.len() as f64;
             if out_of_range == OutOfRange::Infinite {
@@ -313,7 +314,7 @@ fn noise_makes_no_depths_out_of_range() {
 }
 
 #[test]
-fn what_is_too_near_is_in_the_way_or_seen_through() {
+fn surfaces_that_are_too_near_block_or_are_seen_through() {
     let wall_m = 2.0;
     let upright = |at: DVec3| Pose::from_xyz_rpy(at, DVec3::Y * -core::f64::consts::FRAC_PI_2);
     let (mut builder, mut bare) = (SceneBuilder::new(), SceneBuilder::new());
@@ -321,7 +322,7 @@ fn what_is_too_near_is_in_the_way_or_seen_through() {
         let orange = glowing(builder, [1.0, 0.5, 0.25]);
         add(builder, Shape::Rectangle { size: [10.0; 2] }, upright(DVec3::X * wall_m), orange);
     }
-    // A plate at 0.3 m, of which the upper left quarter of the picture is full, and the camera's own housing, out of which it
+    // A plate at 0.3 m that fills the upper left quarter of the picture, and the camera's own housing, out of which it
     // sees.
     let white = glowing(&mut builder, [1.0; 3]);
     let plate = DVec3::new(0.3, 0.5, 0.5);

@@ -1,4 +1,4 @@
-//! What depth cameras' devices make of rendered planes, beside the papers' own formulas and numbers in f64.
+//! The measurements of depth camera models on rendered planes, against the papers' own formulas and numbers in f64.
 
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
@@ -42,7 +42,8 @@ fn axial_noise_by_depth_and_incidence() {
 
 #[test]
 fn axial_noise_of_each_pixel_of_a_wide_picture() {
-    // A plane under all angles from 25° to 85°, and the sides of a ball before it: each pixel's error over its own σ.
+    // A plane at all angles from 25° to 85°, and the sides of a ball in front of it: the error of each pixel divided by
+    // its own σ.
     let mut builder = plane(1.5, 55_f64.to_radians());
     add_grey(
         &mut builder,
@@ -64,8 +65,8 @@ fn axial_noise_of_each_pixel_of_a_wide_picture() {
     }
 }
 
-/// The standard deviation with which `share` of normal numbers exceed ½, 1½, …, by the sum of these shares, each
-/// times its limit: a second moment.
+/// The standard deviation, given the fractions of normal numbers that exceed ½, 1½, …: a second moment, from the sum of
+/// these fractions, each times its limit.
 fn stddev_of_shares(shares: &[f64]) -> f64 {
     let moment = |share: &dyn Fn(f64) -> f64| {
         (0..shares.len()).map(|step| (step as f64 + 0.5) * share(step as f64 + 0.5)).sum::<f64>()
@@ -82,14 +83,14 @@ fn stddev_of_shares(shares: &[f64]) -> f64 {
 
 #[test]
 fn lateral_noise_by_incidence() {
-    // A plate that ends in the middle of the picture, before one that is parallel to it.
+    // A plate that ends in the middle of the picture, in front of one that is parallel to it.
     for (degrees, expected_px) in [(0.0, 0.800), (45.0, 0.835), (60.0, 0.870), (80.0, 1.080)] {
         for upright in [true, false] {
             let angle = f64::to_radians(degrees);
             let mut builder = plane(3.0, angle);
             let (sin, cos) = angle.sin_cos();
             let (middle, size) = if upright {
-                // Its edge is the axis that it is turned about.
+                // Its edge is the axis about which it is rotated.
                 (DVec3::new(1.0, 0.0, 0.0) + DVec3::new(-sin, cos, 0.0) * 0.5, [1.0, 1.0])
             } else {
                 (DVec3::new(1.0, 0.0, 0.5), [1.0, 1.0])
@@ -97,7 +98,7 @@ fn lateral_noise_by_incidence() {
             let pose = Pose::from_xyz_rpy(middle, DVec3::new(0.0, -FRAC_PI_2, angle));
             add_grey(&mut builder, Shape::Rectangle { size }, pose);
             let size = if upright { [64, 4000] } else { [4000, 64] };
-            // Smaller pixels than the plate is far off in one of them.
+            // The pixels are so small that one of them does not span the depths of the plates.
             let camera = CameraConfig::new(
                 PinholeGrid::from_fov(size[0], size[1], 1e-3 * f64::from(size[0]) / 4000.0).unwrap(),
             );
@@ -141,7 +142,7 @@ fn outputs(
 }
 
 #[test]
-fn all_outputs_are_of_one_measurement() {
+fn all_outputs_show_the_same_measurement() {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
     let eye = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
@@ -171,14 +172,14 @@ fn all_outputs_are_of_one_measurement() {
         }
     }
     assert!(valid > 40_000 && metres != true_metres);
-    // Of slices that are all of one moment, and cut anywhere: the same measurement.
+    // Slices at the same moment give the same measurement, wherever they are cut.
     let at = builder.moment(eye);
     let slices: Vec<_> = (0..49).map(|slice| Slice { lines: slice * 5..slice * 5 + 5, at }).collect();
     assert!(outputs(config, Shutter::Slices(&slices), &builder).0 == metres);
 }
 
 #[test]
-fn what_noise_takes_out_of_the_range_is_out_of_it() {
+fn depths_that_noise_moves_out_of_range_are_reported_so() {
     let noise = AxialNoise { polynomial: [0.1, 0.0, 0.0], ..AxialNoise::NONE };
     let config = narrow([64, 64]).min_depth_m(0.9).max_depth_m(1.1).model(DepthModel::new().noise(noise));
     let depth = depth_frame(&plane(1.0, 0.0), config, Pose::IDENTITY, 0);
@@ -186,7 +187,7 @@ fn what_noise_takes_out_of_the_range_is_out_of_it() {
         |value: f32| depth.iter().filter(|depth| **depth == value).count() as f64 / depth.len() as f64;
     // Φ(−1) on either side.
     assert!((share(f32::INFINITY) - 0.1587).abs() < 0.02 && (share(f32::NEG_INFINITY) - 0.1587).abs() < 0.02);
-    // What is too far already is no nearer for its noise.
+    // A depth that is too far without noise is not brought back into range by it.
     let depth = depth_frame(&plane(1.15, 0.0), config, Pose::IDENTITY, 0);
     assert!(depth.iter().all(|depth| *depth == f32::INFINITY));
     let depth = depth_frame(&SceneBuilder::new(), config, Pose::IDENTITY, 0);
@@ -195,7 +196,7 @@ fn what_noise_takes_out_of_the_range_is_out_of_it() {
 
 #[test]
 fn gaussian_noise_is_a_model() {
-    // With a lateral noise too small to reach the next pixel it is the second pass that adds it.
+    // With a lateral noise too small to reach the next pixel, the second pass adds the Gaussian noise.
     let noise = GaussianNoise::new(
         GaussianNoiseConfig::default().mean(0.01).stddev(0.02).bias_mean(0.5).precision(0.001),
     )
@@ -228,7 +229,7 @@ fn bad_parameters_are_named() {
     for hz in [[f64::INFINITY, 0.0, 0.0], [0.0, 80e6, 16e6], [120e6, -80e6, 16e6], [120e6, 80e6, f64::NAN]] {
         assert_eq!(light(hz).parameter, "time_of_flight.modulation_hz");
     }
-    // One turn of these in common are 120 of the first.
+    // One turn of the common frequency is 120 turns of the first.
     let uncommon = light([120e6, 80e6, 1e6]);
     assert_eq!(
         uncommon.to_string(),

@@ -1,5 +1,5 @@
-//! Depth cameras beyond their noise: subpixel locking, what a stereo camera finds, and light of several frequencies, on
-//! rendered planes beside formulas in f64.
+//! Depth cameras beyond their noise: subpixel locking, stereo matching, and light of several frequencies, on rendered
+//! planes against formulas in f64.
 
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
@@ -38,23 +38,23 @@ fn locking_pulls_disparities_to_whole_pixels() {
         for (found, truth) in frame.depth.iter().zip(&frame.true_depth) {
             let [found, truth] = [found, truth].map(|depth| focal_px * baseline_m / f64::from(*depth));
             let expected = truth - locking_px * (TAU * truth).sin();
-            // Single precision: of disparities, and of depths.
+            // The tolerance of single precision, for disparities and for depths.
             assert!((found - expected).abs() < 1e-6 * truth + 1e-6, "{found}, not {expected}");
             off.push(found - truth);
         }
         let pixels = off.len() as f64;
-        // Over whole pixels of disparity; the ramps begin and end somewhere.
+        // The mean over whole pixels of disparity is 0, except for the ends of the ramps.
         assert!(off.iter().sum::<f64>().abs() / pixels < 0.2 * locking_px);
         assert_near(rms(off.into_iter()), locking_px / SQRT_2, 0.2);
     }
-    // Order is kept: of a ramp that comes nearer, so does what is measured.
+    // The order is kept: where a ramp comes nearer, so does its measurement.
     let noise = DisparityNoise { focal_px: 400.0, baseline_m: 0.05, stddev_px: 0.0, locking_px: 0.15 };
     let camera = depth_camera().camera(camera_of([640, 4], 0.8)).model(DepthModel::new().noise(noise));
     let row = &take(&plane(2.0, 0.9), camera, 0).depth[..640];
     assert!(row.is_sorted() || row.is_sorted_by(|a, b| a >= b));
 }
 
-/// Share of depths that are there, and how far binomial numbers scatter about a share.
+/// The fraction of pixels that have a depth.
 fn found(depth: &[f32]) -> f64 {
     depth.iter().filter(|depth| depth.is_finite()).count() as f64 / depth.len() as f64
 }
@@ -64,7 +64,7 @@ fn scatter(share: f64, count: usize) -> f64 {
 }
 
 #[test]
-fn what_has_no_texture_is_found_by_the_projector() {
+fn the_projector_matches_surfaces_without_texture() {
     let matching = Matching { projector: 0.4, half: 0.02, full: 0.03, spread: 0.25 };
     let camera = narrow([200, 150]);
     let of = |depth: f64, angle: f64, matching: Matching| {
@@ -86,14 +86,14 @@ fn what_has_no_texture_is_found_by_the_projector() {
         );
         seen[usize::from(expected > 0.02) + usize::from(expected > 0.98)] += 1;
     }
-    // All of it, some and nothing.
+    // All, some and none of the pixels are matched in different cases.
     assert!(seen.iter().all(|count| *count > 0), "{seen:?}");
-    // Without a projector nothing is found of a grey plane, and what is not there is not lost.
+    // Without a projector, no pixel of a grey plane is matched.
     assert!(of(1.0, 0.0, Matching { projector: 0.0, ..matching }).iter().all(|depth| depth.is_nan()));
     let nothing = camera.model(DepthModel::new().matching(matching));
     let sky = depth_frame(&SceneBuilder::new(), nothing, Pose::IDENTITY, 0);
     assert!(sky.iter().all(|depth| *depth == f32::INFINITY));
-    // Another frame finds others.
+    // Other pixels are matched in another frame.
     let [first, second] = [1, 2].map(|number| {
         depth_frame(
             &plane(4.4, 0.0),
@@ -105,7 +105,7 @@ fn what_has_no_texture_is_found_by_the_projector() {
     assert!(first.iter().zip(&second).any(|(a, b)| a.is_nan() != b.is_nan()));
 }
 
-/// A plane 2 m away whose texels, about as large as pixels, are random greys with a contrast that grows from left to right.
+/// A plane 2 m away with random grey texels of about the size of pixels, whose contrast increases from left to right.
 fn textured() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [1.0; 3], background: [0.0; 3] });
@@ -130,7 +130,7 @@ fn textured() -> SceneBuilder {
 }
 
 #[test]
-fn texture_is_found_by_its_contrast() {
+fn textures_are_matched_by_their_contrast() {
     let (width, height) = (333, 245);
     let builder = textured();
     let matching = Matching { projector: 0.0, half: 0.035, full: 0.05, spread: 0.2 };
@@ -143,11 +143,11 @@ fn texture_is_found_by_its_contrast() {
     let mut memory = WorkspaceBuf::default();
     let output = DepthFrame::new().depth_32fc1(&mut depth).colour(&mut colour);
     camera.sense(&scene, &capture, &mut memory.lend(camera.workspace_len(&scene, &capture)), output).unwrap();
-    // Depths alone are the same: brightness does not hang on who asks for colours.
+    // Depths are the same without colours: brightness does not depend on whether colours are requested.
     let alone = depth_frame(&builder, config, Pose::IDENTITY, 0);
     assert!(depth.iter().zip(&alone).all(|(a, b)| a.to_bits() == b.to_bits()));
 
-    // Contrasts of what the picture shows.
+    // The contrast in the picture.
     let grey = |x: i64, y: i64| {
         let (x, y) = (x.clamp(0, width as i64 - 1) as usize, y.clamp(0, height as i64 - 1) as usize);
         f64::from(colour[(y * width + x) * 3]) / 255.0
@@ -187,8 +187,8 @@ fn texture_is_found_by_its_contrast() {
     assert!(filled >= 4 && (0.1..0.9).contains(&self::found(&depth)), "{filled}, {}", self::found(&depth));
 }
 
-/// The range that phases in turns fit best, by trying all of them in small steps, and the root mean square of what they are
-/// off it in radians.
+/// The range that fits phases in turns best, found by trying all ranges in small steps, and the root mean square of the
+/// phase errors in radians.
 fn unwrapped(light: &TimeOfFlight, phases: &[f64]) -> (f64, f64) {
     let off = |range: f64| {
         let turns =
@@ -211,11 +211,11 @@ const LIGHTS: [TimeOfFlight; 3] = [
 ];
 
 #[test]
-fn several_frequencies_count_their_turns_and_wrap_together() {
+fn several_frequencies_unwrap_up_to_the_ambiguity_range() {
     for (index, light) in LIGHTS.iter().enumerate() {
         let camera = narrow([32, 8]).model(DepthModel::new().window(*light));
         for case in 0..10 {
-            // Up to three times as far as they tell.
+            // Up to three times the ambiguity range.
             let range = random(300 + 10 * index as u32 + case, [0.2, 3.0 * light.ambiguity_m()]);
             let depth = depth_frame(&plane(range, 0.0), camera, Pose::IDENTITY, 0);
             let expected = range % light.ambiguity_m();
@@ -224,7 +224,7 @@ fn several_frequencies_count_their_turns_and_wrap_together() {
             }
         }
     }
-    // 8, 30 and 10 MHz in common.
+    // The greatest common divisors are 8, 30 and 10 MHz.
     let ambiguities = LIGHTS.map(|light| light.ambiguity_m());
     for (found, expected) in ambiguities.into_iter().zip([18.737, 4.9965, 14.9896]) {
         assert_near(found, expected, 1e-4);
@@ -233,7 +233,7 @@ fn several_frequencies_count_their_turns_and_wrap_together() {
 
 #[test]
 fn phases_that_do_not_agree_at_edges_have_no_depth() {
-    // The shares of the footprint of a pixel beside an edge that lie before it and behind it.
+    // The fractions of the footprint of a pixel beside an edge that are in front and behind.
     let (side, corner) = ((-2.0_f64).exp(), (-4.0_f64).exp());
     let (near_share, far_share) = (side + 2.0 * corner, 1.0 + 3.0 * side + 2.0 * corner);
     let (mut flying, mut lost) = (0, 0);
@@ -264,7 +264,7 @@ fn phases_that_do_not_agree_at_edges_have_no_depth() {
                 .collect();
             let (expected, off) = unwrapped(&light, &phases);
             let found = f64::from(depth[4 * 64 + column]);
-            // 0 Hz is off by nothing; the mean is over those that are there.
+            // 0 Hz has no error; the mean is over the other frequencies.
             let count = light.modulation_hz.iter().filter(|hz| **hz > 0.0).count();
             let off = off * (3.0 / count as f64).sqrt();
             if (off - light.most_off_rad).abs() < 1e-3 {
@@ -283,7 +283,7 @@ fn phases_that_do_not_agree_at_edges_have_no_depth() {
 }
 
 #[test]
-fn noisy_phases_lose_count_of_their_turns() {
+fn noisy_phases_miscount_their_turns() {
     let light = TimeOfFlight { most_off_rad: 10.0, ..published::AZURE_LIGHT };
     let squares: f64 = light.modulation_hz.iter().map(|hz| hz * hz).sum();
     for (stddev, range) in [(0.004, 2.3), (0.03, 2.3), (0.04, 2.0)] {
@@ -294,11 +294,11 @@ fn noisy_phases_lose_count_of_their_turns() {
         // Half a turn of the highest frequency is 0.28 m.
         let is_right = |error: &f64| error.abs() < 0.25;
         let wrong = errors().filter(|error| !is_right(error)).count() as f64 / depth.len() as f64;
-        // Their σ is what was asked for; where some lose count, those that do not are somewhat better.
+        // The standard deviation is the requested one. If some pixels miscount, it is slightly smaller for the others.
         let share = if wrong > 0.0 { 0.1 } else { 0.02 };
         assert_near(rms(errors().filter(is_right)), stddev, share);
 
-        // Other random numbers, another search.
+        // The same search with other random numbers.
         let turns = stddev * 2.0 * squares.sqrt() / LIGHT;
         let tries = 1000;
         let expected = (0..tries)
@@ -321,7 +321,7 @@ fn noisy_phases_lose_count_of_their_turns() {
         );
         assert!(wrong < 1e-9 || stddev > 0.02);
     }
-    // What does not agree is not shown: those that lose count become few.
+    // Pixels whose phases do not agree have no depth, so few miscounted ones remain.
     let strict = TimeOfFlight { most_off_rad: 0.4, ..light };
     let noise = AxialNoise { polynomial: [0.03, 0.0, 0.0], ..AxialNoise::NONE };
     let [loose, strict] = [light, strict].map(|light| {

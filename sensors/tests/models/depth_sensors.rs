@@ -1,5 +1,5 @@
-//! Depth cameras by principle, on rendered planes: the steps and shadows of structured light, active stereo, time of flight,
-//! and the presets. Expected numbers are those of papers and data sheets, or worked out here in f64.
+//! Depth cameras by principle, on rendered planes: the steps and shadows of structured light, active stereo, time of
+//! flight, and the presets. The expected numbers are from papers and data sheets, or computed here in f64.
 
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
@@ -22,7 +22,7 @@ use belvedere_sensors::trace::{Faces, Hits, WorkspaceBuf};
 use core::f64::consts::{FRAC_PI_2, PI};
 use glam::DVec3;
 
-/// A camera of 640 × 480 pixels with that focal length.
+/// A camera of 640 × 480 pixels with this focal length.
 fn focal(pixels: f64) -> DepthCameraConfig<'static> {
     let lens = Intrinsics { fx: pixels, fy: pixels, cx: 319.5, cy: 239.5, skew: 0.0 };
     DepthCameraConfig::new(CameraConfig::new(
@@ -30,7 +30,8 @@ fn focal(pixels: f64) -> DepthCameraConfig<'static> {
     ))
 }
 
-/// Adds a plate that faces the camera at a depth, between two places to the left and as high.
+/// Adds a plate that faces the camera at a depth, between two positions to the left; the same range applies to its
+/// height.
 fn add_plate(builder: &mut SceneBuilder, depth: f64, [left, right]: [f64; 2]) {
     let middle = DVec3::new(depth, 0.5 * (left + right), 0.0);
     let pose = Pose::from_xyz_rpy(middle, DVec3::new(0.0, -FRAC_PI_2, 0.0));
@@ -43,7 +44,7 @@ fn errors(frame: &Frame) -> impl Iterator<Item = f64> {
 
 #[test]
 fn steps_and_noise_of_a_kinect_by_its_disparities() {
-    // Ramps of some 0.5 m about 2 and 5 m.
+    // Ramps of about 0.5 m around 2 and 5 m.
     for (depth, step_mm, stddev_mm) in [(2.0, 11.4, 5.7), (5.0, 71.0, 35.6)] {
         let ramp = plane(depth, f64::to_radians(45.0));
         let camera = depth_camera().camera(camera_of([640, 480], 0.5 / depth));
@@ -53,7 +54,7 @@ fn steps_and_noise_of_a_kinect_by_its_disparities() {
         values.dedup();
         let nearest = values.partition_point(|value| *value < depth);
         assert_near(values[nearest] - values[nearest - 1], step_mm * 1e-3, 0.02);
-        // Rounding is to the nearer of two.
+        // Rounding is to the nearer of two steps.
         assert!(errors(&frame).all(|error| error.abs() < 0.6 * (depth + 0.3).powi(2) * 2.85e-3));
         let frame = take(&ramp, camera.model(published::khoshelham()), 1);
         let at_1m = errors(&frame).zip(&frame.true_depth).map(|(error, z)| error / f64::from(z * z));
@@ -72,24 +73,24 @@ fn redwood_without_noise_is_its_formula() {
         let eighths = (35.130 / f64::from(*truth) * 8.0).round_ties_even();
         off += usize::from((f64::from(*found) / (35.130 * 8.0 / eighths) - 1.0).abs() > 1e-6);
     }
-    // Single precision rounds some of what lies between two steps otherwise.
+    // In single precision, some values between two steps are rounded differently.
     assert!(off < 20, "{off} of {}", frame.depth.len());
     assert_near(published::redwood().steps.unwrap().step_m(1.0), 3.56e-3, 0.001);
-    // With noise: 1/36 of a pixel, and rounding.
+    // With noise: σ of 1/36 of a pixel, and rounding.
     let frame = take(&plane(2.0, 0.3), narrow([320, 240]).model(published::redwood()), 0);
     let at_1m = rms(errors(&frame).map(|error| error / 4.0 * 35.13));
     assert!(at_1m > 0.027_778 && at_1m < 0.0625 + 0.027_778, "{at_1m}");
 }
 
 #[test]
-fn projector_shadows_are_as_wide_as_triangulation_says() {
+fn projector_shadows_have_the_width_of_triangulation() {
     const PLACES: usize = 8;
     let baseline = 0.075;
     for (near, far) in [(1.0, 2.0), (0.8, 4.0), (1.5, 1.9), (2.0, 3.0)] {
         for right in [baseline, -baseline] {
             let mut hidden_pixels = 0;
             for place in 0..PLACES {
-                // Edges at all places between two pixels.
+                // Edges at all positions between two pixels.
                 let off = place as f64 / PLACES as f64 * near / 580.0;
                 let mut builder = plane(far, 0.0);
                 add_plate(&mut builder, near, [0.1 * near + off, -0.1 * near + off]);
@@ -99,7 +100,7 @@ fn projector_shadows_are_as_wide_as_triangulation_says() {
                     let line = &frame.depth[row * 640..(row + 1) * 640];
                     let hidden: Vec<usize> = (0..640).filter(|x| line[*x].is_nan()).collect();
                     hidden_pixels += hidden.len();
-                    // On the side of the plate that the projector is not on, in one piece beside it.
+                    // On the side of the plate away from the projector, one connected shadow beside it.
                     let plate: Vec<usize> =
                         (0..640).filter(|x| (f64::from(line[*x]) - near).abs() < 1e-3).collect();
                     let beside =
@@ -115,10 +116,10 @@ fn projector_shadows_are_as_wide_as_triangulation_says() {
 }
 
 #[test]
-fn shadows_of_all_shapes_are_what_single_rays_find() {
+fn shadows_of_all_shapes_agree_with_single_rays() {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
-    // Meshes, solids and terrain cast their shadows through other code than that of single rays.
+    // Shadows of meshes, solids and terrain are computed by other code than single rays.
     let eye = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
     let config = depth_camera().camera(camera_of([333, 245], 1.2));
     let truth = depth_frame(&builder, config, eye, 0);
@@ -170,7 +171,7 @@ fn active_stereo_by_the_white_paper() {
     for (depth, rms_mm) in [(1.0, 3.77), (2.0, 15.1), (4.0, 60.4)] {
         let config = DepthCameraConfig::of_preset(&d435).unwrap();
         let frame = take(&plane(depth, 0.0), config, 0);
-        // What the left eye alone sees, f·B/z pixels at the left, has no depth.
+        // Points that only the left eye sees, f·B/z pixels at the left, have no depth.
         let band = 424.0 * 0.05 / depth;
         for row in frame.depth.chunks(848) {
             let without = row.iter().filter(|depth| depth.is_nan()).count();
@@ -179,7 +180,7 @@ fn active_stereo_by_the_white_paper() {
         }
         assert_near(plane_fit_rms(&frame.depth, 848), rms_mm * 1e-3, 0.02);
     }
-    // The others go by f·B.
+    // The noise of the others scales with f·B.
     for (name, focal, baseline) in [("d415", 1280.0 / (2.0 * 0.637_07), 0.055), ("d455", 446.8, 0.095)] {
         let config = DepthCameraConfig::of_preset(&presets::named(name).unwrap()).unwrap();
         let frame = take(&plane(2.0, 0.0), config, 0);
@@ -188,7 +189,7 @@ fn active_stereo_by_the_white_paper() {
     }
 }
 
-/// Root mean square of depths about the plane through their columns and rows by least squares.
+/// The root mean square of depths about the plane that fits them best by least squares.
 fn plane_fit_rms(depth: &[f32], width: usize) -> f64 {
     let valid = || {
         depth.iter().enumerate().filter(|(_, depth)| depth.is_finite()).map(|(pixel, depth)| {
@@ -216,7 +217,7 @@ fn kinect_v2_by_fankhauser() {
     }
 }
 
-/// c/(4πf)·arg Σ aₖ·exp(i·4πf·rₖ/c) of amplitudes and ranges.
+/// c/(4πf)·arg Σ aₖ·exp(i·4πf·rₖ/c) for amplitudes and ranges.
 fn mixed(light: &TimeOfFlight, parts: &[(f64, f64)]) -> f64 {
     let phase = |range: f64| 2.0 * PI * range / light.ambiguity_m();
     let sum = |part: fn(f64) -> f64| parts.iter().map(|(a, range)| a * part(phase(*range))).sum::<f64>();
@@ -225,13 +226,13 @@ fn mixed(light: &TimeOfFlight, parts: &[(f64, f64)]) -> f64 {
 }
 
 #[test]
-fn time_of_flight_flies_at_edges_and_wraps() {
+fn time_of_flight_has_flying_pixels_and_wraps() {
     let light = TimeOfFlight::of_one(80e6, 0.5);
     assert_near(light.ambiguity_m(), 1.8737, 1e-4);
-    // The shares of the footprint of a pixel beside an edge that lie before it and behind it.
+    // The fractions of the footprint of a pixel beside an edge that are in front and behind.
     let (side, corner) = ((-2.0_f64).exp(), (-4.0_f64).exp());
     let (near_share, far_share) = (side + 2.0 * corner, 1.0 + 3.0 * side + 2.0 * corner);
-    // Where that makes equal amplitudes of two surfaces, depth is the middle, below half the ambiguity range.
+    // If the two surfaces have equal amplitudes, the depth is in the middle, below half the ambiguity range.
     let equal = (far_share / near_share).sqrt();
     let near = 0.4;
     for (far, is_equal) in [(near * equal, true), (0.8, false), (1.1, false)] {
@@ -257,7 +258,7 @@ fn time_of_flight_flies_at_edges_and_wraps() {
             }
         }
     }
-    // Beyond the ambiguity range it begins anew, and of a slanted plane it is the plane.
+    // Beyond the ambiguity range it wraps around; a slanted plane keeps its shape.
     let camera = depth_camera().camera(camera_of([64, 48], 0.5)).model(DepthModel::new().window(light));
     let frame = take(&plane(2.9, 0.0), camera, 0);
     for (pixel, (found, truth)) in frame.depth.iter().zip(&frame.true_depth).enumerate() {
@@ -277,8 +278,8 @@ fn time_of_flight_flies_at_edges_and_wraps() {
     );
 }
 
-/// What the filter of dots makes of disparities, dot by dot: each spreads its disparity over what is up to three pixels off,
-/// with a weight of 1/(1 + r²); where weights are equal the first counts.
+/// The dot filter applied to disparities, dot by dot: each dot spreads its disparity over pixels up to three pixels
+/// away with a weight of 1/(1 + r²); the first of two equal weights counts.
 fn dot_filter(disparity: &[f64], [width, height]: [usize; 2], seed: u64, sensor: u32) -> Vec<f64> {
     let pattern = Stream { seed, sensor, frame: 0, channel: Stream::DOTS };
     let across = width.div_ceil(3);
@@ -328,7 +329,7 @@ fn dot_filter(disparity: &[f64], [width, height]: [usize; 2], seed: u64, sensor:
 }
 
 #[test]
-fn dots_are_found_as_the_filter_says() {
+fn dots_are_found_by_the_published_filter() {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
     let eye = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
@@ -347,14 +348,14 @@ fn dots_are_found_as_the_filter_says() {
         let same = (f64::from(*found) * disparity / at_1m - 1.0).abs() < 1e-5;
         unlike += usize::from(!(same || found.is_nan() && disparity.is_nan()));
     }
-    // Single precision rounds and judges some otherwise.
+    // In single precision, some values are rounded and decided differently.
     assert!(holes > 1000 && unlike < 40, "{unlike} unlike, {holes} holes of {}", expected.len());
-    // A plane that faces the camera has one step, and holes at most where its last dots lie beyond the picture.
+    // A plane that faces the camera has a single depth, and holes only where its last dots are beyond the picture.
     let wall =
         depth_frame(&plane(2.0, 0.0), config.model(DepthModel::new().window(window)), Pose::IDENTITY, 0);
     for (pixel, depth) in wall.iter().enumerate() {
         let is_last = pixel % 161 > 157 || pixel / 161 > 118;
-        // 18 px are whole eighths.
+        // 18 px are a whole number of eighths.
         assert!((f64::from(*depth) - 2.0).abs() < 1e-6 || is_last && depth.is_nan(), "{depth} at {pixel}");
     }
 }
@@ -368,7 +369,8 @@ fn icl_nuim_has_the_steps_of_its_formula() {
         valid += 1;
         let steps = 351.30 / f64::from(*found);
         assert!((steps - steps.round()).abs() < 1e-3, "{found}");
-        // Half a step of an eighth of a pixel at 36 px·m, the slope over three pixels and a σ of 0.5, and some σ of 1/6 of a step.
+        // Half a step of an eighth of a pixel at 36 px·m, the slope over three pixels with a σ of 0.5, and several σ of
+        // 1/6 of a step.
         assert!((found - truth).abs() < 0.1 + 0.02 * truth, "{found}, {truth}");
     }
     assert!(valid > 70_000, "{valid}");
@@ -380,12 +382,12 @@ fn presets_are_as_noisy_as_published() {
         let [least, most] = preset.range_m;
         assert!((least..most).contains(&depth), "{}", preset.name);
         let focal = preset.focal_px();
-        // The middle of its picture.
+        // The middle of the preset's picture.
         let lens = Intrinsics { fx: focal, fy: focal, cx: 159.5, cy: 119.5, skew: 0.0 };
         let grid = PinholeGrid::new(320, 240, Pinhole::new(lens).unwrap()).unwrap();
         let model = preset.model(focal);
         let config = DepthCameraConfig::new(CameraConfig::new(grid)).model(model);
-        // Steep enough for steps to even out.
+        // Steep enough for the steps to average out.
         let frame = take(&plane(depth, 0.05), config, 0);
         rms(errors(&frame).filter(|error| !error.is_nan()))
     };
@@ -415,14 +417,14 @@ fn kinect_v1_as_a_whole_keeps_its_noise_on_slanted_planes() {
     let preset = presets::named("kinect_v1").unwrap();
     let config = DepthCameraConfig::of_preset(&preset).unwrap().min_depth_m(0.1).max_depth_m(20.0);
     for depth in [0.6, 1.0, 2.0, 3.5, 5.0] {
-        // Not at 0°: of a depth that is the same for all pixels, rounding is no noise.
+        // Not at 0°: if all pixels have the same depth, rounding is not noise.
         for degrees in [2.0, 30.0, 50.0, 65.0, 80.0_f64] {
             let frame = take(&plane(depth, degrees.to_radians()), config, 7);
             let around = if degrees < 10.0 { 8.0 } else { 3.0 };
             let mut near = Vec::new();
             for ((error, truth), angle) in errors(&frame).zip(&frame.true_depth).zip(&frame.incidence) {
                 let (truth, angle) = (f64::from(*truth), f64::from(*angle));
-                // What is like the plane at the axis; steps need the formula's range.
+                // Pixels similar to those at the axis; the formula is only valid in its range.
                 if !error.is_nan() && truth < 5.2 && (angle.to_degrees() - degrees).abs() < around {
                     near.push(error / nguyen_m(truth, angle));
                 }
@@ -439,12 +441,13 @@ fn noise_of_disparities_ends_at_infinity() {
     let config = narrow([64, 64]).max_depth_m(100.0).model(DepthModel::new().noise(noise));
     let depth = depth_frame(&plane(20.0, 0.0), config, Pose::IDENTITY, 0);
     let far = depth.iter().filter(|depth| **depth == f32::INFINITY).count() as f64 / depth.len() as f64;
-    // 1.06 px with a σ of 2 px: beyond 100 m, at 0.212 px, is Φ(−0.424).
+    // 1.06 px with a σ of 2 px: the probability of less than 0.212 px (beyond 100 m and behind) is Φ(−0.424).
     assert!((far - 0.3358).abs() < 0.025, "{far}");
     assert!(depth.iter().all(|depth| *depth > 0.0));
 }
 
-/// A square of 3 m of triangles, 2 m ahead, that run clockwise or counter-clockwise as the camera sees them, before a wall.
+/// A square of 3 m, 2 m ahead, in front of a wall; its triangles are clockwise or counter-clockwise as seen from the
+/// camera.
 fn square(clockwise: bool) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let red = common::glowing(&mut builder, [1.0, 0.0, 0.0]);

@@ -1,4 +1,4 @@
-//! The device behind the lens, seen from outside: flat fields and darks against closed forms. Seeds are fixed.
+//! The device behind the lens, tested from outside: flat fields and dark frames against closed forms. Seeds are fixed.
 
 use crate::common;
 
@@ -14,7 +14,7 @@ use glam::DVec3;
 
 const SIZE: [u32; 2] = [320, 240];
 
-/// A wall of that colour across the whole picture.
+/// A wall of this colour that fills the picture.
 fn wall(colour: [f32; 3]) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let colour = glowing(&mut builder, colour);
@@ -23,12 +23,12 @@ fn wall(colour: [f32; 3]) -> SceneBuilder {
     builder
 }
 
-/// Counts electrons: a DN for each, 16 bits, and no noise but theirs.
+/// A device that counts electrons: one DN per electron, 16 bits, and only shot noise.
 fn counter() -> DeviceConfig {
     DeviceConfig::default().bits(16).dn_per_electron(1.0).full_well_e(65_000.0)
 }
 
-/// A device whose exposure makes so many electrons of a colour of 1.
+/// The device with an exposure that gives this number of electrons for a colour of 1.
 fn exposed(device: DeviceConfig, electrons: f64) -> DeviceConfig {
     let Exposure { time_s, gain } = device.exposure;
     let time_s = time_s * electrons / device.electrons_of_white()[0];
@@ -39,7 +39,7 @@ fn config(device: DeviceConfig) -> CameraConfig<'static> {
     camera_of(SIZE, 0.9).format(PixelFormat::Mono16).device(Some(device))
 }
 
-/// The numbers of a picture of a white wall.
+/// The values of a picture of a white wall.
 fn white(device: DeviceConfig, frame: u64) -> Vec<f64> {
     levels(&picture_with(&wall([1.0; 3]), config(device), Pose::IDENTITY, frame, Execution::default()))
 }
@@ -52,14 +52,14 @@ fn mean(samples: &[f64]) -> f64 {
     samples.iter().sum::<f64>() / samples.len() as f64
 }
 
-/// Half the variance of the difference of two frames: noise in time without fixed patterns.
+/// Half the variance of the difference of two frames: temporal noise without fixed patterns.
 fn temporal_variance(a: &[f64], b: &[f64]) -> f64 {
     let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
     let mean = mean(&differences);
     differences.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (2.0 * differences.len() as f64)
 }
 
-/// What two frames have in common: the variance of fixed patterns.
+/// The covariance of two frames: the variance of fixed patterns.
 fn covariance(a: &[f64], b: &[f64]) -> f64 {
     let (mean_a, mean_b) = (mean(a), mean(b));
     a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).sum::<f64>() / a.len() as f64
@@ -71,7 +71,7 @@ fn electrons_are_poisson_s() {
         let counts: Vec<f64> = (0..2).flat_map(|frame| white(exposed(counter(), electrons), frame)).collect();
         let n = counts.len() as f64;
         let moment = |power| counts.iter().map(|count| (count - electrons).powi(power)).sum::<f64>() / n;
-        // Standard deviations of the estimates, by Poisson's fourth and sixth moments.
+        // The standard deviations of the estimates follow from Poisson's fourth and sixth moments.
         let (m, limit) = (electrons, 4.5);
         assert!(moment(1).abs() < limit * (m / n).sqrt(), "mean {} of {m}", m + moment(1));
         let spread = ((m + 2.0 * m * m) / n).sqrt();
@@ -81,7 +81,7 @@ fn electrons_are_poisson_s() {
     }
 }
 
-/// The probability of less than k by Giles's second order, ⌊m + w·√m + ⅓ + w²/6 − (2w + w³)/(72·√m)⌋ of a normal w.
+/// The probability of less than k by Giles's second order, ⌊m + w·√m + ⅓ + w²/6 − (2w + w³)/(72·√m)⌋ for a normal w.
 fn giles(m: f64, k: u32) -> f64 {
     let count =
         |w: f64| m + w * m.sqrt() + 1.0 / 3.0 + w * w / 6.0 - (2.0 * w + w.powi(3)) / (72.0 * m.sqrt());
@@ -95,7 +95,8 @@ fn giles(m: f64, k: u32) -> f64 {
 
 #[test]
 fn counts_have_the_probabilities_of_poisson_s() {
-    // Sampled by inversion below a mean of sixteen, by Giles's second order above: total variation 3e-4 at most.
+    // Sampled by inversion below a mean of sixteen, and by Giles's second order above: the total variation is at most
+    // 3e-4.
     let means = [(0.4, 0.0), (3.0, 0.0), (7.5, 0.0), (8.1, 0.0), (12.0, 0.0), (15.9, 0.0), (16.1, 3e-4)];
     for (electrons, error) in means {
         let counts: Vec<f64> = (0..4).flat_map(|frame| white(exposed(counter(), electrons), frame)).collect();
@@ -122,14 +123,14 @@ fn counts_have_the_probabilities_of_poisson_s() {
 }
 
 #[test]
-fn no_pixel_counts_less_than_no_electron() {
+fn no_pixel_has_a_negative_count() {
     const BLACK: f64 = 100.0;
     for electrons in [8.1, 9.0, 10.0, 12.0, 16.1] {
         let device = exposed(counter().black_level_dn(BLACK), electrons);
         let counts: Vec<f64> = (0..12).flat_map(|frame| white(device, frame)).collect();
         let least = counts.iter().fold(f64::INFINITY, |least, level| least.min(*level));
         assert!(least >= BLACK, "{least} DN of {electrons} electrons above a black level of {BLACK}");
-        // None, one and two electrons are as frequent as they are by Poisson.
+        // None, one and two electrons have their Poisson frequencies.
         let n = counts.len() as f64;
         let mut p = libm::exp(-electrons);
         for k in 0..3 {
@@ -161,7 +162,7 @@ fn the_photon_transfer_line() {
         let (a, b) = (white(device, 0), white(device, 1));
         let collected = electrons + 50.0 * device.exposure.time_s;
         let expected = k * collected + 100.0;
-        // The pattern's own mean is as uncertain as so many pixels leave it.
+        // The pattern's own mean has an uncertainty that depends on the number of pixels.
         let spread = (k * k * (collected + 16.0 + 9.0 + (0.02 * electrons).powi(2)) / a.len() as f64).sqrt();
         assert!((mean(&a) - expected).abs() < 4.5 * spread + 1e-3, "{} DN, not {expected}", mean(&a));
         let variance = dark_variance + k * k * collected;
@@ -173,7 +174,7 @@ fn the_photon_transfer_line() {
     }
 }
 
-/// Reads better in a chain.
+/// Gives the gain in a chain of calls, which reads better.
 trait Gain {
     fn gain_of(self, gain: f64) -> Self;
 }
@@ -186,12 +187,12 @@ impl Gain for DeviceConfig {
 }
 
 #[test]
-fn wells_and_converters_are_full() {
+fn wells_and_converters_saturate() {
     let device = exposed(DeviceConfig::default().dn_per_electron(0.2).black_level_dn(40.0), 1e5);
     let all = |device, level: f64| assert!(white(device, 0).iter().all(|found| *found == level), "{level}");
     all(device, 0.2 * 16_000.0 + 40.0);
     all(device.gain_of(2.0), 4095.0);
-    // Without light the black level is all there is, at any number of bits.
+    // Without light, the output is the black level, at any number of bits.
     for bits in [8, 10, 12, 14, 16] {
         all(device.exposure(Exposure { time_s: 0.0, gain: 1.0 }).bits(bits), 40.0);
         all(device.gain_of(1e4).bits(bits), f64::from((1_u32 << bits) - 1));
@@ -199,20 +200,20 @@ fn wells_and_converters_are_full() {
 }
 
 #[test]
-fn reading_adds_its_noise_to_what_the_well_holds() {
+fn read_noise_is_added_to_the_charge_of_the_well() {
     const WELL: f64 = 4000.0;
     const BLACK: f64 = 100.0;
-    // Noise of reading that is drawn with that of light, and apart.
+    // Read noise that is drawn together with shot noise, and separately.
     for (read, k) in [(4.0, 2.0), (0.3, 10.0)] {
         let device = counter().dn_per_electron(k).full_well_e(WELL).black_level_dn(BLACK).read_noise_e(read);
         let of_reading = (k * read).powi(2) + 1.0 / 12.0;
         let frames = |electrons| [0, 1].map(|frame| white(exposed(device, electrons), frame));
-        // Far above the well every pixel holds as much as it can, and shows the noise of reading alone.
+        // Far above the full well, every pixel is full, and only read noise remains.
         let [a, b] = frames(1e5);
         let (found, n) = (temporal_variance(&a, &b), a.len() as f64);
         assert!((found / of_reading - 1.0).abs() < 0.03, "a variance of {found} DN² of {read} electrons");
         assert!((mean(&a) - (k * WELL + BLACK)).abs() < 4.5 * (of_reading / n).sqrt());
-        // Where half of the pixels are full, the variance of charge is ½ − 1/(2π) of Poisson's.
+        // If half of the pixels are full, the variance of the charge is ½ − 1/(2π) of Poisson's.
         let [a, b] = frames(WELL);
         let found = temporal_variance(&a, &b);
         let expected = of_reading + k * k * WELL * (0.5 - 0.5 / core::f64::consts::PI);
@@ -221,7 +222,7 @@ fn reading_adds_its_noise_to_what_the_well_holds() {
 }
 
 #[test]
-fn patterns_belong_to_the_sensor() {
+fn fixed_patterns_depend_on_the_sensor() {
     let device = DeviceConfig::default().dsnu_e(20.0).dn_per_electron(1.0).black_level_dn(1000.0);
     let dark = device.exposure(Exposure { time_s: 0.0, gain: 1.0 });
     let picture = |config: CameraConfig<'static>, frame| {
@@ -243,7 +244,7 @@ fn patterns_belong_to_the_sensor() {
 fn patterns_are_the_same_under_a_rolling_shutter() {
     let device = DeviceConfig::default().dsnu_e(20.0).dn_per_electron(1.0).black_level_dn(1000.0);
     let dark = device.exposure(Exposure { time_s: 0.0, gain: 1.0 });
-    // No multiple of a tile's size.
+    // Not a multiple of a tile's size.
     let config = camera_of([75, 30], 0.9).format(PixelFormat::Bayer16(Mosaic::Grbg)).device(Some(dark));
     let camera = Camera::new(config).unwrap();
     let builder = wall([1.0; 3]);
@@ -259,7 +260,7 @@ fn patterns_are_the_same_under_a_rolling_shutter() {
 }
 
 #[test]
-fn lenses_darken_as_told() {
+fn vignetting_follows_its_formula() {
     let vignetting = Vignetting { natural: true, polynomial: [-0.3, 0.2, 0.1] };
     let device = exposed(counter(), 30_000.0).vignetting(vignetting);
     let found = white(device, 0);
@@ -278,7 +279,7 @@ fn lenses_darken_as_told() {
 }
 
 #[test]
-fn formats_hold_the_same_colours() {
+fn all_formats_show_the_same_colours() {
     let mut builder = SceneBuilder::new();
     common::scenery(&mut builder);
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
@@ -308,7 +309,7 @@ fn formats_hold_the_same_colours() {
     }
     let (_, mono) = take(PixelFormat::Mono16);
     for (word, [r, g, b]) in levels(&mono).iter().zip(rgb) {
-        // Brightness is taken before what is too bright is cut off.
+        // Brightness is computed before values are clamped.
         if [r, g, b].contains(&&255) {
             continue;
         }
@@ -353,7 +354,7 @@ fn noise_comes_before_the_curve() {
 }
 
 #[test]
-fn eight_bits_of_a_finer_converter() {
+fn eight_bit_formats_scale_a_finer_converter() {
     let device = exposed(DeviceConfig::default(), 8000.0);
     let fine = white(device, 3);
     let bytes = config(device).format(PixelFormat::Mono8);
@@ -364,7 +365,7 @@ fn eight_bits_of_a_finer_converter() {
 }
 
 #[test]
-fn what_is_out_of_range_is_named() {
+fn parameters_out_of_range_are_named() {
     let refused = |device| Camera::new(config(device)).unwrap_err().to_string();
     let device = DeviceConfig::default;
     assert_eq!(refused(device().prnu(1.5)), "prnu of the device is 1.5; it must be from 0 to 1");
@@ -379,7 +380,7 @@ fn what_is_out_of_range_is_named() {
     assert_eq!(camera.config().device, Some(device()));
 }
 
-/// Exposures and means of frames of the scenery in a light so many times as bright, and the last picture.
+/// Exposures and means of frames of the scenery in light of this brightness, and the last picture.
 fn expose_automatically(
     light: f32,
     (device, format): (DeviceConfig, PixelFormat),
@@ -415,14 +416,14 @@ fn exposure_settles_within_ten_frames() {
                 assert_eq!(*exposure, frames[9].0, "settled in a light of {light}");
                 assert!((mean / 0.18 - 1.0).abs() < 0.03, "{mean} in a light of {light}");
             }
-            // Again, bit for bit.
+            // A second run gives the same bits.
             assert!((frames, picture) == expose_automatically(light, device, metering));
         }
     }
 }
 
 #[test]
-fn a_flat_field_is_metered_as_it_is() {
+fn a_flat_field_is_metered_exactly() {
     for metering in [Metering::Mean, Metering::Centre] {
         for format in [PixelFormat::Mono16, PixelFormat::Rgb8, PixelFormat::Bayer8(Mosaic::Gbrg)] {
             let device = exposed(DeviceConfig::default().black_level_dn(64.0), 4000.0);

@@ -1,4 +1,4 @@
-//! What disturbs scanners: retroreflectors that bloom, and other lidars, against closed forms.
+//! Disturbances of scanners: blooming of retroreflectors and crosstalk from other lidars, against closed forms.
 
 use belvedere_sensors::scanner::{
     Beam, Crosstalk, Echoes, Firing, Halo, Intensity, Pattern, Receiver, Returns, Scanner, ScannerConfig,
@@ -9,7 +9,7 @@ use belvedere_sensors::{Capture, Pose, Sensor};
 use core::f64::consts::{FRAC_PI_4, TAU};
 use glam::DVec3;
 
-/// Ranges and intensities of a frame.
+/// The ranges and intensities of a frame.
 fn sense(config: ScannerConfig<'_>, builder: &SceneBuilder, frame: u64) -> (Vec<f32>, Vec<f32>) {
     let scanner = Scanner::new(config).unwrap();
     let values = scanner.most_firings() * scanner.returns();
@@ -23,7 +23,7 @@ fn sense(config: ScannerConfig<'_>, builder: &SceneBuilder, frame: u64) -> (Vec<
     (ranges, intensities)
 }
 
-/// Level firings at evenly spaced slopes to the left.
+/// Horizontal firings at evenly spaced slopes to the left.
 fn row(count: u32, step: f64) -> Vec<Firing> {
     (0..count)
         .map(|index| {
@@ -34,7 +34,7 @@ fn row(count: u32, step: f64) -> Vec<Firing> {
         .collect()
 }
 
-/// A thin plate that faces the sensor, of some `laser_retro`.
+/// A thin plate that faces the sensor, with a `laser_retro`.
 fn add_plate(builder: &mut SceneBuilder, x: f64, size: f64, laser_retro: f32) {
     let material = builder.add_material(&MaterialConfig::default()).unwrap();
     let config = InstanceConfig {
@@ -49,7 +49,7 @@ fn add_plate(builder: &mut SceneBuilder, x: f64, size: f64, laser_retro: f32) {
 
 #[test]
 fn retroreflectors_bloom_and_others_do_not() {
-    // No beam goes along the side of the reflector.
+    // No beam is aimed at the edge of the reflector.
     let (distance, size, wall) = (20.0, 0.497, 30.0);
     let halo = Halo { share: 0.02, radius_rad: 0.02 };
     let table = row(401, 2.5e-4);
@@ -57,15 +57,15 @@ fn retroreflectors_bloom_and_others_do_not() {
         .intensity(Intensity::Power)
         .receiver(Some(Receiver::new(60.0)))
         .returns(Returns::Several(2));
-    // Of a reflector and a wall behind it: how many beams have a return of the reflector.
+    // With a reflector and a wall behind it: the number of beams that have a return from the reflector.
     let seen = |config: ScannerConfig<'_>, laser_retro: f32| {
         let mut builder = SceneBuilder::new();
         add_plate(&mut builder, distance, size, laser_retro);
         add_plate(&mut builder, wall, 100.0, 90.0);
         let (ranges, powers) = sense(config, &builder, 0);
         let near: Vec<usize> = (0..table.len()).filter(|beam| ranges[2 * beam] < 25.0).collect();
-        // A beam that meets the wall keeps its own return of it, with what of the halo meets the wall: 2 % of it, up to
-        // 30 m · 0.05 · 0.0141 farther.
+        // A beam that hits the wall keeps its own return, combined with the part of its halo that hits the wall: 2 % of
+        // the light, up to 30 m · 0.05 · 0.0141 farther away.
         for (beam, firing) in table.iter().enumerate() {
             let own = if ranges[2 * beam] < 25.0 { 2 * beam + 1 } else { 2 * beam };
             let is_plate = near.contains(&beam) && !ranges[own].is_finite();
@@ -75,17 +75,18 @@ fn retroreflectors_bloom_and_others_do_not() {
         (near, ranges, powers)
     };
     let beams = |half: f64| (2.0 * half / 2.5e-4).round();
-    // As wide as it is, whoever has no halo, and what does not reflect.
+    // Without a halo, or for a diffuse plate, the plate has its true width.
     let (own, ..) = seen(plain, 255.0);
     assert!((own.len() as f64 - beams(0.5 * size / distance)).abs() <= 1.0, "{}", own.len());
     let (dull, ..) = seen(plain.halo(halo), 90.0);
     assert_eq!(dull, own);
-    // A retroreflector is wider by the halo's rays to either side: some lie level with the beam.
+    // A retroreflector appears wider by the halo's rays to either side: some of them are level with the beam.
     let ring = halo.radius_rad * 0.5_f64.sqrt();
     let (bright, ranges, powers) = seen(plain.halo(halo), 255.0);
     let expected = beams(0.5 * size / distance + ring.tan());
     assert!((bright.len() as f64 - expected).abs() <= 2.0, "{} beams, not {expected}", bright.len());
-    // Its returns are at its range, and of the light of the halo's rays that meet it, a hundred times a white surface's.
+    // Its returns are at its range, with the light of the halo's rays that hit it, a hundred times that of a white
+    // surface.
     for beam in &bright {
         let slope = table[*beam].direction.y / table[*beam].direction.x;
         let hits = (0..8).filter(|ray| {
@@ -111,7 +112,7 @@ fn retroreflectors_bloom_and_others_do_not() {
 }
 
 #[test]
-fn other_lidars_are_heard_as_often_as_said_at_any_range() {
+fn crosstalk_has_its_frequency_and_is_uniform_in_range() {
     let table = row(20_000, 1e-5);
     let chance = 0.03;
     let config = ScannerConfig::new(Pattern::Table(&table))
@@ -126,20 +127,20 @@ fn other_lidars_are_heard_as_often_as_said_at_any_range() {
     let count = heard.len() as f64;
     let scatter = (chance * (1.0 - chance) * 20_000.0).sqrt();
     assert!((count - 20_000.0 * chance).abs() < 4.0 * scatter, "{count}");
-    // Kolmogorov and Smirnov: any range alike.
+    // Kolmogorov and Smirnov: ranges are uniformly distributed.
     heard.sort_by(f64::total_cmp);
     let off =
         heard.iter().enumerate().map(|(index, range)| (range / 80.0 - (index as f64 + 0.5) / count).abs());
     assert!(off.fold(0.0, f64::max) * count.sqrt() < 1.63);
-    // As strong as a white surface there.
+    // As strong as a white surface at that range.
     let is_white = |(range, intensity): (&f32, &f32)| !range.is_finite() || (intensity - 100.0).abs() < 1e-3;
     assert!(ranges.iter().zip(&intensities).all(is_white));
-    // Others in the next frame; none without.
+    // Other firings in the next frame; none without crosstalk.
     let (other, _) = sense(config, &empty, 1);
     assert!(ranges.iter().zip(&other).filter(|(a, b)| a.is_finite() && b.is_finite()).count() < 60);
     let (none, _) = sense(config.crosstalk(Crosstalk::NONE), &empty, 0);
     assert!(none.iter().all(|range| *range == f32::INFINITY));
-    // A wall is still there: behind what is heard, before it, or as the stronger of the two.
+    // The wall is still seen: in front of the crosstalk, behind it, or as the stronger of the two.
     let mut walled = SceneBuilder::new();
     add_plate(&mut walled, 10.0, 100.0, 90.0);
     let (both, _) = sense(config.returns(Returns::Several(2)).pulse_m(0.0), &walled, 0);
@@ -155,7 +156,7 @@ fn other_lidars_are_heard_as_often_as_said_at_any_range() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_parameters_are_refused() {
     let config = ScannerConfig::new(Pattern::Table(&[]));
     for (config, names) in [
         (config.halo(Halo { share: 0.6, radius_rad: 0.01 }), "share of the halo"),

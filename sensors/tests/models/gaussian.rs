@@ -1,5 +1,5 @@
-//! Standard normals: each is what Box and Muller's formula makes of its word in double precision, and many are distributed
-//! as they should be. Seeds are fixed; the limits are those that a right sampler meets in all but one of thousands.
+//! Standard normals: each equals Box and Muller's formula for its word in double precision, and many have the right
+//! distribution. Seeds are fixed; a correct sampler fails one of the limits once in thousands of seeds.
 
 use belvedere_sensors::noise::{Stream, fill_standard_normal, philox4x32, standard_normal};
 use belvedere_sensors::simd::{Level, best_level};
@@ -13,7 +13,7 @@ fn normals(stream: Stream, count: usize) -> Vec<f32> {
     normals
 }
 
-/// The two normals of a word, of the nearest number that an f32 holds.
+/// The two normals of a word, computed from the nearest number that f32 represents.
 fn box_muller(word: u32) -> [f64; 2] {
     let golden = u64::from(word) * 0x9E37_79B9 % (1 << 32);
     let radius = (-2.0 * (f64::from((word / 2) as f32 + 0.5) / 2_f64.powi(31)).ln()).sqrt();
@@ -24,7 +24,7 @@ fn box_muller(word: u32) -> [f64; 2] {
 }
 
 #[test]
-fn the_formula() {
+fn samples_follow_the_formula() {
     let samples = normals(STREAM, 1 << 16);
     let Stream { seed, sensor, frame, channel } = STREAM;
     for (block, samples) in samples.chunks(16).enumerate() {
@@ -55,8 +55,8 @@ fn beyond(limit: f64) -> f64 {
 }
 
 #[test]
-fn the_tails_of_all_words() {
-    // Words below this have all radii above 4.
+fn tails_of_all_words_are_normal() {
+    // Only words below this have radii above 4.
     let least = (2_f64.powi(32) * (-8.0_f64).exp()).ceil() as u32;
     let tail: Vec<f64> = (0..=least).flat_map(box_muller).map(f64::abs).collect();
     for (limit, share) in [(4.0, 1e-4), (4.5, 1e-4), (5.0, 1e-3), (5.5, 1e-2), (6.0, 0.1)] {
@@ -67,7 +67,7 @@ fn the_tails_of_all_words() {
 }
 
 #[test]
-fn the_distribution() {
+fn samples_have_the_normal_distribution() {
     const COUNT: usize = 1 << 24;
     let n = COUNT as f64;
     let mut samples = normals(STREAM, COUNT);
@@ -131,7 +131,7 @@ fn neighbours_frames_sensors_and_channels_are_independent() {
 }
 
 #[test]
-fn a_run_goes_on_where_indices_end() {
+fn a_run_continues_past_the_last_index() {
     let mut run = [0.0; 40];
     fill_standard_normal(best_level(), &STREAM, u32::MAX - 7, &mut run);
     let last: Vec<f32> = (u32::MAX - 7..=u32::MAX).map(|index| standard_normal(&STREAM, index)).collect();
@@ -141,9 +141,9 @@ fn a_run_goes_on_where_indices_end() {
 
 #[test]
 fn uniform_numbers_and_normals_of_a_stream_are_independent() {
-    // Of every pair of a uniform number and a normal near the beginning of a stream, over many frames: correlations with
-    // the normal itself and with its size. When both were made of the same words, that of uniform number 0 and the size
-    // of normal 5 was −0.67.
+    // For every pair of a uniform number and a normal near the beginning of a stream, over many frames: correlations
+    // with the normal itself and with its magnitude. When both came from the same words, the correlation of uniform
+    // number 0 and the magnitude of normal 5 was −0.67.
     const FRAMES: u32 = 40_000;
     let sample = |frame: u32| {
         let stream = Stream { frame: frame.into(), ..STREAM };
@@ -152,7 +152,7 @@ fn uniform_numbers_and_normals_of_a_stream_are_independent() {
         let normals: Vec<f64> = normals(stream, 32).into_iter().map(f64::from).collect();
         (uniforms, normals)
     };
-    // The size of a normal has the mean √(2/π) and the variance 1 − 2/π.
+    // The magnitude of a normal has the mean √(2/π) and the variance 1 − 2/π.
     let (mean, spread) = ((2.0 / PI).sqrt(), (1.0 - 2.0 / PI).sqrt());
     let mut sums = [[[0.0; 2]; 32]; 16];
     for (uniforms, normals) in (0..FRAMES).map(sample) {
@@ -168,7 +168,7 @@ fn uniform_numbers_and_normals_of_a_stream_are_independent() {
     assert!(named.abs() < 4.0, "uniform 0 and the size of normal 5: {named} sigma");
     for (uniform, sums) in sums.iter().enumerate() {
         for (normal, pair) in sums.iter().enumerate() {
-            // 1024 figures: one is beyond 5 sigma once in 1700 right samplers.
+            // There are 1024 numbers: a correct sampler has one beyond 5 sigma once in 1700 times.
             let [itself, size] = pair.map(|sum| sum / sigma);
             assert!(
                 itself.abs() < 5.0 && size.abs() < 5.0,

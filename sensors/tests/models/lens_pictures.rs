@@ -19,18 +19,18 @@ use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 use core::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
-/// Odd, and no multiple of the four pixels of a block.
+/// Odd, and not a multiple of the four pixels of a block.
 const SIZE: [u32; 2] = [161, 117];
 
-/// The optical axis off the middle, and pixels not square.
+/// The optical axis is not in the middle, and pixels are not square.
 fn intrinsics(focal: f64) -> Intrinsics {
     Intrinsics { fx: focal, fy: focal * 1.01, cx: 81.3, cy: 57.2, skew: 0.0 }
 }
 
-/// A lens by name, and whether pixels at the edge of the picture are to see nothing.
+/// A lens with a name, and whether pixels at the edge of the picture should see nothing.
 type Named = (&'static str, Box<dyn Lens>, bool);
 
-/// Every model.
+/// All models.
 fn lenses() -> Vec<Named> {
     let [narrow, wide] = [130.0, 62.0].map(intrinsics);
     let brown = |intrinsics: Intrinsics, coefficients: &[f64]| {
@@ -76,7 +76,7 @@ fn lenses() -> Vec<Named> {
     ]
 }
 
-/// Every shape, some of them twice, on all sides of the origin.
+/// All shapes, some of them twice, on all sides of the origin.
 fn shapes_all_round() -> Pair {
     let mut pair = Pair::new();
     let mut dice = Dice(21);
@@ -89,14 +89,14 @@ fn shapes_all_round() -> Pair {
     let shapes: Vec<_> = SOLIDS[..7].iter().copied().chain([mesh, field]).collect();
     let count = shapes.len() + 5;
     for index in 0..count {
-        // A spiral around the sphere; the golden angle.
+        // A spiral around the sphere with the golden angle.
         let up = 1.0 - (2.0 * index as f64 + 1.0) / count as f64;
         let (sin, cos) = (index as f64 * 2.399_963).sin_cos();
         let across = (1.0 - up * up).sqrt();
         let away = DVec3::new(cos * across, sin * across, up) * (1.3 + dice.roll());
         let shape = shapes[index % shapes.len()];
         let flat = shape == field || matches!(shape, Shape::Rectangle { .. });
-        // What has but one side shows it.
+        // Shapes with only one side show it.
         let turn = if flat {
             let faced = look_at(away, DVec3::ZERO, dice.roll()).rotation();
             Pose::new(away, faced * glam::DQuat::from_rotation_y(PI / 2.0 + 0.3))
@@ -147,13 +147,13 @@ fn cast(stage: &Stage<'_>, pose: Pose, grid: &Optics<'_>) -> Vec<Found> {
         .collect()
 }
 
-/// Row after row.
+/// Pixels, row by row.
 fn pixels([width, height]: [u32; 2]) -> impl Iterator<Item = (u32, u32)> {
     (0..height).flat_map(move |row| (0..width).map(move |column| (column, row)))
 }
 
 #[test]
-fn each_ray_hits_what_the_oracle_says() {
+fn each_ray_agrees_with_the_oracle() {
     let pair = shapes_all_round();
     let stage = Stage::from(&pair.builder);
     let pose = Pose::from_xyz_rpy(DVec3::new(0.05, -0.1, 0.02), DVec3::new(0.3, -0.2, 0.7));
@@ -190,7 +190,7 @@ fn one_lens(pair: &Pair, stage: &Stage<'_>, pose: Pose, name: &str, lens: &dyn L
         let along = pose.rotation() * direction;
         let ray = (pose.translation(), DVec3::ZERO, along);
         pair.check(&what(), ray, [0.02, 300.0], false, found, 1.0, &mut tally);
-        // Depth: along the axis, so that what is at its side or behind is too near.
+        // The depth is measured along the axis, so surfaces beside or behind the camera are too near.
         let expected = f64::from(found.distance) * direction.x;
         if found.distance == f32::INFINITY {
             assert_eq!(depth, f32::INFINITY, "{}", what());
@@ -225,7 +225,7 @@ fn directions_are_those_of_the_lens() {
                 assert_eq!(direction, [0.0; 3], "{name}, column {column}, row {row}");
                 continue;
             };
-            // Forward, left, up.
+            // In the order forward, left, up.
             let expected = DVec3::new(expected.z, -expected.x, -expected.y);
             let angle = expected.cross(wide(direction)).length().atan2(expected.dot(wide(direction)));
             assert!(angle < 1e-7, "{name}, column {column}, row {row}: {angle} rad off");
@@ -243,7 +243,7 @@ fn pixels_without_a_ray_are_black() {
     builder.set_environment(Environment { ambient: [0.8; 3], background: [0.9, 0.8, 0.7] });
     let stage = Stage::from(&builder);
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
-    // Far above black, so that it would show.
+    // Far above black, so that noise would be visible.
     let noise = GaussianNoise::new(GaussianNoiseConfig::default().mean(0.4).stddev(0.1)).unwrap();
     let [width, height] = SIZE;
     for (name, lens, has_rim) in &lenses() {
@@ -293,7 +293,7 @@ fn pixels_without_a_ray_are_black() {
     }
 }
 
-/// A texture on a rectangle 2 m wide, 1 m ahead and at a slant, and nothing else.
+/// A slanted textured rectangle 2 m wide, 1 m ahead, and nothing else.
 fn poster(size: u32, texel: impl Fn(u32, u32) -> u8) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [1.0; 3], background: [0.5; 3] });
@@ -312,14 +312,14 @@ fn poster(size: u32, texel: impl Fn(u32, u32) -> u8) -> SceneBuilder {
     builder
 }
 
-/// Red of all pixels.
+/// The red values of all pixels.
 fn reds(builder: &SceneBuilder, [width, height]: [u32; 2], lens: &dyn Lens) -> Vec<f64> {
     let table = RayTableBuf::from_lens(width, height, lens).unwrap();
     let bytes = picture(builder, CameraConfig::new(&table), Pose::IDENTITY);
     bytes.chunks(3).map(|pixel| pixel[0].into()).collect()
 }
 
-/// A lens with so many pixels across and down for each of another's.
+/// A lens with this many times as many pixels across and down as another.
 struct Finer<'a>(&'a dyn Lens, f64);
 
 impl Lens for Finer<'_> {
@@ -333,15 +333,15 @@ impl Lens for Finer<'_> {
 }
 
 #[test]
-fn a_textured_wall_through_a_lens_is_the_pinholes_distorted() {
-    // Waves of 48 texels: smooth, so that interpolation between pixels costs little.
+fn a_textured_wall_through_a_lens_is_the_distorted_pinhole_picture() {
+    // Waves of 48 texels: smooth, so that interpolation between pixels has a small error.
     let wave = |at: u32| (f64::from(at) * PI / 24.0).sin();
     let builder = poster(512, |column, row| (127.5 + 60.0 * wave(column) + 60.0 * wave(row)) as u8);
     let [width, height] = SIZE;
     let straight = Pinhole::new(intrinsics(130.0)).unwrap();
     let lens = BrownConrady::new(intrinsics(130.0), &[-0.12, 0.03, 4e-4, -3e-4, 0.0]).unwrap();
     let seen = reds(&builder, SIZE, &lens);
-    // The pinhole's picture, with a margin for what the lens sees besides.
+    // The picture of the pinhole, with a margin for the wider view of the lens.
     let margin = 20;
     let wide_size = [width + 2 * margin, height + 2 * margin];
     let Intrinsics { cx, cy, .. } = straight.intrinsics();
@@ -368,7 +368,7 @@ fn a_textured_wall_through_a_lens_is_the_pinholes_distorted() {
     assert!(mean < 0.6 && most < 5.0, "{mean} levels off in the mean, {most} at most");
 }
 
-/// Root of the mean square difference from the picture of 25 rays a pixel, in levels, up to 53° from the axis.
+/// The root mean square difference from a picture with 25 rays per pixel, in levels, up to 53° from the axis.
 fn noise_of_sampling(builder: &SceneBuilder, lens: &dyn Lens) -> f64 {
     let [width, height] = SIZE;
     let factor = 5;
@@ -390,7 +390,7 @@ fn noise_of_sampling(builder: &SceneBuilder, lens: &dyn Lens) -> f64 {
 
 #[test]
 fn textures_are_filtered_as_through_a_pinhole() {
-    // Each after the pinhole of its focal length.
+    // Each lens after the pinhole with its focal length.
     let lenses: [(&str, Box<dyn Lens>); 5] = [
         ("pinhole", Box::new(Pinhole::new(intrinsics(130.0)).unwrap())),
         (
@@ -401,7 +401,7 @@ fn textures_are_filtered_as_through_a_pinhole() {
         ("fisheye", Box::new(KannalaBrandt::new(intrinsics(75.0), [0.02, -0.01, 3e-3, -1e-3]).unwrap())),
         ("EUCM", Box::new(Eucm::new(intrinsics(75.0), 0.6, 1.1).unwrap())),
     ];
-    // Squares of a dozen pixels and more, of about one, and of less, which turn grey.
+    // Squares of a dozen pixels or more, of about one pixel, and smaller ones, which become grey.
     for (squares, most) in [(64, 10.0), (4, 12.0), (1, 3.0)] {
         let chequers = |column: u32, row: u32| {
             if (column / squares + row / squares).is_multiple_of(2) { 255 } else { 0 }
@@ -418,7 +418,7 @@ fn textures_are_filtered_as_through_a_pinhole() {
 }
 
 #[test]
-fn a_pinhole_in_a_table_measures_as_the_rule() {
+fn a_table_of_a_pinhole_measures_like_the_pinhole() {
     let pair = shapes_all_round();
     let stage = Stage::from(&pair.builder);
     let [width, height] = SIZE;
@@ -433,12 +433,12 @@ fn a_pinhole_in_a_table_measures_as_the_rule() {
         let (mut worst, mut unlike, mut seen) = (0.0_f32, 0, 0);
         for pixel in 0..by_rule.len() {
             let names = |found: &Found| (found.instance, found.primitive);
-            // A pinhole's clip distances are depths.
+            // The clip distances of a pinhole are depths.
             if hits[pixel].distance.min(other[pixel].distance) > 200.0 {
                 continue;
             }
             if names(&hits[pixel]) != names(&other[pixel]) {
-                // An edge lies between the two, which are a rounding error apart.
+                // An edge is between the two rays, whose directions differ by a rounding error.
                 unlike += 1;
             } else if by_rule[pixel] != by_table[pixel] {
                 worst = worst.max((by_table[pixel] / by_rule[pixel] - 1.0).abs());

@@ -15,7 +15,7 @@ fn points_are_measured_ranges_along_the_beams() {
     let pose = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
     let (scene, capture) = (builder.scene(), Capture::new(3, builder.moment(pose)));
     let mut workspace = WorkspaceBuf::default();
-    // More and fewer columns than are computed at a time, several rows and one, and rows beyond the pole.
+    // More and fewer columns than are computed at a time, one row and several, and rows beyond the pole.
     for (columns, rows) in
         [(360, Beams::between_degrees(16, -40.0, 110.0)), (200, Beams::ONE), (5, Beams::turn(9))]
     {
@@ -40,7 +40,7 @@ fn points_are_measured_ranges_along_the_beams() {
         }
         let measured = ranges.iter().filter(|range| range.is_finite()).count();
         assert!(measured > 0 && measured < ranges.len());
-        // Points do not depend on whether ranges are wanted too.
+        // Points do not depend on whether ranges are requested too.
         let mut alone = vec![[7.0; 3]; lidar.beams()];
         lidar.sense_in(&mut workspace, &scene, &capture, Scan::new().points(&mut alone)).unwrap();
         let bits =

@@ -1,4 +1,4 @@
-//! What light does on surfaces beyond their diffuse colour, against formulas in f64.
+//! Light on surfaces beyond their diffuse colour, against formulas in f64.
 
 use crate::common::oracle::{Ray, first_hit, pixel_ray};
 use crate::common::{add, camera_of, glowing, look_at, picture, scenery, spot};
@@ -30,7 +30,7 @@ fn ball_pose() -> Pose {
     Pose::from_translation(BALL_AT)
 }
 
-/// Where a ray meets the floor or the ball, and the normal there.
+/// The point at which a ray hits the floor or the ball, and the normal there.
 fn meet(ray: &Ray) -> Option<(DVec3, DVec3)> {
     let at = |t: f64| ray.origin + ray.direction * t;
     let ball = first_hit(&BALL, &ball_pose(), ray, 0.0, false);
@@ -38,7 +38,7 @@ fn meet(ray: &Ray) -> Option<(DVec3, DVec3)> {
     ball.map(|t| (at(t), (at(t) - BALL_AT).normalize())).or(floor.map(|t| (at(t), DVec3::Z)))
 }
 
-/// A floor and a ball of some material, in the light of one lamp, on black.
+/// A floor and a ball of some material, in the light of one lamp, with a black background.
 fn floor_and_ball(material: &MaterialConfig, light: &LightConfig) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [0.4; 3], background: [0.0; 3] });
@@ -49,8 +49,8 @@ fn floor_and_ball(material: &MaterialConfig, light: &LightConfig) -> SceneBuilde
     builder
 }
 
-/// Compares every pixel with the light that should come along its ray, in shares of full scale; `None` where either
-/// answer is right. Returns how many were compared.
+/// Compares every pixel with the expected light along its ray, as a fraction of full scale; `None` where either result
+/// is correct. Returns the number of compared pixels.
 fn check(builder: &SceneBuilder, light: impl Fn(&Ray) -> Option<[f64; 3]>) -> usize {
     let (pixels, view) = (picture(builder, camera(), view()), view());
     let mut compared = 0;
@@ -66,7 +66,7 @@ fn check(builder: &SceneBuilder, light: impl Fn(&Ray) -> Option<[f64; 3]>) -> us
     compared
 }
 
-/// Whether the ball keeps a point that is not on it from a lamp; `None` close to the shadow's edge.
+/// Whether the ball shades a point that is not on it from a lamp; `None` near the edge of the shadow.
 fn in_shadow(point: DVec3, to_lamp: DVec3) -> Option<bool> {
     let ray = Ray { origin: point, direction: to_lamp };
     let blocked = |radius| first_hit(&Shape::Sphere { radius }, &ball_pose(), &ray, 1e-9, true).is_some();
@@ -136,7 +136,7 @@ fn falloff_of_a_spot() {
                 let Some((point, normal)) = meet(ray) else { return Some([0.0; 3]) };
                 let to_lamp = (LAMP_AT - point).normalize();
                 let share = (-axis.dot(to_lamp) - f64::from(outer)) / f64::from(inner - outer);
-                // With a small exponent the cone's rim is steep.
+                // With a small exponent, the light falls off steeply at the rim of the cone.
                 if share.abs() < 1e-4 {
                     return None;
                 }
@@ -181,7 +181,8 @@ fn linear_light() {
     });
     assert!(compared > 76_000, "{compared}");
 
-    // A board of black and white, from afar, is as bright as half the light; between two texels, light is mixed.
+    // From afar, a board of black and white squares is as bright as half the light; between two texels, light is
+    // interpolated.
     let board = |space: ColourSpace, before: bool| {
         let mut builder = SceneBuilder::new();
         builder.set_environment(Environment { ambient: [1.0; 3], background: [0.0; 3] });
@@ -204,12 +205,12 @@ fn linear_light() {
     assert!(all_near(&board(ColourSpace::AsGiven, false), 127.5));
 }
 
-/// A material that shines by itself, of some alpha.
+/// A material that emits light, with an alpha.
 fn pane(colour: [f32; 3], alpha: f32) -> MaterialConfig {
     MaterialConfig { emissive: colour, diffuse: [0.0; 3], ambient: [0.0; 3], alpha, ..Default::default() }
 }
 
-/// Adds a square that looks along -x, so many metres from the origin, and returns its material.
+/// Adds a square that faces −x at this distance from the origin, and returns its material.
 fn add_square(builder: &mut SceneBuilder, at: f64, side: f64, config: &MaterialConfig) {
     let material = builder.add_material(config).unwrap();
     let pose = Pose::from_xyz_rpy(DVec3::X * at, DVec3::new(0.0, -core::f64::consts::FRAC_PI_2, 0.0));
@@ -217,7 +218,7 @@ fn add_square(builder: &mut SceneBuilder, at: f64, side: f64, config: &MaterialC
 }
 
 #[test]
-fn panes_are_blended_over_what_is_behind() {
+fn panes_are_blended_over_the_background() {
     // Five panes one behind the other: the fifth is opaque, whatever its alpha.
     let layers = [([0.9, 0.1, 0.2], 0.5), ([0.1, 0.8, 0.3], 0.25), ([0.2; 3], 0.0), ([0.7, 0.6, 0.5], 0.4)];
     let mut builder = SceneBuilder::new();
@@ -249,7 +250,7 @@ fn panes_are_blended_over_what_is_behind() {
 }
 
 #[test]
-fn what_is_behind_a_pane_is_what_it_is_without() {
+fn surfaces_behind_a_clear_pane_look_the_same() {
     let eye = Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05));
     let lens = Intrinsics { fx: 110.0, fy: 110.0, cx: 99.5, cy: 74.5, skew: 0.0 };
     let fisheye =
@@ -277,7 +278,7 @@ fn what_is_behind_a_pane_is_what_it_is_without() {
                 .iter()
                 .zip(&dimmed)
                 .filter(|(clear, dimmed)| (f64::from(**clear) * 0.9375 - f64::from(**dimmed)).abs() > 1.0);
-            // At edges, rays in double precision may meet another thing than those in single precision.
+            // At edges, rays in double precision may hit other surfaces than rays in single precision.
             let apart = apart.count();
             assert!(apart * 250 < clear.len(), "{edges:?}: {apart} of {}", clear.len());
         }
@@ -299,7 +300,7 @@ fn textures_are_cut_out_or_blended() {
         let kind = LightKind::Directional { direction: [1.0, 0.0, 0.0] };
         builder.add_light(&LightConfig { kind, cast_shadows: true, ..Default::default() }).unwrap();
         let pixels = picture(&builder, camera_of([80, 60], 1.0), Pose::IDENTITY);
-        // Where the middles of the texels are: the square's x axis, along which u grows, is vertical.
+        // The positions of texel centres: the x axis of the square, along which u grows, is vertical.
         let row = |metres: f64| (29.5 - metres / 4.0 * 40.0 / 0.5_f64.tan()).round() as usize;
         [1.5, 0.5, -0.5, -1.5].map(|up| pixels[(row(up) * 80 + 40) * 3])
     };
@@ -308,14 +309,15 @@ fn textures_are_cut_out_or_blended() {
         values
     };
     assert_eq!(sorted(seen(TextureAlpha::Ignored)), [255; 4]);
-    // What is cut out shows the wall in the shadow of the whole, which is black; what is blended casts none.
+    // Where the texture is cut out, the wall is visible, which is black because the whole square casts its shadow on
+    // it. A blended texture casts no shadow.
     assert_eq!(sorted(seen(TextureAlpha::CutOut { least: 0.5 })), [0, 0, 255, 255]);
     assert_eq!(sorted(seen(TextureAlpha::Blended)), [255; 4]);
 }
 
 #[test]
 fn normal_maps() {
-    // One normal all over, so that neither filters nor mip levels matter: to the right, down and out.
+    // A single normal for all texels, so that neither filters nor mip levels matter: to the right, down and outwards.
     let texel = [200, 90, 220, 255_u8];
     let [x, y, z] = [0, 1, 2].map(|i| f64::from(texel[i]) / 127.5 - 1.0);
     let sun = DVec3::new(0.3, -0.5, -0.6);
@@ -323,7 +325,7 @@ fn normal_maps() {
     let corners = [[-0.4, -0.4, 0.0], [0.4, -0.4, 0.0], [0.4, 0.4, 0.0], [-0.4, 0.4, 0.0_f32]];
     let triangles = [[0, 1, 2], [0, 2, 3]];
     let upright = Pose::from_xyz_rpy(DVec3::new(0.2, 0.1, 0.9), DVec3::new(0.5, -0.3, 0.8));
-    // Texture coordinates of the mesh: as the plane's, turned by a quarter, and mirrored.
+    // Texture coordinates of the mesh: those of the plane, rotated by a quarter turn, and mirrored.
     for (turned, mirror) in [(false, 1.0), (true, 1.0), (false, -1.0)] {
         let mut builder = SceneBuilder::new();
         builder.set_environment(Environment { ambient: [0.0; 3], background: [0.0; 3] });
@@ -352,7 +354,7 @@ fn normal_maps() {
             let local = match (on_mesh, on_slab) {
                 (Some(_), _) if turned => rotation * DVec3::new(-y, x, z),
                 (Some(_), _) => rotation * DVec3::new(x * f64::from(mirror), y, z),
-                // The sides of the slab are not looked at.
+                // The sides of the slab are not compared.
                 (None, Some(t)) if along(t).z > -1e-9 => DVec3::new(x, y, z),
                 (None, Some(_)) => return None,
                 (None, None) => return Some([0.0; 3]),
@@ -370,7 +372,7 @@ fn normal_maps() {
     }
 }
 
-/// A cube of 0.8 m of triangles, outside or inside out, above a floor in the light of one lamp.
+/// A cube of 0.8 m of triangles, wound outwards or inwards, above a floor in the light of one lamp.
 fn floor_and_cube(light: &LightConfig, inside_out: bool) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [0.2; 3], background: [0.0; 3] });
@@ -392,7 +394,7 @@ fn floor_and_cube(light: &LightConfig, inside_out: bool) -> SceneBuilder {
 }
 
 #[test]
-fn a_mesh_inside_out_looks_as_its_right_side_does() {
+fn a_mesh_inside_out_looks_like_its_front_side() {
     let sun = LightKind::Directional { direction: [0.3, -0.2, -1.0] };
     for (kind, cast_shadows) in
         [(sun, false), (sun, true), (LightKind::Point { position: LAMP_AT.to_array() }, false)]
@@ -414,7 +416,7 @@ fn a_mesh_inside_out_looks_as_its_right_side_does() {
 }
 
 #[test]
-fn insides_are_lit_by_what_is_inside() {
+fn insides_are_lit_by_lamps_inside() {
     let pose = Pose::from_xyz_rpy(DVec3::new(0.2, -0.1, 0.3), DVec3::new(0.1, 0.2, 0.3));
     let lamp = pose.transform_point(DVec3::new(0.4, 0.5, -0.3));
     let half = DVec3::new(2.0, 1.5, 1.2);

@@ -1,4 +1,4 @@
-//! Lit surfaces against the formula, and shadows where they belong.
+//! Lit surfaces against the formula, and the positions of shadows.
 
 use crate::common;
 
@@ -25,7 +25,7 @@ fn view() -> Pose {
     look_at(DVec3::new(-2.0, -0.5, 2.5), DVec3::new(0.3, 0.0, 0.0), 0.1)
 }
 
-/// The floor, perhaps with the obstacle above it, in the light of one lamp.
+/// The floor, optionally with the obstacle above it, in the light of one lamp.
 fn scene(light: &LightConfig, obstacle: bool) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [0.4; 3], background: [0.0; 3] });
@@ -60,7 +60,7 @@ fn point() -> LightConfig {
     lamp(LightKind::Point { position: LAMP_AT.to_array() })
 }
 
-/// The pixel's colour where its lamp shines with that brightness.
+/// The pixel's colour for this brightness of its lamp.
 fn colour(brightness: f64) -> [f64; 3] {
     core::array::from_fn(|channel| {
         let lit = f64::from(DIFFUSE[channel]) * f64::from(LAMP[channel]) * brightness;
@@ -68,12 +68,12 @@ fn colour(brightness: f64) -> [f64; 3] {
     })
 }
 
-/// 1/(0.8 + 0.1 d + 0.2 d²), never more than 1.
+/// 1/(0.8 + 0.1 d + 0.2 d²), at most 1.
 fn attenuation(distance: f64) -> f64 {
     (1.0 / (0.8 + 0.1 * distance + 0.2 * distance * distance)).min(1.0)
 }
 
-/// Compares every pixel of the floor with the formula; `None` where either answer is right.
+/// Compares every pixel of the floor with the formula; `None` where either result is correct.
 fn check(builder: &SceneBuilder, brightness: impl Fn(DVec3) -> Option<f64>) {
     let pixels = picture(builder, camera(), view());
     let (mut compared, mut skipped) = (0, 0);
@@ -128,7 +128,7 @@ fn a_spot_light() {
     });
 }
 
-/// Whether the obstacle lies on the ray before t = 1; `None` within a thousandth of its edge.
+/// Whether the obstacle is on the ray before t = 1; `None` within a thousandth of its edge.
 fn in_shadow(ray: &Ray) -> Option<bool> {
     let meets = |factor| {
         first_hit(&scaled(&OBSTACLE, factor), &obstacle_pose(), ray, 0.0, true).is_some_and(|t| t < 1.0)
@@ -161,7 +161,7 @@ fn a_lamp_shines_out_of_its_bulb() {
             let glass = common::glowing(&mut builder, [1.0; 3]);
             add(&mut builder, bulb, Pose::from_translation(LAMP_AT), glass);
         }
-        // From where the bulb is out of sight.
+        // From a position at which the bulb is not visible.
         picture(&builder, camera(), look_at(DVec3::new(-2.0, -0.5, 1.0), DVec3::new(-1.0, 0.0, 0.0), 0.0))
     };
     let bare = with_bulb(None);
@@ -176,7 +176,7 @@ fn a_lamp_shines_out_of_its_bulb() {
 }
 
 #[test]
-fn a_lamp_in_the_floor_lights_nothing_and_breaks_nothing() {
+fn a_lamp_in_the_floor_gives_no_light() {
     let on_floor = LightKind::Point { position: [0.3, 0.0, 0.0] };
     let pixels = picture(&scene(&lamp(on_floor), false), camera().far_m(3.0), view());
     let dark = colour(0.0).map(|channel| channel.round() as u8);

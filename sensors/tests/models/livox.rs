@@ -1,5 +1,5 @@
-//! Livox's presets against the scan tables that Livox published for its simulation: some of their directions, and where
-//! their points are.
+//! Livox's presets against the scan tables that Livox published for its simulation: some of their directions, and the
+//! distribution of their points.
 
 use belvedere_sensors::scanner::presets::{HAP, MID_70, MID_360};
 use belvedere_sensors::scanner::{Pattern, Prisms, Scanner};
@@ -10,19 +10,20 @@ fn angles(direction: DVec3) -> [f64; 2] {
     [direction.y.atan2(direction.x).to_degrees(), direction.z.asin().to_degrees()]
 }
 
-/// Degrees from a direction to azimuth and elevation in degrees.
+/// The angle in degrees between a direction and an azimuth and elevation in degrees.
 fn off(direction: DVec3, [azimuth, elevation]: [f64; 2]) -> f64 {
     let ((sin, cos), (up, level)) = (azimuth.to_radians().sin_cos(), elevation.to_radians().sin_cos());
     direction.angle_between(DVec3::new(cos * level, sin * level, up)).to_degrees()
 }
 
-/// How many of some values are between one edge and the next, in per cent.
+/// The percentages of values between successive edges.
 fn shares(values: &[f64], edges: &[f64]) -> Vec<f64> {
     let count = |pair: &[f64]| values.iter().filter(|value| (pair[0]..pair[1]).contains(value)).count();
     edges.windows(2).map(|pair| 100.0 * count(pair) as f64 / values.len() as f64).collect()
 }
 
-/// The largest difference of two distributions that are told by shares in per cent (Kolmogorov and Smirnov's, at the edges).
+/// The largest difference of two cumulative distributions given as percentages (Kolmogorov and Smirnov's distance, at
+/// the edges).
 fn apart(ours: &[f64], theirs: &[f64]) -> f64 {
     let sum = |shares: &[f64], count| shares[..count].iter().sum::<f64>() / 100.0;
     (0..=ours.len()).map(|count| (sum(ours, count) - sum(theirs, count)).abs()).fold(0.0, f64::max)
@@ -30,7 +31,7 @@ fn apart(ours: &[f64], theirs: &[f64]) -> f64 {
 
 /// Volleys of 4 s, 20 µs apart: first and last laser.
 #[test]
-fn a_mid_360_looks_where_its_table_does() {
+fn a_mid_360_has_the_directions_of_its_table() {
     let scanner = Scanner::new(MID_360.config().frame_time_ns(1_000_000_000)).unwrap();
     assert_eq!(scanner.firings(0), 200_000);
     for (volley, first, last) in [
@@ -57,9 +58,9 @@ fn a_mid_360_looks_where_its_table_does() {
     }
 }
 
-/// Where points of 4 s are, and which share of all cells of 1° has one after 0.1, 0.5, 1 and 4 s.
+/// The distribution of the points of 4 s, and the share of all cells of 1° that have a point after 0.1, 0.5, 1 and 4 s.
 #[test]
-fn a_mid_360_covers_what_its_table_does() {
+fn a_mid_360_has_the_coverage_of_its_table() {
     let scanner = Scanner::new(MID_360.config().frame_time_ns(1_000_000_000)).unwrap();
     let (mut elevations, mut seen, mut covered) = (Vec::new(), vec![false; 360 * 58], Vec::new());
     for frame in 0..4 {
@@ -88,9 +89,9 @@ fn a_mid_360_covers_what_its_table_does() {
     assert!((least + 7.212).abs() < 0.01 && (most - 52.164).abs() < 0.01, "{least} {most}");
 }
 
-/// One of its lasers at whole milliseconds: by then the table has had a whole number of firings.
+/// One of its lasers at whole milliseconds, at which the table has had a whole number of firings.
 #[test]
-fn a_hap_looks_where_its_table_does() {
+fn a_hap_has_the_directions_of_its_table() {
     let Pattern::Prisms(hap) = HAP.pattern else { panic!() };
     for (time_ms, laser, expected) in [
         (1, 3, [19.638, -4.708]),
@@ -115,9 +116,10 @@ fn a_hap_looks_where_its_table_does() {
     }
 }
 
-/// Where points of a second are: the table, which has more in the middle, is 2.1 % off at the most.
+/// The distribution of the points of a second: the table, which has more points in the middle, differs by at most 2.1
+/// %.
 #[test]
-fn a_hap_covers_what_its_table_does() {
+fn a_hap_has_the_coverage_of_its_table() {
     let scanner = Scanner::new(HAP.config().frame_time_ns(1_000_000_000)).unwrap();
     assert_eq!(scanner.firing(0, 7).laser, 1);
     assert!((scanner.firing(0, 7).time_s - 15.486e-6).abs() < 1e-12);
@@ -138,9 +140,10 @@ fn a_hap_covers_what_its_table_does() {
     }
 }
 
-/// A point every 10 µs, the first of the table 10 µs after time 0; and how many are how far from the axis.
+/// One point every 10 µs, the first of the table 10 µs after time 0; and the distribution of their angles from the
+/// axis.
 #[test]
-fn a_mid_70_looks_where_its_table_does() {
+fn a_mid_70_has_the_directions_of_its_table() {
     let scanner = Scanner::new(MID_70.config().frame_time_ns(1_000_000_000)).unwrap();
     for (firing, expected) in [
         (1, [-35.2147, -0.0242]),

@@ -1,4 +1,4 @@
-//! Sensors: what they make of the truth.
+//! Sensors: their measurements, compared with the truth.
 
 #[path = "../common/mod.rs"]
 mod common;

@@ -20,14 +20,14 @@ fn random(index: u32, range: [f64; 2]) -> f64 {
     case(21, index, range)
 }
 
-/// A random direction not far off another: by its slopes.
+/// A random direction near another, given by its slopes.
 fn about(index: u32, axis: DVec3, most: f64) -> DVec3 {
     let (right, up) = axis.any_orthonormal_pair();
     let slope = |part| random(index + part, [-most, most]);
     (axis + right * slope(0) + up * slope(1)).normalize()
 }
 
-/// A flat thing at a point, with a normal.
+/// A plane through a point, with a normal.
 #[derive(Clone, Copy)]
 struct Flat {
     point: DVec3,
@@ -39,7 +39,7 @@ impl Flat {
         Pose::new(self.point, DQuat::from_rotation_arc(DVec3::Z, self.normal))
     }
 
-    /// How far a ray goes to it.
+    /// The distance at which a ray hits it.
     fn range(self, origin: DVec3, direction: DVec3) -> f64 {
         (self.point - origin).dot(self.normal) / direction.dot(self.normal)
     }
@@ -61,8 +61,8 @@ fn square(builder: &mut SceneBuilder, edge: f32) -> Shape {
     Shape::Mesh(builder.add_mesh(&corners, &[], &[[0, 1, 2], [0, 2, 3]]).unwrap())
 }
 
-/// A square that the axis of a sensor sees in a mirror, both at random, and aside of what the sensor sees of the mirror; behind the
-/// mirror is something that nobody sees.
+/// A square that the axis of a sensor sees in a mirror, both at random, beside the part of the scene that the sensor
+/// sees directly; behind the mirror is an object that must not be visible.
 fn square_in_mirror(case: u32, is_mesh: bool) -> (SceneBuilder, Flat, Flat) {
     let number = |index, range| random(1000 * case + index, range);
     let (tilt, spin) = (number(0, [0.45, 1.0]), number(1, [-PI, PI]));
@@ -117,12 +117,12 @@ fn firings(count: u32, case: u32) -> Vec<Firing> {
 
 #[track_caller]
 fn assert_range(found: f32, expected: f64) {
-    // Single precision, and of a mesh its triangles'.
+    // Single precision; for a mesh, that of its triangles.
     assert!((f64::from(found) - expected).abs() < 2e-6 * expected, "{found} instead of {expected}");
 }
 
 #[test]
-fn what_a_mirror_shows_is_seen_at_the_sum_of_the_ranges() {
+fn reflections_are_seen_at_the_sum_of_the_ranges() {
     for case in 0..24_u32 {
         let (builder, mirror, target) = square_in_mirror(case, case % 2 == 1);
         let expected = |direction: DVec3| {
@@ -153,7 +153,7 @@ fn what_a_mirror_shows_is_seen_at_the_sum_of_the_ranges() {
             assert_range(range, expected(direction));
         }
 
-        // Through a model that reads the frame a second time, and without.
+        // With a model that makes a second pass over the frame, and without.
         let size = [41, 22];
         let config = depth_camera().camera(camera_of(size, 0.03)).max_depth_m(1000.0);
         let second = DepthModel::new().second_eye(SecondEye { right_m: 1e-9, half_view_rad: 1.0 });
@@ -171,7 +171,7 @@ fn what_a_mirror_shows_is_seen_at_the_sum_of_the_ranges() {
 }
 
 #[test]
-fn a_mirror_that_shows_nothing_is_not_there_but_for_what_it_scatters() {
+fn a_mirror_that_reflects_nothing_is_only_seen_by_scattered_light() {
     for (reflectance, expected) in [(1.0, f32::INFINITY), (0.9, 3.0)] {
         let mut builder = SceneBuilder::new();
         let silver = glazing(&mut builder, reflectance, 0.0);
@@ -184,14 +184,14 @@ fn a_mirror_that_shows_nothing_is_not_there_but_for_what_it_scatters() {
     }
 }
 
-/// What a lidar of unit power hears of a white thing.
+/// The power that a lidar of unit power receives from a white surface.
 fn power(light: f64, range: f64) -> f64 {
     0.7 * light / (range * range)
 }
 
 #[test]
-fn glass_passes_most_and_returns_some() {
-    // A pane that faces the sensor, a wall behind it, and one behind the sensor, which the pane mirrors.
+fn glass_transmits_most_light_and_reflects_some() {
+    // A pane that faces the sensor, a wall behind it, and one behind the sensor, which the pane reflects.
     for case in 0..8_u32 {
         let number = |index, range| random(50_000 + 10 * case + index, range);
         let (pane, wall, back) = (number(0, [2.0, 6.0]), number(1, [8.0, 12.0]), number(2, [5.0, 9.0]));
@@ -223,17 +223,18 @@ fn glass_passes_most_and_returns_some() {
         }
         assert!(ranges[3..].iter().all(|range| *range == f32::INFINITY));
 
-        // Velodyne's dual: the last, and the strongest, or the second strongest if that is the last.
+        // Velodyne's dual mode: the last return, and the strongest, or the second strongest if the last is the
+        // strongest.
         let (ranges, _) = still(config.returns(Returns::Dual), &builder);
         let mut ranked = expected;
         ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
         let strongest = if ranked[0] == expected[2] { ranked[1] } else { ranked[0] };
         assert_range(ranges[0], expected[2].0);
         assert_range(ranges[1], strongest.0);
-        // What tells one range only, without regard to power, sees through.
+        // A sensor that reports a single range and models no power sees through the pane.
         let near = ScannerConfig::new(Pattern::Table(&table));
         assert_range(still(near, &builder).0[0], wall);
-        // Of 720 beams over half a turn none is straight ahead.
+        // None of 720 beams over half a turn is straight ahead.
         let aside = 0.5 * PI / 719.0;
         assert_range(scan(&builder, LIDAR.range_max_m(100.0), Pose::IDENTITY).0[360], wall / aside.cos());
         let depth = depth_frame(&builder, depth_camera().camera(camera_of([16, 16], 0.1)), Pose::IDENTITY, 0);
@@ -260,7 +261,7 @@ fn a_periscope_and_a_hall_of_mirrors() {
     let expected = power(0.98_f64.powi(4), 10.5);
     assert!((f64::from(powers[0]) / expected - 1.0).abs() < 1e-5, "{powers:?}, {expected}");
 
-    // Between two mirrors that face each other light goes to and fro: an end comes all the same.
+    // Between two mirrors that face each other, light is reflected back and forth; following it ends nevertheless.
     let mut hall = SceneBuilder::new();
     let silver = glazing(&mut hall, 1.0, 0.0);
     for (x, normal) in [(3.0, DVec3::NEG_X), (-3.0, DVec3::X)] {
@@ -275,7 +276,7 @@ fn a_periscope_and_a_hall_of_mirrors() {
 }
 
 #[test]
-fn a_mirror_that_moves_is_where_it_is_at_the_time_of_each_firing() {
+fn a_moving_mirror_is_at_its_pose_at_the_time_of_each_firing() {
     let mut builder = SceneBuilder::new();
     let silver = glazing(&mut builder, 0.95, 0.0);
     let mirror = Flat { point: DVec3::X * 4.0, normal: DVec3::NEG_X };
@@ -286,7 +287,7 @@ fn a_mirror_that_moves_is_where_it_is_at_the_time_of_each_firing() {
         ..Default::default()
     };
     builder.add_instance(&pane).unwrap();
-    // Seen over the sensor's shoulder.
+    // Seen in the mirror behind the sensor.
     let wall = Flat { point: DVec3::NEG_X * 2.0, normal: DVec3::X };
     add_grey(&mut builder, Shape::Rectangle { size: [3.0; 2] }, wall.pose());
     let table: Vec<Firing> = (0..100)
@@ -315,7 +316,7 @@ fn a_mirror_that_moves_is_where_it_is_at_the_time_of_each_firing() {
 }
 
 #[test]
-fn more_light_than_there_is_is_refused() {
+fn shares_of_more_than_all_light_are_refused() {
     let mut builder = SceneBuilder::new();
     for (specular_reflectance, transmittance) in [(1.1, 0.0), (-0.1, 0.0), (0.6, 0.5), (0.0, f32::NAN)] {
         let config = MaterialConfig { specular_reflectance, transmittance, ..MaterialConfig::default() };

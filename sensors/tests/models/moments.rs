@@ -1,4 +1,4 @@
-//! One scene at several moments: poses are no part of it.
+//! One scene at several moments: poses are not part of the scene.
 
 use crate::common::{LIDAR, Stage, add_grey, camera, picture, scan, scenery};
 use belvedere_sensors::lidar::{Beams, Lidar, Scan};
@@ -29,7 +29,7 @@ fn one_scene_is_seen_at_two_moments() {
 }
 
 #[test]
-fn what_is_moved_back_looks_as_before() {
+fn an_instance_that_is_moved_back_looks_the_same() {
     let mut builder = SceneBuilder::new();
     let moving = scenery(&mut builder);
     let sensor = Pose::from_translation(DVec3::new(-3.0, 0.2, 0.5));
@@ -42,7 +42,7 @@ fn what_is_moved_back_looks_as_before() {
 }
 
 #[test]
-fn what_is_nowhere_is_seen_by_nobody() {
+fn an_instance_without_a_finite_pose_is_invisible() {
     for nowhere in [
         Pose::from_translation(DVec3::new(f64::NAN, 0.0, 0.0)),
         Pose::from_translation(DVec3::X * f64::INFINITY),

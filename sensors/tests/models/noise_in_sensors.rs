@@ -1,5 +1,5 @@
-//! The noise of whole frames has the distribution that was asked for. Seeds are fixed, so nothing is left to
-//! chance; the limits are those that a right sampler meets in all but one of thousands of seeds.
+//! The noise of whole frames has the configured distribution. Seeds are fixed, so the results do not depend on chance;
+//! a correct sampler fails one of the limits once in thousands of seeds.
 
 use crate::common;
 
@@ -39,14 +39,14 @@ fn correlation(a: &[f64], b: &[f64]) -> f64 {
     products.sum::<f64>() / (a.len() as f64 * stddev_a * stddev_b)
 }
 
-/// Inside of a ball of 5 m: every range is 5 m.
+/// The inside of a ball of 5 m: every range is 5 m.
 fn ball() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     common::add_grey(&mut builder, Shape::Sphere { radius: 5.0 }, Pose::IDENTITY);
     builder
 }
 
-/// 250 000 beams.
+/// A lidar with 250 000 beams.
 fn lidar(noise: GaussianNoise, sensor: u32) -> LidarConfig {
     LIDAR
         .horizontal(Beams { samples: 1000, min_angle_rad: -PI, max_angle_rad: PI })
@@ -60,7 +60,7 @@ fn range_errors(noise: GaussianNoise, sensor: u32, frame: u64) -> Vec<f64> {
     ranges.iter().map(|range| f64::from(*range) - 5.0).collect()
 }
 
-/// A wall of that brightness, 2 m in front of the camera.
+/// A wall of this brightness, 2 m in front of the camera.
 fn wall(brightness: f32) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let colour = glowing(&mut builder, [brightness; 3]);
@@ -70,7 +70,7 @@ fn wall(brightness: f32) -> SceneBuilder {
 }
 
 #[test]
-fn ranges() {
+fn ranges_have_the_configured_noise() {
     let mut errors: Vec<f64> =
         (0..5).flat_map(|frame| range_errors(gaussian(0.02, 0.01), 0, frame)).collect();
     let (mean, stddev) = mean_and_stddev(&errors);
@@ -80,7 +80,7 @@ fn ranges() {
 }
 
 #[test]
-fn depths() {
+fn depths_have_the_configured_noise() {
     let config = depth_camera().model(gaussian(-0.01, 0.005));
     let builder = wall(0.5);
     let mut errors: Vec<f64> = (0..4)
@@ -99,7 +99,7 @@ fn grey_levels(brightness: f32, format: PixelFormat, sensor: u32, frame: u64) ->
 }
 
 #[test]
-fn pictures() {
+fn pictures_have_the_configured_noise() {
     let levels: Vec<u8> = (0..4).flat_map(|frame| grey_levels(0.5, PixelFormat::Rgb8, 0, frame)).collect();
     let (pixels, rest) = levels.as_chunks::<3>();
     assert!(rest.is_empty() && pixels.iter().all(|[r, g, b]| r == g && g == b), "one sample for R, G and B");
@@ -112,7 +112,7 @@ fn pictures() {
 
 #[test]
 fn brightness_is_clamped() {
-    // Of white with noise the lower half remains: its mean is σ·√(1/2π) below.
+    // Noise on white keeps only its lower half: the mean is σ·√(1/2π) lower.
     let levels = grey_levels(1.0, PixelFormat::Mono8, 0, 0);
     let mean = levels.iter().map(|level| f64::from(*level)).sum::<f64>() / levels.len() as f64;
     let expected = 255.0 - 0.007 * 255.0 / (2.0 * PI).sqrt();
@@ -126,13 +126,13 @@ fn ranges_are_clamped() {
     let config = lidar(gaussian(0.0, 0.01), 0).range_min_m(4.99).range_max_m(5.005);
     let (ranges, _) = scan_frame(&ball(), config, Pose::IDENTITY, 0);
     assert!(ranges.iter().all(|range| (4.99..=5.005).contains(range)));
-    // One sample in 6.3 lies beyond −1 σ, one in 3.24 beyond ½ σ.
+    // One sample in 6.3 is beyond −1 σ, one in 3.24 beyond ½ σ.
     let at = |limit: f32| ranges.iter().filter(|range| **range == limit).count() as f64 / ranges.len() as f64;
     assert!((at(4.99) - 0.158_66).abs() < 0.003 && (at(5.005) - 0.308_54).abs() < 0.003);
 }
 
 #[test]
-fn biases_last_and_differ() {
+fn biases_are_constant_and_differ_between_sensors() {
     let noise = GaussianNoise::new(GaussianNoiseConfig::default().bias_mean(0.2).bias_stddev(0.05)).unwrap();
     let mut biases = Vec::new();
     for sensor in 0..40 {
@@ -151,7 +151,7 @@ fn biases_last_and_differ() {
 fn frames_sensors_and_neighbours_are_independent() {
     let noise = gaussian(0.0, 0.01);
     let first = range_errors(noise, 0, 0);
-    // A standard deviation of 1/√250 000 = 0.002.
+    // The standard deviation is 1/√250 000 = 0.002.
     let limit = 0.009;
     for (what, other) in [
         ("the next frame", range_errors(noise, 0, 1)),
@@ -173,11 +173,11 @@ fn frames_sensors_and_neighbours_are_independent() {
 }
 
 #[test]
-fn sensors_draw_from_the_channels_that_are_taken() {
+fn sensors_draw_from_their_documented_channels() {
     use belvedere_sensors::noise::{Stream, fill_standard_normal};
     use belvedere_sensors::simd::best_level;
     let seed_and_sensor = |channel| Stream { seed: LIDAR.seed, sensor: 5, frame: 3, channel };
-    // 64 beams, whose normals come one after the other.
+    // 64 beams, whose normals are consecutive.
     let beams = Beams { samples: 64, min_angle_rad: -1.0, max_angle_rad: 1.0 };
     let config = lidar(gaussian(0.0, 0.01), 5).horizontal(beams);
     let config = config.vertical(Beams::ONE);
@@ -201,7 +201,7 @@ fn sensors_draw_from_the_channels_that_are_taken() {
     for (pixel, normal) in pixels.as_chunks::<3>().0.iter().zip(normals) {
         assert!((f32::from(pixel[0]) - 255.0 * (0.5 + 0.05 * normal)).abs() < 0.51, "{pixel:?}, {normal}");
     }
-    // The bias of a noise that is nothing else.
+    // The bias of a noise without any other component.
     let bias =
         GaussianNoise::new(GaussianNoiseConfig::default().bias_stddev(1.0)).unwrap().bias(LIDAR.seed, 5, 0);
     let stream = Stream { frame: 0, ..seed_and_sensor(Stream::BIAS) };
@@ -222,7 +222,7 @@ fn no_precision_makes_a_finite_value_infinite() {
         assert_eq!(noise.apply(f32::NEG_INFINITY, 0.0, 0.0), f32::NEG_INFINITY);
         assert!(noise.apply(f32::NAN, 0.0, 0.0).is_nan());
     }
-    // In a frame as well.
+    // The same in a frame.
     let fine = GaussianNoise::new(GaussianNoiseConfig::default().precision(1.2e-38)).unwrap();
     let camera = depth_camera().camera(common::camera_of([16, 4], 1.2)).model(fine);
     let depths = depth_frame(&wall(0.5), camera, Pose::IDENTITY, 0);

@@ -1,4 +1,5 @@
-//! Sensors that own their tables give the bytes of those that borrow them, also after the tables are gone.
+//! Sensors that own their tables give the same bytes as those that borrow them, also after the original tables are
+//! gone.
 
 use crate::common::scenery;
 use belvedere_sensors::camera::{Camera, CameraBuf, CameraConfig, Picture};
@@ -29,7 +30,7 @@ fn world() -> SceneBuilder {
 const WHERE: Pose = Pose::IDENTITY;
 
 #[test]
-fn a_fisheye_camera_can_be_kept() {
+fn a_fisheye_camera_can_own_its_table() {
     let table = fisheye();
     let noise = GaussianNoise::of_stddev(0.01).unwrap();
     let borrowing = Camera::new(CameraConfig::new(&table).noise(noise).seed(3)).unwrap();
@@ -49,7 +50,7 @@ fn a_fisheye_camera_can_be_kept() {
         (*borrowing.config(), *depth.config())
     );
     drop(table);
-    // Moved to another place, and to another thread.
+    // Moved to another address, and to another thread.
     let kept = std::thread::spawn(move || Box::new(kept)).join().unwrap();
     let mut found = (vec![1; expected.0.len()], vec![1.0; expected.1.len()]);
     let picture = Picture::new().colour(&mut found.0);
@@ -80,11 +81,11 @@ fn ranges<S: for<'a> Sensor<Output<'a> = Echoes<'a>>>(
 }
 
 #[test]
-fn every_scanner_can_be_kept() {
+fn every_scanner_can_own_its_tables() {
     for name in presets::NAMES {
         let preset = presets::named(name).unwrap();
         let config = preset.config().frame_time_ns(20_000_000);
-        // All tables on the heap, so that a kept reference to one of them would be found.
+        // All tables are on the heap, so that a dangling reference to one of them would be found.
         let spreads: Vec<_> = config.spreads.iter().copied().chain([far_spread()]).collect();
         let borrowing = Scanner::new(config.spreads(&spreads).seed(9)).unwrap();
         let kept: ScannerBuf = borrowing.to_buf();
@@ -117,9 +118,9 @@ fn the_output_of_another_kind_of_sensor_is_refused() {
     sensor.sense_in(&mut WorkspaceBuf::default(), &scene, &capture, output).unwrap();
 }
 
-/// The beams of a turn are even also across its seam, and none is there twice.
+/// The beams of a turn are evenly spaced across its seam too, and none is duplicated.
 #[test]
-fn a_turn_closes() {
+fn the_beams_of_a_turn_are_even_across_its_seam() {
     for samples in [1, 2, 3, 360, 32_767] {
         let turn = Beams::turn(samples);
         let lidar = Lidar::new(LidarConfig::new(turn)).unwrap();
@@ -142,7 +143,7 @@ fn a_scene_for_lidars_needs_no_material() {
         visibility: visibility::COLLISION,
         ..Default::default()
     };
-    // An instance that is refused leaves no material behind.
+    // A refused instance leaves no material behind.
     let nothing = InstanceConfig { shape: Shape::Sphere { radius: 0.0 }, ..ball };
     assert!(builder.add_instance(&nothing).is_err());
     assert!(builder.scene().materials().is_empty());
@@ -151,7 +152,7 @@ fn a_scene_for_lidars_needs_no_material() {
     assert_eq!(builder.scene().materials().len(), 1);
     let unknown = InstanceConfig { material: belvedere_sensors::scene::MaterialId(1), ..ball };
     assert_eq!(builder.add_instance(&unknown), Err(SceneError::NoSuchMaterial(1)));
-    // When all is gone, it is as at the beginning, whichever places are free.
+    // After everything is removed, the builder equals a new one, except for the order of its free ids.
     let mut emptied = SceneBuilder::new();
     let materials = [(); 3].map(|()| emptied.add_material(&MaterialConfig::default()).unwrap());
     for material in [2, 0, 1] {

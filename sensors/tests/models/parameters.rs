@@ -1,4 +1,4 @@
-//! What the errors of configurations say.
+//! The messages of configuration errors.
 
 use crate::common::camera_of;
 use belvedere_sensors::camera::Camera;
@@ -19,9 +19,9 @@ fn numbers_are_shown_as_they_were_written() {
     assert!(camera.to_string().starts_with("near_m of the camera is -0.1;"), "{camera}");
 }
 
-/// Presets have columns, volleys and firings of fixed times; what the user chose is the time of a frame.
+/// Presets have fixed times of columns, volleys and firings; the user chose the frame time.
 #[test]
-fn a_frame_that_is_too_short_is_called_by_its_name() {
+fn a_frame_time_that_is_too_short_is_named() {
     for preset in presets::ALL {
         let Err(error) = Scanner::new(preset.config().frame_time_ns(1)) else { continue };
         let names_it = error.parameter == "frame_time_ns" && error.value == 1.0
@@ -32,7 +32,7 @@ fn a_frame_that_is_too_short_is_called_by_its_name() {
     let said = "frame_time_ns of the scanner is 1000; it must be at least the time from one firing, volley or column of \
                 the pattern to the next";
     assert_eq!(error.to_string(), said);
-    // A time of 0 is the fault of what has it.
+    // A time of 0 is an error of the parameter that has it.
     let lasers = [Laser::at_degrees(0.0, 0.0)];
     let columns = Columns::Every { time_ns: 0 };
     let spinning = Spinning { lasers: &lasers, columns, first_azimuth_rad: 0.0, clockwise: false };

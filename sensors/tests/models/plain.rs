@@ -1,4 +1,4 @@
-//! Tiles of one colour are not looked at ray by ray, and are what they would be if they were.
+//! Tiles of a single colour are shaded without tracing each ray, with the same result.
 
 use crate::common::random::tries;
 use crate::common::{add, camera_of, look_at, picture};
@@ -13,7 +13,7 @@ use glam::DVec3;
 use proptest::prelude::*;
 use std::ops::Range;
 
-/// Where something is, how it is turned, and how large it is.
+/// The position, rotation and size of an object.
 type Thing = ([f64; 3], [f64; 3], [f64; 3]);
 
 fn thing() -> impl Strategy<Value = Thing> {
@@ -22,7 +22,7 @@ fn thing() -> impl Strategy<Value = Thing> {
     ([-3.0..3.0, -3.0..3.0, -0.5..2.5], each(any), each(size))
 }
 
-/// Things of flat faces on a floor before a wall and a hill, under lamps that shine from these directions.
+/// Objects with flat faces on a floor in front of a wall and a hill, under lamps that shine from these directions.
 fn room(things: &[Thing], lamps: &[[f64; 3]], space: ColourSpace) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     builder.set_colour_space(space);
@@ -72,7 +72,7 @@ fn room(things: &[Thing], lamps: &[[f64; 3]], space: ColourSpace) -> SceneBuilde
 proptest! {
     #![proptest_config(tries(60))]
 
-    /// Under a lamp with a place, rays are looked at one by one. If it gives no light, nothing may change.
+    /// A lamp with a position makes rays be shaded one by one. If it gives no light, the picture must not change.
     #[test]
     fn a_lamp_without_light_changes_nothing(
         things in prop::collection::vec(thing(), 0..14),

@@ -1,4 +1,4 @@
-//! Scanners: every firing from where sensor and things are at its own time, against closed forms.
+//! Scanners: every firing uses the poses of the sensor and of the objects at its own time, against closed forms.
 
 mod mems;
 mod motion;
@@ -17,7 +17,7 @@ use belvedere_sensors::{Capture, Execution, Keyframe, Moment, Pose, SenseError, 
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::DVec3;
 
-/// Sixteen lasers that fire one after the other, each a little above the one below it, as a VLP-16's.
+/// Sixteen lasers that fire one after the other, each slightly above the one below, as in a VLP-16.
 fn tower() -> Vec<Laser> {
     let laser = |id: u32| {
         let elevation = -15.0 + 2.0 * f64::from(id % 2 * 8 + id / 2);
@@ -31,7 +31,7 @@ fn tower() -> Vec<Laser> {
     (0..16).map(laser).collect()
 }
 
-/// Lasers that fire together, from beside the axis, each a little aside, as an OS1's.
+/// Lasers that fire together, from beside the axis and at slightly different azimuths, as in an OS1.
 fn drum() -> Vec<Laser> {
     let laser = |row: u32| Laser {
         origin_m: [0.0158, 0.0, 0.0],
@@ -63,7 +63,7 @@ fn take(
     scanner.sense(&scene, capture, &mut memory.lend(scanner.workspace_len(&scene, capture)), output)
 }
 
-/// Ranges and points of a frame.
+/// The ranges and points of a frame.
 fn scan(
     scanner: &Scanner<'_>,
     scene: &SceneBuilder,
@@ -77,13 +77,13 @@ fn scan(
     (ranges, points)
 }
 
-/// Driving at 15 m/s, climbing, and turning at 2 rad/s, with the sensor askew.
+/// A drive at 15 m/s that climbs and turns at 2 rad/s, with a tilted sensor.
 fn drive(time_s: f64) -> Pose {
     let place = DVec3::new(15.0 * time_s - 0.7, 0.4 - 2.0 * time_s, 0.3 * time_s);
     Pose::from_xyz_rpy(place, DVec3::new(0.03, -0.02, 2.0 * time_s + 0.3))
 }
 
-/// Poses of instances at keyframes, a millisecond from one to the next, up to the frame's end.
+/// Poses of instances at keyframes, a millisecond apart, up to the end of the frame.
 struct Motion {
     steps: Vec<(f64, Pose, Vec<Pose>)>,
 }
@@ -105,7 +105,7 @@ impl Motion {
     }
 }
 
-/// Distances from the middle of a room to its walls, floor and ceiling, by their directions.
+/// The directions and distances from the middle of a room to its walls, floor and ceiling.
 const ROOM: [(DVec3, f64); 6] = [
     (DVec3::X, 6.0),
     (DVec3::NEG_X, 5.0),
@@ -115,7 +115,7 @@ const ROOM: [(DVec3, f64); 6] = [
     (DVec3::NEG_Z, 1.5),
 ];
 
-/// The walls of the room as boxes, and as one mesh.
+/// The walls of the room as boxes, and as a single mesh.
 fn rooms() -> [SceneBuilder; 2] {
     let mut boxes = SceneBuilder::new();
     for (normal, distance) in ROOM {
@@ -142,7 +142,7 @@ fn rooms() -> [SceneBuilder; 2] {
     [boxes, mesh]
 }
 
-/// From a point in the room to its walls.
+/// The distance from a point in the room to its walls.
 fn to_walls(origin: DVec3, direction: DVec3) -> f64 {
     ROOM.iter()
         .map(|(normal, distance)| (distance - origin.dot(*normal)) / direction.dot(*normal))

@@ -1,4 +1,4 @@
-//! Presets of scanners against the numbers of their makers.
+//! Scanner presets against the figures of their makers.
 
 use belvedere_sensors::scanner::presets::{self, Preset};
 use belvedere_sensors::scanner::{Laser, Pattern, Raster, Scanner, ScannerConfig};
@@ -8,10 +8,10 @@ fn lasers(preset: &Preset) -> &'static [Laser] {
     head.lasers
 }
 
-/// Calibrated units of each size: highest and lowest beam, azimuths of four lasers (clockwise), n; and how far such units
-/// are from the middle of their kind. Of one OS1-32, every angle is known: each fourth of 128.
+/// Calibrated units of each size: highest and lowest beam, azimuths of four lasers (clockwise), n; and the deviation of
+/// such units from the mean of their kind. For one OS1-32 all angles are known: every fourth of 128.
 #[test]
-fn ousters_heads_are_as_units_of_theirs() {
+fn ousters_presets_are_close_to_calibrated_units() {
     for (presets, [high, low], azimuths, beam_mm, up_mm, [within, across]) in [
         (
             [presets::OS0_128, presets::OS0_64, presets::OS0_32],
@@ -53,7 +53,7 @@ fn ousters_heads_are_as_units_of_theirs() {
         for origin in all.iter().map(|laser| laser.origin_m) {
             assert!((origin[0] * 1e3 - beam_mm).abs() < 1e-9 && (origin[2] * 1e3 - up_mm).abs() < 1e-9);
         }
-        // The smaller ones have some of them, and always the lowest.
+        // The smaller models have some of the lasers, always including the lowest.
         for (preset, step) in [(presets[1], 2), (presets[2], 4)] {
             let some = all.iter().skip(step - 1).step_by(step);
             assert!(lasers(&preset).iter().eq(some), "{}", preset.name);
@@ -66,9 +66,9 @@ fn ousters_heads_are_as_units_of_theirs() {
     assert!(small.iter().all(|laser| (laser.azimuth_rad.to_degrees() - 4.25).abs() < 1e-9));
 }
 
-/// A column every so many nanoseconds: 512, 1024 or 2048 of them to a turn, the first one looking back at the plug.
+/// One column per so many nanoseconds: 512, 1024 or 2048 per turn, the first pointing backwards to the plug.
 #[test]
-fn ousters_columns_are_those_of_lidar_mode() {
+fn ousters_columns_follow_lidar_mode() {
     for (columns, rate_hz, column_ns) in [
         (512, 10.0, 195_312.5),
         (512, 20.0, 97_656.25),
@@ -115,7 +115,8 @@ fn a_vls_128_fires_eight_at_once() {
     assert!((scanner.firing(0, 128 * 1000 + 127).time_s - 53.3e-3 - 2.665e-6 * 16.0).abs() < 1e-12);
 }
 
-/// A cone of 70.4°, a point every 10 µs, and another way each time: 10.7 % of the points are within 5° of the axis.
+/// A cone of 70.4°, one point every 10 µs, and a different path in each frame: 10.7 % of the points are within 5° of
+/// the axis.
 #[test]
 fn a_mid_70_draws_a_rosette() {
     let scanner = Scanner::new(presets::MID_70.config().frame_time_ns(1_000_000_000)).unwrap();
@@ -137,7 +138,7 @@ fn a_mid_70_draws_a_rosette() {
 
 /// Rows from the top down, each from left to right, at the same time or one after the other.
 #[test]
-fn a_raster_is_a_picture() {
+fn a_raster_fires_like_the_rows_of_a_picture() {
     let scanner = Scanner::new(presets::HFL_110.config()).unwrap();
     assert_eq!(scanner.firings(7), 128 * 32);
     for (index, azimuth, elevation, row) in [
@@ -167,7 +168,7 @@ fn a_raster_is_a_picture() {
     }
 }
 
-/// Every choice of every preset is a scanner, called by its name.
+/// Every mode of every preset is a valid scanner, found by its name.
 #[test]
 fn all_presets_are_scanners() {
     for preset in presets::ALL {
@@ -180,7 +181,7 @@ fn all_presets_are_scanners() {
             assert!(scanner.firings(3) > 100, "{}", preset.name);
         }
     }
-    // 190° by steps of 1/6° to 1°, ahead in the middle.
+    // 190° in steps of 1/6° to 1°, with the middle ahead.
     for mode in presets::LMS_511.modes {
         let preset =
             presets::LMS_511.in_mode(Some(mode.columns.at_angles() as u32), Some(mode.rate_hz)).unwrap();

@@ -1,4 +1,5 @@
-//! Meshes and height fields in low light: no shadow where nothing is in the way, and every shadow where something is.
+//! Meshes and height fields in low light: there is no shadow where nothing blocks the light, and every shadow where
+//! something does.
 
 use crate::common;
 
@@ -31,7 +32,7 @@ fn white(builder: &mut SceneBuilder) -> MaterialId {
     builder.add_material(&config).unwrap()
 }
 
-/// A square grid of heights, corner by corner, rows along x.
+/// The corners and triangles of a square grid of heights, with rows along x.
 fn grid_mesh(half: f64, height: impl Fn(f64, f64) -> f64) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let at = |index: u32| (f64::from(index) / f64::from(CELLS) * 2.0 - 1.0) * half;
     let mut corners = Vec::new();
@@ -52,7 +53,7 @@ fn grid_mesh(half: f64, height: impl Fn(f64, f64) -> f64) -> (Vec<[f32; 3]>, Vec
     (corners, triangles)
 }
 
-/// Floors of one mesh or height field: level, turned by their pose, and sloped by their corners.
+/// Floors of one mesh or height field: level, rotated by their pose, and sloped by their corners.
 fn floors(half: f64) -> Vec<Floor> {
     let turned = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(0.2, -0.3, 0.7));
     let slope = [0.11, -0.07];
@@ -68,7 +69,7 @@ fn floors(half: f64) -> Vec<Floor> {
             let shape = if is_mesh {
                 Shape::Mesh(builder.add_mesh(&corners, &[], &triangles).unwrap())
             } else {
-                // Rows of heights run from the top, at y = half, down.
+                // Rows of heights run down from the top, at y = half.
                 let heights: Vec<_> = corners
                     .chunks((CELLS + 1) as usize)
                     .rev()
@@ -85,7 +86,7 @@ fn floors(half: f64) -> Vec<Floor> {
     floors
 }
 
-/// Grey levels of a picture of a floor where it should be evenly lit: how many there are, and how many are wrong.
+/// The number of grey levels of a picture of an evenly lit floor, and the number of wrong ones.
 fn count(floor: &Floor, camera: &CameraConfig, view: &Pose, brightness: impl Fn(DVec3) -> f64) -> [usize; 2] {
     let pixels = picture(&floor.builder, *camera, *view);
     let mut counts = [0; 2];
@@ -95,7 +96,7 @@ fn count(floor: &Floor, camera: &CameraConfig, view: &Pose, brightness: impl Fn(
         let t = -ray.origin.dot(floor.normal) / ray.direction.dot(floor.normal);
         let point = ray.origin + ray.direction * t;
         let local = floor.pose.inverse().transform_point(point);
-        // Of what is seen from farther than a hundred metres, nothing is said.
+        // Points that are seen from farther than a hundred metres are not checked.
         let inside = local.x.abs().max(local.y.abs()) < 0.99 * floor.half;
         if t <= 0.0 || !inside || t > 100.0 {
             continue;
@@ -157,7 +158,7 @@ fn floors_are_lit_however_low_the_lamp_is() {
     assert_eq!(all[1], 0, "of {} pixels are wrong:\n{worst}", all[0]);
 }
 
-/// A box as a mesh, outwards unless it is `inwards`.
+/// A box as a mesh, wound outwards unless it is `inwards`.
 fn box_mesh(half: [f32; 3], centre: [f32; 3], inwards: bool, first: u32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let corners = (0..8_u32)
         .map(|index| {
@@ -179,7 +180,7 @@ fn box_mesh(half: [f32; 3], centre: [f32; 3], inwards: bool, first: u32) -> (Vec
 }
 
 #[test]
-fn a_millimetre_casts_its_shadow_from_its_foot_on() {
+fn a_step_of_a_millimetre_casts_a_shadow_from_its_foot_on() {
     let height = 1e-3;
     for own_mesh in [false, true] {
         for far in [None, Some(4.0)] {
@@ -218,7 +219,7 @@ fn a_millimetre_casts_its_shadow_from_its_foot_on() {
             for (index, pixel) in pixels.as_chunks::<3>().0.iter().enumerate() {
                 let ray = pixel_ray(&camera, &view, index as u32 % SIZE[0], index as u32 / SIZE[0]);
                 let point = ray.origin - ray.direction * (ray.origin.z / ray.direction.z);
-                // How high light passes over the far edge, which shades the floor behind it.
+                // The height at which light passes over the far edge, which shades the floor behind it.
                 let lamp = far.map_or(towards * 1e9, |far| towards * far);
                 let slope = lamp.z / (point.x - lamp.x);
                 let over = (point.x - 0.1) * slope;

@@ -1,4 +1,5 @@
-//! Frames that are taken slice by slice: rolling shutters against closed form, motion blur, and what slices must be.
+//! Frames that are captured slice by slice: rolling shutters against a closed form, motion blur, and the rules for
+//! slices.
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 use crate::common::{LIDAR, SIZE, add, camera, camera_of, glowing, pinhole, scenery};
@@ -38,7 +39,7 @@ fn picture_of(
     pixels
 }
 
-/// All that a depth camera gives.
+/// All outputs of a depth camera.
 fn depth_frame(
     scene: &Scene<'_>,
     config: CameraConfig<'_>,
@@ -52,7 +53,7 @@ fn depth_frame(
     (metres.into_iter().map(f32::to_bits).collect(), points, colour)
 }
 
-/// Slices of so many lines.
+/// Slices with this many lines.
 fn slices<'a>(lines: u32, height: u32, at: impl Fn(u32) -> Moment<'a>) -> Vec<Slice<'a>> {
     let first = (0..height).step_by(lines as usize);
     first.map(|line| Slice { lines: line..(line + lines).min(height), at: at(line) }).collect()
@@ -61,13 +62,13 @@ fn slices<'a>(lines: u32, height: u32, at: impl Fn(u32) -> Moment<'a>) -> Vec<Sl
 const POSE: [f64; 3] = [-3.2, 0.3, 1.4];
 
 #[test]
-fn slices_of_one_moment_are_that_moments_frame() {
+fn slices_at_one_moment_give_the_frame_of_that_moment() {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
     let scene = builder.scene();
     let pose = Pose::from_xyz_rpy(DVec3::from_array(POSE), DVec3::new(0.1, 0.2, -0.05));
     let moment = builder.moment(pose);
-    // Odd sizes, near enough that something is within the near clip distance.
+    // Odd sizes, and so near that some surfaces are within the near clip distance.
     let config = camera_of([133, 95], 1.2).near_m(2.0);
     let once = Capture::new(3, moment);
     let (picture, depths) =
@@ -81,7 +82,7 @@ fn slices_of_one_moment_are_that_moments_frame() {
         );
         assert!(depths == depth_frame(&scene, config, &sliced), "slices of {lines} lines");
     }
-    // Noise is that of the pixel, and so are a mosaic's colours and a device's patterns.
+    // Noise depends on the pixel, and so do the colours of a mosaic and the patterns of a device.
     let noise = GaussianNoise::of_stddev(0.01).unwrap();
     let device = DeviceConfig::default().prnu(0.02).dsnu_e(2.0).read_noise_e(0.1);
     let bayer = config.device(Some(device)).format(PixelFormat::Bayer8(Mosaic::Gbrg));
@@ -91,7 +92,7 @@ fn slices_of_one_moment_are_that_moments_frame() {
         let picture = picture_of(&scene, config, &once, Execution::default());
         assert!(picture == picture_of(&scene, config, &rolling, Execution::default()), "{:?}", config.format);
     }
-    // The mean of what is the same is the same.
+    // The mean of equal values is the same value.
     let twice = [Slice { lines: 0..95, at: moment }, Slice { lines: 0..95, at: moment }];
     assert!(picture == picture_of(&scene, config, &Capture::new(3, &twice[..]), Execution::default()));
 
@@ -120,10 +121,10 @@ fn slices_of_one_moment_are_that_moments_frame() {
     assert!(scan(&once) == scan(&Capture::new(3, lines.as_slice())));
 }
 
-/// Sizes, slices and overlaps that nobody chose, all of one moment: the bytes of that moment, for pictures, depths and
+/// Random sizes, slices and overlaps, all at one moment: they give the bytes of that moment, for pictures, depths and
 /// scans, on one thread or two.
 #[test]
-fn any_size_in_any_slices() {
+fn any_slices_at_one_moment_give_the_same_bytes() {
     use belvedere_sensors::noise::Stream;
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
@@ -157,9 +158,9 @@ fn any_size_in_any_slices() {
     }
 }
 
-/// A camera that turns, and one that is carried past a post: where the post's edges are in each row.
+/// A camera that turns, and one that is carried past a post: the positions of the post's edges in each row.
 #[test]
-fn a_rolling_shutter_is_where_closed_form_has_it() {
+fn a_rolling_shutter_agrees_with_the_closed_form() {
     let mut builder = SceneBuilder::new();
     let white = glowing(&mut builder, [1.0; 3]);
     let (distance, half) = (3.0, 0.2);
@@ -178,7 +179,7 @@ fn a_rolling_shutter_is_where_closed_form_has_it() {
     for (name, pose) in [("turning", &turning as &dyn Fn(u32) -> Pose), ("carried", &carried)] {
         let rows = slices(1, SIZE[1], |row| builder.moment(pose(row)));
         let pixels = picture_of(&scene, camera(), &Capture::new(0, rows.as_slice()), Execution::default());
-        // Of all rows, how far inside an edge the outermost white centre lies, and how far outside the innermost black.
+        // Over all rows, the least distance of a white pixel centre inside an edge, and of a black one outside.
         let (mut white, mut black) = ([f64::INFINITY; 2], [f64::INFINITY; 2]);
         for row in 0..SIZE[1] {
             let edges = [half, -half].map(|y| {
@@ -205,8 +206,8 @@ fn a_rolling_shutter_is_where_closed_form_has_it() {
     }
 }
 
-/// A bright board that moves before black, seen at many moments: each pixel is the share of the moments in which the
-/// board covers its centre.
+/// A bright board that moves in front of black, seen at many moments: each pixel is the fraction of the moments at
+/// which the board covers its centre.
 #[test]
 fn blur_is_the_mean_of_its_moments() {
     let mut builder = SceneBuilder::new();
@@ -238,7 +239,7 @@ fn blur_is_the_mean_of_its_moments() {
             };
             (0..moments).filter(covered).count() as f64 / moments as f64 * 255.0
         };
-        // An edge may be on either side of a centre that it all but meets.
+        // An edge may be on either side of a centre that it almost touches.
         let [least, most] = [covers(-1e-3), covers(1e-3)];
         assert!(
             (least - 0.51..=most + 0.51).contains(&f64::from(seen)),
@@ -248,7 +249,7 @@ fn blur_is_the_mean_of_its_moments() {
         close += u32::from(least == most);
     }
     assert!(ramp > 30 && close > 300, "{ramp} columns on the ramps, {close} of 320 certain");
-    // What is measured is that of the first moment.
+    // Depths are those of the first moment.
     let depths = depth_frame(&scene, config, &capture).0;
     let first = depth_frame(&scene, config, &Capture::new(0, exposed[0].at)).0;
     assert!(depths == first);
@@ -264,7 +265,7 @@ fn threads_and_levels_change_nothing() {
     )
     .unwrap();
     let config = camera_of([333, 245], 1.2).noise(noise);
-    // Rows in three moments each: a rolling shutter that blurs.
+    // Each row is in three moments: a rolling shutter with motion blur.
     let at: Vec<(Pose, Vec<Pose>)> = (0..247_u32)
         .map(|moment| {
             let turned =

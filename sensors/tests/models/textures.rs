@@ -1,4 +1,4 @@
-//! Textures lie on surfaces the right way up, and neither alias nor lose a row.
+//! Textures are the right way up on surfaces, and neither alias nor lose a row.
 
 use crate::common;
 
@@ -16,7 +16,7 @@ const GREEN: [u8; 3] = [0, 255, 0];
 const BLUE: [u8; 3] = [0, 0, 255];
 const WHITE: [u8; 3] = [255; 3];
 
-/// A builder whose ambient light shows textures as they are.
+/// A builder whose ambient light shows textures unchanged.
 fn bright() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [1.0; 3], background: [0.0; 3] });
@@ -52,7 +52,7 @@ fn quarters(builder: &mut SceneBuilder, repeat: [f32; 2]) -> MaterialId {
     material(builder, 64, &texels, repeat)
 }
 
-/// What the quarter around (u, v) shows.
+/// The colour of the quarter around (u, v).
 fn quarter(u: f64, v: f64) -> [u8; 3] {
     match (u.rem_euclid(1.0) < 0.5, v.rem_euclid(1.0) > 0.5) {
         (true, true) => RED,
@@ -161,7 +161,7 @@ fn repetition() {
 
 #[test]
 fn texture_coordinates_of_a_mesh() {
-    // A trapezium of two triangles over the unit square, which wears the left half of the picture upside down.
+    // A trapezium of two triangles over the unit square, which shows the left half of the picture upside down.
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
     let uvs = corners.map(|[x, y, _]: [f32; 3]| [0.5 - 0.5 * x, 1.0 - y]);
     let mut builder = bright();
@@ -181,7 +181,7 @@ fn texture_coordinates_of_a_mesh() {
     }
 }
 
-/// Mean and standard deviation of the red of some rows.
+/// The mean and standard deviation of the red values of some rows.
 fn statistics(pixels: &[u8], rows: core::ops::Range<usize>) -> (f64, f64) {
     let row_stride = SIZE[0] as usize * 3;
     let reds: Vec<f64> = pixels[rows.start * row_stride..rows.end * row_stride]
@@ -196,7 +196,7 @@ fn statistics(pixels: &[u8], rows: core::ops::Range<usize>) -> (f64, f64) {
 
 #[test]
 fn a_chequered_floor_turns_grey_far_away() {
-    // Squares of half a metre, to 500 m; the eye is 1 m above them.
+    // Squares of half a metre, up to 500 m away; the eye is 1 m above them.
     let texels: Vec<[u8; 4]> =
         (0..64 * 64).map(|i| [if (i % 64 / 32 + i / 64 / 32) % 2 == 0 { 255 } else { 0 }; 4]).collect();
     for yaw in [0.0, 0.3, 0.785] {
@@ -210,7 +210,7 @@ fn a_chequered_floor_turns_grey_far_away() {
         );
         let view = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::Z * yaw);
         let pixels = picture(&builder, camera(), view);
-        // f = 468 px: rows 243 … 252 show the floor at 134 to 37 m, where a pixel spans several squares.
+        // f = 468 px: rows 243 … 252 show the floor at 134 to 37 m, where a pixel covers several squares.
         let (mean, deviation) = statistics(&pixels, 243..253);
         assert!((mean - 127.5).abs() < 2.0 && deviation < 12.0, "yaw {yaw}, far: {mean} ± {deviation}");
         // At 2 to 2.5 m a square is a hundred pixels wide: black and white.
@@ -221,7 +221,7 @@ fn a_chequered_floor_turns_grey_far_away() {
 
 #[test]
 fn a_tag_far_away_keeps_its_brightness() {
-    // A picture of odd size, 1 white texel in 5: its mean is 51 at any distance.
+    // A picture of odd size with 1 white texel in 5: its mean is 51 at any distance.
     let texels: Vec<[u8; 4]> = (0..35 * 21).map(|i| [if i % 5 == 0 { 255 } else { 0 }; 4]).collect();
     let mut builder = bright();
     let pattern = material(&mut builder, 35, &texels, [1.0; 2]);
@@ -229,7 +229,7 @@ fn a_tag_far_away_keeps_its_brightness() {
     add(&mut builder, Shape::Rectangle { size: [0.4, 0.4] }, wall, pattern);
     let pixels = picture(&builder, camera_of(SIZE, 2.0), Pose::IDENTITY);
     let sum: f64 = pixels.iter().step_by(3).map(|red| f64::from(*red)).sum();
-    // f = 205.5 px: 0.4 m at 5 m are 16.4 pixels across, give or take one at each edge.
+    // f = 205.5 px: 0.4 m at 5 m are 16.4 pixels across, plus or minus one at each edge.
     let mean = sum / 16.4_f64.powi(2);
     assert!((mean - 51.0).abs() < 5.0, "mean brightness {mean}");
 }
@@ -248,7 +248,7 @@ fn mip_levels_of_any_size_keep_the_mean() {
             let sum: f64 = texels[..count].iter().map(|texel| f64::from(texel[channel])).sum();
             let last = f64::from(texels[texels.len() - 1][channel]);
             let error = (last - sum / count as f64).abs();
-            // Half a level is lost in each rounding at most.
+            // At most half a level is lost in each rounding.
             assert!(error <= 0.5 * f64::from(mip_levels(width, height)), "{width} × {height}: {error} off");
         }
     }

@@ -1,4 +1,4 @@
-//! A lidar that turns and moves while it scans: each beam's range against that from where the lidar is at its time.
+//! A lidar that turns and moves while it scans: the range of each beam against that from the lidar's pose at its time.
 
 use crate::common::{LIDAR, add_grey, scenery};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, Sweep};
@@ -22,7 +22,7 @@ fn take(
     lidar.sense(scene, capture, &mut memory.lend(lidar.workspace_len(scene, capture)), output)
 }
 
-/// All that a lidar gives but flow, bit by bit.
+/// All outputs of a lidar except flow, bit by bit.
 fn scan(lidar: &Lidar, scene: &Scene<'_>, capture: &Capture<'_>, execution: Execution) -> Vec<Vec<u32>> {
     let count = lidar.beams();
     let (mut ranges, mut intensities) = (vec![7.0_f32; count], vec![7.0_f32; count]);
@@ -59,7 +59,7 @@ fn slices<'a>(columns: u32, of: u32, at: impl Fn(u32) -> Moment<'a>) -> Vec<Slic
     first.map(|column| Slice { lines: column..(column + columns).min(of), at: at(column) }).collect()
 }
 
-/// A turn of 360 columns and some scan lines.
+/// A turn of 360 columns with this number of scan lines.
 fn turn(rings: u32) -> LidarConfig {
     let step = TAU / 360.0;
     let vertical = Beams { samples: rings, min_angle_rad: -0.3, max_angle_rad: 0.25 };
@@ -69,9 +69,10 @@ fn turn(rings: u32) -> LidarConfig {
         .range_max_m(100.0)
 }
 
-/// A room of four walls, seen by a lidar that drives at 15 m/s and turns at 3 rad/s: one scan takes a tenth of a second.
+/// A room of four walls, seen by a lidar that drives at 15 m/s and turns at 3 rad/s; one scan takes a tenth of a
+/// second.
 #[test]
-fn beams_meet_walls_where_they_are_at_their_time() {
+fn beams_start_at_the_pose_of_the_lidar_at_their_time() {
     let walls = [(DVec3::X, 6.0), (DVec3::NEG_X, 5.0), (DVec3::Y, 4.0), (DVec3::NEG_Y, 7.0)];
     let mut builder = SceneBuilder::new();
     for (normal, distance) in walls {
@@ -108,7 +109,7 @@ fn beams_meet_walls_where_they_are_at_their_time() {
         }
         assert!(worst < 1e-6, "{rings} rings, {columns} columns a slice: {worst:e} off");
     }
-    // At one moment for all, beams are as far off as the lidar goes in a tenth of a second.
+    // With a single moment for all, the errors of beams are as large as the lidar's motion in a tenth of a second.
     let lidar = Lidar::new(turn(1)).unwrap();
     let mut ranges = vec![0.0; 360];
     let once = Capture::new(0, builder.moment(pose_at(0)));
@@ -117,9 +118,9 @@ fn beams_meet_walls_where_they_are_at_their_time() {
     assert!((ahead - 0.75).abs() < 1e-9 && (ranges[180] - 6.7).abs() < 1e-2, "{}", ranges[180]);
 }
 
-/// A ball that moves across while the lidar stands still: it is met where it is when the beams come by.
+/// A ball that moves across while the lidar stands still: it is hit at its position when the beams pass.
 #[test]
-fn things_are_where_they_are_at_a_column_s_time() {
+fn objects_are_hit_at_their_poses_at_the_time_of_a_column() {
     let mut builder = SceneBuilder::new();
     add_grey(&mut builder, Shape::Sphere { radius: 0.5 }, Pose::IDENTITY);
     let scene = builder.scene();
@@ -148,13 +149,13 @@ fn things_are_where_they_are_at_a_column_s_time() {
             assert_eq!(range, f64::INFINITY, "column {column}");
         }
     }
-    // At one moment it is 14° wide; with the beams it goes along for 20°.
+    // At one moment it is 14° wide; moving with the beams, it covers 20°.
     assert!((19..22).contains(&met), "{met} beams");
 }
 
-/// Columns of one moment, however they are cut, are that moment's scan: every channel, noise included.
+/// Columns at one moment, however they are divided, give the scan of that moment: every channel, including noise.
 #[test]
-fn columns_of_one_moment_are_that_moment_s_scan() {
+fn columns_at_one_moment_give_the_scan_of_that_moment() {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
     let scene = builder.scene();
@@ -183,13 +184,13 @@ fn columns_of_one_moment_are_that_moment_s_scan() {
             }
         }
     }
-    // Lines that overlap are the first slice's.
+    // Overlapping lines belong to the first slice.
     let elsewhere = builder.moment(Pose::IDENTITY);
     let both = [Slice { lines: 0..360, at: moment }, Slice { lines: 17..360, at: elsewhere }];
     let lidar = Lidar::new(turn(1)).unwrap();
     let expected = scan(&lidar, &scene, &once, Execution::default());
     assert!(scan(&lidar, &scene, &Capture::new(3, &both[..]), Execution::default()) == expected);
-    // One that nods is cut by lines.
+    // A nodding lidar is divided by lines.
     let lidar = Lidar::new(turn(16).sweep(Sweep::Rows)).unwrap();
     let lines = slices(3, 16, |_| moment);
     let expected = scan(&lidar, &scene, &once, Execution::default());
@@ -197,7 +198,7 @@ fn columns_of_one_moment_are_that_moment_s_scan() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_slices_are_refused() {
     let builder = SceneBuilder::new();
     let scene = builder.scene();
     let moment = builder.moment(Pose::IDENTITY);
@@ -213,16 +214,19 @@ fn what_cannot_be_is_refused() {
     };
     let short = slices(4, 356, |_| moment);
     let said = refused(Shutter::Slices(&short), false);
-    assert_eq!(said, "slice 89 of the shutter must exist: no slice has the last lines");
+    assert_eq!(said, "slice 89 of the shutter must exist: no slice contains the last lines");
     let beyond = slices(4, 364, |_| moment);
     let said = refused(Shutter::Slices(&beyond), false);
-    assert_eq!(said, "slice 90 of the shutter must have one line at least, and none beyond the frame's");
+    assert_eq!(
+        said,
+        "slice 90 of the shutter must have at least one line, and none beyond the frame's last line"
+    );
     let gap = [Slice { lines: 0..10, at: moment }, Slice { lines: 11..360, at: moment }];
     let said = refused(Shutter::Slices(&gap), false);
     assert_eq!(said, "slice 1 of the shutter must begin no later than where the lines before it end");
     let whole = slices(4, 360, |_| moment);
     let said = refused(Shutter::Slices(&whole), true);
-    assert!(said.starts_with("flow is not worked out for a lidar whose columns"), "{said}");
+    assert!(said.starts_with("flow is not computed for a lidar whose columns"), "{said}");
     let said = refused(Shutter::Slices(&[]), false);
-    assert_eq!(said, "slice 0 of the shutter must exist: no slice has the last lines");
+    assert_eq!(said, "slice 0 of the shutter must exist: no slice contains the last lines");
 }

@@ -1,4 +1,4 @@
-//! No sensor allocates once it is set up, and none takes much of the stack.
+//! No sensor allocates after it is set up, and none needs much stack.
 
 #[path = "../common/mod.rs"]
 mod common;
@@ -20,7 +20,7 @@ use common::{LIDAR, camera, depth_camera, scenery};
 use core::cell::Cell;
 use std::alloc::{GlobalAlloc, Layout, System};
 
-/// The system's allocator, which counts what each thread asks of it.
+/// The system allocator, which counts the calls of each thread.
 struct Counting;
 
 thread_local! {
@@ -28,27 +28,27 @@ thread_local! {
 }
 
 fn count() {
-    // Nothing to count once the thread is being taken down.
+    // Calls are not counted while the thread ends.
     let _ = CALLS.try_with(|calls| calls.set(calls.get() + 1));
 }
 
-// SAFETY: every call is handed on to the system's allocator as it came, and counting neither allocates nor
-// unwinds: the counter is a plain number, initialised at compile time.
+// SAFETY: every call is passed unchanged to the system allocator. Counting neither allocates nor unwinds: the counter
+// is a plain number that is initialised at compile time.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         count();
-        // SAFETY: the caller's promises are those that `System` asks for.
+        // SAFETY: the caller guarantees what `System` requires.
         unsafe { System.alloc(layout) }
     }
 
     unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
-        // SAFETY: `pointer` came from `System` with that layout, as the caller promises.
+        // SAFETY: `pointer` came from `System` with this layout, as the caller guarantees.
         unsafe { System.dealloc(pointer, layout) }
     }
 
     unsafe fn realloc(&self, pointer: *mut u8, layout: Layout, new_size: usize) -> *mut u8 {
         count();
-        // SAFETY: as for `dealloc`; the caller promises a valid size.
+        // SAFETY: as for `dealloc`; the caller guarantees a valid size.
         unsafe { System.realloc(pointer, layout, new_size) }
     }
 }
@@ -56,7 +56,7 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Allocations of this thread during `work`.
+/// The number of allocations of this thread during `work`.
 fn allocations(work: impl FnOnce()) -> usize {
     let before = CALLS.get();
     work();
@@ -168,7 +168,7 @@ fn tables_of_rays_do_not_allocate() {
     let mut buffer = vec![CacheLine::ZERO; RayTable::required_len(width, height)];
     let mut distances = vec![0.0; directions.len()];
     let mut workspace = WorkspaceBuf::default();
-    // A table's frames take what a pinhole's of the same size do.
+    // Frames of a table need the memory of a pinhole's of the same size.
     let pinhole = Optics::from(PinholeGrid::from_fov(width, height, 1.0).unwrap());
     workspace.lend(grid_workspace_len(&scene, &pinhole));
     let calls = allocations(|| {

@@ -1,6 +1,7 @@
 //! Everything that senses, casts or builds runs on a thread with 64 KiB of stack, at every SIMD level.
 //!
-//! A call that takes more ends the whole program, and the system's message names the thread, which is called after the call.
+//! A call that needs more ends the whole program, and the system's message contains the name of the thread, which is
+//! the name of the call.
 
 use crate::common::casts::levels;
 use crate::common::{LIDAR, add, camera_of, scenery, spot};
@@ -29,12 +30,12 @@ use belvedere_sensors::{Capture, Execution, Keyframe, Moment, Pose, Sensor, Shut
 use glam::DVec3;
 use std::thread;
 
-/// Bytes of a thread's stack. The operating system and the standard library take about 5 kB of them.
+/// The size of a thread's stack in bytes. The operating system and the standard library use about 5 kB of it.
 const STACK: usize = 64 * 1024;
-/// Pixels of the pictures.
+/// The size of the pictures in pixels.
 const SIZE: [u32; 2] = [80, 60];
 
-/// Runs a call on a thread that has little stack.
+/// Runs a call on a thread with a small stack.
 fn run(name: &str, call: impl FnOnce() + Send) {
     thread::scope(|scope| {
         let builder = thread::Builder::new().name(name.into()).stack_size(STACK);
@@ -42,7 +43,7 @@ fn run(name: &str, call: impl FnOnce() + Send) {
     });
 }
 
-/// Runs for each SIMD level of the machine.
+/// Runs `work` for each SIMD level of the machine.
 fn at_each_level(work: impl Fn(&str, Execution)) {
     for (name, level) in levels() {
         let Some(level) = level else { continue };
@@ -50,7 +51,7 @@ fn at_each_level(work: impl Fn(&str, Execution)) {
     }
 }
 
-/// Takes a frame of a sensor on a thread that has little stack.
+/// Takes a frame of a sensor on a thread with a small stack.
 fn sense<S: Sensor + Sync>(
     name: &str,
     sensor: &S,
@@ -80,7 +81,8 @@ fn ball() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     ((0..around * down).map(corner).collect(), triangles.collect())
 }
 
-/// The scenery with meshes, a terrain, bumps, gloss, clear surfaces and, if wanted, mirrors and panes.
+/// The scenery with meshes, a height field, normal maps, highlights, clear surfaces and, if `glazed`, mirrors and
+/// panes.
 fn stage(glazed: bool) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
@@ -112,7 +114,7 @@ fn stage(glazed: bool) -> SceneBuilder {
     builder
 }
 
-/// Where the sensors are.
+/// The pose of the sensors.
 fn eye() -> Pose {
     Pose::from_xyz_rpy(DVec3::new(-3.2, 0.3, 1.4), DVec3::new(0.1, 0.2, -0.05))
 }
@@ -203,7 +205,7 @@ fn lidars() {
     });
 }
 
-/// A scanner with all that it can have.
+/// A scanner with all optional features.
 fn wide(plain: ScannerConfig<'_>) -> ScannerConfig<'_> {
     plain
         .beam(Beam { divergence_rad: [3e-3, 1.5e-3], aperture_m: [0.0127, 0.0095], rays: 19 })
@@ -244,7 +246,7 @@ fn scanners() {
     });
 }
 
-/// Every output of a cast of so many rays, on a thread that has little stack.
+/// Casts this many rays with all outputs, on a thread with a small stack.
 fn hits(name: &str, rays: usize, cast: impl FnOnce(Hits<'_>) + Send) {
     let (mut distance, mut normal, mut barycentrics) =
         (vec![0.0; rays], vec![[0.0; 3]; rays], vec![[0.0; 2]; rays]);
@@ -322,7 +324,7 @@ fn scenes() {
     run("a scene", || bytes = stage(true).bake());
     run("a baked scene", || assert!(Scene::from_baked(bytemuck::cast_slice(&bytes)).is_ok()));
     let (corners, triangles) = ball();
-    // Triangles that shrink, for the deepest tree.
+    // Triangles of decreasing size, which give the deepest tree.
     let deep: Vec<[f32; 3]> = (0..3000)
         .flat_map(|i| {
             let size = 0.97_f32.powi(i);

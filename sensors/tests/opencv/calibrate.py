@@ -1,8 +1,8 @@
 """Calibrates our cameras with OpenCV and undoes their distortion: python calibrate.py path/to/render_board
 
-A checkerboard is drawn through lenses that are known, at many poses; its corners are found in the pictures, and what
-OpenCV's calibration makes of them is held against the lens. Then a distorted picture is rectified as ROS's image_proc
-does it, and held against the same view through a pinhole.
+A checkerboard is rendered through known lenses at many poses. Its corners are found in the pictures, and the result of
+OpenCV's calibration is compared with the lens. Then a distorted picture is rectified as ROS's image_proc does it, and
+compared with the same view through a pinhole.
 """
 
 import subprocess
@@ -14,7 +14,7 @@ import cv2
 import numpy as np
 
 SIZE = 640, 480
-# Rays for each pixel, across and down.
+# The number of rays per pixel, across and down.
 SAMPLES = 4
 INNER = 9, 6
 SIDE = 0.03  # m
@@ -31,7 +31,7 @@ CORNERS[:, :2] = np.mgrid[: INNER[0], : INNER[1]].T.reshape(-1, 2) * SIDE
 
 
 def render(program, lens, poses, board=(INNER[0] + 1, INNER[1] + 1, SIDE)):
-    """Pictures of the board at poses, each x y z and a rotation vector."""
+    """Returns pictures of the board at poses, each given as x y z and a rotation vector."""
     with tempfile.TemporaryDirectory() as directory:
         setup = " ".join(map(repr, [*SIZE, SAMPLES, *board]))
         lines = [" ".join(map(str, lens)), setup, *(" ".join(map(repr, pose.tolist())) for pose in poses)]
@@ -44,7 +44,7 @@ def camera_matrix(fx, fy, cx, cy):
 
 
 class Plane:
-    """What cv2.calibrateCamera finds."""
+    """Returns the result of cv2.calibrateCamera."""
 
     model = "brown_conrady"
     farthest_degrees = 60
@@ -70,7 +70,7 @@ class Plane:
 
 
 class Fisheye:
-    """What cv2.fisheye.calibrate finds."""
+    """Returns the result of cv2.fisheye.calibrate."""
 
     model = "kannala_brandt"
     farthest_degrees = 78
@@ -79,7 +79,7 @@ class Fisheye:
         return cv2.fisheye.projectPoints(points.reshape(-1, 1, 3), ZERO, ZERO, matrix, coefficients)[0].reshape(-1, 2)
 
     def rays(self, pixels, matrix, coefficients):
-        """By Newton's method: undistortPoints knows no more than 90°."""
+        """Computes rays by Newton's method, because undistortPoints is limited to 90°."""
         on_plane = (pixels - matrix[[0, 1], 2]) / matrix[[0, 1], [0, 1]]
         radius = np.linalg.norm(on_plane, axis=1)
         angle = radius.copy()
@@ -94,7 +94,7 @@ class Fisheye:
 
     def calibrate(self, corners):
         objects = [CORNERS.reshape(1, -1, 3)] * len(corners)
-        # OpenCV 5 has them among the others.
+        # In OpenCV 5, these flags are in the module cv2.
         names = cv2 if hasattr(cv2, "CALIB_RECOMPUTE_EXTRINSIC") else cv2.fisheye
         flags = names.CALIB_RECOMPUTE_EXTRINSIC | names.CALIB_FIX_SKEW
         criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 200, 1e-12)
@@ -120,27 +120,28 @@ LENSES = [
 
 
 def look_to(ray):
-    """The turn that takes the optical axis to a ray, as a matrix."""
+    """Returns the rotation matrix from the optical axis to a ray."""
     axis = np.cross([0, 0, 1.0], ray)
     sine = np.linalg.norm(axis)
     return cv2.Rodrigues(axis / max(sine, 1e-12) * np.arctan2(sine, ray[2]))[0]
 
 
 def poses_for(camera, matrix, coefficients, distances):
-    """Boards at a slant all over the picture, all corners within it."""
+    """Returns poses of slanted boards all over the picture, with all corners inside it."""
     random = np.random.default_rng(7)
     poses = []
-    # Where boards shall be, in parts of the half picture: out to the sides and the corners, since there it matters.
+    # Where boards should be, as fractions of half the picture: many at the sides and corners, where distortion is
+    # largest.
     places = [(x, y) for x in (-0.9, -0.45, 0, 0.45, 0.9) for y in (-0.85, 0, 0.85)]
     places += [(x, y) for x in (-0.98, 0.98) for y in (-0.98, 0.98)] * 2
     middle = CORNERS.mean(axis=0)
     while len(poses) < VIEWS:
         place = np.array(places[len(poses) % len(places)]) + random.uniform(-0.05, 0.05, 2)
-        # Upright, where it shall reach into a corner.
+        # Nearly upright if it should reach into a corner.
         most = np.array([0.55, 0.55, 0.3] if abs(place).min() < 0.92 else [0.4, 0.4, 0.02])
         turn = cv2.Rodrigues(random.uniform(-most, most))[0]
         distance = random.uniform(*distances)
-        # Towards the middle, until it is seen as a whole.
+        # Moved towards the middle until all of it is visible.
         for towards in np.linspace(1, 0, 50):
             pixel = (np.array(SIZE) - 1) / 2 * (1 + place * towards)
             ray = camera.rays(pixel[None], matrix, coefficients)[0]
@@ -158,7 +159,7 @@ def poses_for(camera, matrix, coefficients, distances):
 
 
 def find(picture):
-    """Corners of the board; none if it is not recognised."""
+    """Returns the corners of the board, or None if it is not recognised."""
     flags = cv2.CALIB_CB_ACCURACY | cv2.CALIB_CB_EXHAUSTIVE | cv2.CALIB_CB_NORMALIZE_IMAGE
     found, corners = cv2.findChessboardCornersSB(picture, INNER, flags=flags)
     if not found:
@@ -166,7 +167,7 @@ def find(picture):
     if not found:
         return None
     criteria = (cv2.TERM_CRITERIA_COUNT | cv2.TERM_CRITERIA_EPS, 100, 1e-4)
-    # Less than the smallest square.
+    # Smaller than the smallest square.
     grid = corners.reshape(INNER[1], INNER[0], 2)
     steps = [np.linalg.norm(np.diff(grid, axis=axis), axis=2).min() for axis in (0, 1)]
     window = int(np.clip(min(steps) * 0.35, 2, 10))
@@ -174,7 +175,7 @@ def find(picture):
 
 
 def calibrate(program, name, camera, intrinsics, coefficients, distances):
-    """Failures, in words."""
+    """Returns descriptions of the failures."""
     matrix, true = camera_matrix(*intrinsics), np.array(coefficients)
     poses = poses_for(camera, matrix, true, distances)
     pictures = render(program, [camera.model, *intrinsics, 0.0, *coefficients], poses)
@@ -185,7 +186,7 @@ def calibrate(program, name, camera, intrinsics, coefficients, distances):
             continue
         points = CORNERS @ cv2.Rodrigues(pose[3:])[0].T + pose[:3]
         expected = camera.project(points, matrix, true)
-        # The board looks the same from its other end.
+        # The board looks the same when it is rotated by half a turn.
         if np.linalg.norm(corners[0, 0] - expected[0]) > np.linalg.norm(corners[-1, 0] - expected[0]):
             corners = corners[::-1].copy()
         views.append(corners.astype(np.float32))
@@ -196,7 +197,7 @@ def calibrate(program, name, camera, intrinsics, coefficients, distances):
     focal = np.abs(found[[0, 1], [0, 1]] / matrix[[0, 1], [0, 1]] - 1)
     principal = np.abs(found[[0, 1], 2] - matrix[[0, 1], 2])
 
-    # By how far each lens moves the pixels of the picture's border, and where it shows what they see.
+    # The displacement of the picture's border pixels by each lens, and the positions at which each shows these rays.
     columns, rows = np.arange(0.0, SIZE[0], 8), np.arange(0.0, SIZE[1], 8)
     border = np.array(
         [(x, y) for x in columns for y in (0.0, SIZE[1] - 1.0)] + [(x, y) for y in rows for x in (0.0, SIZE[0] - 1.0)]
@@ -206,7 +207,7 @@ def calibrate(program, name, camera, intrinsics, coefficients, distances):
     rays, degrees = rays[degrees < camera.farthest_degrees], degrees[degrees < camera.farthest_degrees]
 
     def moved(matrix, coefficients):
-        # The ideal position: a pinhole's, and a fisheye's without coefficients.
+        # The ideal position is that of a pinhole, and for a fisheye that without coefficients.
         return camera.project(rays, matrix, coefficients) - camera.project(rays, matrix, np.zeros(4))
 
     true_shift, shift = moved(matrix, true), moved(matrix, estimated)
@@ -240,11 +241,11 @@ def blurred(picture):
 
 
 def rectify(program, name, camera, intrinsics, coefficients):
-    """Failures, in words."""
+    """Returns descriptions of the failures."""
     matrix, true = camera_matrix(*intrinsics), np.array(coefficients)
-    # The rectified camera sees less, so that most of its pixels lie within the distorted picture.
+    # The rectified camera has a narrower view, so that most of its pixels are inside the distorted picture.
     straight = matrix if isinstance(camera, Plane) else camera_matrix(260.0, 260.0, 319.5, 239.5)
-    # Large squares: an edge that is interpolated twice is blurred more than one that is drawn.
+    # Large squares, because interpolating an edge twice blurs it more than rendering it.
     board = 4, 4, 0.16
     pose = np.array([-0.2, -0.17, 0.42, 0.35, -0.25, 0.1])
     [distorted] = render(program, [camera.model, *intrinsics, 0.0, *coefficients], [pose], board)
@@ -258,24 +259,24 @@ def rectify(program, name, camera, intrinsics, coefficients):
     for method, flag in [("linear", cv2.INTER_LINEAR), ("cubic", cv2.INTER_CUBIC)]:
         rectified = cv2.remap(distorted, map_x, map_y, flag)
         figures[method] = psnr(rectified, expected, valid)
-        # As through a lens that is not quite sharp: what remains are edges that are elsewhere.
+        # Blurring imitates a lens that is not quite sharp; what remains are displaced edges.
         figures[f"{method}, both blurred by 1 px"] = psnr(blurred(rectified), blurred(expected), valid)
-    # A quarter of a pixel beside, for comparison.
+    # A displacement of a quarter of a pixel, for comparison.
     beside = cv2.remap(distorted, map_x + 0.25, map_y, cv2.INTER_LINEAR)
     apart = psnr(blurred(beside), blurred(expected), valid)
     said = ", ".join(f"{method} {figure:.1f} dB" for method, figure in figures.items())
     print(
-        f"  {name:9} {valid.mean():.0%} of the pixels, moved by up to {shift:.0f} px: PSNR {said}; a quarter of a"
-        f" pixel beside {apart:.1f} dB"
+        f"  {name:9} {valid.mean():.0%} of the pixels, moved by up to {shift:.0f} px: PSNR {said}; displaced by a"
+        f" quarter of a pixel {apart:.1f} dB"
     )
-    # The sharp pictures are printed only: edges one pixel wide that are interpolated limit them to 33 to 37 dB,
-    # bilinear or cubic, which says nothing of where the edges are. That is what the blurred ones tell.
+    # The PSNR of the sharp pictures is only printed: interpolated edges of one pixel's width limit it to 33 to 37 dB,
+    # bilinear or cubic, wherever the edges are. The blurred pictures show whether the edges are in the right place.
     held = figures["linear, both blurred by 1 px"]
     failures = []
     if not held >= LEAST_PSNR:
-        failures.append(f"{name}: rectified, it is {held} dB from the pinhole's picture")
+        failures.append(f"{name}: the rectified picture has a PSNR of {held} dB against the pinhole's")
     if not held >= apart + MARGIN:
-        failures.append(f"{name}: {held} dB in place, and {apart} dB a quarter of a pixel beside")
+        failures.append(f"{name}: {held} dB in place, and {apart} dB displaced by a quarter of a pixel")
     return failures
 
 

@@ -1,8 +1,8 @@
 """Compares the lens models with OpenCV's: python compare.py path/to/project_points
 
-For each lens 100,000 random points of its domain are projected by both. Then a grid of pixels is taken back to rays by
-us and forth to pixels by OpenCV. OpenCV projects behind its camera and folds back what is beyond a lens' rim; what it
-is compared on is what we call the domain.
+For each lens, both project 100,000 random points of its domain. Then a grid of pixels is unprojected to rays by us and
+projected to pixels by OpenCV. OpenCV also projects points behind its camera, and folds back points beyond the rim of a
+lens, so the comparison is limited to our domain.
 """
 
 import subprocess
@@ -18,11 +18,11 @@ ZERO = np.zeros(3)
 
 
 def ours(program, lens, rows):
-    """What project_points prints, NaN for none."""
+    """Returns the output of project_points, with NaN for `none`."""
     text = "\n".join([" ".join(map(repr, lens)).replace("'", ""), *(" ".join(map(repr, row)) for row in rows.tolist())])
     said = subprocess.run([program], input=text + "\n", capture_output=True, text=True, check=True).stdout
     lines = said.splitlines()
-    assert len(lines) == len(rows), f"{len(lines)} answers to {len(rows)} questions"
+    assert len(lines) == len(rows), f"{len(lines)} lines of output for {len(rows)} of input"
     none = [float("nan")] * (5 - rows.shape[1])
     return np.array([none if line == "none" else [float(word) for word in line.split()] for line in lines])
 
@@ -53,7 +53,7 @@ WEBCAM = [618.2, 617.4, 401.7, 298.9, 0.0]
 WIDE = [260.0, 262.5, 395.2, 303.1, 0.0]
 FISHEYE = [240.0, 241.0, 398.0, 302.0, 1.5]
 
-# Name, OpenCV's function, our name, intrinsic parameters, the model's parameters, the largest angle of the points.
+# Name, OpenCV's function, our name, intrinsic parameters, parameters of the model, largest angle of the points.
 LENSES = [
     ("pinhole", brown_conrady, "pinhole", WEBCAM, [], 80),
     ("4 coefficients", brown_conrady, "brown_conrady", WEBCAM, [0.1, -0.25, 8e-4, -3e-4], 45),
@@ -95,7 +95,7 @@ def main(program):
     failures = []
     print(f"OpenCV {cv2.__version__}: largest differences in px")
     for name, theirs, model, intrinsics, parameters, degrees in LENSES:
-        # Evenly over the cap of the sphere, at 0.1 to 100 m.
+        # Evenly distributed over the cap of the sphere, at 0.1 to 100 m.
         z = random.uniform(np.cos(np.radians(degrees)), 1.0, POINTS)
         turn, across = random.uniform(0, 2 * np.pi, POINTS), np.sqrt(1 - z * z)
         points = np.stack([across * np.cos(turn), across * np.sin(turn), z], axis=1)
@@ -108,7 +108,7 @@ def main(program):
 
         rays = ours(program, lens, pixels)
         back = ~np.isnan(rays[:, 0])
-        # fisheye.projectPoints knows nothing behind the camera.
+        # fisheye.projectPoints does not support points behind the camera.
         if theirs is kannala_brandt:
             back &= rays[:, 2] > 1e-3
         unprojected = np.abs(theirs(intrinsics, parameters, rays[back]).reshape(-1, 2) - pixels[back]).max()

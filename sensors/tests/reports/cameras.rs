@@ -1,4 +1,4 @@
-//! Cameras before a grey wall, by EMVA 1288: what frames of it vary by in time, and from pixel to pixel.
+//! Cameras in front of a grey wall, measured by EMVA 1288: variation of frames in time, and from pixel to pixel.
 
 use super::common::{add, camera_of, glowing, picture_with};
 use super::page::{Bound, Page, Row};
@@ -9,18 +9,18 @@ use belvedere_sensors::scene::{SceneBuilder, Shape};
 use belvedere_sensors::{Execution, Pose};
 use glam::DVec3;
 
-/// What is published of a camera.
+/// The published figures of a camera.
 pub(crate) struct Sheet {
     pub(crate) device: String,
     source: &'static str,
-    /// Gain in DN an electron, and bits.
+    /// The gain in DN per electron, and the number of bits.
     gain: f64,
     bits: u32,
-    /// Electrons of a full well.
+    /// The full well in electrons.
     full_well_e: f64,
-    /// Noise in the dark, in DN.
+    /// The noise of dark frames in DN.
     dark_dn: f64,
-    /// From pixel to pixel: of the dark in electrons, and a share of what light gives.
+    /// Fixed patterns: of the dark signal in electrons, and of the response as a fraction.
     patterns: [f64; 2],
 }
 
@@ -61,7 +61,7 @@ pub(crate) fn sheet(name: &str) -> Sheet {
     }
 }
 
-/// Raw numbers of a white wall of which a pixel gets so many electrons, in a frame.
+/// The raw values of a frame of a white wall that gives a pixel this number of electrons.
 fn levels(preset: DeviceConfig, electrons: f64, frame: u64) -> Vec<f64> {
     let green = preset.quantum_efficiency[1];
     let device = preset.tone(Tone::Raw).vignetting(Vignetting::NONE).quantum_efficiency([green; 3]);
@@ -75,7 +75,7 @@ fn levels(preset: DeviceConfig, electrons: f64, frame: u64) -> Vec<f64> {
     pixels.as_chunks::<2>().0.iter().map(|level| f64::from(u16::from_le_bytes(*level))).collect()
 }
 
-/// Mean, variance in time, and variance from pixel to pixel, of two frames.
+/// The mean, the temporal variance, and the variance from pixel to pixel, of two frames.
 fn moments(device: DeviceConfig, electrons: f64) -> [f64; 3] {
     let [a, b] = [0, 1].map(|frame| levels(device, electrons, frame));
     let count = a.len() as f64;
@@ -105,7 +105,7 @@ pub(crate) fn page(name: &'static str) -> Page {
     let prnu = (half[2] - dark_pattern).sqrt() / (half[0] - dark);
     rows.push(Row::new("PRNU", "%", 100.0 * published_prnu, 100.0 * prnu, Bound::Share(0.03)));
     let published = |electrons: f64| {
-        // What light varies by spreads levels over the steps of the converter.
+        // Shot noise spreads the levels over the steps of the converter.
         let noise_e = (sheet.dark_dn * sheet.dark_dn + 1.0 / 12.0).sqrt() / sheet.gain;
         20.0 * libm::log10(electrons / (noise_e * noise_e + electrons).sqrt())
     };
@@ -137,7 +137,7 @@ pub(crate) fn page(name: &'static str) -> Page {
     Page { name, source: format!("{}. {}", sheet.device, sheet.source), notes, rows, plots: vec![plot] }
 }
 
-/// Standard deviation of a normal number that is rounded to whole ones.
+/// The standard deviation of a normal number that is rounded to integers.
 fn rounded_stddev(mean: f64, stddev: f64) -> f64 {
     let below = |limit: f64| 0.5 * libm::erfc((mean - limit) / (stddev * core::f64::consts::SQRT_2));
     let levels = || (-40..=40).map(|step| mean.round() + f64::from(step));
@@ -146,7 +146,7 @@ fn rounded_stddev(mean: f64, stddev: f64) -> f64 {
     (moment(2) - moment(1) * moment(1)).sqrt()
 }
 
-/// Of decibels.
+/// The ratio for a number of decibels.
 fn ratio(decibels: f64) -> f64 {
     libm::pow(10.0, decibels / 20.0)
 }

@@ -1,4 +1,4 @@
-//! Depth cameras, before planes.
+//! Depth cameras in front of planes.
 
 use super::common::planes::{Frame, narrow, nguyen_m, plane, rms, take};
 use super::page::{Bound, Page, Row, digits};
@@ -8,15 +8,15 @@ use belvedere_sensors::device::depth_model::presets::DepthPreset;
 use belvedere_sensors::device::depth_model::{DepthModel, DepthNoise, DisparitySteps};
 use core::f64::consts::FRAC_PI_2;
 
-/// How far planes are turned: nobody sees them all from the front.
+/// The rotation of the planes, because planes are seldom seen exactly from the front.
 const TURNED_RAD: f64 = 0.1;
 
-/// Standard deviation of depths in metres as it is published, by depth and angle of incidence.
+/// The published standard deviation of depths in metres, by depth and angle of incidence.
 type Published = fn(f64, f64) -> f64;
 
-/// By its preset's name; whether it depends on the angle.
+/// The published noise of a preset by its name, and whether it depends on the angle.
 fn published(name: &str) -> (Published, bool) {
-    /// z²·s/(f·B) of half the picture's width over the tangent of half the view.
+    /// z²·s/(f·B), where f is half the picture's width divided by the tangent of half the view.
     fn stereo(z: f64, width: f64, degrees: f64, baseline: f64) -> f64 {
         z * z * 0.08 / (0.5 * width / libm::tan(0.5 * degrees.to_radians()) * baseline)
     }
@@ -32,21 +32,22 @@ fn published(name: &str) -> (Published, bool) {
             },
             true,
         ),
-        // σ of 1/36 px, and that of steps of an eighth, of disparities of 35.13 px at 1 m.
+        // Disparities of 35.13 px at 1 m with a σ of 1/36 px, and that of steps of an eighth.
         "redwood" => (|z, _| z * z * (1.0 / (36.0 * 36.0) + 1.0 / (64.0 * 12.0_f64)).sqrt() / 35.13, false),
         "azure_kinect" => (|z, _| 0.017 * (z / 3.5) * (z / 3.5), false),
         _ => panic!("{name} has no report"),
     }
 }
 
-/// Places in a step that depths lie at, where they are rounded to steps.
+/// The number of positions of depths within a step, for depths that are rounded to steps.
 const PLACES: u32 = 8;
 
-/// Furthest that a stereo camera is sure to find what has no texture, and deepest plane of its page.
+/// The largest distance at which a stereo camera certainly matches a surface without texture; the deepest plane of its
+/// page.
 const FOUND_M: f64 = 5.3;
 
-/// Errors of measured depths in a few pixels about the axis; of a device that locks its disparities without their mean, which is
-/// what locking makes of that depth.
+/// The standard deviation of measured depths in a few pixels about the axis. For a device that locks its disparities
+/// the mean error is subtracted, which is the effect of locking at that depth.
 fn stddev(preset: &DepthPreset, depth: f64, angle: f64) -> f64 {
     let step_m = preset.model(preset.focal_px()).steps.map_or(0.0, |steps| steps.step_m(depth));
     let config = DepthCameraConfig::of_preset(preset).unwrap().camera(narrow([64, 40]).camera);
@@ -67,14 +68,14 @@ fn stddev(preset: &DepthPreset, depth: f64, angle: f64) -> f64 {
     rms(errors.into_iter().map(|error| error - mean))
 }
 
-/// Share of the pixels of a plane without texture that have a depth.
+/// The fraction of the pixels of a plane without texture that have a depth.
 fn fill_factor(preset: &DepthPreset, depth: f64) -> f64 {
     let config = DepthCameraConfig::of_preset(preset).unwrap().camera(narrow([160, 100]).camera);
     let frame = take(&plane(depth, 0.0), config, 0);
     frame.depth.iter().filter(|depth| depth.is_finite()).count() as f64 / frame.depth.len() as f64
 }
 
-/// The step of depths at a depth, on a ramp without noise.
+/// The step of depths at a depth, measured on a ramp without noise.
 fn step(steps: DisparitySteps, depth: f64) -> f64 {
     let model = DepthModel::new().steps(steps);
     let ramp = plane(depth, f64::to_radians(45.0));
@@ -134,7 +135,7 @@ pub(crate) fn page(preset: &DepthPreset) -> Page {
         rows.push(Row::new(what, "%", 100.0, 100.0 * fill_factor(preset, 2.0), Bound::By(1.0)));
     }
     if let Some(steps) = preset.model(preset.focal_px()).steps {
-        // Khoshelham and Oude Elberink 2012; Redwood's are eighths of 35.13 px at 1 m.
+        // Khoshelham and Oude Elberink 2012; the steps of Redwood are eighths of 35.13 px at 1 m.
         let at_1m = if preset.name == "redwood" { 1.0 / (8.0 * 35.13) } else { 2.85e-3 };
         for depth in [1.0, 2.0, 3.0] {
             let (expected, found) = (at_1m * depth * depth, step(steps, depth));

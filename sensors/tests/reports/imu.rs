@@ -4,8 +4,8 @@ use super::page::{Bound, Page, Row, digits};
 use super::plot::{Plot, curve};
 use belvedere_sensors::imu::{Imu, InertialReading, presets};
 
-/// What is published of a unit: densities of white noise and of the walk of biases, and correlation times, of rates (rad/s)
-/// and of forces (m/s²).
+/// The published figures of a unit: densities of white noise and of the bias random walk, and correlation times, of
+/// angular rates (rad/s) and of forces (m/s²).
 pub(crate) struct Sheet {
     pub(crate) device: String,
     source: &'static str,
@@ -13,7 +13,7 @@ pub(crate) struct Sheet {
     accelerometer: Process,
 }
 
-/// White noise and a Gauss–Markov bias.
+/// White noise, and a Gauss–Markov bias.
 #[derive(Clone, Copy)]
 struct Process {
     density: f64,
@@ -23,7 +23,8 @@ struct Process {
 }
 
 impl Process {
-    /// The Allan deviation over a time t, of samples so far apart: white noise N/√t, rounding, and Gauss–Markov's closed form.
+    /// The Allan deviation over a time t for samples at this interval: white noise N/√t, rounding, and the Gauss–Markov
+    /// closed form.
     fn allan(&self, period_s: f64, t: f64) -> f64 {
         let x = t / self.drift_time_s;
         let markov = self.drift * self.drift_time_s / t.sqrt();
@@ -58,7 +59,7 @@ pub(crate) fn sheet(name: &str) -> Sheet {
 
 const RATE_HZ: usize = 200;
 const SECONDS: usize = 2000;
-/// Runs, and axes of each.
+/// The number of runs, each with three axes.
 const RUNS: u64 = 4;
 
 /// The overlapping Allan deviation over `m` samples, of all series together.
@@ -102,7 +103,7 @@ pub(crate) fn page(name: &'static str) -> Page {
         for samples in [4, 20, 100, 200, 1000, 4000, 20_000] {
             let t = samples as f64 * period_s;
             let (expected, found) = (process.allan(period_s, t), allan(series, samples));
-            // Over longer times there are too few to tell.
+            // Over longer times there are too few windows for the bound.
             if t <= 5.0 {
                 let what = format!("Allan deviation of the {what} over {} s", digits(t));
                 rows.push(Row::new(what, unit, expected, found, Bound::Share(0.03)));

@@ -1,6 +1,6 @@
-//! What each preset measures beside what is published of its device: a page a preset in `docs/sensors`, which
-//! `BELVEDERE_BLESS=1 cargo test -p belvedere-sensors --test reports` writes. The test fails when a figure leaves its bound,
-//! when a page is not current, and for a preset without one.
+//! Measurements of each preset, compared with the published figures of its device: a page per preset in `docs/sensors`,
+//! written by `BELVEDERE_BLESS=1 cargo test -p belvedere-sensors --test reports`. The test fails if a figure exceeds
+//! its bound, if a page is not current, and for a preset without a page.
 
 mod cameras;
 #[path = "../common/mod.rs"]
@@ -16,7 +16,7 @@ use belvedere_sensors::device::{depth_model::presets as depth_presets, presets a
 use belvedere_sensors::{imu::presets as imu_presets, scanner::presets as scanner_presets};
 use page::{Page, check, index, summary};
 
-/// What stands before the figures of a source.
+/// The name of the device, which precedes the figures of a source.
 fn device(source: &str) -> String {
     source.split(':').next().unwrap_or_default().to_owned()
 }
@@ -33,27 +33,27 @@ fn hold(pages: &[Page]) {
 }
 
 #[test]
-fn scanners_hold() {
+fn scanners_are_within_bounds() {
     hold(&scanner_presets::ALL.iter().map(scanners::page).collect::<Vec<_>>());
 }
 
 #[test]
-fn depth_cameras_hold() {
+fn depth_cameras_are_within_bounds() {
     hold(&depth_presets::ALL.iter().map(depth::page).collect::<Vec<_>>());
 }
 
 #[test]
-fn inertial_units_hold() {
+fn inertial_units_are_within_bounds() {
     hold(&imu_presets::NAMES.map(imu::page));
 }
 
 #[test]
-fn cameras_hold() {
+fn cameras_are_within_bounds() {
     hold(&camera_presets::NAMES.map(cameras::page));
 }
 
 #[test]
-fn the_list_is_of_all() {
+fn the_list_contains_all_pages() {
     let scanners = scanner_presets::ALL.iter().map(|preset| (preset.name, sheets::sheet(preset.name).device));
     let depth = depth_presets::ALL.iter().map(|preset| (preset.name, device(preset.source)));
     let cameras = camera_presets::NAMES.into_iter().map(|name| (name, cameras::sheet(name).device));

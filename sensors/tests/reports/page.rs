@@ -4,10 +4,10 @@ use super::plot::Plot;
 use std::fmt::Write as _;
 use std::{fs, path::Path};
 
-/// How far a figure may be off what is published.
+/// The largest allowed difference between a measured and a published figure.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Bound {
-    /// A share of it.
+    /// As a fraction of it.
     Share(f64),
     /// In its unit.
     By(f64),
@@ -45,18 +45,18 @@ impl Row {
 
 /// A preset's page.
 pub(crate) struct Page {
-    /// Of the preset.
+    /// The name of the preset.
     pub(crate) name: &'static str,
-    /// What it is called, and where its figures are from.
+    /// The name of the device, and the sources of its figures.
     pub(crate) source: String,
-    /// What else a reader must know.
+    /// Further notes for the reader.
     pub(crate) notes: String,
     pub(crate) rows: Vec<Row>,
     pub(crate) plots: Vec<Plot>,
 }
 
 impl Page {
-    /// Figures that are not within their bounds.
+    /// The figures that exceed their bounds.
     pub(crate) fn missed(&self) -> impl Iterator<Item = String> {
         self.rows.iter().filter(|row| !row.holds()).map(|row| format!("{}: {row:?}", self.name))
     }
@@ -93,7 +93,7 @@ impl Page {
     }
 }
 
-/// The list of all pages.
+/// The text of the list of all pages.
 pub(crate) fn index(groups: &[(&str, Vec<(&'static str, String)>)]) -> String {
     let mut text = "# Sensors that can be bought\n\nWhat each preset measures in Belvedere, beside what is published of its \
                     device. `<plugin filename=\"belvedere\"><preset>NAME</preset></plugin>` in a `<sensor>` chooses one: \
@@ -108,7 +108,7 @@ pub(crate) fn index(groups: &[(&str, Vec<(&'static str, String)>)]) -> String {
     text
 }
 
-/// The book's table of contents, with a line for each page below that of their list.
+/// The book's table of contents, with a line for each page below that of the list.
 pub(crate) fn summary(groups: &[(&str, Vec<(&'static str, String)>)]) -> String {
     const LIST: &str = "(sensors/README.md)";
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/SUMMARY.md");
@@ -128,7 +128,7 @@ pub(crate) fn summary(groups: &[(&str, Vec<(&'static str, String)>)]) -> String 
     text
 }
 
-/// A file of `docs/sensors` is what is made now; or it becomes that.
+/// Checks that a file of `docs/sensors` is current, or writes it with `BELVEDERE_BLESS`.
 pub(crate) fn check(file: &str, made: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../docs/sensors").join(file);
     if std::env::var_os("BELVEDERE_BLESS").is_some() {
@@ -140,7 +140,7 @@ pub(crate) fn check(file: &str, made: &str) {
     );
 }
 
-/// A number of four digits that count.
+/// Formats a number with four significant digits.
 pub(crate) fn digits(value: f64) -> String {
     if value == 0.0 {
         return "0".into();

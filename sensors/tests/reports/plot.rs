@@ -3,25 +3,25 @@
 use plotters::coord::ranged1d::{Ranged, ValueFormatter};
 use plotters::prelude::*;
 
-/// A curve as it is published, and what is measured.
+/// A published curve, and measured points.
 pub(crate) struct Plot {
     pub(crate) title: String,
-    /// Along and up.
+    /// The labels of the horizontal and the vertical axis.
     pub(crate) axes: [&'static str; 2],
     pub(crate) curve: Vec<(f64, f64)>,
     pub(crate) points: Vec<(f64, f64)>,
-    /// Whether both axes count decades.
+    /// True if both axes are logarithmic.
     pub(crate) is_logarithmic: bool,
 }
 
 const SIZE: (u32, u32) = (720, 400);
-/// Of lines, text and background: readable on light and dark pages.
+/// Colours of lines, text and background that are readable on light and dark pages.
 const CURVE: RGBColor = RGBColor(31, 119, 180);
 const POINTS: RGBColor = RGBColor(214, 39, 40);
 const GRID: RGBColor = RGBColor(225, 225, 225);
 
 impl Plot {
-    /// As a picture. Its numbers are rounded to pixels, so that any machine makes the same.
+    /// Renders the plot as SVG. Its numbers are rounded to pixels, so that every machine gives the same.
     pub(crate) fn svg(&self) -> String {
         let all = || self.curve.iter().chain(&self.points);
         let most = |of: fn(&(f64, f64)) -> f64| all().map(of).fold(f64::MIN, f64::max);
@@ -90,7 +90,7 @@ impl Plot {
     }
 }
 
-/// Places of a curve from one value to another.
+/// Samples a curve between two values.
 pub(crate) fn curve([from, to]: [f64; 2], value: impl Fn(f64) -> f64) -> Vec<(f64, f64)> {
     (0..=200).map(|step| from + (to - from) * f64::from(step) / 200.0).map(|at| (at, value(at))).collect()
 }

@@ -1,4 +1,4 @@
-//! Scanners, from the middle of balls.
+//! Scanners in the centre of balls.
 
 use super::page::{Bound, Page, Row, digits};
 use super::plot::{Plot, curve};
@@ -11,10 +11,11 @@ use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Pose, Sensor};
 use glam::DVec3;
 
-/// Ranges of which a standard deviation is worked out: of as many it is within 2 % four times out of five standard errors.
+/// The number of ranges from which a standard deviation is computed: its standard error is 0.5 %, a quarter of the
+/// bound of 2 %.
 const SAMPLES: usize = 20_000;
 
-/// Places between two steps that ranges lie at.
+/// The number of positions of ranges within a rounding step.
 const PLACES: u64 = 8;
 
 /// A frame.
@@ -28,7 +29,7 @@ fn frame_time_ns(preset: &Preset) -> u64 {
     (1e9 / preset.rate_hz).round() as u64
 }
 
-/// A frame from the middle of a ball.
+/// A frame from the centre of a ball.
 fn take(config: ScannerConfig<'_>, radius: f64, frame: u64) -> Taken {
     let mut ball = SceneBuilder::new();
     super::common::add_grey(&mut ball, Shape::Sphere { radius }, Pose::IDENTITY);
@@ -51,7 +52,7 @@ fn without_noise(preset: &Preset) -> ScannerConfig<'static> {
     preset.config().noise(GaussianNoise::NONE).spreads(&[])
 }
 
-/// The radius of a ball beyond which, or within which, there is no range.
+/// The largest or smallest radius of a ball at which there is a range.
 fn limit(preset: &Preset, about: f64, is_upper: bool) -> f64 {
     let (mut within, mut beyond) =
         (about * if is_upper { 0.9 } else { 1.2 }, about * if is_upper { 1.1 } else { 0.8 });
@@ -64,12 +65,12 @@ fn limit(preset: &Preset, about: f64, is_upper: bool) -> f64 {
     0.5 * (within + beyond)
 }
 
-/// Standard deviation about the mean of measured ranges.
+/// The standard deviation of measured ranges about their mean.
 fn stddev(preset: &Preset, radius: f64) -> f64 {
     let (mut count, mut sum, mut squares, mut frame) = (0, 0.0, 0.0, 0);
     while count < SAMPLES || frame < PLACES {
         let config = preset.config();
-        // All places between two steps of the ranges.
+        // All positions within a rounding step of the ranges.
         let radius = radius + preset.resolution_m * (frame % PLACES) as f64 / PLACES as f64;
         let exact = take(without_noise(preset), radius, frame).ranges;
         for (range, truth) in take(config, radius, frame).ranges.iter().zip(exact) {
@@ -84,7 +85,7 @@ fn stddev(preset: &Preset, radius: f64) -> f64 {
     (squares / f64::from(count as u32) - mean * mean).sqrt()
 }
 
-/// Degrees across that beams fill, and from one of the first laser to the next.
+/// The angle in degrees that beams cover, and the angle between successive beams of the first laser.
 fn across(directions: &[DVec3], lasers: &[u32]) -> (f64, f64) {
     let degrees = |direction: &DVec3| libm::atan2(direction.y, direction.x).to_degrees();
     let mut all: Vec<f64> = directions.iter().map(degrees).collect();
@@ -104,7 +105,7 @@ fn across(directions: &[DVec3], lasers: &[u32]) -> (f64, f64) {
         .collect();
     steps.sort_unstable_by(f64::total_cmp);
     let step = steps.get(steps.len() / 2).copied().unwrap_or(0.0);
-    // A whole circle has no gap that is wider than a step.
+    // A full circle has no gap wider than a step.
     (if widest < 1.5 * step { 360.0 } else { 360.0 - widest }, step)
 }
 
@@ -116,7 +117,7 @@ pub(crate) fn page(preset: &Preset) -> Page {
         take(without_noise(preset), least + 0.3 * (most - least), 0),
         take(without_noise(preset), 0.9 * most, 0),
     );
-    // Beams need not start in the middle.
+    // Beams may start beside the centre.
     let directions: Vec<DVec3> =
         near.points.iter().zip(&far.points).map(|(near, far)| (*far - *near).normalize()).collect();
     let elevations = || directions.iter().map(|direction| libm::asin(direction.z).to_degrees());
@@ -125,7 +126,7 @@ pub(crate) fn page(preset: &Preset) -> Page {
     let firings: usize = (0..20).map(|frame| scanner.firings(frame)).sum();
     let rate = firings as f64 / (20.0 * 1e-9 * frame_time_ns(preset) as f64);
     let lasers = near.lasers.iter().max().map_or(0.0, |laser| f64::from(laser + 1));
-    // Rosettes fill their cone as time goes on.
+    // Rosettes fill their cone over time.
     let is_rosette = matches!(preset.pattern, Pattern::Rosette(_) | Pattern::Prisms(_));
     let across_bound = Bound::Share(if is_rosette { 0.01 } else { 1e-4 });
     let mut rows = vec![
@@ -156,7 +157,7 @@ pub(crate) fn page(preset: &Preset) -> Page {
             Bound::Share(1e-3),
         ));
     }
-    // Lasers start some millimetres off the middle.
+    // Lasers start some millimetres from the centre.
     rows.push(Row::new("least range", "m", least, limit(preset, least, false), Bound::By(sheet.off_middle)));
     rows.push(Row::new(
         "greatest range",

@@ -1,26 +1,26 @@
-//! What is published of scanners.
+//! The published figures of scanners.
 
-/// What is published of a scanner, in degrees, metres and seconds.
+/// The published figures of a scanner, in degrees, metres and seconds.
 pub(crate) struct Sheet {
     pub(crate) name: &'static str,
     pub(crate) device: String,
     pub(crate) source: &'static str,
     pub(crate) notes: &'static str,
     pub(crate) lasers: f64,
-    /// Lowest and highest laser.
+    /// The elevations of the lowest and the highest laser.
     pub(crate) elevation: [f64; 2],
-    /// How far a unit may be from that.
+    /// The largest deviation of a unit from these.
     pub(crate) elevation_bound: f64,
-    /// How far from the middle its beams start at the most.
+    /// The largest distance of a beam's origin from the centre.
     pub(crate) off_middle: f64,
-    /// Field of view across, and from one firing of a laser to the next if it turns.
+    /// The horizontal field of view, and the angle between successive firings of a laser if the scanner turns.
     pub(crate) across: f64,
     pub(crate) step: Option<f64>,
     pub(crate) firings_per_s: f64,
     pub(crate) range: [f64; 2],
-    /// Standard deviation at a range.
+    /// The standard deviation at a range.
     pub(crate) stddev: fn(f64) -> f64,
-    /// What ranges are whole multiples of.
+    /// The quantum of which all ranges are multiples.
     pub(crate) quantum: f64,
 }
 
@@ -256,7 +256,7 @@ fn sheets() -> Vec<Sheet> {
     ]
 }
 
-/// Ouster's heads by lasers, highest and lowest beam.
+/// Ouster's heads, by the number of lasers and the elevations of the highest and lowest beam.
 fn ousters() -> impl Iterator<Item = Sheet> {
     let names = ["os0_32", "os0_64", "os0_128", "os1_32", "os1_64", "os1_128", "os2_32", "os2_64", "os2_128"];
     let highest = [43.28, 44.80, 45.75, 20.55, 21.20, 21.51, 10.27, 10.60, 10.76];

@@ -1,4 +1,4 @@
-//! Lidars whose angles go beyond a pole or a turn.
+//! Lidars whose angles exceed a pole or a turn.
 
 use crate::common::brute::{Found, Tally};
 use crate::common::exactness::{Dice, Scenario, scenarios, stands};
@@ -34,8 +34,8 @@ fn a_vertical_scanner_sees_all_round() {
 }
 
 #[test]
-fn beams_of_more_than_a_turn_see_the_same_twice() {
-    // A plate that is seen between 3.11 and 3.13 rad, a meter away.
+fn beams_beyond_a_turn_repeat() {
+    // A plate between 3.11 and 3.13 rad, one metre away.
     let mut builder = SceneBuilder::new();
     let middle = 3.12_f64;
     let place = DVec3::new(middle.cos(), middle.sin(), 0.0);
@@ -55,7 +55,7 @@ fn beams_of_more_than_a_turn_see_the_same_twice() {
     }
 }
 
-/// Any angles: first ones up to many turns away, steps of both signs, spans from none to many turns.
+/// Random angles: first angles up to many turns away, steps of both signs, spans from none to many turns.
 fn random_steps(dice: &mut Dice, most: u32) -> (u32, f64, f64) {
     let pick = |dice: &mut Dice, values: &[f64]| values[(dice.roll() * values.len() as f64) as usize];
     let count = 1 + (dice.roll() * dice.roll() * f64::from(most)) as u32;

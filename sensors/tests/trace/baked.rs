@@ -1,4 +1,4 @@
-//! Baked scenes: what comes back is what was written, and what somebody has spoilt does no harm.
+//! Baked scenes: they are read back as they were written, and corrupted ones do no harm.
 
 #[path = "fuzz_entry.rs"]
 mod entry;
@@ -11,7 +11,7 @@ use belvedere_sensors::trace::CacheLine;
 use glam::DVec3;
 use proptest::prelude::*;
 
-/// Every shape, texture and lamp, a height field, and an empty mesh.
+/// A scene with every shape, texture and lamp, a height field, and an empty mesh.
 fn everything() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     scenery(&mut builder);
@@ -23,7 +23,7 @@ fn everything() -> SceneBuilder {
     builder
 }
 
-/// Bytes at a multiple of 64.
+/// The bytes at an address that is a multiple of 64.
 fn aligned(bytes: &[u8]) -> Vec<CacheLine> {
     let mut lines = vec![CacheLine::ZERO; bytes.len().div_ceil(64)];
     bytemuck::cast_slice_mut::<_, u8>(&mut lines)[..bytes.len()].copy_from_slice(bytes);
@@ -31,7 +31,7 @@ fn aligned(bytes: &[u8]) -> Vec<CacheLine> {
 }
 
 #[test]
-fn frames_of_a_file_are_those_of_the_builder() {
+fn baked_scenes_give_the_frames_of_the_builder() {
     let builder = everything();
     let path = std::env::temp_dir().join(format!("belvedere-baked-{}.scene", std::process::id()));
     std::fs::write(&path, bytemuck::cast_slice::<_, u8>(&builder.bake())).unwrap();
@@ -46,20 +46,20 @@ fn frames_of_a_file_are_those_of_the_builder() {
 }
 
 #[test]
-fn an_empty_scene_comes_back() {
+fn an_empty_scene_is_read_back() {
     let lines = SceneBuilder::new().bake();
     let (scene, poses) = Scene::from_baked(bytemuck::cast_slice(&lines)).unwrap();
     assert!(scene.instances().is_empty() && poses.is_empty());
 }
 
-/// What is said of the scene after `spoil` has changed its bytes.
+/// The error for a scene after `spoil` has changed its bytes.
 fn fault_of(spoil: impl FnOnce(&mut [u8])) -> String {
     let mut lines = everything().bake();
     spoil(bytemuck::cast_slice_mut(&mut lines));
     Scene::from_baked(bytemuck::cast_slice(&lines)).unwrap_err().to_string()
 }
 
-/// Where a section begins.
+/// The offset of a section.
 fn section(bytes: &[u8], index: usize) -> usize {
     u64::from_le_bytes(bytes[64 + 16 * index..][..8].try_into().unwrap()) as usize
 }
@@ -102,7 +102,8 @@ proptest! {
         let bytes: &mut [u8] = bytemuck::cast_slice_mut(&mut lines);
         let poses = section(bytes, 14);
         for (place, byte, kind) in &spoils {
-            // Where few bytes decide much: header, instances and poses are hit as often as all the rest.
+            // Header, instances and poses, where few bytes have a large effect, are changed as often as everything
+            // else.
             let range = match kind {
                 0 => 0..320,
                 1 => 0..320 + 72 * 30,

@@ -1,4 +1,4 @@
-//! Building scenes, and what it costs.
+//! Building scenes, and its cost.
 
 use crate::common::{camera_of, picture};
 use belvedere_sensors::Pose;
@@ -9,7 +9,7 @@ use belvedere_sensors::scene::{
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
-/// The least time that adding so many instances took, of a few tries.
+/// The shortest time that adding this many instances took, over a few tries.
 fn time_to_add(count: u32) -> Duration {
     let add = || {
         let mut builder = SceneBuilder::new();
@@ -27,10 +27,10 @@ fn time_to_add(count: u32) -> Duration {
 }
 
 #[test]
-fn an_instance_costs_the_same_however_many_there_are() {
-    // Ten times as many. With sums over all, it was a hundred times as long, whatever else the machine did; what else it
-    // does may hold up some of these. Both are so many that the memory is new to the process: pages of it take longer than
-    // what is asked here.
+fn the_cost_of_an_instance_does_not_depend_on_their_number() {
+    // Compares with ten times as many. When adding computed sums over all instances, it took a hundred times as long.
+    // Other load on the machine may slow some tries down. Both counts are so large that the process allocates new
+    // pages, whose cost exceeds that of the code under test.
     let is_linear = || {
         let (few, many) = (time_to_add(50_000), time_to_add(500_000));
         println!("50 thousand in {few:?}, 500 thousand in {many:?}");
@@ -42,7 +42,7 @@ fn an_instance_costs_the_same_however_many_there_are() {
 /// Corners, texture coordinates, triangles.
 type Patch = (Vec<[f32; 3]>, Vec<[f32; 2]>, Vec<[u32; 3]>);
 
-/// A patch of n × n squares, 1 m wide, whose corners are n-dependent heights.
+/// A patch of n × n squares, 1 m wide, with heights that depend on n.
 fn patch(n: u32) -> Patch {
     let side = n + 1;
     let corners = (0..side * side).map(|i| {
@@ -57,7 +57,7 @@ fn patch(n: u32) -> Patch {
     (corners.collect(), uvs.collect(), faces.collect())
 }
 
-/// What was added in one round.
+/// The ids of what was added in one round.
 struct Thing {
     size: u32,
     kind: u32,
@@ -112,7 +112,7 @@ fn remove_thing(builder: &mut SceneBuilder, thing: &Thing) {
 }
 
 #[test]
-fn things_come_and_go_for_ever() {
+fn memory_stays_bounded_while_instances_come_and_go() {
     let mut builder = SceneBuilder::new();
     let mut things: Vec<Thing> = Vec::new();
     let mut state = 1_u32;
@@ -121,7 +121,7 @@ fn things_come_and_go_for_ever() {
         ((u64::from(state) * u64::from(below)) >> 32) as u32
     };
     let camera = camera_of([64, 48], 1.2);
-    // As many of the largest as there ever are, and half as much for gaps.
+    // The largest number of the largest meshes that exist at a time, and half as much for gaps.
     let mut largest = SceneBuilder::new();
     for _ in 0..12 {
         add_thing(&mut largest, 13, 1, DVec3::X);
@@ -132,7 +132,7 @@ fn things_come_and_go_for_ever() {
             let gone = things.swap_remove(random(things.len() as u32) as usize);
             remove_thing(&mut builder, &gone);
         } else {
-            // No two in one plane, where either might be seen.
+            // No two objects are in the same plane, where either might be seen.
             let place = [random(5), random(4)].map(|step| f64::from(step) - 1.5);
             let place = DVec3::new(3.0 + f64::from(round) * 1e-4, place[0], place[1]);
             things.push(add_thing(&mut builder, 2 + random(12), random(3), place));
@@ -167,7 +167,7 @@ fn things_come_and_go_for_ever() {
 }
 
 #[test]
-fn what_is_used_stays() {
+fn elements_in_use_cannot_be_removed() {
     let mut builder = SceneBuilder::new();
     let unused = builder.add_material(&MaterialConfig::default()).unwrap();
     let thing = add_thing(&mut builder, 5, 1, DVec3::X);
@@ -179,7 +179,7 @@ fn what_is_used_stays() {
     assert_eq!(builder.remove_material(thing.material), by("instance"));
     assert_eq!(builder.remove_texture(thing.texture), by("material"));
     remove_thing(&mut builder, &thing);
-    // What is gone is not there.
+    // Removed elements do not exist.
     assert_eq!(builder.remove_instance(thing.instance), Err(SceneError::NoSuchInstance(thing.instance.0)));
     assert_eq!(
         builder.set_pose(thing.instance, Pose::IDENTITY),
@@ -193,13 +193,13 @@ fn what_is_used_stays() {
     assert_eq!(builder.add_instance(&config), Err(SceneError::NoSuchMaterial(thing.material.0)));
     assert_eq!(builder.remove_light(thing.light), Err(SceneError::NoSuchLight(thing.light.0)));
     assert_eq!(builder.set_light(thing.light, &lamp(DVec3::X)), Err(SceneError::NoSuchLight(thing.light.0)));
-    // Its ids are the next one's.
+    // Their ids are reused by the next.
     let next = add_thing(&mut builder, 3, 1, DVec3::X);
     assert_eq!((next.instance, next.material, next.light), (thing.instance, thing.material, thing.light));
 }
 
 #[test]
-fn what_is_changed_looks_as_if_it_had_always_been_so() {
+fn changed_elements_look_like_new_ones() {
     let camera = camera_of([64, 48], 1.2);
     for kind in [0, 1] {
         let mut builder = SceneBuilder::new();
@@ -219,7 +219,7 @@ fn what_is_changed_looks_as_if_it_had_always_been_so() {
         let texels: Vec<_> = (0..16_u32).map(|i| [(i * 37 + 4) as u8, (i * 11) as u8, 90, 255]).collect();
         builder.set_texture(thing.texture, 4, 4, &texels).unwrap();
         assert!(picture(&builder, camera, Pose::IDENTITY) == picture(&expected, camera, Pose::IDENTITY));
-        // One material and one lamp, changed the same way in both.
+        // One material and one lamp, changed in the same way in both.
         let red = MaterialConfig { diffuse: [1.0, 0.0, 0.0], ..Default::default() };
         for (builder, thing) in [(&mut builder, &thing), (&mut expected, &other)] {
             builder.set_material(thing.material, &red).unwrap();

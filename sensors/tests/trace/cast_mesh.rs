@@ -1,4 +1,4 @@
-//! A mesh without a scene is told of as a scene with nothing else is.
+//! A mesh without a scene gives the same hits as a scene that contains only this mesh.
 
 use belvedere_sensors::scene::build::{Quality, Tree};
 use belvedere_sensors::scene::visibility::VISUAL;
@@ -31,7 +31,7 @@ impl Answers {
 }
 
 #[test]
-fn everything_that_is_asked_for_is_written() {
+fn all_requested_outputs_are_written() {
     let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.5, 0.0], [0.0, 0.0, 2.0]];
     let triangles = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
     let directions: Vec<[f32; 3]> =

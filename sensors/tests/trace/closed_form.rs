@@ -9,9 +9,9 @@ use belvedere_sensors::trace::Faces;
 use core::f64::consts::PI;
 use glam::DVec3;
 
-/// A pixel may disagree about hit and miss where a change of the shape's size by this part changes the answer.
+/// A pixel may differ in hit or miss if changing the size of the shape by this fraction changes the result.
 const EDGE: f64 = 1e-6;
-/// Largest error of a depth or range, relative to it.
+/// The largest error of a depth or range, relative to it.
 const RELATIVE_ERROR: f64 = 1e-5;
 
 const SHAPES: [Shape; 8] = [
@@ -29,7 +29,7 @@ fn shape_pose() -> Pose {
     Pose::from_xyz_rpy(DVec3::new(0.3, -0.2, 0.4), DVec3::new(0.5, -0.3, 1.1))
 }
 
-/// Oblique views from all around, near and far, one along the shape's own axis.
+/// Oblique views from all around, near and far, and one along the shape's own axis.
 fn views() -> [Pose; 6] {
     let target = shape_pose().translation();
     let from = |x: f64, y: f64, z: f64, roll: f64| look_at(DVec3::new(x, y, z) + target, target, roll);
@@ -44,7 +44,8 @@ fn views() -> [Pose; 6] {
     ]
 }
 
-/// Compares a depth image of one shape, of these sides, with the formula and returns how many pixels it covers.
+/// Compares a depth image of one shape, with these visible sides, with the formula, and returns the number of pixels
+/// that it covers.
 fn check_depths(depths: &[f32], shape: &Shape, shape_pose: &Pose, view: &Pose, faces: Faces) -> usize {
     let both = faces == Faces::Both;
     let mut covered = 0;
@@ -90,7 +91,7 @@ fn depth_of_every_shape() {
     }
 }
 
-/// Corners and triangles of a box around the origin, counter-clockwise seen from outside.
+/// The corners and triangles of a box around the origin, counter-clockwise seen from outside.
 fn box_mesh([x, y, z]: [f32; 3]) -> ([[f32; 3]; 8], [[u32; 3]; 12]) {
     let corners = core::array::from_fn(|i| {
         let side = |bit: usize, edge: f32| if i >> bit & 1 == 1 { edge * 0.5 } else { edge * -0.5 };
@@ -185,12 +186,12 @@ fn a_camera_sees_out_of_its_housing() {
     add_grey(&mut builder, wall, Pose::from_translation(DVec3::X * 2.05));
     let depths = depth_image(&builder, depth_camera().faces(Faces::Front), Pose::IDENTITY);
     assert!(depths.iter().all(|depth| (depth - 2.0).abs() < 2e-5));
-    // The nearest inside is that of a side of the box, half of its edge away.
+    // The nearest inside is a side of the box, at half its edge.
     let depths = depth_image(&builder, depth_camera(), Pose::IDENTITY);
     assert!(depths.iter().all(|depth| *depth <= 0.15 + 1e-6));
 }
 
-/// A wall across the view at that depth.
+/// A wall across the view at this depth.
 fn wall_at(depth: f64) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     let wall = Shape::Box { size: [0.5, 1000.0, 1000.0] };
@@ -203,7 +204,7 @@ fn clip_distances_and_cutoffs() {
     let mut config = depth_camera().faces(Faces::Front).min_depth_m(0.4).max_depth_m(5.0);
     (config.camera.near_m, config.camera.far_m) = (0.25, 8.0);
     for (depth, infinite) in [
-        (0.2, f32::NEG_INFINITY), // Before the near clip.
+        (0.2, f32::NEG_INFINITY), // Nearer than the near clip distance.
         (0.3, f32::NEG_INFINITY),
         (0.5, 0.5),
         (4.875, 4.875),
@@ -221,7 +222,7 @@ fn clip_distances_and_cutoffs() {
             assert_eq!(seen.is_nan(), infinite.is_infinite(), "a wall at {depth} is seen at {seen}");
         }
     }
-    // Culled, and nothing behind.
+    // Culled, with nothing behind.
     config.out_of_range = belvedere_sensors::depth::OutOfRange::Infinite;
     config.too_near = TooNear::SeenThrough;
     let depths = depth_image(&wall_at(0.2), config, Pose::IDENTITY);
@@ -287,7 +288,7 @@ fn scan_lines_and_both_sides_of_shapes() {
     for shape in SHAPES {
         let mut builder = SceneBuilder::new();
         add_grey(&mut builder, shape, shape_pose());
-        // From outside, and from inside (for the rectangle: from behind).
+        // From outside, and from inside (for the rectangle, from behind).
         let inside = shape_pose().transform_point(DVec3::new(0.01, 0.02, -0.03));
         for pose in [views()[0], Pose::from_xyz_rpy(inside, DVec3::new(0.1, 0.2, 0.3))] {
             let (ranges, _) = scan(&builder, config, pose);
@@ -318,20 +319,20 @@ fn scan_lines_and_both_sides_of_shapes() {
 }
 
 #[test]
-fn what_is_too_near_for_a_lidar() {
+fn surfaces_too_near_for_a_lidar() {
     let mut builder = wall_at(2.0);
     add_grey(&mut builder, Shape::Sphere { radius: 0.05 }, Pose::IDENTITY);
     for (too_near, expected) in [(TooNear::Blocks, f32::NEG_INFINITY), (TooNear::SeenThrough, 2.0)] {
         let config = LIDAR.too_near(too_near);
         let (ranges, _) = scan(&builder, config, Pose::IDENTITY);
-        // 719 beams' spacing apart, none looks straight ahead: the two in the middle are 0.0022 rad off.
+        // None of 720 beams is straight ahead: the two in the middle are 0.0022 rad off.
         let ahead = ranges[360];
         assert!(ahead == expected || (ahead - expected).abs() < 1e-5, "{too_near:?}: {ahead}");
     }
 }
 
 #[test]
-fn ranges_end_where_the_lidar_says() {
+fn ranges_end_at_the_largest_range() {
     let config = LIDAR.range_max_m(2.5);
     let (ranges, intensities) = scan(&wall_at(2.0), config, Pose::IDENTITY);
     assert!((ranges[360] - 2.0).abs() < 1e-4 && ranges[0] == f32::INFINITY);

@@ -1,4 +1,4 @@
-//! Smooth edges against pictures of 64 rays a pixel, and against the box filter's own transfer function.
+//! Smooth edges against pictures with 64 rays per pixel, and against the transfer function of the box filter.
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 use crate::common::exactness::geosphere;
@@ -18,10 +18,10 @@ use glam::{DVec2, DVec3};
 
 /// Neither side is a multiple of a tile's.
 const SIZE: [u32; 2] = [203, 151];
-/// Columns and rows of rays in a pixel of a reference.
+/// The number of columns and rows of rays per pixel of a reference.
 const FINER: u32 = 8;
 
-/// A lens with so many pixels across and down for each of another's.
+/// A lens with this many times as many pixels across and down as another.
 struct Finer<L>(L, u32);
 
 impl<L: Lens> Lens for Finer<L> {
@@ -35,7 +35,7 @@ impl<L: Lens> Lens for Finer<L> {
     }
 }
 
-/// The pinhole of a picture, or of a finer one of the same view.
+/// The pinhole of a picture, or of a finer one with the same view.
 fn pinhole(finer: u32) -> CameraConfig<'static> {
     let [width, height] = SIZE.map(|size| size * finer);
     CameraConfig::new(PinholeGrid::from_fov(width, height, 1.2).unwrap()).seed(1)
@@ -49,7 +49,7 @@ fn fisheye(finer: u32) -> RayTableBuf {
     RayTableBuf::from_lens(width * finer, height * finer, &Finer(lens, finer)).unwrap()
 }
 
-/// Means over the pixels of a finer picture, linear as its bytes are.
+/// The means over the pixels of a finer picture, linear in its bytes.
 fn means(fine: &[u8]) -> Vec<f64> {
     let [width, height] = SIZE.map(|size| size as usize);
     let finer = FINER as usize;
@@ -65,13 +65,13 @@ fn means(fine: &[u8]) -> Vec<f64> {
     means
 }
 
-/// Peak signal-to-noise ratio of a picture of bytes, in decibels.
+/// The peak signal-to-noise ratio of a picture in decibels.
 fn psnr(found: &[u8], expected: &[f64]) -> f64 {
     let squares = found.iter().zip(expected).map(|(found, expected)| (f64::from(*found) - expected).powi(2));
     10.0 * (255.0 * 255.0 * expected.len() as f64 / squares.sum::<f64>()).log10()
 }
 
-/// Ratios of a sharp and of a smooth picture.
+/// The ratios of a sharp and of a smooth picture.
 fn compare<'a>(
     stage: impl Into<Stage<'a>>,
     once: CameraConfig<'_>,
@@ -116,7 +116,7 @@ fn posts() -> SceneBuilder {
     builder
 }
 
-/// Meshes, one of them bent in, and a height field with a pattern of squares on it.
+/// Meshes, one of them concave, and a height field with a pattern of squares on it.
 fn meshes() -> SceneBuilder {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [0.4; 3], background: [0.2, 0.25, 0.3] });
@@ -144,7 +144,7 @@ fn meshes() -> SceneBuilder {
     builder
 }
 
-/// Sheets with black and white squares on them, as tags have, at many distances and angles, between posts.
+/// Sheets with black and white squares, like tags, at many distances and angles, between posts.
 fn tags() -> SceneBuilder {
     let mut builder = posts();
     for tag in 0..12_u32 {
@@ -164,7 +164,7 @@ fn tags() -> SceneBuilder {
     builder
 }
 
-/// By name, with a place to look from.
+/// Scenes with a name and a viewpoint.
 fn worlds() -> [(&'static str, SceneBuilder, Pose); 3] {
     let from = |eye: DVec3| look_at(eye, DVec3::new(2.0, 0.0, 0.2), 0.1);
     [
@@ -175,7 +175,7 @@ fn worlds() -> [(&'static str, SceneBuilder, Pose); 3] {
 }
 
 #[test]
-fn as_many_rays_everywhere() {
+fn smooth_edges_are_close_to_many_rays_per_pixel() {
     for (name, builder, pose) in &worlds() {
         let [sharp, smooth] = compare(builder, pinhole(1), pinhole(FINER), *pose);
         println!("{name}: sharp {sharp:.2} dB, smooth {smooth:.2} dB");
@@ -198,9 +198,9 @@ fn sinc(x: f64) -> f64 {
     if x == 0.0 { 1.0 } else { (PI * x).sin() / (PI * x) }
 }
 
-/// Modulation transfer at some frequencies (cycles a pixel) across the edge of a bright sheet that stands `angle` off the
-/// columns, by the method of ISO 12233: the profile across the edge in bins of an eighth of a pixel, and its derivative's
-/// spectrum. What bins and differences take away is given back.
+/// The modulation transfer at some frequencies (cycles per pixel) across the edge of a bright sheet that is at `angle`
+/// to the columns, by the method of ISO 12233: the profile across the edge in bins of an eighth of a pixel, and the
+/// spectrum of its derivative. The attenuation by bins and differences is compensated.
 fn transfer<const N: usize>(edges: Edges, angle: f64, frequencies: [f64; N]) -> [f64; N] {
     const BINS: usize = 8;
     const REACH: usize = 4;
@@ -238,7 +238,7 @@ fn transfer<const N: usize>(edges: Edges, angle: f64, frequencies: [f64; N]) -> 
 }
 
 #[test]
-fn a_slanted_edge_is_seen_through_a_box() {
+fn a_slanted_edge_has_the_transfer_of_a_box_filter() {
     let frequencies = [0.05, 0.1, 0.2, 0.3, 0.4, 0.5];
     for degrees in [5.0_f64, -7.0, 33.0, 84.0] {
         let angle = degrees.to_radians();
@@ -250,16 +250,16 @@ fn a_slanted_edge_is_seen_through_a_box() {
         for (index, frequency) in frequencies.iter().enumerate() {
             let off = smooth[index] / expected[index] - 1.0;
             assert!(off.abs() < 0.04, "{degrees}°, {frequency}: {} of {}", smooth[index], expected[index]);
-            // One ray a pixel lets everything through.
+            // With one ray per pixel, nothing is attenuated.
             assert!((sharp[index] - 1.0).abs() < 0.04, "{degrees}°, {frequency}: {}", sharp[index]);
         }
     }
 }
 
 #[test]
-fn what_has_no_edges_keeps_its_bits() {
+fn pixels_without_edges_keep_their_bits() {
     let noise = GaussianNoise::of_stddev(0.02).unwrap();
-    // A patterned floor up to the horizon, which the picture does not show.
+    // A patterned floor up to the horizon, which is outside the picture.
     let mut builder = SceneBuilder::new();
     let texels: Vec<[u8; 4]> =
         (0..32 * 32).map(|i| [if (i % 32 / 4 + i / 128) % 2 == 0 { 250 } else { 5 }; 4]).collect();
@@ -274,7 +274,7 @@ fn what_has_no_edges_keeps_its_bits() {
     let sharp = taken(&builder, pose, Edges::Sharp);
     assert!(sharp == taken(&builder, pose, Edges::Smooth), "edges were found where there are none");
 
-    // Elsewhere, all but few pixels.
+    // In another scene, only few pixels change.
     let (_, builder, pose) = &worlds()[0];
     let (sharp, smooth) = (taken(builder, *pose, Edges::Sharp), taken(builder, *pose, Edges::Smooth));
     let changed = sharp.chunks(3).zip(smooth.chunks(3)).filter(|(sharp, smooth)| sharp != smooth).count();
@@ -299,7 +299,7 @@ fn depth_cameras_colours_are_the_same() {
     }
 }
 
-/// Smooth pictures of all worlds, with noise, by a pinhole and through a fisheye.
+/// Smooth pictures of all scenes, with noise, through a pinhole and a fisheye.
 fn all_pictures(execution: Execution) -> Vec<Vec<u8>> {
     let noise = GaussianNoise::new(
         GaussianNoiseConfig::default().mean(0.001).stddev(0.007).bias_mean(0.002).bias_stddev(0.001),

@@ -11,7 +11,7 @@ use belvedere_sensors::{Execution, Pose};
 use core::f64::consts::{FRAC_PI_2, TAU};
 use glam::{DVec2, DVec3};
 
-/// A camera, a lidar that closes to a ring, and one with poles and single steps.
+/// A camera, a lidar with a full ring, and one with poles and single steps.
 fn grids() -> [Optics<'static>; 3] {
     let spherical = |columns, rows, azimuth: [f64; 2], elevation: [f64; 2]| {
         Optics::Spherical(SphericalGrid {
@@ -30,12 +30,12 @@ fn grids() -> [Optics<'static>; 3] {
     ]
 }
 
-/// Direction of a ray as the grids' documentation has it, in the axes of the sensor.
+/// The direction of a ray as documented for the grids, in the axes of the sensor.
 fn direction(grid: &Optics, column: usize, row: usize) -> DVec3 {
     let (column, row) = (column as f64, row as f64);
     match grid {
         Optics::Pinhole(lens) => {
-            // Of length 1 along the axis, as t is the depth.
+            // With length 1 along the axis, because t is the depth.
             let optical = lens.lens().unproject(DVec2::new(column, row)).unwrap();
             DVec3::new(1.0, -optical.x / optical.z, -optical.y / optical.z)
         }
@@ -93,7 +93,7 @@ fn grids_agree_with_the_oracle() {
     println!("all: {all:?}");
 }
 
-/// Rays of all kinds: along axes and diagonals, from within and without, and at random.
+/// Rays of all kinds: along axes and diagonals, from inside and outside, and random ones.
 fn assorted(scenario: &Scenario, count: usize) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let mut dice = Dice(21);
     let axes = [DVec3::X, DVec3::NEG_Y, DVec3::Z, DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, -1.0, 1.0)];
@@ -139,10 +139,10 @@ fn single_rays_agree_with_the_oracle() {
 }
 
 #[test]
-fn origins_on_surfaces_see_what_is_beyond() {
+fn rays_from_surfaces_hit_the_next_surface() {
     let mut tally = Tally::default();
     for scenario in scenarios().iter().take(2) {
-        // From where rays of a first cast have hit.
+        // Origins are the hits of a first cast.
         let (origins, directions) = assorted(scenario, 60);
         let rays = Rays { origins: &origins, directions: &directions, ranges: None };
         let (answers, _) = cast_each(scenario, scenario.centre, &rays, Faces::Both, Execution::default());
@@ -161,7 +161,7 @@ fn origins_on_surfaces_see_what_is_beyond() {
     println!("all: {tally:?}");
 }
 
-/// Scenes of each kind.
+/// The number of scenes of each kind.
 const SEEDS: u64 = 40;
 
 #[test]
@@ -194,7 +194,7 @@ fn random_scenes_agree_with_the_oracle() {
     }
 }
 
-/// Rays from around a place to all sides, at triangles and closely past their edges.
+/// Rays from around a position to all sides, at triangles and closely past their edges.
 fn check_rays(hard: &adversary::Hard, place: DVec3, dice: &mut Dice, faces: Faces, tally: &mut Tally) {
     let wide = |v: [f32; 3]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
     let scenario = &hard.scenario;
@@ -202,7 +202,7 @@ fn check_rays(hard: &adversary::Hard, place: DVec3, dice: &mut Dice, faces: Face
         .map(|index| {
             let origin = if index % 3 == 0 { dice.cube() * scenario.size } else { DVec3::ZERO };
             let origin = origin.as_vec3();
-            // Within rounding of a triangle's plane, everything that is aimed at it passes its edges within 1e-6.
+            // Within rounding of a triangle's plane, every ray that is aimed at it passes its edges within 1e-6.
             let direction = if index % 2 == 0 || hard.kind == adversary::Kind::NearPlanes {
                 dice.cube()
             } else {

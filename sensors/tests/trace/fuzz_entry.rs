@@ -1,5 +1,5 @@
-//! What the fuzz target does with arbitrary bytes: a scene of them, sensed from anywhere. It must neither panic
-//! nor hang. The tests run it too, on bytes of their own.
+//! The fuzz target: builds a scene from arbitrary bytes and casts rays in it from any position. It must neither panic
+//! nor hang. The tests run it too, with their own bytes.
 
 use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
 use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, MaterialId, Scene, SceneBuilder, Shape};
@@ -8,10 +8,10 @@ use belvedere_sensors::trace::{CacheLine, Faces, Hits, WorkspaceBuf, cast_grid, 
 use belvedere_sensors::{Moment, Pose};
 use glam::{DQuat, DVec3};
 
-/// More rays than that take too long.
+/// The largest number of rays; more would take too long.
 const MOST_RAYS: usize = 64;
 
-/// Numbers from bytes; 0 where there are none left.
+/// Reads numbers from bytes; 0 after the last byte.
 struct Bytes<'a>(&'a [u8]);
 
 impl Bytes<'_> {
@@ -27,7 +27,7 @@ impl Bytes<'_> {
         f32::from_le_bytes(self.take())
     }
 
-    /// A coordinate as a simulator may have it.
+    /// A coordinate of the size that simulators use.
     fn metres(&mut self) -> f32 {
         f32::from(i16::from_le_bytes(self.take())) * 1e-3
     }
@@ -37,7 +37,7 @@ impl Bytes<'_> {
     }
 }
 
-/// The first byte decides: a baked scene, or one that is built.
+/// The first byte selects a baked scene or one that is built.
 pub(crate) fn sense(data: &[u8]) {
     let Some((&first, data)) = data.split_first() else { return };
     if first & 1 == 0 {
@@ -48,7 +48,7 @@ pub(crate) fn sense(data: &[u8]) {
     }
 }
 
-/// Takes bytes as a baked scene and others as rays.
+/// Interprets some bytes as a baked scene and others as rays.
 pub(crate) fn sense_scene(scene: &[u8], rays: &[u8]) {
     let mut lines = vec![CacheLine::ZERO; scene.len().div_ceil(64)];
     let aligned: &mut [u8] = &mut bytemuck::cast_slice_mut(&mut lines)[..scene.len()];
@@ -58,7 +58,7 @@ pub(crate) fn sense_scene(scene: &[u8], rays: &[u8]) {
     }
 }
 
-/// Builds a scene of what the bytes say, as far as it is accepted.
+/// Builds a scene from the bytes, without the parts that are refused.
 fn sense_built(data: &[u8]) {
     let mut bytes = Bytes(data);
     let mut builder = SceneBuilder::new();
@@ -75,7 +75,7 @@ fn sense_built(data: &[u8]) {
     shapes.extend(builder.add_mesh(&vertices, &[], &triangles).ok().map(Shape::Mesh));
     for shape in shapes {
         let config = InstanceConfig { shape, material, scale: [1.0; 3], ..instance(&mut bytes, material) };
-        // What is refused is refused; the scene goes on without it.
+        // A refused instance is left out.
         let _ = builder.add_instance(&config);
     }
     cast(&builder.scene(), builder.poses(), bytes);
@@ -110,7 +110,7 @@ fn cast(scene: &Scene<'_>, world_from_instance: &[Pose], mut bytes: Bytes<'_>) {
         let count = grid.size()[0] * grid.size()[1];
         let mut outputs = Outputs::new(count);
         let mut workspace = workspace.lend(grid_workspace_len(scene, &grid));
-        // What is refused is refused.
+        // Invalid grids may be refused.
         let _ =
             cast_grid(scene, &moment, &grid, [1e-3, 1e6], u32::MAX, faces, &mut workspace, outputs.hits());
     }

@@ -1,4 +1,4 @@
-//! Where rays run along triangles.
+//! Rays that run nearly along triangles.
 
 use crate::common::add_grey;
 use crate::common::exactness::Dice;
@@ -14,7 +14,7 @@ fn a_hit_lies_between_the_corners_of_its_triangle() {
     let mut dice = Dice(3);
     let (mut hits, mut behind, mut worst) = (0, 0, 0.0_f64);
     for round in 0..400 {
-        // Small triangles about a plane through the sensor, or next to it, at any distance.
+        // Small triangles in a plane through the sensor, or near it, at any distance.
         let normal = dice.cube().normalize();
         let (u, v) = normal.any_orthonormal_pair();
         let above = [0.0, 1e-9, 1e-7, 1e-5][round % 4];
@@ -34,7 +34,7 @@ fn a_hit_lies_between_the_corners_of_its_triangle() {
         let mesh = builder.add_mesh(&corners, &[], &triangles).unwrap();
         add_grey(&mut builder, Shape::Mesh(mesh), Pose::IDENTITY);
         let scene = builder.scene();
-        // Rays in the plane: the sensor's z is its normal.
+        // Rays in the plane, whose normal is the sensor's z.
         let pose = Pose::new(DVec3::ZERO, glam::DQuat::from_rotation_arc(DVec3::Z, normal));
         let step = 0.01;
         let lidar = SphericalGrid {
@@ -84,7 +84,7 @@ fn a_hit_lies_between_the_corners_of_its_triangle() {
                 let least = along.into_iter().fold(f64::INFINITY, f64::min);
                 let most = along.into_iter().fold(f64::NEG_INFINITY, f64::max);
                 if most <= 0.0 {
-                    // Single precision takes it for one that lies ahead.
+                    // In single precision, such a triangle seems to be ahead.
                     behind += 1;
                     continue;
                 }

@@ -1,5 +1,5 @@
-//! Where corners of tags are seen: against projections and occlusions in double precision and in closed form, through
-//! lenses and rolling shutters, from random places.
+//! Sightings of landmarks at the corners of tags: against projections and occlusions in double precision and in closed
+//! form, through lenses and rolling shutters, from random positions.
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 use crate::common;
@@ -16,12 +16,12 @@ use belvedere_sensors::{Moment, Pose, SenseError, Shutter, Slice};
 use glam::{DMat3, DVec2, DVec3};
 
 const RANGE: [f64; 2] = [0.05, 50.0];
-/// Plates that bear tags, and balls in the way.
+/// The number of plates with tags, and of balls that occlude them.
 const PLATES: usize = 6;
 const BALLS: usize = 5;
 const PLATE: DVec3 = DVec3::new(1.2, 0.9, 0.02);
 
-/// A xorshift generator: numbers in [−1, 1).
+/// A xorshift generator of numbers in [−1, 1).
 struct Random(u64);
 
 impl Random {
@@ -41,7 +41,7 @@ impl Random {
     }
 }
 
-/// Plates with four landmarks each on their upper face, and balls, all at random; far from the world's origin.
+/// Plates with four landmarks each on their upper face, and balls, all at random, far from the world's origin.
 struct Story {
     builder: SceneBuilder,
     landmarks: Vec<Landmark>,
@@ -71,13 +71,13 @@ impl Story {
             (centre, radius)
         };
         let balls = (0..BALLS).map(|_| ball()).collect();
-        // Lidars see it, cameras do not.
+        // Visible to lidars but not to cameras.
         let config = InstanceConfig {
             shape: Shape::Sphere { radius: 0.3 },
             visibility: visibility::COLLISION,
             ..builder_config(&mut builder)
         };
-        // From outside of everything: what a camera is in hides nothing.
+        // From outside of all objects, because an object that contains the camera hides nothing.
         let (eye, target) = (random.vector().normalize() * 8.5, random.vector() * 7.0);
         let sensor = common::look_at(FAR + eye, FAR + target, 3.2 * random.next());
         let around = InstanceConfig { world_from_instance: sensor, ..config };
@@ -110,8 +110,9 @@ impl Story {
         self.builder.poses()[landmark.instance as usize].transform_point(landmark.point)
     }
 
-    /// By how many metres nothing is in the way of a landmark: negative if something is. Balls by the distance of their
-    /// centres from the line of sight, plates by where it pierces their faces' planes.
+    /// The distance in metres by which objects clear the line of sight to a landmark; negative if it is occluded. For
+    /// balls, from the distance of their centres to the line; for plates, from its intersection with the planes of
+    /// their faces.
     fn free(&self, landmark: &Landmark, from: DVec3) -> f64 {
         let to = self.world(landmark);
         let along = (to - from).normalize();
@@ -123,7 +124,7 @@ impl Story {
         let plates = (0..PLATES).filter(|&plate| plate != landmark.instance as usize).map(|plate| {
             let pose = self.builder.poses()[plate].inverse();
             let (start, end) = (pose.transform_point(from), pose.transform_point(to));
-            // Out of a box by how much, at the best of many places between: enough to tell clear cases from others.
+            // The distance outside of a box, at the best of many points between: enough to distinguish clear cases.
             let outside = |t: f64| (start.lerp(end, t).abs() - PLATE / 2.0).max_element();
             pierced(start, end)
                 .unwrap_or_else(|| (0..=400).map(|i| outside(f64::from(i) / 400.0)).fold(9.0, f64::min))
@@ -132,8 +133,8 @@ impl Story {
     }
 }
 
-/// By how much a line passes the middle plane of a plate inside its edges, as a negative number; none if it does not
-/// cross that plane there.
+/// The distance from the edges of a plate to the point at which a line crosses its middle plane, negative inside;
+/// `None` if the line does not cross that plane within the segment.
 fn pierced(start: DVec3, end: DVec3) -> Option<f64> {
     let t = start.z / (start.z - end.z);
     let inside = (start.lerp(end, t).abs() - PLATE / 2.0).truncate().max_element();
@@ -144,7 +145,7 @@ fn builder_config(builder: &mut SceneBuilder) -> InstanceConfig {
     InstanceConfig { material: common::glowing(builder, [0.5; 3]), ..Default::default() }
 }
 
-/// What a camera of these optics is to show of a landmark at one moment; none in doubtful cases, at edges.
+/// The expected sighting of a landmark by a camera with these optics at one moment; `None` in doubtful cases, at edges.
 fn expected(
     story: &Story,
     landmark: &Landmark,
@@ -181,7 +182,7 @@ fn fisheye() -> KannalaBrandt {
     KannalaBrandt::new(lens, [0.02, -0.004, 0.001, 0.0]).unwrap()
 }
 
-/// A circle in the picture: corners see nothing.
+/// A circular picture: the corners see nothing.
 fn circle() -> WideAngle {
     let mapping = Mapping {
         c1: 1.0,
@@ -197,14 +198,14 @@ fn circle() -> WideAngle {
 const SIZE: [u32; 2] = [321, 241];
 
 #[test]
-fn each_is_seen_where_its_lens_puts_it_and_hidden_by_what_is_nearer() {
+fn landmarks_are_projected_and_occluded_like_the_oracle() {
     let (pinhole, fisheye, circle) = (pinhole(SIZE), fisheye(), circle());
     let tables =
         [&fisheye as &dyn Lens, &circle].map(|lens| RayTableBuf::from_lens(SIZE[0], SIZE[1], lens).unwrap());
     let grid = PinholeGrid::new(SIZE[0], SIZE[1], pinhole).unwrap();
     let cameras: [(&str, Optics<'_>, &dyn Lens, f64); 3] = [
         ("pinhole", grid.into(), &pinhole, 1e-8),
-        // Between rays, directions are taken to be linear.
+        // Between rays, directions are interpolated linearly.
         ("fisheye", (&tables[0]).into(), &fisheye, 2e-3),
         ("circle", (&tables[1]).into(), &circle, 4e-3),
     ];
@@ -239,7 +240,7 @@ fn each_is_seen_where_its_lens_puts_it_and_hidden_by_what_is_nearer() {
 }
 
 #[test]
-fn a_rolling_shutter_shows_each_when_its_row_is_taken() {
+fn a_rolling_shutter_sees_landmarks_when_their_row_is_captured() {
     let (pinhole, fisheye) = (pinhole(SIZE), fisheye());
     let table = RayTableBuf::from_lens(SIZE[0], SIZE[1], &fisheye).unwrap();
     let grid = PinholeGrid::new(SIZE[0], SIZE[1], pinhole).unwrap();
@@ -250,7 +251,7 @@ fn a_rolling_shutter_shows_each_when_its_row_is_taken() {
         let (mut worst, mut shown, mut moved) = (0.0_f64, 0, 0.0_f64);
         for _ in 0..150 {
             let story = Story::new(&mut random);
-            // Up to a third of a radian, and half a metre, a frame.
+            // Up to a third of a radian, and half a metre, per frame.
             let (turn, way) = (random.vector() * 0.3, random.vector() * 0.5);
             let at = |row: u32| {
                 let share = f64::from(row) / f64::from(SIZE[1]);
@@ -264,7 +265,7 @@ fn a_rolling_shutter_shows_each_when_its_row_is_taken() {
             let seen = story.see(&optics, &Shutter::Slices(&slices), best_level());
             for (landmark, seen) in story.landmarks.iter().zip(&seen) {
                 let project = |sensor: &Pose| lens.project(story.in_optical(landmark, sensor));
-                // Every moment at which the row of the point is being taken: mostly one.
+                // Every moment at which the row of the point is being captured; usually one.
                 let taken = slices.iter().enumerate().filter_map(|(index, Slice { lines, at })| {
                     let pixel = project(&at.world_from_sensor)?;
                     let row = (pixel.y + 0.5).floor();
@@ -289,7 +290,7 @@ fn a_rolling_shutter_shows_each_when_its_row_is_taken() {
     }
 }
 
-/// A camera that turns by ω a row about its upright axis while a point straight ahead is in its middle row.
+/// A camera that turns by ω per row about its vertical axis while a point straight ahead is in its middle row.
 #[test]
 fn a_turning_camera_in_closed_form() {
     let size = [641, 481];
@@ -318,7 +319,7 @@ fn a_turning_camera_in_closed_form() {
     assert!((seen[0].pixel[0] - (320.0 + 400.0 * 0.12_f64.tan())).abs() < 1e-9);
     assert!((seen[0].pixel[1] - 240.0).abs() < 1e-9 && seen[0].visible && seen[0].slice == 240);
 
-    // A grid of angles: the same point by its azimuth, right of the first column by 10 of 0.01 rad.
+    // In a grid of angles, the same point is found by its azimuth, 10 columns of 0.01 rad to the right of the first.
     let grid = SphericalGrid {
         columns: 100,
         rows: 11,
@@ -337,7 +338,7 @@ fn a_turning_camera_in_closed_form() {
 }
 
 #[test]
-fn what_cannot_be_is_named() {
+fn errors_name_the_invalid_input() {
     let story = Story::new(&mut Random(3));
     let scene = story.builder.scene();
     let optics = Optics::from(PinholeGrid::from_fov(64, 48, 1.0).unwrap());

@@ -1,4 +1,4 @@
-//! Rays and what they meet, against closed forms, exhaustive search and other libraries.
+//! Rays and their hits, against closed forms, exhaustive search and other libraries.
 
 #[path = "../common/mod.rs"]
 mod common;

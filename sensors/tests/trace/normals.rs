@@ -1,4 +1,4 @@
-//! Normals of solids against closed form: of every shape, scaled and turned, from far and from a hand's breadth away.
+//! Normals of solids against closed forms: of every shape, scaled and rotated, from far away and from very near.
 
 use crate::common::oracle::{first_surface, ray_at};
 use crate::common::{camera_of, look_at};
@@ -9,9 +9,9 @@ use belvedere_sensors::{Capture, Pose, Sensor};
 use glam::{DVec3, Vec3};
 
 const SIZE: [u32; 2] = [120, 90];
-/// A normal is as good as the ray: it may be that of a ray so many pixels beside …
+/// A normal is as accurate as the ray: it may be that of a ray displaced by this many pixels …
 const BESIDE: f64 = 1e-3;
-/// … and is rounded by so much.
+/// … and has this rounding error.
 const ROUNDING: f64 = 3e-6;
 
 const SHAPES: [Shape; 8] = [
@@ -25,7 +25,7 @@ const SHAPES: [Shape; 8] = [
     Shape::Cone { radius: 0.4, length: 0.8 },
 ];
 
-/// How many pixels of the shape were compared, and how far off the normals are, beyond what a ray beside explains.
+/// The number of compared pixels of the shape, and the largest error of a normal that a displaced ray does not explain.
 fn compare(shape: Shape, scale: DVec3, pose: Pose, view: Pose) -> (usize, f64) {
     let mut builder = SceneBuilder::new();
     let material = builder.add_material(&MaterialConfig::default()).unwrap();
@@ -55,7 +55,7 @@ fn compare(shape: Shape, scale: DVec3, pose: Pose, view: Pose) -> (usize, f64) {
             (t < 0.999 * config.far_m).then_some(normal)
         };
         let around = [[BESIDE, 0.0], [-BESIDE, 0.0], [0.0, BESIDE], [0.0, -BESIDE]].map(normal);
-        // The very outline is either's.
+        // At the outline, either result is correct.
         let (Some(expected), [Some(a), Some(b), Some(c), Some(d)]) = (normal([0.0; 2]), around) else {
             continue;
         };

@@ -1,4 +1,4 @@
-//! Shapes of parry3d: the same hits as parry3d itself finds, in double precision, ray by ray.
+//! Shapes of parry3d: the hits agree with those that parry3d itself finds in double precision, ray by ray.
 #![cfg(feature = "parry")]
 
 use crate::common::{LIDAR, look_at, scan};
@@ -14,13 +14,13 @@ use parry3d_f64::math::Pose as Pose64;
 use parry3d_f64::query::Ray;
 use parry3d_f64::shape as double;
 
-/// A range may lie anywhere between those of the shape when it is larger and smaller by this part: at edges and
-/// silhouettes, and where a ray grazes a cylinder, cone or polyhedron, whose surface parry3d's own search (GJK)
-/// finds to 1e-8 of its size.
+/// A range may be anywhere between those of the shape enlarged and shrunk by this fraction: at edges and silhouettes,
+/// and where a ray grazes a cylinder, cone or polyhedron, whose surface parry3d's own search (GJK) finds to 1e-8 of its
+/// size.
 const EDGE: f64 = 1e-6;
-/// Largest error of a range, relative to it.
+/// The largest error of a range, relative to it.
 const RELATIVE_ERROR: f64 = 1e-5;
-/// Rays per pose, and poses per shape: 10⁵ rays at least.
+/// The number of rays per pose along each axis, and of poses per shape: at least 10⁵ rays.
 const BEAMS: u32 = 100;
 const POSES: u32 = 12;
 
@@ -104,7 +104,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Numbers in −0.5 … 0.5, scattered.
+/// Scattered numbers from −0.5 to 0.5.
 struct Scatter(u64);
 
 impl Scatter {
@@ -128,7 +128,7 @@ impl Scatter {
     }
 }
 
-/// parry3d's answer for a scaled and placed shape that is grown by a factor.
+/// The result of parry3d for a scaled and placed shape that is enlarged by a factor.
 fn truth(
     shape: &dyn double::Shape,
     pose: &Pose,
@@ -140,7 +140,7 @@ fn truth(
     let shape_from_world = pose.rotation().inverse();
     let to_shape = |v: DVec3| (shape_from_world * v) / (scale * growth);
     let ray = Ray::new(to_shape(origin - pose.translation()), to_shape(ahead));
-    // parry3d's own search wants directions of about unit length.
+    // parry3d's own search needs directions of about unit length.
     let length = ray.dir.length();
     let unit = Ray::new(ray.origin, ray.dir / length);
     shape.cast_local_ray(&unit, f64::MAX, false).map_or(f64::INFINITY, |t| t / length)
@@ -153,7 +153,7 @@ enum Verdict {
     Different,
 }
 
-/// Compares a range with that of a shape which grows by a factor.
+/// Compares a range with that of a shape which is enlarged by a factor.
 fn compare(found: f64, truth: impl Fn(f64) -> f64) -> Verdict {
     let expected = truth(1.0);
     if found == expected || (found - expected).abs() < RELATIVE_ERROR * expected {
@@ -168,7 +168,7 @@ fn compare(found: f64, truth: impl Fn(f64) -> f64) -> Verdict {
 }
 
 #[test]
-fn as_parry3d_finds() {
+fn shapes_are_hit_as_by_parry3d() {
     let beams = Beams { samples: BEAMS, min_angle_rad: -0.5, max_angle_rad: 0.45 };
     let config = LIDAR.horizontal(beams).vertical(beams).range_min_m(0.0).range_max_m(1e6);
     for Case { name, single, double } in cases() {
@@ -180,7 +180,7 @@ fn as_parry3d_finds() {
             let pose = scatter.pose();
             let mut scale = if number < 4 { DVec3::ONE } else { scatter.scale() };
             let parts = builder.add_parry_shape(single.0.as_ref(), scale.to_array()).or_else(|error| {
-                // Slanted capsules and compounds of turned parts.
+                // Slanted capsules and compounds of rotated parts.
                 assert!(matches!(error, ParryError::Sheared(_)), "{name}: {error}");
                 scale = DVec3::splat(scale.x.abs());
                 builder.add_parry_shape(single.0.as_ref(), scale.to_array())
@@ -190,7 +190,7 @@ fn as_parry3d_finds() {
                 builder.add_instance(&part.instance(&look)).unwrap();
             }
             let target = pose.translation() + scatter.vector() * 0.5 * scale.abs();
-            // Now and then from inside.
+            // Every fourth pose is inside.
             let away = if number % 4 == 3 { 0.1 } else { 2.5 + 2.0 * scatter.next() };
             let eye = target + scatter.vector().normalize() * away * scale.abs().max_element();
             let view = look_at(eye, target, scatter.next());
@@ -220,8 +220,8 @@ fn as_parry3d_finds() {
     }
 }
 
-/// A terrain of parry3d's, and its triangles in double precision: its own walk over the cells misses some hits, that
-/// over the mesh does not.
+/// A height field of parry3d, and its triangles in double precision as a mesh: parry3d's own walk over the cells misses
+/// some hits, but the one over the mesh does not.
 fn terrains() -> (single::HeightField, double::TriMesh) {
     let (rows, columns) = (13, 22);
     let height = |k: usize| ((k as f32 * 0.618).fract() * 64.0).round() / 64.0;
@@ -237,7 +237,7 @@ fn terrains() -> (single::HeightField, double::TriMesh) {
 }
 
 #[test]
-fn terrain_as_parry3d_finds() {
+fn height_fields_are_hit_as_by_parry3d() {
     let (single, double) = terrains();
     let mut builder = SceneBuilder::new();
     let parts = builder.add_parry_shape(&single, [1.0; 3]).unwrap();
@@ -285,7 +285,7 @@ fn terrain_with_holes_is_a_mesh() {
 }
 
 #[test]
-fn what_cannot_be_traced() {
+fn untraceable_shapes_are_refused() {
     let mut builder = SceneBuilder::new();
     let mut refusal =
         |shape: &dyn single::Shape, scale: [f64; 3]| builder.add_parry_shape(shape, scale).err();
@@ -326,7 +326,7 @@ mod colliders {
         colliders
     }
 
-    /// What the mirror shows is what a new mirror would.
+    /// Checks that the mirror equals a newly created one.
     fn check(mirror: &ColliderScene, builder: &SceneBuilder, world: &PhysicsWorld) {
         let mut fresh_builder = builder.clone();
         let mut fresh = ColliderScene::new();
@@ -359,7 +359,7 @@ mod colliders {
         }
         assert!(slept, "the tower comes to rest");
 
-        // What rests is not looked at: a fixed body that is moved by hand has to be told.
+        // Bodies at rest are not updated, so a fixed body that is moved by hand must be reported.
         let ground = world.colliders[handles[0]].parent().unwrap();
         world.bodies[ground].set_translation(Vec3::Z * -1.0, true);
         world.step();
@@ -405,7 +405,7 @@ mod colliders {
     }
 
     #[test]
-    fn meshes_go_with_the_last_collider_that_has_them() {
+    fn meshes_are_removed_with_their_last_collider() {
         let mut world = PhysicsWorld::new();
         let mut builder = SceneBuilder::new();
         let material = builder.add_material(&MaterialConfig::default()).unwrap();
@@ -416,7 +416,7 @@ mod colliders {
         };
         let mut sizes = Vec::new();
         for _ in 0..20 {
-            // Another shape each time, so its mesh is another, too.
+            // A different shape each time, so its mesh differs too.
             let corners = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z].to_vec();
             let faces = vec![[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]];
             let shape = SharedShape::trimesh(corners, faces).unwrap();

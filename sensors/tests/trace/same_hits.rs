@@ -8,11 +8,11 @@ use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::Faces;
 use belvedere_sensors::trace::rays::Rays;
 
-/// All that is told of a scene's hits, as bytes.
+/// All outputs for the hits of a scene, as bytes.
 fn cast_all(scenario: &Scenario, execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
     let mut told = Vec::new();
     let range = [1e-3 * scenario.size, 1e3 * scenario.size];
-    // The first is cut into several bands.
+    // The first is divided into several bands.
     let ring = SphericalGrid {
         columns: 360,
         rows: 65,
@@ -46,7 +46,7 @@ fn assert_same(what: &str, scenario: &Scenario, expected: &[(&str, Vec<u8>)], fo
 }
 
 #[test]
-fn every_level() {
+fn every_level_gives_the_same_hits() {
     for scenario in &scenarios() {
         let expected = cast_all(scenario, Execution { level: Level::baseline(), ..Execution::default() });
         for (name, level) in levels() {
@@ -62,7 +62,7 @@ fn every_level() {
 
 #[cfg(feature = "rayon")]
 #[test]
-fn any_number_of_threads() {
+fn any_number_of_threads_gives_the_same_hits() {
     for scenario in &scenarios() {
         let expected = cast_all(scenario, Execution::default());
         for threads in [1, 2, 5] {

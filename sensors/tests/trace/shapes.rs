@@ -1,5 +1,5 @@
-//! Shapes at the limits: all sizes, far from the origin, scaled and mirrored, grazed, looked at along an axis;
-//! height fields.
+//! Shapes at their limits: all sizes, far from the origin, scaled and mirrored, grazed, seen along an axis; and height
+//! fields.
 
 use crate::common;
 
@@ -16,9 +16,9 @@ use belvedere_sensors::simd::WIDTH;
 use belvedere_sensors::trace::Faces;
 use glam::DVec3;
 
-/// A pixel may disagree about hit and miss where a change of the shape's size by this part changes the answer.
+/// A pixel may differ in hit or miss if changing the size of the shape by this fraction changes the result.
 const EDGE: f64 = 1e-6;
-/// Largest error of a depth, relative to it.
+/// The largest error of a depth, relative to it.
 const RELATIVE_ERROR: f64 = 1e-5;
 
 const SHAPES: [Shape; 7] = [
@@ -31,7 +31,8 @@ const SHAPES: [Shape; 7] = [
     Shape::Cone { radius: 0.4, length: 0.8 },
 ];
 
-/// Looks at one scaled shape and compares each pixel with the formula; returns how many pixels it covers.
+/// Compares each pixel of a picture of one scaled shape with the formula, and returns the number of pixels that it
+/// covers.
 fn check(shape: Shape, scale: DVec3, pose: Pose, view: Pose, far: f64) -> usize {
     check_within(shape, scale, pose, view, [far * 1e-6, far], [160, 120])
 }
@@ -82,16 +83,17 @@ fn check_within(
     covered
 }
 
-/// From within, from all but on the surface, and from so near that the near plane cuts the shape: by different ways.
+/// From inside, from almost on the surface, and from so near that the near plane cuts the shape; different code handles
+/// each.
 #[test]
-fn seen_from_anywhere() {
+fn shapes_seen_from_anywhere() {
     let mut dice = Dice(41);
     let mut covered = [0; SHAPES.len()];
     for number in 0..1400 {
         let shape = SHAPES[number % SHAPES.len()];
         let scale = DVec3::new(0.5 + dice.roll(), 0.5 + dice.roll(), 0.5 + dice.roll());
         let pose = Pose::from_xyz_rpy(dice.cube() * 3.0, dice.turn());
-        // In the box around the shape, at its very centre line, and a little outside.
+        // In the box around the shape, exactly on its centre line, and slightly outside.
         let mut from = dice.cube() * [0.3, 0.8, 1.5][number % 3];
         if number % 5 == 0 {
             (from.x, from.y) = (0.0, 0.0);
@@ -109,7 +111,7 @@ fn any_size_and_100_km_away() {
     for shape in SHAPES {
         for size in [1e-6, 1e-3, 1.0, 1e4] {
             for offset in [DVec3::ZERO, DVec3::new(1e5, -7e4, 300.0)] {
-                // At 100 km the position itself is only known to 1e-11 m.
+                // At 100 km the position itself is only accurate to 1e-11 m.
                 if size < 1e-3 && offset != DVec3::ZERO {
                     continue;
                 }
@@ -142,7 +144,7 @@ fn scaled_and_mirrored() {
 
 #[test]
 fn along_the_axes() {
-    // The picture's middle column and row have direction components of exactly 0.
+    // In the middle column and row of the picture, components of directions are exactly 0.
     for shape in SHAPES {
         for (eye, roll) in [(DVec3::Z, 0.0), (DVec3::X, 0.0), (DVec3::Y, 0.0), (DVec3::NEG_Z, 0.0)] {
             let view = look_at(eye * 2.0, DVec3::ZERO, roll);
@@ -168,7 +170,7 @@ fn with_grid(rows: u32, columns: u32, test: impl FnOnce(HeightGrid<'_>, &[f32]))
     test(HeightGrid::new(&field, &heights, &extents).unwrap(), &heights);
 }
 
-/// Where the corner of a height stands, from the description.
+/// The position of the corner at a height, as documented.
 fn corner(grid: &HeightGrid<'_>, heights: &[f32], row: u32, column: u32) -> [f32; 3] {
     let (field, across) = (grid.field(), f64::from(column) / f64::from(grid.field().columns() - 1));
     let down = f64::from(row) / f64::from(field.rows() - 1);
@@ -183,7 +185,7 @@ fn height_fields_have_every_triangle_once() {
             let field = grid.field();
             assert_eq!(field.triangles(), 2 * (rows - 1) * (columns - 1));
             let mut seen = vec![0; field.triangles() as usize];
-            // The bits of each corner, as the first triangle has them.
+            // The bits of each corner, from the first triangle that has it.
             let mut bits = vec![None; heights.len()];
             for block in 0..field.blocks() {
                 let wide = grid.block(block);
@@ -221,7 +223,7 @@ fn height_fields_have_every_triangle_once() {
     }
 }
 
-/// Calls `leaf` with each block below a node, and checks that boxes hold what is below them.
+/// Calls `leaf` with each block below a node, and checks that boxes contain everything below them.
 fn descend(grid: &HeightGrid<'_>, node: u32, outer: [[f32; 3]; 2], leaves: &mut Vec<u32>) {
     let inside = |low: [f32; 3], high: [f32; 3], [outer_low, outer_high]: [[f32; 3]; 2]| {
         (0..3).all(|axis| outer_low[axis] <= low[axis] && high[axis] <= outer_high[axis])
@@ -281,7 +283,7 @@ fn in_block(grid: &HeightGrid<'_>, block: u32, origin: DVec3, direction: DVec3) 
     (0..WIDTH).filter_map(hit).fold(f64::INFINITY, f64::min)
 }
 
-/// The same through the tree.
+/// The same by traversing the tree.
 fn through_tree(grid: &HeightGrid<'_>, node: u32, origin: DVec3, direction: DVec3, visited: &mut u32) -> f64 {
     let wide = grid.node(node);
     let mut nearest = f64::INFINITY;
@@ -321,7 +323,7 @@ fn rays_through_the_tree_of_a_height_field() {
                 .fold(f64::INFINITY, f64::min);
             assert_eq!(found, all, "ray {i}");
             hits += u32::from(found.is_finite());
-            // What is hit is the surface over that cell: the height there, from the four heights around it.
+            // The hit is on the surface over that cell: at the height interpolated from the four heights around it.
             if found.is_finite() {
                 let p = origin + direction * found;
                 let (x, y) = ((p.x / 3.0 + 0.5) * 89.0, (0.5 - p.y / 2.0) * 69.0);
@@ -389,7 +391,7 @@ fn stored_height_fields_are_validated() {
             wrong[node][1] += 1.0;
             assert!(matches!(field.validate(&heights, &wrong), Err(SceneError::BadTree(_))), "node {node}");
         }
-        // Whatever byte is wrong: an error, or a field that differs in nothing that matters.
+        // Whichever byte is wrong: an error, or a field whose difference does not matter.
         for byte in 0..size_of::<HeightField>() {
             for flip in [1_u8, 0x80, 0xff] {
                 let mut bytes = bytes_of(&field).to_vec();
@@ -415,7 +417,7 @@ fn cube() -> (Vec<[f32; 3]>, [[u32; 3]; 12]) {
 /// A lit picture of one instance with a texture.
 fn lit_picture(config: &InstanceConfig, repeat: [f32; 2], view: Pose) -> Vec<u8> {
     let mut builder = SceneBuilder::new();
-    // Smooth, so that a rounding error stays a small difference.
+    // Smooth, so that a rounding error remains a small difference.
     let ramp = |i: u32| if i < 32 { i * 8 } else { (63 - i) * 8 };
     let texels: Vec<[u8; 4]> = (0..64 * 64)
         .map(|i| [ramp(i % 64) as u8, ramp(i / 64) as u8, ((i % 64 + i / 64) * 2) as u8, 255])
@@ -444,7 +446,7 @@ fn a_scaled_shape_looks_like_one_of_that_size() {
     let mesh = Shape::Mesh(belvedere_sensors::scene::MeshId(0));
     let unit = [1.0; 3];
     let once = [1.0; 2];
-    // One shape, its scale and the repetition of its texture, and another that looks like it.
+    // A shape with its scale and the repetition of its texture, and another that looks the same.
     let pairs = [
         (Shape::Box { size: unit }, [0.8, 0.5, 1.2], once, Shape::Box { size: [0.8, 0.5, 1.2] }, unit, once),
         (
@@ -490,7 +492,7 @@ fn a_scaled_shape_looks_like_one_of_that_size() {
         ),
         (Shape::Plane, [0.5, 0.25, 2.0], once, Shape::Plane, unit, [2.0, 4.0]),
         (Shape::Plane, unit, once, Shape::Rectangle { size: [4e3; 2] }, unit, [4e3; 2]),
-        // Mirrored twice is half a turn; what is outside stays outside.
+        // Mirroring twice is a rotation by half a turn; the outside stays outside.
         (mesh, [-1.0, -1.0, 1.0], once, mesh, [-1.0, -1.0, 1.0], once),
     ];
     let pose = Pose::from_xyz_rpy(DVec3::new(0.3, -0.2, 0.4), DVec3::new(0.5, -0.3, 1.1));

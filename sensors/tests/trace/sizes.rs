@@ -1,4 +1,4 @@
-//! Sizes of pictures and scans that nobody here chose: the common ones of cameras and lidars, on one thread and more.
+//! Common sizes of pictures and scans of cameras and lidars, on one thread and more.
 #![cfg(feature = "std")]
 
 use crate::common::{LIDAR, add_grey, camera_of};
@@ -9,7 +9,7 @@ use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Execution, Pose, Sensor};
 use glam::DVec3;
 
-/// Sizes that cameras are sold with, and those that were seen to fail.
+/// Picture sizes of cameras on the market, and those that have failed before.
 const PICTURES: [[u32; 2]; 36] = [
     [160, 120],
     [176, 144],
@@ -49,7 +49,7 @@ const PICTURES: [[u32; 2]; 36] = [
     [3280, 2464],
 ];
 
-/// Beams around and lines, of lidars that are sold.
+/// Numbers of beams per line and of lines, of lidars on the market.
 const SCANS: [[u32; 2]; 24] = [
     [360, 1],
     [541, 1],
@@ -85,7 +85,7 @@ fn ball() -> SceneBuilder {
     builder
 }
 
-/// From the origin.
+/// A capture from the origin.
 fn capture(builder: &SceneBuilder) -> Capture<'_> {
     Capture::new(0, builder.moment(Pose::IDENTITY))
 }

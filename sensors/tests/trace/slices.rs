@@ -1,4 +1,4 @@
-//! Scenes of the caller's own arrays: what a builder's are, to the last bit, and checked as these are.
+//! Scenes of the caller's own arrays: they equal those of a builder to the last bit, and are checked in the same way.
 #![allow(clippy::large_stack_arrays, reason = "arrays are what is tested")]
 
 use crate::common::{LIDAR, camera, depth_camera};
@@ -115,7 +115,7 @@ fn built() -> SceneBuilder {
     builder
 }
 
-/// Arrays that hold what slices are made of.
+/// Arrays that hold the elements of the slices.
 struct Arrays {
     meshes: [Mesh; 2],
     uvs: [[f32; 2]; 125],
@@ -145,7 +145,7 @@ impl Arrays {
     }
 }
 
-/// The slices of everything but the meshes.
+/// The slices of everything except the meshes.
 struct Rest {
     instances: Vec<Instance>,
     poses: Vec<Pose>,
@@ -254,7 +254,7 @@ fn frames_are_those_of_a_builder() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_name_the_invalid_element() {
     let mut arrays = Arrays::new();
     let mut store = arrays.store();
     let [(positions, uvs, triangles), _] = soups();
@@ -295,7 +295,7 @@ fn memory_that_is_too_small_is_named() {
     };
     assert_eq!(add(&mut store, &uvs[1..]).unwrap_err(), "texture coordinates must be none or one per vertex");
     assert_eq!(add(&mut store, &uvs), Ok(MeshId(0)));
-    // A second of the same size does not fit, and the first is there still.
+    // A second mesh of the same size does not fit, and the first is kept.
     assert_eq!(add(&mut store, &uvs).unwrap_err(), "the buffer `uvs` holds 125 elements, and 200 are needed");
     let instance =
         Instance::new(&InstanceConfig { shape: Shape::Mesh(MeshId(0)), ..Default::default() }).unwrap();

@@ -1,4 +1,4 @@
-//! Tables of directions: the hits of the grids they were taken from, and of each ray cast alone.
+//! Tables of directions: the same hits as the grids from which they were taken, and as each ray cast alone.
 
 use crate::common::{Stage, add_grey, scenery};
 use belvedere_sensors::optics::{Optics, PinholeGrid, RayTable, SphericalGrid, TableError};
@@ -9,7 +9,7 @@ use belvedere_sensors::{Execution, Pose};
 use core::f64::consts::{FRAC_PI_2, PI, TAU};
 use glam::{DQuat, DVec3};
 
-/// Directions, row after row.
+/// Directions, row by row.
 struct Directions {
     width: u32,
     height: u32,
@@ -57,7 +57,7 @@ fn spherical(grid: &SphericalGrid) -> Directions {
     })
 }
 
-/// A fisheye after Kannala and Brandt, 190° across: r = f·(θ + k₁θ³ + k₂θ⁵), inverted by bisection.
+/// A fisheye after Kannala and Brandt with a view of 190°: r = f·(θ + k₁θ³ + k₂θ⁵), inverted by bisection.
 fn fisheye(size: u32) -> Directions {
     let radius = |angle: f64| angle - 0.03 * angle.powi(3) + 0.002 * angle.powi(5);
     let edge = 95.0_f64.to_radians();
@@ -76,8 +76,8 @@ fn fisheye(size: u32) -> Directions {
     })
 }
 
-/// Rings of a Velodyne VLP-32C: elevations of its manual (63-9325), in degrees, and the azimuths that its
-/// lasers are off by.
+/// The rings of a Velodyne VLP-32C: elevations from its manual (63-9325), in degrees, and the azimuth offsets of its
+/// lasers.
 fn vlp_32c(columns: u32, clockwise: bool) -> Directions {
     const ELEVATIONS: [f64; 32] = [
         -25.0, -15.639, -11.31, -8.843, -7.254, -6.148, -5.333, -4.667, -4.0, -3.667, -3.333, -3.0, -2.667,
@@ -118,7 +118,7 @@ fn scene() -> SceneBuilder {
     builder
 }
 
-/// Where the tests look from.
+/// The viewpoints of the tests.
 const EYES: [DVec3; 3] =
     [DVec3::new(-1.37, 0.21, 1.13), DVec3::new(0.5, -2.2, 0.6), DVec3::new(2.9, 2.4, 2.05)];
 
@@ -192,13 +192,13 @@ fn cast_each(stage: &Stage<'_>, origin: DVec3, directions: &[[f32; 3]]) -> Found
     found
 }
 
-/// Whether two distances are the same for that accuracy.
+/// Returns true if two distances are equal within a tolerance.
 fn close(a: f32, b: f32, tolerance: f32) -> bool {
     a == b || (a - b).abs() <= tolerance * a.abs()
 }
 
-/// Casts a table, and each of its rays alone. They hit the same at the same distance, unless there is an edge
-/// within 1e-6 of the ray. Returns how many hit anything.
+/// Casts a table, and each of its rays alone. They hit the same surface at the same distance, unless there is an edge
+/// within 1e-6 of the ray. Returns the number of hits.
 fn same_as_each(name: &str, stage: &Stage<'_>, eye: DVec3, directions: &Directions) -> usize {
     let (found, traced) = directions.table(|table| {
         let found = cast(stage, &Pose::from_translation(eye), &Optics::Table(*table), Execution::default());
@@ -239,8 +239,8 @@ fn same_as_each(name: &str, stage: &Stage<'_>, eye: DVec3, directions: &Directio
     found.distance.iter().filter(|distance| distance.is_finite()).count()
 }
 
-/// Casts a grid and a table of its directions. Directions are rounded to single precision in the table, so an
-/// edge may pass between them; else they hit the same.
+/// Casts a grid and a table of its directions. Directions are rounded to single precision in the table, so an edge may
+/// be between them; otherwise they hit the same surface.
 fn same_as_grid(name: &str, grid: &Optics<'_>, directions: &Directions) {
     let builder = scene();
     let stage = &Stage::from(&builder);
@@ -257,7 +257,7 @@ fn same_as_grid(name: &str, grid: &Optics<'_>, directions: &Directions) {
                 other += 1;
             } else if found.distance[ray].is_finite() {
                 hits += 1;
-                // What turns a direction by its rounding moves a hit on a surface seen at a slant by more.
+                // The rounding of a direction displaces a hit on a slanted surface by more.
                 let along = pose.rotation() * DVec3::from_array(directions.all[ray].map(f64::from));
                 let normal = DVec3::from_array(found.normal[ray].map(f64::from));
                 let slant = 1.0 / normal.dot(along).abs().max(1e-3);
@@ -273,7 +273,7 @@ fn same_as_grid(name: &str, grid: &Optics<'_>, directions: &Directions) {
 }
 
 #[test]
-fn as_a_pinhole() {
+fn tables_agree_with_a_pinhole() {
     for (width, height) in [(320, 240), (333, 17), (1, 1), (61, 90)] {
         let lens = PinholeGrid::from_fov(width, height, 1.2).unwrap();
         same_as_grid("pinhole", &Optics::Pinhole(lens), &pinhole(&lens));
@@ -281,7 +281,7 @@ fn as_a_pinhole() {
 }
 
 #[test]
-fn as_a_vlp_16() {
+fn tables_agree_with_a_vlp_16() {
     for (columns, clockwise, first) in [(1800, true, 0.0), (1801, false, -PI), (400, false, 1.0)] {
         let step = if columns == 400 { 0.01 } else { TAU / f64::from(columns) };
         let grid = SphericalGrid {
@@ -296,13 +296,13 @@ fn as_a_vlp_16() {
     }
 }
 
-/// Not along any axis.
+/// A rotation that is not about an axis.
 fn some_turn() -> DQuat {
     DQuat::from_scaled_axis(DVec3::new(0.7, -1.1, 0.4))
 }
 
 #[test]
-fn as_each_ray() {
+fn tables_agree_with_single_rays() {
     let ring = SphericalGrid {
         columns: 720,
         rows: 1,
@@ -360,7 +360,7 @@ fn any_directions() {
             polar(numbers[ray] * TAU, (2.0 * numbers[ray + 1] - 1.0).asin())
         })
     };
-    // Along axes, with zeros of either sign, and in the middles between them.
+    // Along axes, with zeros of either sign, and in the middle between them.
     let straight = Directions::new(9, 12, |column, row| {
         let zero = if row % 2 == 0 { 0.0 } else { -0.0 };
         let at = |number: u32| [zero, 1.0, -1.0][number as usize];
@@ -386,9 +386,9 @@ fn any_directions() {
     assert!(same_as_each("all the same", stage, EYES[0], &same) == 70 * 40);
 }
 
-/// From within boxes, next to walls, and where triangles reach all round the sensor.
+/// From inside boxes, near walls, and where triangles surround the sensor.
 #[test]
-fn things_all_round() {
+fn scenes_all_around_the_sensor() {
     let mut builder = SceneBuilder::new();
     add_grey(&mut builder, Shape::Box { size: [4.0, 3.0, 2.0] }, Pose::IDENTITY);
     let huge = [[-50.0, -30.0, -2.0], [70.0, -30.0, -2.0], [0.0, 90.0, -2.0], [0.0, 0.0, 20.0]];
@@ -483,13 +483,13 @@ fn bad_tables() {
     assert_eq!(error, TableError::BufferTooSmall { required, found: required - 1 });
 }
 
-/// The budget of a sensor: 64 bytes a ray.
+/// The memory budget of a sensor: 64 bytes per ray.
 #[test]
 fn memory() {
     let nothing = SceneBuilder::new();
     for (width, height) in [(640, 480), (1800, 16), (2048, 128), (1280, 1280)] {
         let rays = width as usize * height as usize;
-        // A frame of a table takes what one of a rule does, but for the rule's own tables.
+        // A frame of a table needs the memory of a grid's, without the grid's own tables.
         let grid = Optics::Spherical(SphericalGrid {
             columns: width,
             rows: height,

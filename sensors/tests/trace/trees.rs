@@ -1,4 +1,4 @@
-//! Trees over triangles: what the builder writes is what tracing relies on, whatever the triangles.
+//! Trees over triangles: the builder writes what tracing relies on, for any triangles.
 
 use crate::common::random::tries;
 use belvedere_sensors::Execution;
@@ -33,7 +33,7 @@ impl Random {
     }
 }
 
-/// Small triangles anywhere, no two of which share a vertex.
+/// Small random triangles, no two of which share a vertex.
 fn soup(count: usize, seed: u64, size: f32, edge: f32) -> Mesh {
     let mut random = Random(seed);
     let mut positions = Vec::new();
@@ -60,7 +60,7 @@ fn terrain(n: u32) -> Mesh {
     (positions, triangles.collect())
 }
 
-/// Sizes that double from one triangle to the next: cut by surface alone, they would make a list.
+/// Sizes that double from one triangle to the next: split by surface area alone, the tree would be a list.
 fn doubling(count: usize) -> Mesh {
     let mut positions = Vec::new();
     for i in 0..count {
@@ -70,7 +70,7 @@ fn doubling(count: usize) -> Mesh {
     (positions, (0..count as u32).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
 }
 
-/// Meshes that are hard in one way or the other, with a name.
+/// Meshes that are difficult in some way, with a name.
 fn meshes() -> Vec<(&'static str, Mesh)> {
     let one = vec![[1.0, 2.0, 3.0], [1.0, 2.5, 3.0], [1.5, 2.0, 3.0]];
     let line = (0..3000).map(|i| [i as f32, 0.0, 0.0]).collect::<Vec<_>>();
@@ -114,7 +114,7 @@ fn every_mesh_gets_a_valid_tree() {
     }
 }
 
-/// The validator's word is not all there is: an independent look at who is where.
+/// An independent check in addition to the validator: which triangles are in which leaves.
 #[test]
 fn every_triangle_is_in_one_leaf_of_a_plain_tree() {
     let (positions, triangles) = soup(3000, 8, 10.0, 0.5);
@@ -236,7 +236,7 @@ fn each_fault_of_a_mesh_is_named() {
             let built = Tree::build(positions, triangles, quality, Execution::default());
             assert_eq!(built.err(), Some(error));
         }
-        // A refit finds the same.
+        // A refit reports the same faults.
         let (sound, same) = soup(100, 11, 5.0, 0.5);
         let mut tree = Tree::build(&sound, &same, Quality::Fast, Execution::default()).unwrap();
         assert_eq!(tree.refit(positions, triangles, Execution::default()), Err(error));
@@ -293,7 +293,7 @@ fn short_buffers_are_named() {
     assert_eq!(validate(&mut words), Ok(()));
 }
 
-/// One thing is broken at a time; the validator names it, and a refit survives it.
+/// One element is corrupted at a time; the validator names it, and a refit survives it.
 #[test]
 fn each_fault_of_a_tree_is_named() {
     let (positions, triangles) = soup(1000, 13, 10.0, 0.5);
@@ -341,7 +341,7 @@ fn each_fault_of_a_tree_is_named() {
             }
         }
     });
-    // A leaf that is reached twice. Which lane is the second depends on the order of the walk.
+    // A leaf that is reached twice. Which of the lanes is reported depends on the order of the walk.
     let mut tree = sound.clone();
     let leaves = tree.nodes[node].child;
     tree.nodes[node].child[lane] = leaves[0];
@@ -353,7 +353,7 @@ fn each_fault_of_a_tree_is_named() {
     assert!(matches!(fault, Err(TreeFault::SharedChild { .. } | TreeFault::Box { .. })), "{fault:?}");
 }
 
-/// A chain of nodes, each the only child of the one before it.
+/// A chain of nodes, each the only child of the previous one.
 #[test]
 fn a_tree_too_deep_for_a_stack_is_refused() {
     let (positions, triangles) = soup(1, 14, 1.0, 1.0);
@@ -373,7 +373,7 @@ fn a_tree_too_deep_for_a_stack_is_refused() {
 proptest! {
     #![proptest_config(tries(64))]
 
-    /// Any triangles, on a coarse grid so that much of it coincides, or spread over all magnitudes.
+    /// Random triangles, either on a coarse grid so that many coincide, or of all magnitudes.
     #[test]
     fn any_triangles_get_a_valid_tree(
         vertices in proptest::collection::vec((any::<[i8; 3]>(), -30_i32..30), 1..60),
@@ -394,7 +394,7 @@ proptest! {
         prop_assert!(tree.nodes.len() <= most.nodes && tree.blocks.len() <= most.blocks);
     }
 
-    /// Bytes of a tree that somebody has tampered with: an error or not, but nothing panics.
+    /// The bytes of a corrupted tree: there may be an error or not, but nothing panics.
     #[test]
     fn a_broken_tree_never_panics(
         edits in proptest::collection::vec((any::<u32>(), any::<u32>()), 1..8),

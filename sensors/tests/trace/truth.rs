@@ -1,5 +1,5 @@
-//! What is true of each pixel: channels that agree with each other and with single moments' grids, and flow against the
-//! projection of the same points in double precision, through lenses and rolling shutters.
+//! Ground truth of each pixel: channels that agree with each other and with grids at single moments, and flow against
+//! the projection of the same points in double precision, through lenses and rolling shutters.
 #![allow(clippy::large_types_passed_by_value, reason = "configurations made where they are used read better")]
 
 use crate::common;
@@ -66,7 +66,7 @@ fn truth_at(level: Level, scene: &Scene<'_>, config: CameraConfig<'_>, capture: 
     known
 }
 
-/// Range, normal and instance of a grid at one moment, by the tracer's own interface.
+/// Range, normal and instance of a grid at one moment, from the interface of the tracer.
 fn cast(
     scene: &Scene<'_>,
     optics: &Optics<'_>,
@@ -141,7 +141,7 @@ fn channels_agree() {
     };
     for config in [camera_of(SIZE, 1.4), CameraConfig::new(&table)] {
         let is_table = matches!(config.optics, Optics::Table(_));
-        // Of a table in blocks of 4 × 4, each slice has four rows.
+        // For a table in blocks of 4 × 4, each slice has four rows.
         let lines = if is_table { 4 } else { 1 };
         let slices: Vec<_> = (0..SIZE[1])
             .step_by(lines)
@@ -156,7 +156,7 @@ fn channels_agree() {
             for row in 0..SIZE[1] as usize {
                 let moment = if is_rolling { at(row / lines * lines) } else { once };
                 if row % if is_rolling { lines } else { SIZE[1] as usize } == 0 {
-                    // Checked below for as many rows as the moment lasts.
+                    // Checked below for the rows that the moment covers.
                     let last =
                         if is_rolling { (row + lines).min(SIZE[1] as usize) } else { SIZE[1] as usize };
                     let (range, normal, instance) =
@@ -225,7 +225,7 @@ fn same_bits_at_every_level() {
     }
 }
 
-/// Where the point of a pixel is seen at another moment, in double precision.
+/// The pixel that sees the point of another pixel at another moment, in double precision.
 fn flow_of(
     lens: &dyn Lens,
     pixel: DVec2,
@@ -241,7 +241,7 @@ fn flow_of(
 }
 
 #[test]
-fn flow_is_where_the_same_point_is_seen() {
+fn flow_leads_to_the_same_point() {
     let story = Story::new();
     let scene = story.builder.scene();
     let table = RayTableBuf::from_lens(SIZE[0], SIZE[1], &fisheye()).unwrap();
@@ -253,7 +253,7 @@ fn flow_is_where_the_same_point_is_seen() {
         world_from_sensor: Story::sensor(time),
         world_from_instance: poses,
     };
-    // The poses live as long as the test.
+    // The poses are leaked, so that they live as long as the test.
     let [now, before, after] = [now, before, after].map(|poses| &*poses.leak());
     let rows = SIZE[1];
     let rolling_poses: Vec<Vec<Pose>> =
@@ -298,11 +298,11 @@ fn flow_is_where_the_same_point_is_seen() {
                     compared += 1;
                 }
             }
-            // The row of the other frame at which the point is seen, and the row's own moment: both at once.
+            // The row of the other frame at which the point is seen, and the moment of that row, at the same time.
             let seen = DVec2::new(rolled.flow[ray][0].into(), rolled.flow[ray][1].into());
             let row = (seen.y + pixel.y + 0.5).floor();
             if !seen.is_nan() && (0.0..f64::from(rows)).contains(&row) {
-                // A point between two rows may have crossed over between their moments: either's will do.
+                // A point between two rows may have crossed over between their moments; either row is accepted.
                 let rows = (row as usize).saturating_sub(1)..(row as usize + 2).min(rolling.len());
                 let off = |row: usize| {
                     let at = &rolling[row].at;
@@ -318,7 +318,7 @@ fn flow_is_where_the_same_point_is_seen() {
 }
 
 #[test]
-fn boxes_are_those_of_the_pixels_and_hold_them_in_space() {
+fn seen_boxes_match_the_pixels_and_the_bounds_of_instances() {
     let story = Story::new();
     let scene = story.builder.scene();
     let moment = story.builder.moment(Story::sensor(0.0));
@@ -339,7 +339,7 @@ fn boxes_are_those_of_the_pixels_and_hold_them_in_space() {
             expected.min = [expected.min[0].min(x), expected.min[1].min(y)];
             expected.max = [expected.max[0].max(x), expected.max[1].max(y)];
             expected.pixels += 1;
-            // The point itself, in the thing's own axes.
+            // The point itself, in the axes of the object.
             let optical = lens.unproject(DVec2::new(x.into(), y.into())).unwrap();
             let ahead = optical / optical.z * f64::from(known.depth[ray]);
             let in_world = moment.world_from_sensor.transform_point(DVec3::new(ahead.z, -ahead.x, -ahead.y));
@@ -355,7 +355,7 @@ fn boxes_are_those_of_the_pixels_and_hold_them_in_space() {
 }
 
 #[test]
-fn what_is_missing_is_named() {
+fn errors_name_what_is_missing() {
     let story = Story::new();
     let scene = story.builder.scene();
     let moment = story.builder.moment(Pose::IDENTITY);

@@ -1,6 +1,6 @@
 //! No ray slips between the triangles of a closed mesh.
 //!
-//! Two million rays, or with `BELVEDERE_FULL=1` in the environment a hundred million: for release builds.
+//! Two million rays, or with `BELVEDERE_FULL=1` in the environment a hundred million, for release builds.
 
 use crate::common::exactness::{Dice, geosphere};
 use crate::common::random::is_full;
@@ -28,7 +28,7 @@ fn no_beam_of_a_lidar_escapes() {
     let turned = Pose::from_xyz_rpy(DVec3::new(3.0, -1.0, 2.0), DVec3::new(0.3, 0.7, -1.9));
     let ball = add_grey(&mut builder, Shape::Mesh(mesh), Pose::IDENTITY);
     for (world_from_ball, place) in [
-        // From the middle of an upright ball many beams run right along edges and into corners.
+        // From the centre of an upright ball, many beams run exactly along edges and into corners.
         (Pose::IDENTITY, DVec3::ZERO),
         (Pose::IDENTITY, DVec3::new(0.1, 0.0, 0.0)),
         (turned, DVec3::ZERO),
@@ -46,13 +46,13 @@ fn no_beam_of_a_lidar_escapes() {
     }
 }
 
-/// Rays to cast in all.
+/// The total number of rays to cast.
 fn wanted() -> usize {
     if is_full() { 100_000_000 } else { 2_000_000 }
 }
 
-/// Origins within half the radius of the ball: its centre and places on its axes and planes of symmetry, where
-/// rays run along edges and into corners, and at random.
+/// Origins within half the radius of the ball: its centre, points on its axes and planes of symmetry, where rays run
+/// along edges and into corners, and random points.
 fn place(dice: &mut Dice, index: usize) -> DVec3 {
     let at = dice.cube() * 0.28;
     match index % 8 {
@@ -66,7 +66,7 @@ fn place(dice: &mut Dice, index: usize) -> DVec3 {
     }
 }
 
-/// The ball in several sizes and places.
+/// The ball in several sizes and positions.
 fn balls() -> Vec<(SceneBuilder, Pose, f64)> {
     let mut all = Vec::new();
     for (rounds, size, pose) in [
@@ -88,7 +88,7 @@ fn balls() -> Vec<(SceneBuilder, Pose, f64)> {
 
 fn all_inside(what: &str, distances: &[f32], size: f64) {
     for (ray, &distance) in distances.iter().enumerate() {
-        // In a pinhole's plane of pixels a ray is longer than 1; its distance is measured along it all the same.
+        // In a pinhole, the direction of a ray is longer than 1; its distance is measured along it nevertheless.
         let inside = (0.3 * size..1.6 * size).contains(&f64::from(distance));
         assert!(inside, "{what}, ray {ray}: {distance} in a ball of {size} m");
     }
@@ -135,7 +135,7 @@ fn no_ray_of_a_grid_escapes() {
         };
         let grid = match index % 4 {
             0 => Optics::Pinhole(PinholeGrid::from_fov(256, 256, 2.0).unwrap()),
-            // A ring, then an arc that ends where it begins, then lines of single beams.
+            // A full ring, then an arc that ends where it begins, then lines of single beams.
             1 => sphere(512, 129, TAU / 512.0),
             2 => sphere(257, 181, TAU / 256.0),
             _ => sphere(2048, 17, TAU / 2048.0),
@@ -163,7 +163,7 @@ fn no_single_ray_escapes() {
         let (mut origins, mut directions) = (Vec::new(), Vec::new());
         for ray in 0..BATCH {
             let origin = place(&mut dice, ray) * *size;
-            // One in four aims right at a corner of the coarsest ball, which all of them have.
+            // One ray in four is aimed exactly at a corner of the coarsest ball, which all balls have.
             let direction = match ray % 4 {
                 0 => {
                     let [x, y, z] = corners[ray / 4 % corners.len()].map(f64::from);

@@ -1,8 +1,8 @@
-//! Things alike, counted.
+//! Lists of words with counts.
 
 use crate::description::model::Model;
 
-/// How many fiducials of each family a model has, if it has any.
+/// Returns the number of a model's fiducials of each family, if it has any.
 pub(super) fn fiducials(model: &Model) -> Option<String> {
     let visuals = model.links.iter().flat_map(|link| &link.visuals);
     let families: Vec<_> =
@@ -10,7 +10,7 @@ pub(super) fn fiducials(model: &Model) -> Option<String> {
     (!families.is_empty()).then(|| counted(&families))
 }
 
-/// Words in order, those alike counted where the first of them stands.
+/// Joins words in the order of their first occurrence, with a count for each word that is repeated.
 pub(super) fn counted(words: &[String]) -> String {
     let mut groups: Vec<(&str, usize)> = Vec::new();
     for word in words {
@@ -31,7 +31,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn words_alike_are_counted() {
+    fn repeated_words_are_counted() {
         assert_eq!(counted(&["a", "b", "a"].map(str::to_owned)), "2 × a, b");
     }
 }

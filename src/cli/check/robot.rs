@@ -1,4 +1,4 @@
-//! A robot: the tree of its links, its sensors, its base.
+//! The report on a robot: the tree of its links, its sensors, its base.
 
 use super::counted::fiducials;
 use super::streams::Streams;
@@ -11,7 +11,7 @@ use crate::rig::sensor_report::sensor_report;
 use crate::robot::drives;
 use crate::server::commands;
 
-/// Reports a robot with this number in the simulation and this namespace.
+/// Returns the report on a robot, which has this number in the simulation and this namespace.
 pub(super) fn report(
     robot: &Model,
     namespace: &str,
@@ -39,7 +39,7 @@ pub(super) fn report(
     lines
 }
 
-/// What the plugins of a model drive, tell and are told: its base, then all others.
+/// Returns the report on a model's plugins, with their topics: its base first.
 pub(super) fn parts(model: &Model, number: usize, streams: &Streams) -> Vec<String> {
     let base = drives::check(model).ok();
     let mut lines: Vec<String> =
@@ -58,7 +58,7 @@ pub(super) fn parts(model: &Model, number: usize, streams: &Streams) -> Vec<Stri
     lines
 }
 
-/// What the base tells and is told.
+/// Returns the report on the base: its streams, its command topics and its odometry.
 fn base_report(plugin: &BasePlugin, number: usize, streams: &Streams) -> Vec<String> {
     let mut lines = vec![format!("base {} ({})", plugin.drive.name(), plugin.source)];
     lines.extend(streams.of_part(number, Part::Base));
@@ -76,12 +76,12 @@ fn base_report(plugin: &BasePlugin, number: usize, streams: &Streams) -> Vec<Str
     lines
 }
 
-/// The links by their joints, drawn with lines: each link once, also where joints of an SDF model close a loop.
+/// Draws the tree of links. Each link is expanded once, even if joints of an SDF model close a loop.
 fn tree(model: &Model) -> Vec<String> {
     let (mut lines, mut shown) = (Vec::new(), vec![false; model.links.len()]);
     let is_root = |link: &LinkIndex| model.joint_above(*link).is_none();
     let links = || 0..model.links.len();
-    // What no root leads to lies on a loop.
+    // Links that cannot be reached from a root are part of a loop.
     for link in links().filter(is_root).chain(links()) {
         if !std::mem::replace(&mut shown[link], true) {
             lines.push(link_line(model, link));
@@ -91,7 +91,7 @@ fn tree(model: &Model) -> Vec<String> {
     lines
 }
 
-/// The joints below a link; those that end at a link which is `shown` already say so, and end there.
+/// Adds the joints below a link. A branch ends with a remark at a link that is already `shown`.
 fn branch(model: &Model, parent: LinkIndex, indent: &str, shown: &mut [bool], lines: &mut Vec<String>) {
     let below: Vec<&Joint> = model.joints.iter().filter(|joint| joint.parent == parent).collect();
     for (number, joint) in below.iter().enumerate() {
@@ -139,7 +139,7 @@ mod tests {
     use crate::description::{Diagnostics, Rules};
 
     #[test]
-    fn joints_that_close_loops_end_where_they_began() {
+    fn a_joint_that_closes_a_loop_ends_its_branch() {
         let joint = |parent: &str, child: &str| {
             format!(
                 "<joint name='{parent}{child}' type='fixed'><parent>{parent}</parent><child>{child}</child></joint>"

@@ -1,9 +1,9 @@
-//! The streams of a simulation, by the parts of its models.
+//! The streams of a simulation, grouped by the parts of its models.
 
 use crate::rig::report::stream_lines;
 use crate::rig::{Outlet, Part, Rig};
 
-/// The streams that a simulation has; unknown of a file with errors.
+/// The streams of a simulation; unknown if its files have errors.
 pub(super) struct Streams(Option<Rig>);
 
 impl Streams {
@@ -15,7 +15,7 @@ impl Streams {
         Self(None)
     }
 
-    /// Lines that tell the streams of a part of a model, by the model's number in the world.
+    /// Returns the lines about the streams of one part of the model with this number in the world.
     pub(super) fn of_part(&self, model: usize, part: Part) -> Vec<String> {
         let Some(rig) = &self.0 else {
             return vec!["  publishes    not known: the file has errors".into()];

@@ -1,4 +1,4 @@
-//! A world: its physics, lights and models.
+//! The report on a world: its physics, lights and models.
 
 use super::counted::{counted, fiducials};
 use super::robot::{joint_kind, parts};

@@ -1,4 +1,4 @@
-//! A file that is to be spawned: its text, or what it is instead of a model's file.
+//! Reads a file that is to be spawned, and explains files of kinds that cannot be spawned.
 
 use crate::cli::error::CliError;
 use crate::description::load::robot_names;
@@ -8,14 +8,14 @@ use std::ffi::OsStr;
 use std::io;
 use std::path::Path;
 
-/// What the files of shapes end in.
+/// File extensions of meshes.
 const MESHES: [&str; 8] = ["dae", "fbx", "glb", "gltf", "obj", "ply", "stl", "usd"];
 
-/// The text of a URDF file without xacro, or an SDF file.
+/// Reads a URDF file without xacro, or an SDF file.
 ///
 /// # Errors
-/// [`CliError::Input`] if it cannot be read; [`CliError::NotSpawned`] with what it is and what to do, if it is a xacro, a
-/// mesh, or the name of a robot.
+/// [`CliError::Input`] if the file cannot be read; [`CliError::NotSpawned`] with a remedy if it is a xacro, a mesh, or
+/// the name of a robot.
 pub(super) fn read(file: &Path) -> Result<String, CliError> {
     let refused = |what: &str, remedy: String| CliError::NotSpawned {
         path: file.to_owned(),
@@ -40,10 +40,10 @@ pub(super) fn read(file: &Path) -> Result<String, CliError> {
         }
         CliError::Input { path: file.to_owned(), source }
     })?;
-    // What is wrong with it otherwise, the simulator says.
+    // The simulator reports everything else that may be wrong with the file.
     let is_xacro = ends_in == "xacro" || Element::parse(&text, file).is_ok_and(|root| has_xacro(&root));
     if is_xacro {
-        let remedy = format!("spawn what it expands to: belvedere urdf {shown} > robot.urdf");
+        let remedy = format!("spawn its expansion: belvedere urdf {shown} > robot.urdf");
         return Err(refused("a xacro", remedy));
     }
     Ok(text)

@@ -1,4 +1,4 @@
-//! What a simulation can be told to do, and the command that is sent for it.
+//! The orders that change a simulation, and the command that is sent for each.
 
 use super::model_file;
 use crate::cli::error::CliError;
@@ -7,71 +7,71 @@ use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Operation, Text};
 use std::path::PathBuf;
 
-// Its doc comment would be shown as the help text of `belvedere control`.
+// A doc comment here would appear as the help text of `belvedere control`.
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 #[derive(Clone, Debug, clap::Subcommand)]
 pub(super) enum Order {
-    /// Let simulated time stand
+    /// Pause simulated time
     Pause,
-    /// Let simulated time go on
+    /// Resume simulated time
     Resume,
-    /// Run some steps of physics, with all that is published on the way, then pause
+    /// Run a number of physics steps, with everything that is published meanwhile, then pause
     Step {
-        /// How many
+        /// Number of steps
         #[arg(default_value_t = 1, value_parser = clap::value_parser!(u64).range(1..))]
         steps: u64,
     },
-    /// Begin again at time 0: the bytes of a fresh start follow
+    /// Restart at time 0; the streams then have the same bytes as after a fresh start
     Reset,
-    /// Put every model back to where it was at the start, at rest; time goes on
+    /// Put every model back to its start pose, at rest; time continues
     ResetWorld,
-    /// Move a model; it is at rest then
+    /// Move a model and stop its motion
     Move {
-        /// Its name, as `belvedere control states` gives it
+        /// Name of the model, as listed by `belvedere control states`
         model: String,
-        /// Where, in metres, and its heading in degrees, counter-clockwise seen from above
+        /// Position in metres, and heading in degrees, counter-clockwise seen from above
         #[arg(value_name = PLACE, allow_hyphen_values = true)]
         pose: Place,
-        /// The frame that this is given in: a model, MODEL::LINK or world
+        /// Reference frame of the pose: a model, MODEL::LINK or world
         #[arg(long, value_name = "FRAME", default_value = "world")]
         relative_to: String,
     },
-    /// Put a model into the world, with its base and its sensors: a URDF file without xacro, or an SDF file with one
+    /// Add a model to the world, with its base and its sensors: a URDF file without xacro, or an SDF file with one
     /// <model>
     Spawn {
         /// The file
         file: PathBuf,
-        /// What it is to be called [default: its namespace, or else its own name]
+        /// Name of the new model [default: its namespace, or else the name in the file]
         #[arg(long, value_name = "NAME")]
         name: Option<String>,
-        /// Stands before its topics and frames, as in /NAMESPACE/scan [default: none]
+        /// Prefix of its topics and frames, as in /NAMESPACE/scan [default: none]
         #[arg(long, value_name = "NAMESPACE")]
         namespace: Option<String>,
-        /// Where, in metres, and its heading in degrees
+        /// Position in metres, and heading in degrees
         #[arg(long, value_name = PLACE, allow_hyphen_values = true, default_value = "0,0")]
         pose: Place,
-        /// The frame that this is given in: a model, MODEL::LINK or world
+        /// Reference frame of the pose: a model, MODEL::LINK or world
         #[arg(long, value_name = "FRAME", default_value = "world")]
         relative_to: String,
     },
-    /// Take a model out of the world
+    /// Remove a model from the world
     Delete {
-        /// Its name, as `belvedere control states` gives it
+        /// Name of the model, as listed by `belvedere control states`
         name: String,
     },
-    /// Change settings of a sensor from its next frame on; all of them, or none if one is refused
+    /// Change settings of a sensor from its next frame on; if one is refused, none is changed
     Configure {
-        /// Its name, as `belvedere control settings` gives it, or a topic that it sends
+        /// Name of the sensor, as listed by `belvedere control settings`, or one of its topics
         sensor: String,
-        /// What is to be changed, such as update_rate=15; noise_mean and noise_stddev are in metres for a lidar, and for
-        /// a camera of colours in [0, 1]; exposure is a factor of the light
+        /// New values, such as update_rate=15. noise_mean and noise_stddev are in metres for a lidar, and in colour
+        /// units from 0 to 1 for a camera; exposure multiplies the light
         #[arg(value_name = "SETTING=VALUE", required = true)]
         settings: Vec<String>,
     },
 }
 
 impl Order {
-    /// What it is called on the command line.
+    /// Returns the order's name on the command line.
     pub(super) fn word(&self) -> &'static str {
         match self {
             Self::Pause => "pause",
@@ -100,7 +100,7 @@ impl Order {
         }
     }
 
-    /// What to send, and its text.
+    /// Returns the command to send, and its text.
     pub(super) fn command(&self) -> Result<(SimulationCommand, String), CliError> {
         let mut command = SimulationCommand::new(self.operation());
         let mut text = String::new();
@@ -129,10 +129,10 @@ impl Order {
         Ok((command, text))
     }
 
-    /// Why the simulator refused it: what is wrong with the text of a file is told with the file's name.
+    /// Returns the simulator's reason for a refusal. A problem in a spawned file is reported with the file's name.
     pub(super) fn refusal(&self, command: &SimulationCommand, reason: &str) -> String {
         let Self::Spawn { file, .. } = self else { return reason.to_owned() };
-        // The simulator knows the text by the model's name at most.
+        // The simulator does not know the file's name: it reports the model's name, or "text" if no name was given.
         let known = if command.name.as_str().is_empty() { "text" } else { command.name.as_str() };
         let place = reason.strip_prefix(known).and_then(|rest| rest.strip_prefix(':'));
         match place.filter(|place| place.starts_with(|first: char| first.is_ascii_digit())) {

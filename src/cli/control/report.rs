@@ -1,4 +1,4 @@
-//! What is printed of a simulation from what it tells anyway: nothing is sent for it.
+//! Reports that are printed from published streams, without sending a command.
 
 use super::GlobalArgs;
 use crate::cli::error::CliError;
@@ -9,28 +9,28 @@ use belvedere_bridge::{Node, StreamSpec};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-// Its doc comment would be shown as the help text of `belvedere control`.
+// A doc comment here would appear as the help text of `belvedere control`.
 #[derive(Clone, Copy, Debug, clap::Subcommand)]
 pub(super) enum Report {
-    /// Print the settings of every sensor, and what they may be
+    /// Print the settings of every sensor, and their limits
     Settings {
-        /// Print one JSON object a line
+        /// Print one JSON object per line
         #[arg(long)]
         json: bool,
     },
-    /// Print where every model is
+    /// Print the pose and speed of every model
     States {
-        /// Every link, too
+        /// Print every link as well
         #[arg(long)]
         links: bool,
-        /// Print one JSON object a line
+        /// Print one JSON object per line
         #[arg(long)]
         json: bool,
     },
 }
 
 impl Report {
-    /// Prints it.
+    /// Prints the report.
     pub(super) fn print(self, node: &Node, global: &GlobalArgs) -> Result<(), CliError> {
         match self {
             Self::Settings { json } => settings(node, global, json),
@@ -66,7 +66,7 @@ fn settings(node: &Node, global: &GlobalArgs, json: bool) -> Result<(), CliError
     Ok(())
 }
 
-/// Prints the first states that come.
+/// Prints the first states that arrive.
 fn states(node: &Node, global: &GlobalArgs, links: bool, json: bool) -> Result<(), CliError> {
     let topic = if links { StreamSpec::LINK_STATES } else { StreamSpec::MODEL_STATES };
     let states: Vec<ModelState> = first(node, topic, global.timeout)?.ok_or_else(|| global.no_answer())?;

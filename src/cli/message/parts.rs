@@ -1,4 +1,4 @@
-//! What many messages have in them, named and nested as ROS does.
+//! Parts that many messages share, named and nested as in ROS.
 
 use super::tree::Tree::{self, List, Map, Number, Text, Whole};
 
@@ -29,7 +29,7 @@ pub(super) fn twist(linear: [f64; 3], angular: [f64; 3]) -> Tree {
     Map(vec![("linear", xyz(linear)), ("angular", xyz(angular))])
 }
 
-/// A stamp as ROS splits it, exact to the nanosecond.
+/// Splits a timestamp into seconds and nanoseconds, as ROS does.
 pub(super) fn seconds(ns: u64) -> Tree {
     Map(vec![("secs", Whole(ns / 1_000_000_000)), ("nsecs", Whole(ns % 1_000_000_000))])
 }

@@ -1,4 +1,4 @@
-//! What a robot says of itself: where it is, how its parts stand to each other, what its base feels.
+//! Messages about a robot's state: odometry, transforms, joints, and the events and sensors of its base.
 
 use super::parts::{Entries, array, pose, text, twist, xyz, xyzw};
 use super::tree::Tree::{self, List, Map, Number, Whole};
@@ -47,7 +47,7 @@ pub(super) fn joints(frame: &FrameView<'_>) -> Option<Entries> {
     ])
 }
 
-/// Numbers as they are, with a word for each: what a bumper's 1 is, is a cliff sensor's something else.
+/// Shows an event with names for its numbers; the name of a state depends on the source.
 pub(super) fn event(event: &RobotEvent) -> Entries {
     let (source, states) = match event.source {
         RobotEvent::BUMPER => ("bumper", ["released", "pressed"]),

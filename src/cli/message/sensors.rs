@@ -1,4 +1,4 @@
-//! What sensors measure: pictures, scans, clouds, and what belongs to them.
+//! Messages of sensors: images, scans, clouds, inertial and other measurements.
 
 use super::parts::{Entries, array, text, xyz, xyzw};
 use super::tree::Tree::{self, Flag, List, Map, Number, Text, Whole};
@@ -29,7 +29,7 @@ pub(super) fn image(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
     ])
 }
 
-/// The name that `sensor_msgs` has for it: `32fc1` is `32FC1` there, `rgb8` is `rgb8`.
+/// Returns the encoding's name in `sensor_msgs`: `32fc1` is `32FC1` there, `rgb8` stays `rgb8`.
 fn ros_encoding(encoding: Encoding) -> Tree {
     let name = encoding.as_str();
     Text(if name.starts_with(|first: char| first.is_ascii_digit()) {
@@ -97,7 +97,7 @@ fn coloured([x, y, z, _, rgb]: [f32; 5]) -> Tree {
     ])
 }
 
-/// A number in a point, at a byte of it.
+/// Reads a number in a point at a byte offset.
 fn at<T: bytemuck::AnyBitPattern>(point: &[u8], at: usize) -> T {
     bytemuck::pod_read_unaligned(&point[at..at + size_of::<T>()])
 }
@@ -208,14 +208,14 @@ fn pixels(header: &FrameHeader) -> usize {
     header.width as usize * header.height as usize
 }
 
-/// The payload as it is.
+/// Shows the payload as bytes.
 pub(super) fn bytes(frame: &FrameView<'_>, limit: usize) -> Tree {
     let payload = frame.payload();
     let shown = payload.iter().take(limit).map(|&byte| Whole(byte.into())).collect();
     List(shown, payload.len().saturating_sub(limit))
 }
 
-/// Vectors, a list each.
+/// Shows an array of vectors, each as a list.
 fn vectors<const N: usize>(frame: &FrameView<'_>, limit: usize) -> Tree
 where
     [f32; N]: bytemuck::Pod,

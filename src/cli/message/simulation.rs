@@ -1,4 +1,4 @@
-//! Control of a simulation: commands, answers, states of models, settings of sensors.
+//! Messages that control a simulation: commands, results, states of models, settings of sensors.
 
 use super::parts::{Entries, pose, seconds, text, twist};
 use super::tree::Tree::{self, Flag, List, Map, Number, Whole};
@@ -40,7 +40,7 @@ pub(super) fn model_state(state: &ModelState) -> Tree {
     ])
 }
 
-/// What a sensor has not is left out.
+/// Settings that a sensor does not have are omitted.
 pub(in crate::cli) fn sensor_settings(sensor: &SensorSettings) -> Tree {
     let topics = sensor.topics().map(text).collect();
     let entries = [("name", text(sensor.name.as_str())), ("topics", List(topics, 0))];

@@ -10,7 +10,7 @@ pub enum Tree {
     Whole(u64),
     /// A number; may be NaN or infinite.
     Number(f64),
-    /// Yes or no.
+    /// True or false.
     Flag(bool),
     /// Text.
     Text(String),
@@ -23,8 +23,8 @@ pub enum Tree {
 use Tree::{Flag, List, Map, Number, Text, Whole};
 
 impl Tree {
-    /// As JSON, which has no NaN (null here) and no infinities (text here). A shortened array ends in a text that
-    /// says so.
+    /// Converts the tree to JSON. NaN becomes null and infinities become text, because JSON has neither. A shortened
+    /// array ends with a text that says so.
     #[must_use]
     pub fn to_json(&self) -> Value {
         match self {
@@ -51,7 +51,7 @@ impl Tree {
         match self {
             Map(entries) => {
                 for (index, (name, value)) in entries.iter().enumerate() {
-                    // The first name after "- " stands on that line.
+                    // The first name after "- " is on the same line.
                     let pad = if index == 0 { 0 } else { indent };
                     write!(f, "{:pad$}{name}:", "")?;
                     match value {

@@ -1,4 +1,4 @@
-//! What is true of the things in a picture.
+//! Ground truth about the objects in an image.
 
 use super::parts::{array, pose, text, xyz};
 use super::tree::Tree::{self, List, Map, Whole};

@@ -1,26 +1,25 @@
-//! The table of streams, in as many columns and rows as there are.
+//! The table of streams, fitted to the size of the terminal.
 
 use std::fmt::Write as _;
 
-/// A stream's line.
+/// The line of a stream.
 pub(super) struct Row {
     pub(super) topic: String,
     pub(super) cells: [String; HEADINGS.len()],
-    /// Whether nobody follows it and it sends nothing: it is left out first.
+    /// True if the stream has no subscribers and sends nothing. Idle streams are omitted first.
     pub(super) is_idle: bool,
 }
 
-/// What the cells are, and how wide; in a narrow terminal the last ones are left out first. Rates are those of simulated
-/// time.
+/// Headings and widths of the cells. In a narrow terminal the last ones are omitted first. Rates are in simulated time.
 const HEADINGS: [(&str, usize); 5] =
     [("RATE Hz", 8), ("ASKED Hz", 8), ("SUBS", 4), ("DROPPED", 7), ("FRAME ms", 8)];
 
-/// Characters that a topic has at least, before cells are left out for it.
+/// Shortest width of the topic column, before cells are omitted in favour of it.
 const SHORTEST_TOPIC: usize = 16;
 
-/// Lines that fit into a terminal of so many columns and rows, with the cursor below them.
+/// Returns the lines of the table for a terminal of this size, with the cursor below them.
 pub(super) fn table(rows: &[Row], total: &str, columns: usize, height: usize) -> Vec<String> {
-    // A full line would leave the cursor at its end instead of below it.
+    // A line of full width would leave the cursor at its end instead of below it.
     let width = columns.saturating_sub(1);
     let shown = fitting(rows, height);
     let taken = |cells: usize| HEADINGS[..cells].iter().map(|(_, width)| width + 1).sum::<usize>();
@@ -45,9 +44,9 @@ pub(super) fn table(rows: &[Row], total: &str, columns: usize, height: usize) ->
     lines
 }
 
-/// The rows that there is room for, those that are idle last, in their order.
+/// Returns the rows that fit, in their order; idle ones are omitted first.
 fn fitting(rows: &[Row], height: usize) -> Vec<&Row> {
-    // The heading, the total, and the cursor; and a line on what is left out.
+    // Lines for the heading, the total and the cursor. If rows are omitted, a line reports how many.
     let room = height.saturating_sub(3);
     if rows.len() <= room {
         return rows.iter().collect();
@@ -59,7 +58,7 @@ fn fitting(rows: &[Row], height: usize) -> Vec<&Row> {
     places.into_iter().map(|place| &rows[place]).collect()
 }
 
-/// A topic in so many characters: its namespace and its last words tell streams apart, what is between them is left out.
+/// Shortens a topic in the middle, because its namespace and its last words distinguish streams.
 fn shortened(topic: &str, width: usize) -> String {
     let length = topic.chars().count();
     if length <= width {
@@ -71,7 +70,7 @@ fn shortened(topic: &str, width: usize) -> String {
     topic.chars().take(begin).chain(['…']).chain(end).take(width).collect()
 }
 
-/// The beginning of a line.
+/// Cuts a line off at this width.
 fn cut(line: &str, width: usize) -> String {
     line.chars().take(width).collect()
 }
@@ -113,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn streams_without_room_are_summed_up_and_idle_ones_go_first() {
+    fn streams_that_do_not_fit_are_counted_and_idle_ones_are_omitted_first() {
         let rows = rows(&["/a", "/b", "/c", "/d", "/e", "/f"]);
         let topics = |height| {
             let lines = table(&rows, "total", 80, height);

@@ -1,4 +1,4 @@
-//! Instances as COCO has them: one JSON of images, categories, and annotations with boxes and masks.
+//! Exports instances in COCO format: one JSON file of images, categories, and annotations with boxes and masks.
 
 use super::{Shot, data_of, find_sensor, for_each_shot, make_folder, write_if_other};
 use crate::dataset::{DatasetError, Folder, Making, Plan, SensorPlan};
@@ -36,7 +36,7 @@ struct Category {
 
 #[derive(Serialize)]
 struct Annotation {
-    /// From 1: the evaluation takes 0 for none.
+    /// Starts at 1, because COCO's evaluation treats 0 as none.
     id: u64,
     image_id: u64,
     category_id: u32,
@@ -47,7 +47,7 @@ struct Annotation {
     segmentation: Mask,
 }
 
-/// Run lengths along the columns, the first of pixels that are not of it.
+/// Run lengths along the columns, starting with pixels outside the mask.
 #[derive(Debug, PartialEq, Eq, Serialize)]
 struct Mask {
     /// Height and width.
@@ -55,7 +55,7 @@ struct Mask {
     counts: Vec<u32>,
 }
 
-/// The sensor of this name, if the plan has it with labels and the channel of instances.
+/// Returns the sensor with this name, if the plan has it with labels and the instance channel.
 ///
 /// # Errors
 /// [`DatasetError::NoExport`].
@@ -63,11 +63,11 @@ pub fn check_coco<'a>(plan: &'a Plan, sensor: &str) -> Result<&'a SensorPlan, Da
     find_sensor(plan, sensor, &["instance"])
 }
 
-/// Writes the pictures of a sensor and `instances.json` into a folder; gives the JSON's file. Objects of an image are those
-/// of its labels, their masks from the channel of instances, categories in the order of their names.
+/// Writes the images of a sensor and `instances.json` to a folder, and returns the path of the JSON file. Objects of an
+/// image come from its labels, their masks from the instance channel. Categories are in the order of their names.
 ///
 /// # Errors
-/// When the plan's sensor has no labels or no instances, a shard cannot be read or a file not be written.
+/// If the plan's sensor has no labels or no instance channel, a shard cannot be read, or a file cannot be written.
 pub fn export_coco(
     plan: &Plan,
     folder: &Folder,
@@ -119,12 +119,12 @@ pub fn export_coco(
     Ok(path)
 }
 
-/// The numbers of a channel of instances.
+/// Returns the numbers in an instance channel.
 fn instances(npy: &[u8]) -> Vec<u32> {
     data_of(npy).as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect()
 }
 
-/// The mask of the pixels that show one of these instances.
+/// Returns the mask of the pixels that show one of these instances.
 fn mask(instance: &[u32], [width, height]: [u32; 2], of: &BTreeSet<u32>) -> Mask {
     let mut counts = vec![0];
     let mut is_inside = false;

@@ -1,4 +1,4 @@
-//! Objects as KITTI's benchmark of detection has them: pictures, a line of text an object, calibrations.
+//! Exports objects in the format of KITTI's detection benchmark: images, a line of text for each object, calibrations.
 
 use super::{Shot, data_of, find_sensor, for_each_shot, make_folder, write_if_other};
 use crate::dataset::labels::{IntrinsicsJson, ObjectJson, optical_from_world};
@@ -9,16 +9,17 @@ use glam::{DVec2, DVec3};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Corners nearer than this are taken for as far, in metres: what is beside or behind has no picture.
+/// Least depth of a corner in metres. Nearer corners are moved there, because points beside or behind the camera have
+/// no projection.
 const NEAR_M: f64 = 0.01;
 
-/// Bytes of a point of [`VELODYNE`]'s, which begins with x, y, z and intensity.
+/// Bytes of a point in the encoding [`VELODYNE`], which starts with x, y, z and intensity.
 const POINT: usize = 22;
-/// Clouds as Velodyne's driver sends them.
+/// The encoding of clouds as Velodyne's driver sends them.
 const VELODYNE: &str = "xyzirt_f32";
 
-/// The camera of this name, if the plan has it with labels, and the lidar if one is named. What its samples show, as that it
-/// is no pinhole, only the export finds.
+/// Returns the camera with this name, if the plan has it with labels, and the lidar too if one is named. Whether the
+/// camera is a pinhole is known only from its samples, so only the export checks that.
 ///
 /// # Errors
 /// [`DatasetError::NoExport`].
@@ -35,15 +36,15 @@ pub fn check_kitti<'a>(
     Ok(camera)
 }
 
-/// Writes `training/image_2`, `label_2` and `calib` of a pinhole camera into a folder, and `velodyne` of a lidar if one is
-/// named; gives `training`.
+/// Writes `training/image_2`, `label_2` and `calib` of a pinhole camera to a folder, and `velodyne` of a lidar if one
+/// is named; returns the path of `training`.
 ///
-/// KITTI's boxes stand upright in the camera's frame: of those that do not, the yaw is that of their forward axis. How much
-/// of a thing is hidden is not known: `occluded` is 3.
+/// KITTI's boxes are upright in the camera's frame. If an object's box is not, its yaw is that of its forward axis. The
+/// hidden share of an object is not known, so `occluded` is 3.
 ///
 /// # Errors
-/// When the plan's camera has no labels or is no pinhole, the lidar sends no clouds of Velodyne's layout, a shard cannot be
-/// read or a file not be written.
+/// If the plan's camera has no labels or is not a pinhole, the lidar sends no clouds in Velodyne's layout, a shard
+/// cannot be read, or a file cannot be written.
 pub fn export_kitti(
     plan: &Plan,
     folder: &Folder,
@@ -63,7 +64,7 @@ pub fn export_kitti(
         let pinhole = known.intrinsics.as_ref().filter(|lens| is_pinhole(lens));
         let Some(pinhole) = pinhole else {
             let what = format!(
-                "the sensor '{}' is no pinhole, and KITTI knows no other; choose another",
+                "the sensor '{}' is not a pinhole camera, which KITTI requires; choose another",
                 sensor.name
             );
             return Err(DatasetError::NoExport { what });
@@ -84,7 +85,7 @@ pub fn export_kitti(
     Ok(training)
 }
 
-/// Whether the projection of a lens is x/z: coefficients that are 0 make a pinhole of ROS's two models of one alone.
+/// Returns true if the projection of a lens is x/z. Coefficients of 0 mean that only in ROS's two pinhole-based models.
 fn is_pinhole(lens: &IntrinsicsJson) -> bool {
     let models =
         [DistortionModel::PlumbBob, DistortionModel::RationalPolynomial].map(DistortionModel::as_str);
@@ -92,13 +93,14 @@ fn is_pinhole(lens: &IntrinsicsJson) -> bool {
         && lens.distortion.iter().all(|k| *k == 0.0)
 }
 
-/// Type, truncated, occluded, alpha, the box in the picture, height, width and length, place, yaw.
+/// Returns an object's line: type, truncated, occluded, alpha, the box in the image, height, width and length,
+/// position, yaw.
 fn line(object: &ObjectJson, lens: &IntrinsicsJson, size: DVec2) -> String {
     let optical_from_box = object.optical_from_box.pose();
     let [length, width, height] = object.size;
     let forward = optical_from_box.transform_vector(DVec3::X);
     let yaw = libm::atan2(-forward.z, forward.x);
-    // The middle of the bottom.
+    // The centre of the bottom.
     let place = optical_from_box.transform_point(DVec3::NEG_Z * height / 2.0);
     let alpha = wrapped(yaw - libm::atan2(place.x, place.z));
     let [left, top, columns, rows] = object.bbox;
@@ -116,7 +118,7 @@ fn line(object: &ObjectJson, lens: &IntrinsicsJson, size: DVec2) -> String {
     text
 }
 
-/// The share of the box around the thing that is outside the picture, 0 to 1.
+/// Returns the share of the object's projected box that is outside the image, 0 to 1.
 fn truncated(object: &ObjectJson, optical_from_box: &Pose, lens: &IntrinsicsJson, size: DVec2) -> f64 {
     let half = DVec3::from_array(object.size) / 2.0;
     let mut extent = [DVec2::INFINITY, DVec2::NEG_INFINITY];
@@ -133,18 +135,18 @@ fn truncated(object: &ObjectJson, optical_from_box: &Pose, lens: &IntrinsicsJson
     if whole > 0.0 { 1.0 - area(inside) / whole } else { 0.0 }
 }
 
-/// To −π … π.
+/// Wraps an angle to −π … π.
 fn wrapped(angle: f64) -> f64 {
     angle - (angle / core::f64::consts::TAU).round() * core::f64::consts::TAU
 }
 
-/// Where a lidar is, and its points: x, y, z in metres and the reflectance, 0 to 1.
+/// Returns the pose of a lidar, and its points: x, y, z in metres and the reflectance, 0 to 1.
 fn cloud(shot: &Shot<'_>, name: &str) -> Result<(Pose, Vec<u8>), DatasetError> {
     let known = shot.sensors.get(name).filter(|known| known.encoding == VELODYNE);
     let npy = shot.files.get(&format!("{name}.npy"));
     let Some((known, npy)) = known.zip(npy) else {
         let what = format!(
-            "the sensor '{name}' sends no clouds as Velodyne's driver does, and KITTI knows no others; choose another"
+            "the sensor '{name}' does not send clouds in Velodyne's layout, which KITTI requires; choose another"
         );
         return Err(DatasetError::NoExport { what });
     };
@@ -157,7 +159,7 @@ fn cloud(shot: &Shot<'_>, name: &str) -> Result<(Pose, Vec<u8>), DatasetError> {
     Ok((known.world_from_sensor.pose(), bytemuck::cast_slice(&points).to_vec()))
 }
 
-/// One camera stands for all four.
+/// Returns the calibration. All four cameras get the same projection.
 fn calibration(lens: &IntrinsicsJson, optical_from_lidar: &Pose) -> String {
     let IntrinsicsJson { fx, fy, cx, cy, .. } = lens;
     let projection = format!("{fx:e} 0 {cx:e} 0 0 {fy:e} {cy:e} 0 0 0 1 0");
@@ -178,7 +180,7 @@ mod tests {
     use glam::DQuat;
 
     #[test]
-    fn a_pinhole_is_told_by_its_model_and_not_by_zeros() {
+    fn a_pinhole_is_recognized_by_its_model_and_not_by_zeros() {
         let lens = |model: Option<&str>, distortion: &[f64]| IntrinsicsJson {
             fx: 100.0,
             fy: 100.0,
@@ -205,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn a_car_ahead_that_drives_away_has_the_yaw_of_kittis() {
+    fn a_car_that_drives_away_ahead_has_kittis_yaw() {
         // 10 m ahead and 1 m below the camera, its x forward along the camera's z, its z up.
         let optical_from_box = glam::DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y);
         let object = ObjectJson {
@@ -235,7 +237,7 @@ mod tests {
             text,
             "a_car 0.00 3 -1.5708 10.00 20.00 14.00 25.00 1.5000 1.8000 4.0000 0.0000 1.7500 10.0000 -1.5708\n"
         );
-        // A picture whose right edge is its axis shows half of it.
+        // An image whose right edge is the optical axis shows half of the car.
         let lens = IntrinsicsJson { cx: 99.5, ..lens };
         let half = truncated(
             &object,

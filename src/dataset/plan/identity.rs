@@ -1,4 +1,5 @@
-//! What decides the bytes of a data set, so that a folder takes the shards of one plan only.
+//! [`Identity`]: everything that determines the bytes of a data set, so that a folder contains the shards of only one
+//! plan.
 
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
@@ -8,27 +9,27 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What decides the bytes of a data set.
+/// Everything that determines the bytes of a data set.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub(in crate::dataset) struct Identity {
     /// Name and version of this program.
     pub(in crate::dataset) generator: String,
     /// SHA-256 of the plan's text.
     pub(in crate::dataset) plan: String,
-    /// SHA-256 of every file that its worlds and its robot are made of, by its name below the plan's folder or that of a
-    /// package, so that the folders may lie elsewhere on another machine.
+    /// SHA-256 of every file that its worlds and its robot need. Names are relative to the plan's folder or that of a
+    /// package, so that these folders may be elsewhere on another machine.
     pub(in crate::dataset) files: BTreeMap<String, String>,
 }
 
 impl Identity {
-    /// That of a plan's text and of these files.
+    /// Returns the identity of a plan's text and these files.
     pub(super) fn new(text: &str, files: &BTreeSet<PathBuf>, roots: &[PathBuf]) -> Self {
         let mut named = BTreeMap::new();
         for file in files {
-            // What a file names and is not there, and what is there no more, has none.
+            // Missing files have an empty hash.
             let hash = fs::read(file).map(|bytes| hex(&Sha256::digest(bytes))).unwrap_or_default();
             let name = name_of(file, roots);
-            // Of two that are called the same, each keeps its whole name.
+            // If two files have the same relative name, the second gets its whole path.
             let name = if named.contains_key(&name) { file.to_string_lossy().into_owned() } else { name };
             named.insert(name, hash);
         }
@@ -39,7 +40,7 @@ impl Identity {
         }
     }
 
-    /// The files that are not as they are in another one.
+    /// Returns the files that differ from another identity.
     pub(in crate::dataset) fn changed<'a>(&'a self, other: &'a Self) -> Vec<&'a str> {
         let names: BTreeSet<&String> = self.files.keys().chain(other.files.keys()).collect();
         let differs = |name: &&String| self.files.get(*name) != other.files.get(*name);
@@ -47,13 +48,13 @@ impl Identity {
     }
 }
 
-/// Folders below which files keep their names wherever the folders are.
+/// Returns the folders to which names of files are relative.
 pub(super) fn roots(plan: &Path, packages: &PackagePath) -> Vec<PathBuf> {
     let folder = plan.parent().unwrap_or(Path::new(""));
     [folder].into_iter().chain(packages.folders()).flat_map(spellings).collect()
 }
 
-/// The pictures that cameras need, which are read later than all else.
+/// Returns the textures of cameras, which are read later than all other files.
 pub(super) fn pictures<'a>(
     worlds: &'a [World],
     robot: Option<&'a Model>,
@@ -63,7 +64,7 @@ pub(super) fn pictures<'a>(
     visuals.flat_map(|visual| visual.material.texture.iter().chain(&visual.material.normal_map))
 }
 
-/// A file's name below the first of the folders that it is in.
+/// Returns a file's name relative to the first of these folders that contains it.
 fn name_of(file: &Path, roots: &[PathBuf]) -> String {
     let below = spellings(file)
         .into_iter()
@@ -71,13 +72,13 @@ fn name_of(file: &Path, roots: &[PathBuf]) -> String {
     below.unwrap_or_else(|| file.to_path_buf()).to_string_lossy().into_owned()
 }
 
-/// A path as it was given, and without links.
+/// Returns an absolute path with and without symbolic links resolved.
 fn spellings(path: &Path) -> Vec<PathBuf> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     std::path::absolute(path).into_iter().chain(fs::canonicalize(path)).collect()
 }
 
-/// Bytes as hexadecimal digits.
+/// Returns bytes as hexadecimal digits.
 pub(in crate::dataset) fn hex(bytes: &[u8]) -> String {
     let digit = |value: u8| char::from_digit(u32::from(value), 16).unwrap_or_default();
     bytes.iter().flat_map(|byte| [digit(byte >> 4), digit(byte & 15)]).collect()

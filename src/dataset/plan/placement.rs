@@ -1,11 +1,11 @@
-//! Where the robot stands for the samples, if not listed: along a path, or anywhere in a region.
+//! Poses of the robot that are not listed: along a path, or random in a region.
 
 use crate::description::diagnostics::Source;
 use belvedere_sensors::Pose;
 use belvedere_sensors::noise::philox4x32;
 use glam::DVec3;
 
-/// Poses along a line through points, at equal distances, each looking along the line.
+/// Poses along a line through points, at equal distances, each facing along the line.
 #[derive(Debug, Clone)]
 pub(in crate::dataset) struct Route {
     points_m: Vec<DVec3>,
@@ -13,13 +13,13 @@ pub(in crate::dataset) struct Route {
 }
 
 impl Route {
-    /// None for fewer than two points or poses, or two equal points in a row.
+    /// Returns `None` for fewer than two points or poses, or two equal points in a row.
     pub(in crate::dataset) fn new(points_m: Vec<DVec3>, count: u64) -> Option<Self> {
         let is_way = points_m.len() > 1 && points_m.windows(2).all(|ends| ends[0] != ends[1]);
         (is_way && count > 1).then_some(Self { points_m, count })
     }
 
-    /// The pose of this number.
+    /// Returns the pose with this number.
     pub(in crate::dataset) fn pose(&self, number: u64) -> Pose {
         let legs = || self.points_m.windows(2).map(|ends| (ends[0], ends[1] - ends[0]));
         let way: f64 = legs().map(|(_, leg)| leg.length()).sum();
@@ -38,25 +38,25 @@ impl Route {
     }
 }
 
-/// Poses anywhere in a box and ranges of angles.
+/// Random poses in a box, with ranges of angles.
 #[derive(Debug, Clone)]
 pub(in crate::dataset) struct Random {
     pub(in crate::dataset) count: u64,
-    /// From and to, in metres.
+    /// Lower and upper limit, in metres.
     pub(in crate::dataset) xyz: [DVec3; 2],
-    /// From and to, in radians.
+    /// Lower and upper limit, in radians.
     pub(in crate::dataset) rpy: [DVec3; 2],
     pub(in crate::dataset) clearance_m: f64,
-    /// Where it stands in the plan.
+    /// Its place in the plan's file.
     pub(in crate::dataset) source: Source,
 }
 
 impl Random {
-    /// The try of this number at a pose: a function of these numbers.
+    /// Returns one attempt at a pose, which depends only on these numbers.
     pub(in crate::dataset) fn draw(&self, seed: u64, world: usize, pose: u64, attempt: u32) -> Pose {
         let key = [seed as u32, (seed >> 32) as u32];
         let words = [0, 1].map(|half| {
-            // The highest bit of the third word keeps the two halves apart; worlds are fewer.
+            // The highest bit of the third word distinguishes the two halves; there are never that many worlds.
             philox4x32::<10>([pose as u32, attempt, world as u32 | half << 31, (pose >> 32) as u32], key)
         });
         let share = |place: usize| f64::from(words[place / 4][place % 4]) / 4_294_967_296.0;

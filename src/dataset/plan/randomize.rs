@@ -1,4 +1,4 @@
-//! The table `[randomize]` of a plan: between what limits looks are drawn, of what.
+//! The table `[randomize]` of a plan: the limits of random looks.
 
 use super::text::Text;
 use crate::description::Diagnostics;
@@ -10,17 +10,18 @@ use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 use toml::Spanned;
 
-/// Tables of a plan: for what they are, by name, or for all; and what is in them. Of several for a thing the last counts.
+/// Tables of a plan: the names that each applies to (`None` for all), and its contents. If several apply, the last one
+/// counts.
 pub(in crate::dataset) type Ranges<T> = Vec<(Option<Vec<String>>, T)>;
 
-/// Between what limits looks are drawn.
+/// The limits of random looks.
 #[derive(Debug, Clone)]
 pub(in crate::dataset) struct Randomization {
-    /// Factor of light from everywhere.
+    /// Factor of the ambient light.
     pub(in crate::dataset) ambient: Limits,
-    /// By the names of lamps.
+    /// Ranges by the names of lights.
     pub(in crate::dataset) lights: Ranges<LightRanges>,
-    /// By the names of models, or of bodies as `model::link`; all are those of the world, not the robot's.
+    /// Ranges by the names of models, or of bodies as `model::link`. Tables for all bodies do not include the robot's.
     pub(in crate::dataset) materials: Ranges<MaterialRanges>,
 }
 
@@ -56,10 +57,10 @@ struct MaterialsTable {
     textured: Option<Spanned<f64>>,
 }
 
-/// Greatest factor of light and colours: more is white.
+/// Highest factor of light and colours, beyond which everything is white.
 const MOST: f64 = 1000.0;
 
-/// What the table says, checked against the names that there are.
+/// Reads the table and checks its names against those in the worlds and the robot.
 pub(super) fn randomization(
     text: &Text<'_>,
     table: &RandomizeTable,
@@ -67,7 +68,7 @@ pub(super) fn randomization(
     robot: Option<&Model>,
     diagnostics: &mut Diagnostics,
 ) -> Randomization {
-    // What cannot be loaded has no names.
+    // Names cannot be checked if a file could not be loaded.
     let has_names = !diagnostics.has_errors();
     let mut checked = Checked { text, diagnostics, has_names };
     let lights: BTreeSet<&str> =
@@ -95,11 +96,11 @@ pub(super) fn randomization(
     }
 }
 
-/// What is said, with a problem for what cannot be.
+/// Reads values and reports those that are not allowed.
 struct Checked<'a> {
     text: &'a Text<'a>,
     diagnostics: &'a mut Diagnostics,
-    /// Whether all worlds and the robot are there.
+    /// Whether all worlds and the robot are loaded.
     has_names: bool,
 }
 
@@ -140,7 +141,7 @@ impl Checked<'_> {
         let Some(color) = &table.color else { return Colors::Own };
         let ends @ [low, high] = *color.get_ref();
         if !ends.iter().all(is_color) || low.iter().zip(high).any(|(low, high)| *low > high) {
-            let what = format!("color = {ends:?} is no range");
+            let what = format!("color = {ends:?} is not a range");
             let remedy = "write the lower limits first, [[red, green, blue], [red, green, blue]] of 0 to 1";
             self.diagnostics.error(&self.text.source(&color.span()), what, remedy);
         }
@@ -157,7 +158,7 @@ impl Checked<'_> {
         let Some(given) = given else { return [unsaid; 2] };
         let limits @ [low, high] = *given.get_ref();
         if !(low <= high && within.contains(&low) && within.contains(&high)) {
-            let what = format!("{key} = {limits:?} is no range");
+            let what = format!("{key} = {limits:?} is not a range");
             let remedy =
                 format!("write two numbers from {} to {}, the lower first", within.start(), within.end());
             self.diagnostics.error(&self.text.source(&given.span()), what, remedy);
@@ -175,7 +176,7 @@ impl Checked<'_> {
         *given.get_ref()
     }
 
-    /// None for all.
+    /// Reads names; `None` means all.
     fn names(
         &mut self,
         what: &str,

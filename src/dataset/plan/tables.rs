@@ -1,4 +1,4 @@
-//! The tables of a plan's file, and what is wrong with them.
+//! The tables of a plan's file, and their checks.
 
 use super::SensorPlan;
 use super::placement::{Random, Route};
@@ -90,7 +90,7 @@ pub(super) fn sensors(
             !name.is_empty() && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
         };
         if !is_name(name.get_ref()) {
-            let what = format!("the sensor's name '{}' cannot begin a file's", name.get_ref());
+            let what = format!("the sensor's name '{}' cannot be part of a file name", name.get_ref());
             diagnostics.error(&source, what, "write letters, digits and _");
         } else if !taken.insert(name.get_ref().clone()) {
             let what = format!("two sensors are called '{}'", name.get_ref());
@@ -98,7 +98,7 @@ pub(super) fn sensors(
         }
         if let Some(forward) = truth.iter().find(|truth| truth.get_ref() == "flow_forward") {
             let source = text.source(&forward.span());
-            let what = "flow_forward is known after the next frame only";
+            let what = "flow_forward is known only after the next frame";
             diagnostics.error(&source, what, "ask for flow_back");
         }
         sensors.push(SensorPlan {
@@ -116,7 +116,7 @@ pub(super) fn sensors(
     sensors
 }
 
-/// Beyond this, numbers of single precision are millimetres apart.
+/// Largest coordinate, beyond which single-precision numbers are millimetres apart.
 const FARTHEST_M: f64 = 1e4;
 
 fn is_place(numbers: &[f64]) -> bool {
@@ -141,7 +141,7 @@ pub(super) fn listed(
             }
             None => diagnostics.error(
                 &text.source(&numbers.span()),
-                format!("{:?} is no pose", numbers.get_ref()),
+                format!("{:?} is not a pose", numbers.get_ref()),
                 "write [x, y, yaw] or [x, y, z, roll, pitch, yaw] in metres, up to 10 km, and degrees",
             ),
         }
@@ -162,7 +162,7 @@ pub(super) fn route(
         diagnostics.error(
             &text.source(&path.span()),
             format!("a path of {} points and {count} poses", points.len()),
-            "write points = [[x, y, z], …], two or more, no two alike in a row, in metres up to 10 km, and a count of 2 or more",
+            "write points = [[x, y, z], …], two or more, no two equal ones in a row, in metres up to 10 km, and a count of 2 or more",
         );
     }
     route
@@ -180,7 +180,7 @@ pub(super) fn random(
             .iter()
             .all(|[low, high]| low <= high && low.is_finite() && high.is_finite());
     if !is_ordered || !is_place(min) || !is_place(max) {
-        let what = format!("the region from {min:?} to {max:?}, or a range of angles, is none");
+        let what = format!("the region from {min:?} to {max:?}, or a range of angles, is invalid");
         diagnostics.error(&source, what, "write the lower limit first, in metres up to 10 km and degrees");
         return None;
     }
@@ -209,8 +209,12 @@ pub(super) fn classes(
         if let Ok(number) = number.get_ref().parse::<u32>() {
             classes.insert(number, name.clone());
         } else {
-            let what = format!("'{}' is no number of a class", number.get_ref());
-            diagnostics.error(&text.source(&number.span()), what, "write [classes] as 7 = \"chair\"");
+            let what = format!("'{}' is not a class number", number.get_ref());
+            diagnostics.error(
+                &text.source(&number.span()),
+                what,
+                "write [classes] with lines such as 7 = \"chair\"",
+            );
         }
     }
     classes

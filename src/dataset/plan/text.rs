@@ -1,10 +1,10 @@
-//! The text of a plan, in which places are lines.
+//! [`Text`]: the text of a plan, which converts positions to line numbers.
 
 use crate::description::diagnostics::Source;
 use std::ops::Range;
 use std::path::Path;
 
-/// The text of a plan, in which a place is a line.
+/// The text of a plan, which converts positions to line numbers.
 pub(super) struct Text<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,

@@ -1,6 +1,6 @@
-//! How ROS 1 lays a message out: little-endian, field after field, without alignment.
+//! Writes fields in the layout of ROS 1: little-endian, without alignment.
 
-/// Appends fields.
+/// Appends fields to a message.
 pub(super) struct Bytes<'a>(pub(super) &'a mut Vec<u8>);
 
 impl Bytes<'_> {
@@ -24,14 +24,14 @@ impl Bytes<'_> {
         self.0.extend_from_slice(&value.to_le_bytes());
     }
 
-    /// Numbers of a field whose count its type tells.
+    /// Writes the numbers of an array of fixed length.
     pub(super) fn f64s(&mut self, values: &[f64]) {
         for value in values {
             self.0.extend_from_slice(&value.to_le_bytes());
         }
     }
 
-    /// A field of any number of elements: their number.
+    /// Writes the number of elements of an array of variable length.
     pub(super) fn count(&mut self, count: usize) {
         self.u32(count as u32);
     }
@@ -40,13 +40,13 @@ impl Bytes<'_> {
         self.bytes(text.as_bytes());
     }
 
-    /// A `uint8[]`.
+    /// Writes a `uint8[]`.
     pub(super) fn bytes(&mut self, bytes: &[u8]) {
         self.count(bytes.len());
         self.0.extend_from_slice(bytes);
     }
 
-    /// Seconds and nanoseconds.
+    /// Writes a time as seconds and nanoseconds.
     pub(super) fn time(&mut self, time_ns: u64) {
         self.u32((time_ns / 1_000_000_000) as u32);
         self.u32((time_ns % 1_000_000_000) as u32);

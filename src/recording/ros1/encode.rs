@@ -1,4 +1,4 @@
-//! One function a type of message: what the bridge's node sends of a frame.
+//! Converts frames to ROS messages as the ROS node does, with one function per type of message.
 
 use super::Payload;
 use super::bytes::Bytes;
@@ -8,7 +8,7 @@ use belvedere_bridge::payload::{
 };
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
 
-/// Writes a frame's message; none if it cannot hold the frame.
+/// Writes a frame's message. Returns `None` if the message cannot represent the frame.
 pub(super) type Encode = fn(&FrameView<'_>, &mut Bytes<'_>) -> Option<Payload>;
 
 /// `datatype` of a `sensor_msgs/PointField`.
@@ -18,7 +18,7 @@ const UINT32: u8 = 6;
 const FLOAT32: u8 = 7;
 const FLOAT64: u8 = 8;
 
-/// Motors and analogue inputs of a Kobuki, of which nothing is simulated.
+/// Numbers of motors and analogue inputs of a Kobuki, which are not simulated.
 const MOTORS: usize = 2;
 const ANALOG_INPUTS: usize = 4;
 
@@ -32,7 +32,7 @@ fn stamped(header: &FrameHeader, frame_id: &str, out: &mut Bytes<'_>) {
     out.text(frame_id);
 }
 
-/// Name and size of a pixel.
+/// Returns name and size of a pixel.
 fn pixel(encoding: Encoding) -> Option<(&'static str, u32)> {
     let name = match encoding {
         Encoding::Rgb8
@@ -58,7 +58,7 @@ fn pixel(encoding: Encoding) -> Option<(&'static str, u32)> {
     Some((name, encoding.elem_size()? as u32))
 }
 
-/// Writes rows without gaps as the message's last `uint8[]` so far.
+/// Writes rows without gaps as a `uint8[]`.
 fn rows(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Payload {
     let FrameHeader { width, height, elem_stride, row_stride, .. } = *frame.header();
     let row_len = width as usize * elem_stride as usize;
@@ -70,7 +70,7 @@ fn rows(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Payload {
     out.count(row_len * height as usize);
     for row in frame.rows() {
         out.0.extend_from_slice(row);
-        // What lies between the last element and the end of its stride.
+        // Padding between the last element and the end of its stride.
         out.0.resize(out.0.len() + row_len - row.len(), 0);
     }
     Payload::Elsewhere
@@ -103,7 +103,7 @@ pub(super) fn camera_info(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<
     out.f64s(&info.k);
     out.f64s(&info.r);
     out.f64s(&info.p);
-    // Binning, and no region of interest.
+    // Default binning, and no region of interest.
     (0..6).for_each(|_| out.u32(0));
     out.u8(0);
     Some(Payload::Elsewhere)
@@ -130,7 +130,7 @@ pub(super) fn laser_scan(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<P
     Some(Payload::Elsewhere)
 }
 
-/// The fields of a cloud: names, offsets, types.
+/// Writes the fields of a cloud: names, offsets, types.
 fn fields(fields: &[(&str, u32, u8)], out: &mut Bytes<'_>) {
     out.count(fields.len());
     for &(name, offset, datatype) in fields {
@@ -141,7 +141,7 @@ fn fields(fields: &[(&str, u32, u8)], out: &mut Bytes<'_>) {
     }
 }
 
-/// A lidar of several layers, as drivers send it: points without gaps, with ring and time.
+/// Writes a scan of several layers as a cloud, as drivers send it: points without gaps, with ring and time.
 pub(super) fn scan_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
     let head = frame.header();
     let geometry = head.scan_geometry()?;
@@ -313,18 +313,18 @@ pub(super) fn range(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payloa
     Some(Payload::Elsewhere)
 }
 
-/// Without the velocity, for which the message has no place.
+/// Writes a fix without the velocity, for which the message has no field.
 pub(super) fn nav_sat_fix(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
     /// `SERVICE_GPS`.
     const GPS: u16 = 1;
     let fix: NavSatFix = frame.message().ok()?;
     header(frame.header(), out);
-    // A fix.
+    // `STATUS_FIX`.
     out.u8(0);
     out.u16(GPS);
     out.f64s(&[fix.latitude, fix.longitude, fix.altitude]);
     out.f64s(&fix.position_covariance);
-    // Known along the axes, unless it is 0 altogether.
+    // The covariance is known along the diagonal, unless all of it is 0.
     let is_known = fix.position_covariance.iter().any(|part| *part != 0.0);
     out.u8(if is_known { 2 } else { 0 });
     Some(Payload::Elsewhere)
@@ -345,7 +345,7 @@ pub(super) fn fluid_pressure(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Opti
     Some(Payload::Elsewhere)
 }
 
-/// An altimeter's height as a point above the origin of its frame.
+/// Writes an altimeter's height as a point above the origin of its frame.
 pub(super) fn height(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
     let altimeter: Altimeter = frame.message().ok()?;
     header(frame.header(), out);
@@ -360,7 +360,7 @@ pub(super) fn vector(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Paylo
     Some(Payload::Elsewhere)
 }
 
-/// Of models or of links: the two types differ in nothing but their names.
+/// Writes states of models or links: the two types differ only in their names.
 pub(super) fn model_states(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
     let states: Vec<ModelState> = frame.structs().ok()?.collect();
     out.count(states.len());
@@ -404,7 +404,8 @@ pub(super) fn core_sensors(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option
     Some(Payload::Elsewhere)
 }
 
-/// An event of one source. `places` are the numbers of left, centre and right in its message; −1 where it has none.
+/// Reads an event of one source. `places` are the numbers of left, centre and right in its message, or −1 if the
+/// message has none.
 fn event(frame: &FrameView<'_>, source: u32, places: [i8; 3]) -> Option<(u8, RobotEvent)> {
     let event: RobotEvent = frame.message().ok()?;
     let place = u8::try_from(*places.get(event.index as usize)?).ok()?;

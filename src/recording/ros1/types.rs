@@ -1,21 +1,21 @@
-//! Messages of ROS 1: their names, and their definitions as readers want them. Fields and constants are those of the
-//! packages in Noetic, so that the sums that readers make of them agree; comments do not count.
+//! ROS 1 message types: their names, and their definitions as readers expect them. Fields and constants are those of
+//! the packages in Noetic, so that MD5 sums computed from them agree; comments do not count.
 
 use std::fmt::Write as _;
 
-/// A type of message.
+/// A message type.
 #[derive(Debug)]
 pub struct MessageType {
     /// `package/Type`.
     pub name: &'static str,
     /// Its own fields.
     fields: &'static str,
-    /// The types of those that are messages themselves.
+    /// The types of fields that are messages themselves.
     parts: &'static [&'static MessageType],
 }
 
 impl MessageType {
-    /// The definition with those of all parts behind it, as `ros1msg` wants it.
+    /// Returns the definition followed by those of all parts, in the format `ros1msg`.
     pub fn definition(&self) -> String {
         let mut parts = Vec::new();
         self.collect(&mut parts);
@@ -36,7 +36,7 @@ impl MessageType {
     }
 }
 
-/// Types, each with its parts.
+/// Defines message types with their parts.
 macro_rules! types {
     ($($(#[$doc:meta])* $constant:ident = $name:literal [$($part:ident),*] $fields:expr;)+) => {
         $($(#[$doc])* pub(super) static $constant: MessageType =
@@ -114,7 +114,7 @@ types! {
     MOTOR_POWER = "kobuki_msgs/MotorPower" []
         include_str!("kobuki_msgs/MotorPower.msg");
 
-    /// Of our own: what ROS's messages leave out.
+    /// Belvedere's own type, for the data that ROS messages lack.
     FRAME = "belvedere/Frame" []
         "# A frame as it was in shared memory; the layout of its header and payload is Belvedere's wire format.\n\
          uint8[] header\n\
@@ -129,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_stand_once_behind_what_uses_them() {
+    fn parts_are_defined_once_after_the_types_that_use_them() {
         let line = "=".repeat(80);
         let expected = format!(
             "Vector3 linear\nVector3 angular\n{line}\nMSG: geometry_msgs/Vector3\nfloat64 x\nfloat64 y\nfloat64 z"

@@ -1,4 +1,4 @@
-//! What is told of a camera's picture, lens and device.
+//! Reports the image, lens and device of a camera.
 
 use super::super::pictures::encoding;
 use super::super::report::{Say, noise};
@@ -9,11 +9,11 @@ use crate::description::model::{
 };
 use crate::description::text::{angle, number};
 
-/// How much of the picture a lens maps, if that is not all.
+/// Describes how much of the image a lens maps, if that is not everything.
 fn mapped(camera: &CameraSensor, drawn: &Lens) -> Option<String> {
     match mapped_share(camera, drawn) {
         Ok(1.0) => None,
-        // Rounded down: what is not all never reads as all.
+        // Rounded down, so that less than 100 % is never shown as 100 %.
         Ok(share) => {
             Some(format!("{:.1} % of the pixels, the others are black", (share * 1000.0).floor() / 10.0))
         }
@@ -21,7 +21,7 @@ fn mapped(camera: &CameraSensor, drawn: &Lens) -> Option<String> {
     }
 }
 
-/// The camera as it is drawn with its plugin, and what that tells otherwise in `CameraInfo`.
+/// Reports the camera as it is drawn with its plugin, and values in `CameraInfo` that differ.
 pub(in crate::rig) fn camera(
     camera: &CameraSensor,
     plugin: Option<&CameraPlugin>,
@@ -78,11 +78,11 @@ pub(in crate::rig) fn camera(
         say("projection", format!("fx, fy, cx, cy, tx, ty = {values}"));
     }
     if let Some(plugin) = plugin {
-        told(plugin, gazebo_compat, say);
+        camera_info(plugin, gazebo_compat, say);
     }
 }
 
-/// What the sensor behind the lens adds to the light, when it is collected, and how much.
+/// Reports the noise, the shutter and the exposure of the image sensor.
 fn device_report(device: &CameraDevice, say: Say<'_>) {
     let config = &device.config;
     let [read, converter, dark, dsnu, prnu, well] = [
@@ -129,7 +129,7 @@ fn device_report(device: &CameraDevice, say: Say<'_>) {
     );
 }
 
-/// The model and its parameters; none for a pinhole.
+/// Returns the model and its parameters, or `None` for a pinhole.
 fn lens(model: &LensModel) -> Option<String> {
     const COEFFICIENTS: [&str; 14] =
         ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y"];
@@ -167,13 +167,13 @@ fn lens(model: &LensModel) -> Option<String> {
     Some(format!("{}, {} = {}", model.name(), names.join(", "), values.join(", ")))
 }
 
-/// What the plugin tells in `CameraInfo` besides the lens.
-fn told(plugin: &CameraPlugin, gazebo_compat: bool, say: Say<'_>) {
+/// Reports the values in `CameraInfo` that come from the plugin and are not part of the drawn lens.
+fn camera_info(plugin: &CameraPlugin, gazebo_compat: bool, say: Say<'_>) {
     let mut info = Vec::new();
     if plugin.hack_baseline_m != 0.0 {
         info.push(format!("baseline {} m", number(plugin.hack_baseline_m)));
     }
-    // Otherwise the picture has them, and they were told with it.
+    // Otherwise the image has this distortion, which was reported with the lens.
     if gazebo_compat && !plugin.auto_distortion {
         let values = plugin.distortion.map(|value| value.to_string()).join(", ");
         info.push(format!("k1, k2, k3, t1, t2 = {values}"));
@@ -190,7 +190,7 @@ fn told(plugin: &CameraPlugin, gazebo_compat: bool, say: Say<'_>) {
     }
 }
 
-/// What becomes of `<anti_aliasing>`.
+/// Describes the effect of `<anti_aliasing>`.
 fn edges(camera: &CameraSensor, gazebo_compat: bool) -> String {
     let has_moments = camera.device.is_some_and(|device| !device.is_of_one_moment());
     match (gazebo_compat, has_moments) {

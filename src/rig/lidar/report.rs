@@ -1,4 +1,4 @@
-//! What is told of a lidar's beams, of what comes back of them, and of its packets.
+//! Reports a lidar's beams, returns and packets.
 
 use super::super::packets::Packets;
 use super::super::report::{Say, noise};
@@ -7,13 +7,13 @@ use crate::description::text::{angle, number};
 use belvedere_sensors::scanner::presets::{Maker, Preset};
 use belvedere_sensors::scanner::{Beam, Halo, Intensity, Returns, Spread, Weather};
 
-/// Tells of beams, ranges and noise.
+/// Reports beams, ranges and noise.
 pub(in crate::rig) fn ray(ray: &RaySensor, say: Say<'_>) {
     beams(ray, say);
     say("noise", noise(&ray.noise, "m"));
 }
 
-/// Tells of all that a lidar does.
+/// Reports all parameters of a lidar.
 pub(super) fn lidar(lidar: &model::Lidar, gazebo_compat: bool, say: Say<'_>) {
     if let Some(preset) = &lidar.preset {
         say("preset", preset.name.into());
@@ -47,7 +47,8 @@ fn beams(ray: &RaySensor, say: Say<'_>) {
     }
 }
 
-/// The noise of ranges r: what a preset has from some distance on, and the same at each.
+/// Describes the noise of ranges r: that of a preset beyond certain distances, and noise that is the same at all
+/// distances.
 fn noise_of_ranges(same: &Noise, spreads: &[Spread]) -> String {
     let part = |spread: &Spread| {
         let terms = spread.stddev.into_iter().zip(["", "·r", "·r²"]).filter(|(factor, _)| *factor != 0.0);
@@ -68,7 +69,7 @@ fn noise_of_ranges(same: &Noise, spreads: &[Spread]) -> String {
     parts.join(", ")
 }
 
-/// What differs from single rays in clear air, the strongest return of which is reported.
+/// Reports all parameters that differ from single rays in clear air with the strongest return.
 fn physics(physics: &BeamPhysics, say: Say<'_>) {
     let BeamPhysics { beam, halo, crosstalk, pulse_m, returns, intensity, receiver, weather } = physics;
     if *beam != Beam::RAY {
@@ -127,7 +128,7 @@ fn returns_name(returns: Returns) -> String {
     }
 }
 
-/// How the packets are laid out that `--udp` and `--pcap` send.
+/// Reports the layout of the packets that `--udp` and `--pcap` send.
 fn packets(lidar: &model::Lidar, preset: &Preset, say: Say<'_>) {
     let profile = match preset.maker {
         Maker::Ouster => {

@@ -1,4 +1,4 @@
-//! Clouds, as the drivers of scanners send them.
+//! Clouds in the layouts of the scanners' drivers.
 
 mod livox;
 mod ouster;
@@ -12,7 +12,7 @@ use belvedere_bridge::Encoding;
 use belvedere_sensors::scanner::Intensity;
 use belvedere_sensors::scanner::presets::Maker;
 
-/// What a frame has found: times and lasers one a firing, of the others as many as there are returns.
+/// The results of a frame: one time and laser per firing; the others have one entry per return.
 #[derive(Default)]
 pub(super) struct Found {
     pub(super) ranges: Vec<f32>,
@@ -32,35 +32,35 @@ impl Found {
     }
 }
 
-/// A scan that is to be sent.
+/// A scan that is written to a cloud.
 pub(super) struct Scan<'a> {
     pub(super) found: &'a Found,
-    /// How many firings it has.
+    /// Number of firings.
     pub(super) firings: usize,
-    /// Of each firing.
+    /// Number of returns of each firing.
     pub(super) returns: usize,
     pub(super) layout: CloudLayout,
-    /// When it ends.
+    /// Time at which it ends.
     pub(super) stamp_ns: u64,
-    /// How long it took, in seconds; none if it was taken at one moment.
+    /// Duration in seconds; `None` if all beams were measured at one moment.
     pub(super) taken_s: Option<f64>,
 }
 
 impl Scan<'_> {
-    /// Whether a return is of something that is to be shown.
+    /// Returns true if a return is included in the cloud.
     #[inline]
     fn is_point(&self, point: &[f32; 3], intensity: f32) -> bool {
         !point[0].is_nan() & (f64::from(intensity) >= self.layout.min_intensity)
     }
 
-    /// How many of its returns are.
+    /// Returns the number of returns that are included in the cloud.
     fn points(&self) -> usize {
         let echoes = self.firings * self.returns;
         let returns = self.found.points[..echoes].iter().zip(&self.found.intensities[..echoes]);
         returns.filter(|(point, intensity)| self.is_point(point, **intensity)).count()
     }
 
-    /// Each firing's time, laser, and points with intensities.
+    /// Iterates over the firings: time, laser, and points with intensities.
     fn firings(&self) -> impl Iterator<Item = (f64, u32, &[[f32; 3]], &[f32])> {
         let found = self.found;
         let returns =
@@ -71,19 +71,19 @@ impl Scan<'_> {
         })
     }
 
-    /// When it began.
+    /// Returns the time at which it began.
     fn begin_ns(&self) -> u64 {
         self.stamp_ns.saturating_sub((self.taken_s.unwrap_or(0.0) * 1e9).round() as u64)
     }
 
-    /// When a firing was, in seconds after the beginning.
+    /// Returns the time of a firing, in seconds after the beginning.
     fn time_s(&self, firing: usize) -> f64 {
         if self.taken_s.is_some() { self.found.times[firing] } else { 0.0 }
     }
 }
 
-/// Places of the points that are shown, one after the other: what is written to one is kept, or written over by the next.
-/// So nothing depends on whether a return is shown but where the next one goes, which costs less than a branch.
+/// Consecutive places for points. A point is written to the next place, and is either kept or overwritten by the next
+/// one. So only the position of the next place depends on whether a return is included, which is faster than a branch.
 struct Places<'a> {
     bytes: &'a mut [u8],
     at: usize,
@@ -94,35 +94,36 @@ impl<'a> Places<'a> {
         Self { bytes, at: 0 }
     }
 
-    /// The next; none when all are kept.
+    /// Returns the next place, or `None` if all are filled.
     #[inline]
     fn next<const STEP: usize>(&mut self) -> Option<&mut [u8; STEP]> {
         self.bytes.get_mut(self.at..)?.first_chunk_mut()
     }
 
-    /// Keeps what is there, or not.
+    /// Keeps the point in the current place if `is_kept`.
     #[inline]
     fn keep<const STEP: usize>(&mut self, is_kept: bool) {
         self.at += if is_kept { STEP } else { 0 };
     }
 }
 
-/// How a driver lays out its clouds.
+/// The layout of a driver's clouds.
 pub(super) trait CloudForm {
-    /// What its points are.
+    /// Returns the encoding of its points.
     fn encoding(&self) -> Encoding;
 
-    /// In how many streams they go, of so many returns a firing.
+    /// Returns the number of streams, for this number of returns per firing.
     fn streams(&self, returns: usize) -> usize {
         let _ = returns;
         1
     }
 
-    /// Puts a scan, or what of it goes into a stream, into a frame of that; none if there is none.
+    /// Writes the part of a scan that belongs to a stream to a frame. Returns `None` if no frame is needed or
+    /// available.
     fn write(&self, scan: &Scan<'_>, stream: usize, outlet: &Outlet) -> Option<Frame>;
 }
 
-/// That of the driver of a scanner: its maker's, or Velodyne's.
+/// Returns the layout of a scanner's driver: its maker's, or Velodyne's by default.
 pub(super) fn form_of(head: &Head, intensity: Intensity) -> Box<dyn CloudForm> {
     match head {
         Head::Preset(preset) if preset.maker == Maker::Ouster => Box::new(ouster::OusterCloud::of(preset)),

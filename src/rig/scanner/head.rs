@@ -1,4 +1,4 @@
-//! Which way a scanner fires, and when: as its maker's does, or by the angles of a `<ray>`.
+//! [`Head`]: the directions and times of a scanner's firings, from a maker's preset or from the angles of a `<ray>`.
 
 use crate::description::model::{self, RaySensor};
 use crate::rig::lidar::beams;
@@ -9,11 +9,11 @@ use belvedere_sensors::scanner::{Columns, Firing, Pattern, ScannerConfig};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Which way it fires, and when.
+/// The directions and times of a scanner's firings.
 pub(super) enum Head {
-    /// As a maker's scanner does.
+    /// Those of a maker's scanner.
     Preset(Preset),
-    /// By the angles of a `<ray>`, horizontal and vertical.
+    /// From the horizontal and vertical angles of a `<ray>`.
     Grid { angles: [Beams; 2], firings: Vec<Firing> },
 }
 
@@ -36,7 +36,7 @@ impl Head {
         }
     }
 
-    /// The elevation of each laser.
+    /// Returns the elevation of each laser.
     pub(super) fn elevations(&self) -> Vec<f64> {
         match self {
             Self::Preset(Preset { pattern: Pattern::Spinning(head), .. }) => {
@@ -53,13 +53,13 @@ impl Head {
         }
     }
 
-    /// Whether it fires all at once.
+    /// Returns true if it fires all beams at once.
     pub(super) fn is_flash(&self) -> bool {
         matches!(self, Self::Preset(Preset { pattern: Pattern::Raster(raster), .. })
             if raster.pixel_time_ns == 0 && raster.row_time_ns == 0)
     }
 
-    /// Firings that belong together: a row of a picture, or one of each laser.
+    /// Returns the number of firings that belong together: a row of an image, or one of each laser.
     pub(super) fn in_row(&self) -> usize {
         match self {
             Self::Preset(Preset { pattern: Pattern::Raster(raster), .. }) => raster.pixels[0] as usize,
@@ -68,10 +68,10 @@ impl Head {
     }
 }
 
-/// The firings of a grid of beams on a head that turns once a frame, clockwise as Velodyne's do: columns one after the
-/// other, the beams of each at once.
+/// Returns the firings of a grid of beams on a head that makes one turn per frame, clockwise like Velodyne's: the
+/// columns one after the other, the beams of a column at once.
 fn firings([horizontal, vertical]: &[Beams; 2], frame_time_ns: u64) -> Vec<Firing> {
-    // Both ends of a whole circle have a time of their own.
+    // Both ends of a full circle have their own times.
     let turn = TAU.max(horizontal.max_angle_rad - horizontal.min_angle_rad + horizontal.increment());
     let mut firings = Vec::with_capacity(horizontal.samples as usize * vertical.samples as usize);
     for column in (0..horizontal.samples).rev() {
@@ -88,7 +88,7 @@ fn firings([horizontal, vertical]: &[Beams; 2], frame_time_ns: u64) -> Vec<Firin
     firings
 }
 
-/// The angles of a single beam that is measured at even steps; its times are those of the head.
+/// Returns the geometry of a scan with a single beam that is measured at even steps; the times are set later.
 pub(super) fn angles(head: &Head, ray: &RaySensor) -> ScanGeometry {
     let (mut angle_min, mut angle_increment) = (ray.horizontal.min_angle_rad, 0.0);
     if let Head::Preset(Preset { pattern: Pattern::Spinning(head), .. }) = head
@@ -110,7 +110,7 @@ pub(super) fn angles(head: &Head, ray: &RaySensor) -> ScanGeometry {
     }
 }
 
-/// The scanner's, with its pattern.
+/// Returns the scanner's configuration with its pattern.
 pub(super) fn config_of<'a>(config: &ScannerConfig<'a>, head: &'a Head) -> ScannerConfig<'a> {
     config.pattern(head.pattern())
 }

@@ -1,4 +1,4 @@
-//! A scene being put together: shapes, looks and textures of links as the sensors' scene has them.
+//! [`Assembly`]: builds the sensors' scene from the shapes, materials and textures of links.
 
 use crate::description::diagnostics::{Problem, Severity, Source};
 use crate::description::housing::Part;
@@ -19,31 +19,31 @@ use std::sync::Arc;
 
 use super::PlacedFiducial;
 
-/// Edge length of the rectangle that stands for an infinite collision plane, in metres.
+/// Edge length in metres of the rectangle that represents an infinite collision plane.
 const INFINITE_M: f64 = 20_000.0;
 
-/// An instance, where it is in its link, and what it is made of.
+/// An instance with its pose in its link, its shape and its material.
 #[derive(Debug)]
 pub(super) struct Placed {
     pub(super) instance: InstanceId,
     pub(super) link_from_shape: Pose,
     pub(super) shape: Shape,
     pub(super) material: MaterialId,
-    /// What it is of the link.
+    /// The visual or collision of the link that it shows.
     pub(super) part: Part,
 }
 
-/// A scene being put together; files and meshes that are used twice are taken in once.
+/// A scene that is being built. Files and meshes that are used several times are added once.
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
     pub(super) builder: SceneBuilder,
-    /// By path, with whether they are opaque; none for a picture that cannot be used.
+    /// Textures by path, and whether they are opaque; `None` for a picture that cannot be used.
     textures: HashMap<PathBuf, Option<(TextureId, bool)>>,
     normal_maps: HashMap<PathBuf, Option<TextureId>>,
-    /// By address: only for as long as the models that they are of are borrowed.
+    /// Meshes by address, which is valid only while their models are borrowed.
     meshes: HashMap<*const Mesh, MeshId>,
     height_fields: HashMap<*const Heights, HeightFieldId>,
-    /// By model and link: all that move are looked up in each frame.
+    /// Instances by model and link, which are looked up in each frame.
     pub(super) placed: Vec<Vec<Vec<Placed>>>,
     pub(super) fiducials: Vec<PlacedFiducial>,
     pub(super) bare: Option<MaterialId>,
@@ -56,7 +56,7 @@ impl Assembly {
         link: &description::Link,
         world_from_link: &Pose,
     ) -> Result<(), Problem> {
-        // Without a label, a thing's class is its model: its place, from 1, in the simulator's list of models.
+        // Without a label, the class is the model's number in the simulator's list of models, starting at 1.
         let class = 1 + key.0 as u32;
         for (number, visual) in link.visuals.iter().enumerate() {
             let material = self.material(&visual.material, visual.optics, &visual.source)?;
@@ -136,12 +136,12 @@ impl Assembly {
 
     pub(super) fn set_pose(&mut self, key: (ModelIndex, LinkIndex), world_from_link: &Pose) {
         for Placed { instance, link_from_shape, .. } in of_link(&self.placed, key) {
-            // Fails only for a pose that is not finite: what physics lost keeps its last place.
+            // This fails only for a pose that is not finite: a body that physics has lost keeps its last pose.
             let _ = self.builder.set_pose(*instance, *world_from_link * *link_from_shape);
         }
     }
 
-    /// The shape and its pose in the frame of the visual or collision.
+    /// Returns the shape and its pose in the frame of the visual or collision.
     fn shape(
         &mut self,
         geometry: &Geometry,
@@ -172,8 +172,8 @@ impl Assembly {
         })
     }
 
-    /// Forgets whose meshes and height maps are which: models that are no longer borrowed may end, and others have
-    /// their addresses.
+    /// Forgets the addresses of meshes and height maps: after their models are dropped, others may get the same
+    /// addresses.
     pub(super) fn forget_files(&mut self) {
         self.meshes.clear();
         self.height_fields.clear();
@@ -230,7 +230,7 @@ impl Assembly {
         self.builder.add_material(&config).map_err(|error| refused(error, source))
     }
 
-    /// Returns the normals that a picture gives a surface; none, after a warning, if the picture cannot be used.
+    /// Returns the normal map from a picture, or `None`, after a warning, if the picture cannot be used.
     fn normal_map(&mut self, path: &Path, source: &Source) -> Option<TextureId> {
         if let Some(known) = self.normal_maps.get(path) {
             return *known;
@@ -245,7 +245,8 @@ impl Assembly {
         added
     }
 
-    /// Returns a picture, and whether all of it is opaque; none, after a warning, if the picture cannot be used.
+    /// Returns the texture from a picture, and whether all of it is opaque; or `None`, after a warning, if the picture
+    /// cannot be used.
     fn texture(&mut self, path: &Path, source: &Source) -> Option<(TextureId, bool)> {
         if let Some(known) = self.textures.get(path) {
             return *known;
@@ -262,7 +263,7 @@ impl Assembly {
     }
 }
 
-/// What was placed of a link.
+/// Returns the instances of a link.
 pub(super) fn of_link(placed: &[Vec<Vec<Placed>>], (model, link): (ModelIndex, LinkIndex)) -> &[Placed] {
     placed.get(model).and_then(|links| links.get(link)).map_or(&[], Vec::as_slice)
 }
@@ -272,8 +273,8 @@ fn open(path: &Path, source: &Source) -> Result<image::RgbaImage, Problem> {
     Ok(rgba(picture))
 }
 
-/// Converts a picture to four channels of eight bits. The usual kinds are widened as they are: the library takes all of them
-/// through floats, which was a third of the time of loading a world.
+/// Converts a picture to four channels of eight bits. The usual formats are widened directly, because the library
+/// converts all formats via floats, which took a third of the time of loading a world.
 fn rgba(picture: DynamicImage) -> image::RgbaImage {
     let (width, height) = (picture.width(), picture.height());
     let mut texels = vec![u8::MAX; width as usize * height as usize * 4];
@@ -291,11 +292,11 @@ fn rgba(picture: DynamicImage) -> image::RgbaImage {
         }
         _ => return picture.into_rgba8(),
     }
-    // There are as many bytes as it has texels.
+    // This cannot fail, because the number of bytes matches the size.
     image::RgbaImage::from_raw(width, height, texels).unwrap_or_else(|| picture.into_rgba8())
 }
 
-/// Makes the warning about a picture that cannot be used. As in Gazebo, the surface is drawn without it.
+/// Returns the warning about a picture that cannot be used. As in Gazebo, the surface is drawn without it.
 fn unused(path: &Path, source: &Source, error: &dyn std::error::Error) -> Problem {
     Problem {
         severity: Severity::Warning,
@@ -308,8 +309,8 @@ fn unused(path: &Path, source: &Source, error: &dyn std::error::Error) -> Proble
     }
 }
 
-/// The rotation that turns a rectangle's outside (+z) to `normal`, the picture on it as on the face of a box that
-/// looks the same way.
+/// Returns the rotation that turns a rectangle's outside (+z) to `normal`. Its texture then lies as on the face of a
+/// box with the same normal.
 fn facing(normal: DVec3) -> DQuat {
     let normal = normal.normalize_or(DVec3::Z);
     let (right, up) = if normal.z.abs() > 0.999 {
@@ -335,7 +336,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_picture_that_cannot_be_used_costs_only_itself() {
+    fn a_picture_that_cannot_be_used_is_left_out_with_a_warning() {
         let folder = tempfile::tempdir().unwrap();
         let torn = folder.path().join("torn.png");
         std::fs::write(&torn, b"\x89PNG\r\n\x1a\n").unwrap();
@@ -366,7 +367,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_face_as_boxes_do() {
+    fn planes_are_oriented_like_the_faces_of_boxes() {
         // Normal, right, up: the table of `sensors::scene`.
         for (normal, right, up) in [
             (DVec3::Z, DVec3::X, DVec3::Y),

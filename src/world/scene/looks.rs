@@ -1,20 +1,20 @@
-//! How everything looks, beside what the files say.
+//! [`Looks`]: materials and lights that replace those in the files.
 
 use belvedere_sensors::scene::{Environment, Light, Material, Scene, SceneError};
 
-/// Materials, lamps and light from everywhere, in the place of a scene's own.
+/// Materials, lights and environment that replace a scene's own.
 #[derive(Debug, Clone)]
 pub struct Looks {
-    /// One in the place of each.
+    /// The replacement of each material.
     pub materials: Vec<Material>,
-    /// One in the place of each.
+    /// The replacement of each light.
     pub lights: Vec<Light>,
-    /// Light from everywhere, and what is seen where nothing is.
+    /// Ambient light and background.
     pub environment: Environment,
 }
 
 impl Looks {
-    /// Those of a scene.
+    /// Returns the looks of a scene.
     pub fn of(scene: &Scene<'_>) -> Self {
         Self {
             materials: scene.materials().to_vec(),
@@ -23,7 +23,7 @@ impl Looks {
         }
     }
 
-    /// The same shapes in these looks.
+    /// Returns a scene with these looks.
     pub(super) fn on<'a>(&'a self, scene: Scene<'a>) -> Result<Scene<'a>, SceneError> {
         if self.lights.len() != scene.lights().len() {
             let (have, need) = (self.lights.len(), scene.lights().len());

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn a_differential_drive_closes_its_circle_and_knows_it() {
+fn a_differential_drive_closes_its_circle_with_correct_odometry() {
     for size in SIZES {
         for source in ["encoder", "world"] {
             let plugin = format!(
@@ -14,27 +14,27 @@ fn a_differential_drive_closes_its_circle_and_knows_it() {
                 wheels_of(size)
             );
             let mut bench = Bench::new(&two_wheels(size, ["l", "r"], &plugin));
-            // A rise of the speed within one step is more than tyres can do: some millimetres are slip.
+            // A change of speed within a single step is more than tyres can do, so there are some millimetres of slip.
             let apart_m = circle(&mut bench, 0.3, 0.5);
             assert!(apart_m < 0.02, "{size:?}: {apart_m}");
             let (place, _) = bench.place();
-            let (told, frame) = bench.newest::<Odometry>("here");
+            let (reported, frame) = bench.newest::<Odometry>("here");
             let header = frame.header();
-            assert_eq!((header.frame_id.as_str(), told.child_frame_id.as_str()), ("map", "chassis"));
-            let apart_m = (DVec3::from(told.position) - place).truncate().length();
+            assert_eq!((header.frame_id.as_str(), reported.child_frame_id.as_str()), ("map", "chassis"));
+            let apart_m = (DVec3::from(reported.position) - place).truncate().length();
             assert!(apart_m < 0.02, "{size:?} {source}: {apart_m}");
             assert!(
-                (told.linear[0] - 0.3).abs() < 0.003 && (told.angular[2] - 0.6).abs() < 0.006,
-                "{told:?}"
+                (reported.linear[0] - 0.3).abs() < 0.003 && (reported.angular[2] - 0.6).abs() < 0.006,
+                "{reported:?}"
             );
-            assert_eq!(told.pose_covariance[0], 1e-5);
+            assert_eq!(reported.pose_covariance[0], 1e-5);
         }
     }
 }
 
-/// Gazebo's plugin had left and right exchanged once, and files have followed it.
+/// An older version of Gazebo's plugin had left and right exchanged, and some files depend on that.
 #[test]
-fn left_is_where_the_wheel_is_and_not_what_it_is_called() {
+fn the_left_wheel_is_found_by_position_not_by_name() {
     let plugin = format!(
         "<plugin name='drive' filename='libgazebo_ros_diff_drive.so'>
            <leftJoint>r_joint</leftJoint><rightJoint>l_joint</rightJoint>{}</plugin>",
@@ -46,9 +46,10 @@ fn left_is_where_the_wheel_is_and_not_what_it_is_called() {
     assert!((heading - 1.0).abs() < 0.02, "{heading}");
 }
 
-/// The radius that a plugin is told makes the wheels turn, that which they have makes it go; the encoders know the former.
+/// The plugin's radius determines how fast the wheels turn, the actual radius how fast the robot moves; the encoders
+/// use the plugin's.
 #[test]
-fn a_wrong_diameter_is_as_wrong_as_in_gazebo() {
+fn a_wrong_diameter_has_the_same_effect_as_in_gazebo() {
     let plugin = format!(
         "<plugin name='drive' filename='libgazebo_ros_diff_drive.so'><leftJoint>l_joint</leftJoint>
            <rightJoint>r_joint</rightJoint><wheelSeparation>{}</wheelSeparation><wheelDiameter>{}</wheelDiameter>
@@ -59,8 +60,11 @@ fn a_wrong_diameter_is_as_wrong_as_in_gazebo() {
     let mut bench = Bench::new(&two_wheels(SMALL, ["l", "r"], &plugin));
     bench.drive(Command::new(0.4, 0.0), 2.0);
     let (place, _) = bench.place();
-    let told = bench.odometry("odom");
-    assert!((place.x - 0.4).abs() < 0.01 && (told.position[0] - 0.8).abs() < 0.01, "{place} {told:?}");
+    let reported = bench.odometry("odom");
+    assert!(
+        (place.x - 0.4).abs() < 0.01 && (reported.position[0] - 0.8).abs() < 0.01,
+        "{place} {reported:?}"
+    );
 }
 
 #[test]
@@ -79,14 +83,14 @@ fn acceleration_and_torque_are_limits() {
     };
     let slow = speed("<wheelAcceleration>0.4</wheelAcceleration><wheelTorque>1000</wheelTorque>");
     assert!((slow - 0.2).abs() < 0.005, "{slow}");
-    // Two motors of 2 N·m on a rim of 0.165 m push 46 kg and two wheels of 0.92 kg.
+    // Two motors of 2 N·m at a rim of 0.165 m push 46 kg and two wheels of 0.92 kg.
     let weak = speed("<wheelTorque>2</wheelTorque>");
     let expected = 0.5 * 2.0 * 2.0 / 0.165 / (46.0 + 2.0 * 0.92);
     assert!((weak / expected - 1.0).abs() < 0.03, "{weak} {expected}");
 }
 
 #[test]
-fn a_skid_steer_turns_as_it_is_told() {
+fn a_skid_steer_turns_as_commanded() {
     for size in SIZES {
         let plugin = format!(
             "<plugin name='skid' filename='libgazebo_ros_skid_steer_drive.so'>
@@ -100,12 +104,15 @@ fn a_skid_steer_turns_as_it_is_told() {
         let mut bench = Bench::new(&four_wheels(size, &plugin));
         let apart_m = circle(&mut bench, 0.3, 0.5);
         assert!(apart_m < 0.02, "{size:?}: {apart_m}");
-        let told = bench.odometry("odom");
-        assert!(told.pose_covariance[35] == 0.5 && (told.angular[2] - 0.6).abs() < 0.01, "{told:?}");
+        let reported = bench.odometry("odom");
+        assert!(
+            reported.pose_covariance[35] == 0.5 && (reported.angular[2] - 0.6).abs() < 0.01,
+            "{reported:?}"
+        );
     }
 }
 
-/// A circle with its heading kept, which no wheel could do; falling as others do.
+/// A circle with a constant heading, which no wheel could drive; it falls like other bodies.
 #[test]
 fn a_planar_base_moves_sideways() {
     for size in SIZES {
@@ -126,16 +133,16 @@ fn a_planar_base_moves_sideways() {
         assert!(place.truncate().length() < 0.01 && heading.abs() < 1e-3, "{size:?}: {place} {heading}");
         assert!((farthest_m - 2.0 * radius_m).abs() < 0.01, "{farthest_m}");
         bench.drive(Command { lateral_m_s: 0.5, ..Command::STOP }, 0.5);
-        let told = bench.odometry("/bot/odom");
-        assert!((told.linear[1] - 0.5).abs() < 0.01 && told.linear[0].abs() < 0.01, "{told:?}");
+        let reported = bench.odometry("/bot/odom");
+        assert!((reported.linear[1] - 0.5).abs() < 0.01 && reported.linear[0].abs() < 0.01, "{reported:?}");
     }
 }
 
 #[test]
-fn a_car_that_is_told_an_angle_turns_in_reverse_as_gazebos() {
+fn a_car_with_a_commanded_angle_turns_in_reverse_as_in_gazebo() {
     let size = SIZES[0];
     let plugin = "<plugin name='a' filename='libgazebo_ros_ackermann_drive.so'/>";
-    // gazebo_ros_ackermann_drive.cpp multiplies the angle by copysign(1, v): the sign is that of the turn.
+    // gazebo_ros_ackermann_drive.cpp multiplies the angle by copysign(1, v), so the sign is that of the turn.
     for (speed_m_s, turn) in [(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)] {
         let mut bench = Bench::new(&car(size, plugin));
         bench.drive(Command::new(speed_m_s, turn), 3.0);
@@ -149,7 +156,7 @@ fn a_car_turns_about_a_point_on_its_rear_axle() {
     for (size, angle) in SIZES.into_iter().zip([0.2, 0.35, 0.1]) {
         let plugin = "<plugin name='a' filename='libgazebo_ros_ackermann_drive.so'><max_steer>0.4</max_steer></plugin>";
         let mut bench = Bench::new(&car(size, plugin));
-        // The steering comes to its angle.
+        // Wait until the steering reaches its angle.
         bench.drive(Command::new(0.0, angle), 2.0);
         let radius_m = size.length_m / angle.tan();
         let rear = |bench: &Bench| {
@@ -185,8 +192,8 @@ fn a_car_turns_about_a_point_on_its_rear_axle() {
         bench.drive(Command::new(0.0, 5.0), 1.0);
         assert!((bench.place().1 - before.1).abs() < 1e-3);
         bench.drive(Command::new(0.2, 5.0), 0.5);
-        let told = bench.odometry("odom");
+        let reported = bench.odometry("odom");
         let expected = 0.2 * 0.4_f64.tan() / size.length_m;
-        assert!((told.angular[2] / expected - 1.0).abs() < 0.03, "{told:?} {expected}");
+        assert!((reported.angular[2] / expected - 1.0).abs() < 0.03, "{reported:?} {expected}");
     }
 }

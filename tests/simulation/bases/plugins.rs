@@ -1,8 +1,8 @@
-//! What bases and the plugins beside them tell, and what is said of those that cannot be.
+//! The messages of bases and their plugins, and the errors for invalid ones.
 
 use super::*;
 
-/// gz-sim's plugins have other parameters, and topics under the model's name.
+/// gz-sim's plugins have other parameters, and topics under the name of the model.
 #[test]
 fn gz_sims_bases_have_its_names() {
     let size = SIZES[1];
@@ -31,14 +31,14 @@ fn gz_sims_bases_have_its_names() {
     assert!((told.angular[2] - 0.25).abs() < 0.005 && (told.linear[0] - 0.5).abs() < 0.01, "{told:?}");
 }
 
-/// TurtleBot 1's base drives by its own plugin, and has nothing that only a Kobuki has.
+/// The base of TurtleBot 1 drives by its own plugin, and has no features that only a Kobuki has.
 #[test]
-fn a_create_is_no_kobuki() {
+fn a_create_has_no_features_of_a_kobuki() {
     let create = load::robot("create_circles_kinect").unwrap();
     let mut bench = Bench::new(&create);
     let topics: Vec<String> = bench.simulation.topics().unwrap();
     assert!(!topics.iter().any(|topic| topic.contains("mobile_base")), "{topics:?}");
-    // Whatever is listed can be rendered; flow since the frame before from the second frame on.
+    // Every listed topic can be rendered; flow since the previous frame only from the second frame on.
     for topic in topics.iter().chain(&topics) {
         if topic.ends_with("/flow_back") {
             let _ = bench.simulation.render(topic, &mut FrameBuf::default());
@@ -54,7 +54,7 @@ fn a_create_is_no_kobuki() {
 }
 
 #[test]
-fn plugins_report_what_is_true() {
+fn plugins_report_true_values() {
     let size = SIZES[1];
     let plugins = format!(
         "<plugin name='d' filename='libgazebo_ros_diff_drive.so'><leftJoint>l_joint</leftJoint><rightJoint>r_joint</rightJoint>
@@ -71,7 +71,7 @@ fn plugins_report_what_is_true() {
     assert_eq!(frame.header().frame_id.as_str(), "chassis");
     assert!((DVec3::from(imu.linear_acceleration) - DVec3::Z * 9.8).length() < 0.02, "{imu:?}");
     bench.drive(Command::new(0.5, 1.0), 3.0);
-    // The same sum twice: the first frame begins the second's interval.
+    // The same sum twice: the first frame starts the interval of the second.
     let mut sums = DVec3::ZERO;
     for _ in 0..50 {
         bench.drive(Command::new(0.5, 1.0), 0.01);
@@ -85,14 +85,14 @@ fn plugins_report_what_is_true() {
     assert!((DVec3::from(truth.linear).length() - 0.5).abs() < 0.01 && (truth.angular[2] - 1.0).abs() < 0.02);
     let (state, _) = bench.newest::<JointState>("joint_states");
     assert_eq!(state.name.as_str(), "r_joint");
-    // Moved by hand, it feels nothing of the way.
+    // If it is moved by a command, it measures no acceleration.
     let away = belvedere_sensors::Pose::from_translation(DVec3::new(40.0, 0.0, 0.0)) * pose;
     bench.simulation.place(bench.robot, &away, DVec3::ZERO, DVec3::ZERO).unwrap();
     let felt = DVec3::from(bench.newest::<Imu>("imu").0.linear_acceleration);
     assert!((felt - DVec3::Z * 9.8).length() < 2.0, "{felt}");
 }
 
-/// What a base lacks is said with its line and what is near; a robot without a plugin has no base.
+/// Missing wheels of a base are reported with their line and a suggestion; a robot without a plugin has no base.
 #[test]
 fn a_base_without_its_wheels_is_one_error() {
     let robot = |plugin: &str| {
@@ -124,9 +124,9 @@ fn a_base_without_its_wheels_is_one_error() {
     assert!(simulation.command(id, Command::STOP).unwrap_err().to_string().contains("has no base"));
 }
 
-/// A model that stands in a world file drives, too: that is how many bring their robot.
+/// A model in a world file can drive too; many users add their robot in this way.
 #[test]
-fn what_stands_in_a_world_drives() {
+fn models_of_a_world_can_drive() {
     let size = SIZES[0];
     let y = 0.5 * size.separation_m;
     let wheel = |name: &str, y: f64| {
@@ -176,7 +176,7 @@ fn what_stands_in_a_world_drives() {
     assert_eq!(simulation.pose(robot).unwrap().translation(), place, "again the same");
 }
 
-/// gz-sim's sensors have a topic and no plugin; a robot's file may be SDF.
+/// gz-sim's sensors have a topic and no plugin; a robot file may be SDF.
 #[test]
 fn an_sdf_robot_with_gz_sims_sensors_publishes_them() {
     let sensors = "<sensor name='lidar' type='gpu_lidar'><topic>front/scan</topic><gz_frame_id>mast</gz_frame_id>
@@ -213,9 +213,10 @@ fn an_sdf_robot_with_gz_sims_sensors_publishes_them() {
     }
 }
 
-/// The article's lidar is on a link that its robot has not: a lidar's link is proposed, not one that is spelt more alike.
+/// The article's lidar is on a link that its robot lacks: the error suggests the link of a lidar, not one with a more
+/// similar name.
 #[test]
-fn a_lidars_missing_link_is_that_of_a_lidar() {
+fn the_link_of_a_lidar_is_suggested_for_a_missing_one() {
     let links = ["base_footprint", "gyro_link", "base_laser_link", "camera_rgb_frame"];
     let links: String = links.map(|name| format!("<link name='{name}'/>")).concat();
     let joints: String = ["gyro_link", "base_laser_link", "camera_rgb_frame"]
@@ -229,7 +230,8 @@ fn a_lidars_missing_link_is_that_of_a_lidar() {
     assert!(error.contains("did you mean 'base_laser_link'?"), "{error}");
 }
 
-/// A robot that starts in a wall is refused, and nothing of it is there; one that leans a little into the floor is not.
+/// A robot that starts inside a wall is refused, and nothing of it remains; one that leans slightly into the floor is
+/// accepted.
 #[test]
 fn a_start_inside_a_wall_is_one_error() {
     let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
@@ -247,9 +249,9 @@ fn a_start_inside_a_wall_is_one_error() {
     simulation.spawn(&robot, at(1.0, -0.02)).unwrap();
 }
 
-/// What nobody should command or write stops no robot for good, and is not silent.
+/// Invalid commands and parameters do not stop a robot permanently, and are reported.
 #[test]
-fn what_nobody_should_write_is_told_and_lost_by_nobody() {
+fn invalid_values_are_reported_and_do_no_harm() {
     let mut bench =
         Bench::new(&four_wheels(SMALL, "<plugin name='p' filename='libgazebo_ros_planar_move.so'/>"));
     bench.drive(Command { linear_m_s: 0.0, lateral_m_s: 0.0, angular_rad_s: f64::NAN }, 0.1);

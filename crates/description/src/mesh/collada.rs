@@ -1,10 +1,10 @@
 //! Collada 1.4 and 1.5 (`.dae`): the triangles of the visual scene in metres, and their colours.
 //!
-//! Read: units and, if wanted, the up axis, nodes with all their transforms and instances, `triangles`, `polylist`, `polygons`,
-//! `trifans`, `tristrips`, diffuse as colour or picture, emission, specular, shininess, and what is
-//! transparent if it says how (`opaque="…"`), as in Gazebo. Skins are in the pose in which they were bound. Passed over:
-//! lines, splines, skeletons, animation, lights and cameras, with the nodes that hold nothing else. Materials and looks that are missing or wrong
-//! cost a warning, not the mesh.
+//! The parser supports units and, on request, the up axis, nodes with all their transforms and instances, `triangles`,
+//! `polylist`, `polygons`, `trifans`, `tristrips`, diffuse as a colour or picture, emission, specular, shininess, and
+//! transparency if its meaning is given (`opaque="…"`), as in Gazebo. Skins are in the pose in which they were bound.
+//! Lines, splines, skeletons, animation, lights and cameras are ignored, with the nodes that contain nothing else.
+//! Materials that are missing or invalid give a warning, and the mesh is loaded without them.
 
 mod look;
 mod numbers;
@@ -26,7 +26,7 @@ use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 use std::rc::Rc;
 
-/// Where in the file it is wrong, and what.
+/// An error: its place in the file, and a description.
 struct Wrong(Source, String);
 
 type Outcome<T> = Result<T, Wrong>;
@@ -35,7 +35,7 @@ fn wrong<T>(element: &Element, what: impl Into<String>) -> Outcome<T> {
     Err(Wrong(element.source.clone(), what.into()))
 }
 
-/// Reads the file; none after an error, which then stands in `diagnostics`.
+/// Reads the file. After an error, which is added to `diagnostics`, the result is `None`.
 pub(super) fn load(path: &Path, up_axis: UpAxis, diagnostics: &mut Diagnostics) -> Option<Vec<Part>> {
     let root = match Element::parse_file(path) {
         Ok(root) => root,
@@ -51,8 +51,8 @@ pub(super) fn load(path: &Path, up_axis: UpAxis, diagnostics: &mut Diagnostics) 
     }
     for id in document.ambiguous.take() {
         let (first, second) = (&document.by_id[&*id].source, &document.repeated[&*id].source);
-        let what = format!("the id '{id}' occurs again: the element at {first} counts");
-        diagnostics.warning(second, what, "give each element an id of its own");
+        let what = format!("the id '{id}' occurs again: the element at {first} is used");
+        diagnostics.warning(second, what, "give each element its own id");
     }
     match parts {
         Ok(parts) => Some(parts),
@@ -63,7 +63,7 @@ pub(super) fn load(path: &Path, up_axis: UpAxis, diagnostics: &mut Diagnostics) 
     }
 }
 
-/// Collects elements by their ids. The first of an id counts.
+/// Collects elements by their ids. The first element with an id is used.
 fn collect<'a>(
     element: &'a Element,
     by_id: &mut HashMap<&'a str, &'a Element>,
@@ -88,17 +88,17 @@ struct Document<'a> {
     root: &'a Element,
     up_axis: UpAxis,
     by_id: HashMap<&'a str, &'a Element>,
-    /// Elements whose id another had before.
+    /// Elements whose id is already used by another.
     repeated: HashMap<&'a str, &'a Element>,
-    /// Ids of those to which something refers.
+    /// The repeated ids that are referred to.
     ambiguous: RefCell<BTreeSet<String>>,
     budget: Budget,
     cutter: Cutter,
-    /// Sources that were read.
+    /// Sources that have been read.
     values: HashMap<*const Element, Rc<Values<'a>>>,
-    /// Geometries that were read.
+    /// Geometries that have been read.
     geometries: HashMap<*const Element, Rc<[Shape<'a>]>>,
-    /// What is wrong, and can be done without.
+    /// Errors in parts that the mesh can be loaded without.
     left_out: Vec<Wrong>,
 }
 
@@ -141,7 +141,7 @@ impl<'a> Document<'a> {
         Ok(parts)
     }
 
-    /// From the file's unit and, if wanted, up axis to metres and z up.
+    /// Returns the transform from the file's unit and, on request, up axis to metres with z up.
     fn world_from_file(&self) -> Outcome<DAffine3> {
         let asset = self.root.child("asset");
         let unit = asset.and_then(|asset| asset.child("unit"));
@@ -155,7 +155,7 @@ impl<'a> Document<'a> {
         let axis = asset.and_then(|asset| asset.child("up_axis"));
         let axis = axis.filter(|_| self.up_axis == UpAxis::Applied);
         let turn = match axis.map(Element::text).as_deref() {
-            // Columns: where the file's x, y and z go.
+            // The columns are the images of the file's x, y and z axes.
             None | Some("Z_UP") => DMat3::IDENTITY,
             Some("Y_UP") => DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y),
             Some("X_UP") => DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y),
@@ -164,7 +164,7 @@ impl<'a> Document<'a> {
         Ok(DAffine3::from_mat3(turn * metre))
     }
 
-    /// The element that an attribute `#id` refers to.
+    /// Returns the element that an attribute `#id` refers to.
     fn referenced(&self, element: &Element, attribute: &str) -> Outcome<&'a Element> {
         let Some(reference) = element.attribute(attribute) else {
             return wrong(element, format!("<{}> has no '{attribute}'", element.name));
@@ -179,7 +179,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Places what stands on a node. `above` has the names of the nearest node above that has any.
+    /// Places the content of a node. `above` has the names of the nearest ancestor that has any.
     fn node(
         &mut self,
         node: &'a Element,
@@ -187,7 +187,7 @@ impl<'a> Document<'a> {
         above: &[&str],
         parts: &mut Vec<Part>,
     ) -> Outcome<()> {
-        // What stands on a camera's or lamp's node moves no triangle.
+        // The content of camera and light nodes has no triangles.
         let holds = |name: &str| {
             matches!(name, "node" | "instance_node" | "instance_geometry" | "instance_controller")
         };
@@ -205,7 +205,7 @@ impl<'a> Document<'a> {
                 world_from_node *= transform;
             }
         }
-        // Gazebo knows a part by its node, or by the nearest node above that has a name.
+        // In Gazebo, the name of a part is that of its node, or of the nearest ancestor with a name.
         let own: Vec<&str> = ["name", "id"].iter().filter_map(|name| node.attribute(name)).collect();
         let names = if own.is_empty() { above } else { &own[..] };
         for child in node.elements() {
@@ -232,22 +232,23 @@ impl<'a> Document<'a> {
         Ok(())
     }
 
-    /// A skin in the pose that its mesh was bound in: no skeleton moves it.
+    /// Places a skin in the pose in which its mesh was bound; skeletons are not applied.
     fn skin(&mut self, instance: &'a Element, parts: &mut Vec<Part>) -> Outcome<()> {
         let controller = self.referenced(instance, "url")?;
         let Some(skin) = controller.child("skin") else {
-            self.left_out.push(Wrong(controller.source.clone(), "only skins are read of controllers".into()));
+            self.left_out
+                .push(Wrong(controller.source.clone(), "a controller that is not a skin is not read".into()));
             return Ok(());
         };
         let bind_shape = skin.child("bind_shape_matrix").map(transform).transpose()?.flatten();
         let materials = self.bound_materials(instance);
         let geometry = self.referenced(skin, "source")?;
-        // Where a skin is comes from its joints, not from the node that it stands on.
+        // The pose of a skin follows from its joints, not from its node.
         let world_from_geometry = self.world_from_file()? * bind_shape.unwrap_or(DAffine3::IDENTITY);
         self.geometry(geometry, world_from_geometry, &materials, parts)
     }
 
-    /// The materials that an instance gives to the symbols of its primitives.
+    /// Returns the materials that an instance assigns to the symbols of its primitives.
     fn bound_materials(&mut self, instance: &'a Element) -> HashMap<&'a str, Material> {
         let mut materials = HashMap::new();
         let technique = instance.child("bind_material").and_then(|binding| binding.child("technique_common"));

@@ -1,9 +1,9 @@
-//! Polygons as triangles.
+//! Division of polygons into triangles.
 
 use earcut::Earcut;
 use glam::{DVec2, DVec3};
 
-/// Cuts polygons into triangles; it keeps its memory from one polygon to the next.
+/// Divides polygons into triangles. It reuses its memory from one polygon to the next.
 #[derive(Default)]
 pub(super) struct Cutter {
     earcut: Earcut<f64>,
@@ -13,11 +13,11 @@ pub(super) struct Cutter {
 }
 
 impl Cutter {
-    /// Returns the triangles of a polygon as numbers of its corners, in the polygon's own sense. `holes` has the first
-    /// corner of each hole, whose corners follow those of the outline.
+    /// Returns the triangles of a polygon as indices of its corners, with the winding of the polygon. `holes` has the
+    /// first corner of each hole, whose corners follow those of the outline.
     ///
-    /// A convex outline is a fan around its first corner. Any other is cut by ears on the plane of its mean normal. One
-    /// without area, or whose outline crosses itself so that no ear is left, is a fan, too.
+    /// A convex outline becomes a fan around its first corner. Any other is divided by ear clipping in the plane of its
+    /// mean normal. An outline without area, or one that intersects itself so that no ear is left, also becomes a fan.
     pub(super) fn cut(&mut self, corners: &[DVec3], holes: &[u32]) -> &[[u32; 3]] {
         self.triangles.clear();
         let outline = &corners[..holes.first().map_or(corners.len(), |first| *first as usize)];
@@ -44,7 +44,7 @@ impl Cutter {
 
     fn ears(&mut self, corners: &[DVec3], holes: &[u32], normal: DVec3) {
         let (right, up) = normal.any_orthonormal_pair();
-        // Far from the origin the products of coordinates would lose the digits that tell corners apart.
+        // Far from the origin, products of coordinates would lose the digits that distinguish corners.
         let origin = corners[0];
         let flat = |corner: &DVec3| [(corner - origin).dot(right), (corner - origin).dot(up)];
         self.flat.clear();
@@ -59,21 +59,21 @@ impl Cutter {
     }
 }
 
-/// Returns Newell's normal of an outline, which is twice as long as its area is large.
+/// Returns Newell's normal of an outline; its length is twice the area.
 fn mean_normal(outline: &[DVec3]) -> DVec3 {
     let origin = outline[0];
     let next = outline.iter().cycle().skip(1);
     outline.iter().zip(next).map(|(one, other)| (one - origin).cross(other - origin)).sum()
 }
 
-/// Whether no corner of an outline turns back, and the outline goes round once.
+/// Returns true if all corners of an outline turn the same way and the outline goes around once.
 fn is_convex(outline: &[DVec3], normal: DVec3) -> bool {
     if outline.len() == 3 {
         return true;
     }
     let count = outline.len();
     let edge = |at: usize| outline[(at + 1) % count] - outline[at % count];
-    // A fan of an outline that goes round twice, such as a pentagram, turns back somewhere.
+    // A fan of an outline that goes around twice, such as a pentagram, turns back somewhere.
     let spoke = |at: usize| outline[at] - outline[0];
     (0..count).all(|at| edge(at).cross(edge(at + 1)).dot(normal) >= 0.0)
         && (1..count - 1).all(|at| spoke(at).cross(spoke(at + 1)).dot(normal) >= 0.0)
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn an_l_is_cut_in_any_plane_and_sense() {
+    fn an_l_is_divided_in_any_plane_and_winding() {
         let l = points(&[[2.0, 1.0], [1.0, 1.0], [1.0, 2.0], [0.0, 2.0], [0.0, 0.0], [2.0, 0.0]]);
         let inside = |[a, b, c]: [u32; 3]| {
             let middle = (l[a as usize] + l[b as usize] + l[c as usize]) / 3.0;
@@ -107,7 +107,7 @@ mod tests {
         assert!((area(&l, &triangles) - 3.0).abs() < 1e-12);
         let reversed: Vec<DVec3> = l.iter().rev().copied().collect();
         assert!((area(&reversed, cutter.cut(&reversed, &[])) + 3.0).abs() < 1e-12);
-        // On a slope, far from the origin, the area that is seen from above is the same.
+        // On a slope, far from the origin, the area seen from above is the same.
         let slope: Vec<DVec3> =
             l.iter().map(|p| DVec3::new(p.x + 4e5, p.y - 5e6, 0.75 * p.x + 0.5 * p.y)).collect();
         assert!((area(&slope, cutter.cut(&slope, &[])) - 3.0).abs() < 1e-9);
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_area_is_a_fan() {
+    fn outlines_without_area_are_fans() {
         let line = points(&[[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [3.0, 0.0]]);
         assert_eq!(Cutter::default().cut(&line, &[]), [[0, 1, 2], [0, 2, 3]]);
         let nan = points(&[[0.0, 0.0], [f64::NAN, 0.0], [2.0, 0.0], [3.0, 1.0]]);

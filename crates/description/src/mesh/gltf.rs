@@ -1,11 +1,11 @@
-//! glTF 2.0 (`.gltf` and `.glb`): the triangles of the scene, and their looks.
+//! glTF 2.0 (`.gltf` and `.glb`): the triangles of the scene, and their materials.
 //!
-//! Nodes with all their transforms, triangles, strips and fans are read, with sparse accessors and numbers of any type.
-//! Skins are in their rest pose; morph targets are not applied. Extensions that a file requires and that are not read
-//! are an error.
+//! The parser supports nodes with all their transforms, triangles, strips and fans, sparse accessors, and numbers of
+//! any type. Skins are in their rest pose; morph targets are not applied. If a file requires an extension that is not
+//! supported, that is an error.
 //!
-//! In glTF y is up. Gazebo takes the numbers as they stand, so that a model's y becomes the link's y, and
-//! [`parse`] does so, too; [`parse_upright`] turns y to z.
+//! In glTF, y is up. Gazebo uses the coordinates unchanged, so that a model's y becomes the link's y. [`parse`] does
+//! the same; [`parse_upright`] rotates y to z.
 
 mod accessor;
 mod container;
@@ -25,7 +25,7 @@ use skin::{Skin, affine};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Reads a file, with its numbers as they stand.
+/// Reads a file with unchanged coordinates.
 pub(super) fn parse(
     bytes: &[u8],
     path: &Path,
@@ -34,13 +34,13 @@ pub(super) fn parse(
     read(bytes, path, DMat3::IDENTITY, diagnostics)
 }
 
-/// Reads a file, with its up, which is y, as z.
+/// Reads a file and rotates its up axis, y, to z.
 pub(super) fn parse_upright(
     bytes: &[u8],
     path: &Path,
     diagnostics: &mut Diagnostics,
 ) -> Result<Vec<Part>, Unreadable> {
-    // Columns: where the file's x, y and z go.
+    // The columns are the images of the file's x, y and z axes.
     read(bytes, path, DMat3::from_cols(DVec3::X, DVec3::Z, DVec3::NEG_Y), diagnostics)
 }
 
@@ -73,7 +73,7 @@ fn read(
     }
     if !scene.left_out.is_empty() {
         let list: Vec<&str> = scene.left_out.iter().map(String::as_str).collect();
-        let what = format!("of the mesh {} are not drawn: {}", path.display(), list.join(", "));
+        let what = format!("parts of the mesh {} are not drawn: {}", path.display(), list.join(", "));
         diagnostics.note(&whole, what, "");
     }
     Ok(scene.parts)
@@ -83,14 +83,14 @@ struct Scene<'a> {
     container: &'a Container<'a>,
     accessors: Accessors<'a>,
     budget: Budget,
-    /// Where each node is, as far as the scene has it.
+    /// The pose of each node of the scene.
     poses: Vec<DAffine3>,
-    /// Nodes that have a mesh, in order, with their name, or that of the nearest node above that has one.
+    /// The nodes with a mesh, in order, with their name, or that of the nearest ancestor with a name.
     placed: Vec<(&'a Value, &'a str, DAffine3)>,
     parts: Vec<Part>,
-    /// What is not drawn.
+    /// Features that are not drawn.
     left_out: BTreeSet<String>,
-    /// What could move, and does not.
+    /// Features that could be animated, and are not.
     posed: BTreeSet<&'static str>,
 }
 
@@ -105,7 +105,7 @@ impl<'a> Scene<'a> {
             self.container.entry("scenes", &json["scene"])?
         };
         if scene.is_null() {
-            // Without a scene, the nodes that are below no other.
+            // Without a scene, the nodes that are not below any other.
             let lists = json["nodes"].as_array().into_iter().flatten();
             let below: BTreeSet<u64> = lists
                 .filter_map(|node| node["children"].as_array())
@@ -120,7 +120,7 @@ impl<'a> Scene<'a> {
                 self.node(root, scene_from_root, "")?;
             }
         }
-        // A skin needs to know where all nodes are.
+        // A skin needs the poses of all nodes, so meshes are read after all nodes.
         for (node, name, scene_from_node) in std::mem::take(&mut self.placed) {
             self.mesh(node, name, scene_from_node)?;
         }
@@ -170,7 +170,7 @@ impl<'a> Scene<'a> {
         Ok(())
     }
 
-    /// Reads a primitive; none if it has no triangles.
+    /// Reads a primitive; `None` if it has no triangles.
     fn primitive(
         &mut self,
         primitive: &Value,
@@ -223,7 +223,7 @@ impl<'a> Scene<'a> {
         }))
     }
 
-    /// Returns where a skin has its vertices.
+    /// Returns the positions of the vertices as deformed by a skin.
     fn posed(&self, skin: &Skin, attributes: &Value, points: &[[f64; 3]]) -> Result<Vec<DVec3>, String> {
         let joints: Vec<[f64; 4]> = self.accessors.read(&attributes["JOINTS_0"])?;
         let weights: Vec<[f64; 4]> = self.accessors.read(&attributes["WEIGHTS_0"])?;
@@ -235,15 +235,15 @@ impl<'a> Scene<'a> {
     }
 }
 
-/// The `mode` of triangles, and the last of those that are read; between them are strips.
+/// The `mode` of triangles, and the last of the supported modes; between them are strips.
 const TRIANGLES: u64 = 4;
 const STRIP: u64 = 5;
 const FAN: u64 = 6;
 
-/// Returns the triangles that indices stand for.
+/// Returns the triangles that a list of indices represents.
 fn triangles(mode: u64, indices: &[u32]) -> Box<dyn Iterator<Item = [u32; 3]> + '_> {
     match mode {
-        // Every second triangle of a strip runs the other way round.
+        // Every second triangle of a strip has the opposite winding.
         STRIP => Box::new(indices.windows(3).enumerate().map(|(at, corners)| {
             let [a, b, c] = [corners[0], corners[1], corners[2]];
             if at % 2 == 0 { [a, b, c] } else { [b, a, c] }

@@ -1,4 +1,4 @@
-//! The look that a mesh's file gives its triangles, and the pictures that it names.
+//! The materials that a mesh file assigns to its triangles, and the pictures that it names.
 
 use super::Part;
 use super::gltf::picture;
@@ -8,7 +8,7 @@ use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// A file's look, as far as it says.
+/// The material of a file, as far as it is given.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Look {
     pub(super) diffuse: Option<[f32; 3]>,
@@ -21,10 +21,10 @@ pub(super) struct Look {
 }
 
 impl Look {
-    /// Makes a material of the look; none if it has neither colour nor texture.
+    /// Creates a material; `None` if there is neither a colour nor a texture.
     ///
-    /// Exporters leave the ambient colour black or at odds with the diffuse one, so the diffuse colour stands for both.
-    /// What is beyond its range counts as its end.
+    /// Exporters leave the ambient colour black or inconsistent with the diffuse one, so the diffuse colour is used for
+    /// both. Values out of range are clamped.
     pub(super) fn material(self) -> Option<Material> {
         let diffuse = self.diffuse.or(self.texture.is_some().then_some([1.0; 3]))?;
         let within = |value: f32, most: f32| if value.is_nan() { 0.0 } else { value.clamp(0.0, most) };
@@ -43,8 +43,8 @@ impl Look {
     }
 }
 
-/// Returns the picture that a mesh in `folder` names: there, or in the `materials/textures` of its model, where Gazebo looks
-/// too. Folders of the machine that the mesh was made on are left off.
+/// Returns the file of a picture that a mesh in `folder` names: in this folder, or in the `materials/textures` of its
+/// model, where Gazebo searches too. Folders of the machine on which the mesh was made are ignored.
 pub fn find_texture(name: &str, folder: &Path) -> Option<PathBuf> {
     let name = name.replace('\\', "/");
     let file = name.rsplit('/').next().filter(|file| !file.is_empty())?;
@@ -54,9 +54,9 @@ pub fn find_texture(name: &str, folder: &Path) -> Option<PathBuf> {
     found(&name).or_else(|| found(file))
 }
 
-/// Finds the pictures that the parts of a mesh name. Without its picture a part is drawn in its colour, as in Gazebo.
+/// Finds the pictures that the parts of a mesh name. A part without its picture is drawn in its colour, as in Gazebo.
 pub(super) fn find_textures(parts: &mut [Part], path: &Path, source: &Source, diagnostics: &mut Diagnostics) {
-    // Each picture is looked for once, since a file may have a part for every face.
+    // Each picture is searched only once, because a file may have a part for every face.
     let mut known: HashMap<PathBuf, Option<PathBuf>> = HashMap::new();
     for material in parts.iter_mut().filter_map(|part| part.material.as_mut()) {
         if let Some(texture) = material.texture.take() {
@@ -67,7 +67,7 @@ pub(super) fn find_textures(parts: &mut [Part], path: &Path, source: &Source, di
     }
 }
 
-/// Returns the file of a picture that the mesh at `path` names; none after a warning.
+/// Returns the file of a picture that the mesh at `path` names, or `None` after a warning.
 fn locate(texture: &Path, path: &Path, source: &Source, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
     if picture::is_embedded(texture) {
         return Some(texture.to_path_buf());

@@ -12,10 +12,10 @@ use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-/// What a group is called that has no name.
+/// The name of a group without a name.
 const DEFAULT: &str = "default";
 
-/// Reads a file: a part for each run of faces of one group, object and material.
+/// Reads a file. Each sequence of faces with the same group, object and material becomes a part.
 pub(super) fn parse(
     bytes: &[u8],
     path: &Path,
@@ -30,7 +30,8 @@ pub(super) fn parse(
     Ok(reader.parts)
 }
 
-/// Splits a file into statements, each with the number of its first line: a line that ends with `\` goes on in the next.
+/// Splits a file into statements with the numbers of their first lines. A line that ends with `\` continues on the
+/// next.
 fn statements(text: &str) -> impl Iterator<Item = (u32, Cow<'_, str>)> {
     let mut lines = (1..).zip(text.lines());
     std::iter::from_fn(move || {
@@ -53,16 +54,16 @@ struct Reader<'a> {
     object: String,
     group: String,
     material: String,
-    /// What the materials of the libraries look like, as far as these say.
+    /// The materials of the libraries, as far as they are given.
     materials: HashMap<String, Option<Material>>,
-    /// Whether a library is missing, which was a warning.
+    /// True if a library is missing, for which there was a warning.
     lacks_library: bool,
-    /// What a warning was given for.
+    /// The keys of the warnings so far.
     warned: HashSet<String>,
     parts: Vec<Part>,
-    /// Vertices of the last part by their position and, plus 1, texture coordinates.
+    /// The vertices of the last part, by the indices of their position and, plus 1, of their texture coordinates.
     vertices: HashMap<(u32, u32), u32>,
-    /// Whether faces go on in the last part.
+    /// True if further faces belong to the last part.
     is_open: bool,
     cutter: Cutter,
     face: Vec<(u32, u32)>,
@@ -95,7 +96,7 @@ impl<'a> Reader<'a> {
     /// Reads a statement.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// A description of the error.
     fn statement(&mut self, statement: &str) -> Result<(), String> {
         let (keyword, rest) = statement.split_once(char::is_whitespace).unwrap_or((statement, ""));
         let rest = rest.trim();
@@ -126,7 +127,7 @@ impl<'a> Reader<'a> {
         Ok(())
     }
 
-    /// Warns of the statement that is being read, once for each `key`.
+    /// Adds a warning about the current statement, once for each `key`.
     fn warn(&mut self, key: &str, what: &str, remedy: impl Into<String>) {
         if self.warned.insert(key.to_owned()) {
             self.diagnostics.warning(&Source::new(self.path, self.line), what, remedy);
@@ -136,7 +137,7 @@ impl<'a> Reader<'a> {
     fn vertex(&mut self, rest: &str) -> Result<(), String> {
         let (mut point, more) = numbers(rest, 3)?;
         match more.len() {
-            // A weight.
+            // The fourth number is a weight.
             1 if more[0] != 0.0 => point = (Vec3::from(point) / more[0]).to_array(),
             1 => return Err("the weight of the vertex is 0".into()),
             _ => {}
@@ -166,7 +167,7 @@ impl<'a> Reader<'a> {
             let triangle = triangle.map(|corner| {
                 let (vertex, uv) = self.face[corner as usize];
                 *self.vertices.entry((vertex, uv)).or_insert_with(|| {
-                    // Where a part has texture coordinates at all, each vertex has.
+                    // If a part has texture coordinates, each of its vertices has them.
                     if uv != 0 {
                         part.uvs.resize(part.positions.len(), [0.0; 2]);
                         part.uvs.push(self.uvs[uv as usize - 1]);
@@ -200,7 +201,8 @@ impl<'a> Reader<'a> {
         self.parts.push(Part { name, aliases, material: material.flatten(), ..Part::default() });
     }
 
-    /// Reads libraries of materials. `names` is one name with spaces, if there is such a file, else a list of names.
+    /// Reads libraries of materials. `names` is one name with spaces, if there is such a file, and otherwise a list of
+    /// names.
     fn library(&mut self, names: &str) {
         let folder = self.path.parent().unwrap_or(Path::new(""));
         let whole = folder.join(names.replace('\\', "/"));
@@ -212,7 +214,7 @@ impl<'a> Reader<'a> {
         for file in files {
             self.diagnostics.opened(&file);
             match std::fs::read(&file) {
-                // The first of a name holds.
+                // The first material with a name is used.
                 Ok(bytes) => {
                     for (name, look) in material::parse(&text(&bytes), file.parent().unwrap_or(folder)) {
                         self.materials.entry(name).or_insert_with(|| look.material());
@@ -224,14 +226,15 @@ impl<'a> Reader<'a> {
                         "the materials in {} cannot be read: {error}: faces have no colour",
                         file.display()
                     );
-                    self.warn(names, &what, "put the file beside the mesh, or take mtllib out");
+                    self.warn(names, &what, "put the file beside the mesh, or remove mtllib");
                 }
             }
         }
     }
 }
 
-/// Reads three numbers, of which the first `required` must be there and the others default to 0, and all that follow.
+/// Reads three numbers, of which the first `required` are mandatory and the others default to 0, and all further
+/// numbers.
 fn numbers(rest: &str, required: usize) -> Result<([f32; 3], Vec<f32>), String> {
     let (mut three, mut more, mut count) = ([0.0; 3], Vec::new(), 0);
     for word in rest.split_whitespace().take_while(|word| !word.starts_with('#')) {
@@ -243,17 +246,17 @@ fn numbers(rest: &str, required: usize) -> Result<([f32; 3], Vec<f32>), String> 
         count += 1;
     }
     if count < required {
-        return Err(format!("there are {count} numbers of {required}"));
+        return Err(format!("there are {count} numbers, but {required} are needed"));
     }
     Ok((three, more))
 }
 
-/// Returns the place in a list that an index of a face stands for: it counts from 1, or back from the end.
+/// Returns the position in a list for an index of a face, which counts from 1, or backwards from the end.
 fn index(word: &str, length: usize, what: &str) -> Result<u32, String> {
     let index: i64 = word.parse().map_err(|_| format!("'{word}' is not the number of a {what}"))?;
     let place = if index < 0 { index + length as i64 } else { index - 1 };
     match usize::try_from(place) {
         Ok(place) if place < length && index != 0 => Ok(place as u32),
-        _ => Err(format!("the face names {what} {index}, of {length}")),
+        _ => Err(format!("the face names {what} {index}, but there are {length}")),
     }
 }

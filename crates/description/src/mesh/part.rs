@@ -1,4 +1,4 @@
-//! Triangles of one material as a file gives them, and the checks that make a mesh of them.
+//! Triangles with one material, as stored in a file, and their checks and conversion to a mesh.
 
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::{Material, Mesh};
@@ -6,12 +6,12 @@ use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 use std::path::Path;
 
-/// Triangles of one material as a file gives them.
+/// Triangles with one material, as stored in a file.
 #[derive(Debug, Default)]
 pub(super) struct Part {
-    /// Name in the file, for errors.
+    /// The name in the file, for error messages.
     pub(super) name: String,
-    /// What else the file calls it.
+    /// Further names in the file.
     pub(super) aliases: Vec<String>,
     pub(super) positions: Vec<[f32; 3]>,
     /// As many as positions, or none.
@@ -20,15 +20,15 @@ pub(super) struct Part {
     pub(super) material: Option<Material>,
 }
 
-/// Why a mesh's file cannot be read.
+/// The reason why a mesh file cannot be read.
 pub(super) struct Unreadable {
-    /// The line that is wrong, if the file has lines.
+    /// The line with the error, if the file has lines.
     pub(super) line: Option<u32>,
     pub(super) what: String,
 }
 
 impl Unreadable {
-    /// Makes a fault of a line.
+    /// Creates an error at a line.
     pub(super) fn at(line: u32, what: impl Into<String>) -> Self {
         Self { line: Some(line), what: what.into() }
     }
@@ -46,8 +46,8 @@ impl From<&str> for Unreadable {
     }
 }
 
-/// Decodes a file as text. Names in an unknown encoding are kept as far as possible, and exporters on Windows may write
-/// UTF-16.
+/// Decodes a file as text. Names in an unknown encoding are preserved as far as possible. Exporters on Windows may
+/// write UTF-16.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     let wide = |read: fn([u8; 2]) -> u16| {
         let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| read([pair[0], pair[1]])).collect();
@@ -60,7 +60,7 @@ pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// Appends triangles. Texture coordinates are filled up with zeros where only one side has them.
+/// Appends triangles. If only one of the meshes has texture coordinates, those of the other are zeros.
 pub(super) fn append(mesh: &mut Mesh, more: &Mesh) {
     let first = mesh.positions.len() as u32;
     if !more.uvs.is_empty() || !mesh.uvs.is_empty() {
@@ -72,7 +72,7 @@ pub(super) fn append(mesh: &mut Mesh, more: &Mesh) {
     mesh.triangles.extend(more.triangles.iter().map(|triangle| triangle.map(|index| index + first)));
 }
 
-/// Checks every number, applies the scale, and leaves out triangles without area.
+/// Checks all numbers, applies the scale, and removes triangles without area.
 pub(super) fn finish(
     part: Part,
     path: &Path,
@@ -103,13 +103,13 @@ pub(super) fn finish(
         .enumerate()
         .find(|(_, triangle)| triangle.iter().any(|vertex| *vertex as usize >= positions.len()))
     {
-        return fail(format!("triangle {index} names a vertex that is not there"));
+        return fail(format!("triangle {index} names a vertex that does not exist"));
     }
     triangles.retain(|triangle| {
         let [a, b, c] = triangle.map(|vertex| Vec3::from(positions[vertex as usize]).as_dvec3());
         (b - a).cross(c - a) != DVec3::ZERO
     });
-    // A mirror turns the outside in.
+    // A mirroring scale reverses the winding, which is corrected here.
     if scale.x * scale.y * scale.z < 0.0 {
         for triangle in &mut triangles {
             triangle.swap(1, 2);

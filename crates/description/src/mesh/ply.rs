@@ -1,6 +1,6 @@
-//! PLY (Stanford): vertices and polygons in text or in bytes.
+//! PLY (Stanford): vertices and polygons, in text or binary form.
 //!
-//! Normals and colours of vertices are ignored; Gazebo does not draw the colours, either. Elements other than
+//! Normals and colours of vertices are ignored; Gazebo does not draw these colours either. Elements other than
 //! vertices, faces and strips of triangles are ignored.
 
 mod header;
@@ -33,7 +33,7 @@ pub(super) fn parse(bytes: &[u8], _: &Path, _: &mut Diagnostics) -> Result<Vec<P
 #[derive(Default)]
 struct Reader {
     part: Part,
-    /// Texture coordinates of the corners of faces, whose vertices are then not shared.
+    /// The texture coordinates of the corners of faces. Their vertices are not shared.
     corner_uvs: Vec<[f32; 2]>,
     cutter: Cutter,
 }
@@ -49,7 +49,7 @@ impl Reader {
         let uv = [place(&["s", "u", "texture_u"]), place(&["t", "v", "texture_v"])];
         let indices = place(&["vertex_indices", "vertex_index"]);
         let corner_uvs = place(&["texcoord"]);
-        // The vertices that faces name, without those that their own texture coordinates make.
+        // The vertices that faces name, without those created for texture coordinates of corners.
         let shared: Vec<[f32; 3]> = match (element.name.as_str(), corner_uvs) {
             ("face", Some(_)) => std::mem::take(&mut self.part.positions),
             _ => Vec::new(),
@@ -74,7 +74,7 @@ impl Reader {
                         return Err("its faces have no vertex_indices".into());
                     };
                     match corner_uvs.map(|place| &row[place]) {
-                        Some(uvs) => self.face_of_its_own(corners, uvs, &shared).map_err(wrong)?,
+                        Some(uvs) => self.separate_face(corners, uvs, &shared).map_err(wrong)?,
                         None => self.face(corners).map_err(wrong)?,
                     }
                 }
@@ -82,7 +82,7 @@ impl Reader {
                     for strip in indices.map_or(&[][..], |place| &row[place]).split(|index| *index == -1.0) {
                         for (at, corners) in strip.windows(3).enumerate() {
                             let [a, b, c] = [corners[0], corners[1], corners[2]];
-                            // Every second triangle of a strip runs the other way round.
+                            // Every second triangle of a strip has the opposite winding.
                             self.face(&if at % 2 == 0 { [a, b, c] } else { [b, a, c] }).map_err(wrong)?;
                         }
                     }
@@ -93,10 +93,10 @@ impl Reader {
         Ok(())
     }
 
-    /// Cuts a face.
+    /// Divides a face into triangles.
     ///
     /// # Errors
-    /// The face names a vertex that is not there.
+    /// If the face names a vertex that does not exist.
     fn face(&mut self, corners: &[f64]) -> Result<(), String> {
         let (indices, points) = points(corners, &self.part.positions)?;
         let cut = self.cutter.cut(&points, &[]);
@@ -106,8 +106,8 @@ impl Reader {
         Ok(())
     }
 
-    /// Cuts a face whose corners have texture coordinates of their own.
-    fn face_of_its_own(&mut self, corners: &[f64], uvs: &[f64], shared: &[[f32; 3]]) -> Result<(), String> {
+    /// Divides a face whose corners have their own texture coordinates.
+    fn separate_face(&mut self, corners: &[f64], uvs: &[f64], shared: &[[f32; 3]]) -> Result<(), String> {
         let (indices, points) = points(corners, shared)?;
         let first = self.part.positions.len() as u32;
         self.part.positions.extend(indices.iter().map(|index| shared[*index as usize]));
@@ -127,7 +127,7 @@ fn points(corners: &[f64], positions: &[[f32; 3]]) -> Result<(Vec<u32>, Vec<DVec
     for &corner in corners {
         let position = (corner >= 0.0).then(|| positions.get(corner as usize)).flatten();
         let Some(position) = position else {
-            return Err(format!("a face names vertex {corner}, of {}", positions.len()));
+            return Err(format!("a face names vertex {corner}, but there are {}", positions.len()));
         };
         found.0.push(corner as u32);
         found.1.push(Vec3::from(*position).as_dvec3());
@@ -140,12 +140,12 @@ struct Numbers<'a> {
     form: Form,
     rest: &'a [u8],
     line: u32,
-    /// The words of a line of text that are left, the last first.
+    /// The remaining words of a line of text, the last first.
     words: Vec<&'a str>,
 }
 
 impl Numbers<'_> {
-    /// Returns the number of the line that is being read, if the file has lines.
+    /// Returns the number of the current line, if the file has lines.
     fn text_line(&self) -> Option<u32> {
         (self.form == Form::Text).then_some(self.line)
     }
@@ -179,7 +179,7 @@ impl Numbers<'_> {
             return Err("the file ends before its last element".into());
         };
         self.rest = rest;
-        // Big endian, with the bytes that a shorter number lacks behind it.
+        // Convert to big endian, with padding after the bytes of a shorter number.
         let mut all = [0; 8];
         all[..bytes.len()].copy_from_slice(bytes);
         if self.form == Form::LittleEndian {

@@ -1,15 +1,15 @@
-//! STL: triangles in text or in bytes.
+//! STL: triangles, in text or binary form.
 
 use super::part::{Part, Unreadable, text};
 use crate::diagnostics::{Diagnostics, Source};
 use std::path::Path;
 
-/// Bytes before the number of triangles.
+/// The number of bytes before the number of triangles.
 const HEADER: usize = 80;
-/// Bytes of a triangle: a normal, three corners, and two bytes that are not used.
+/// The number of bytes of a triangle: a normal, three corners, and two unused bytes.
 const TRIANGLE: usize = 50;
 
-/// Reads a file: a part for each solid of a text.
+/// Reads a file; each solid of a text becomes a part.
 pub(super) fn parse(
     bytes: &[u8],
     path: &Path,
@@ -17,7 +17,7 @@ pub(super) fn parse(
 ) -> Result<Vec<Part>, Unreadable> {
     let count = bytes.get(HEADER..).and_then(<[u8]>::first_chunk).map(|count| u32::from_le_bytes(*count));
     let length = |count: u32| HEADER as u64 + 4 + TRIANGLE as u64 * u64::from(count);
-    // Some binary headers begin with the word by which text is known.
+    // Some binary headers begin with the word that identifies text.
     let fits = count.is_some_and(|count| length(count) == bytes.len() as u64);
     let begins = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let is_text = begins && !bytes.iter().take(1000).any(|byte| *byte == 0);
@@ -32,11 +32,11 @@ pub(super) fn parse(
     let triangles = &bytes[HEADER + 4..];
     let there = triangles.len() / TRIANGLE;
     if length(count) > bytes.len() as u64 {
-        return Err(format!("it says that it has {count} triangles, and has {there}").into());
+        return Err(format!("it declares {count} triangles, and has {there}").into());
     }
     if !fits {
         let what = format!(
-            "the mesh {} says that it has {count} triangles, and has bytes of {there}: the others are left out",
+            "the mesh {} declares {count} triangles, and has bytes for {there}: the others are left out",
             path.display()
         );
         diagnostics.warning(&Source::new(path, 0), what, "export it again");
@@ -56,7 +56,7 @@ fn push(part: &mut Part, corners: [[f32; 3]; 3]) {
     part.triangles.push([first, first + 1, first + 2]);
 }
 
-/// Reads text, in which `vertex` and `endloop` say all that is needed.
+/// Reads text. Only the words `vertex` and `endloop` are needed.
 fn solids(text: &str, path: &Path, diagnostics: &mut Diagnostics) -> Result<Vec<Part>, Unreadable> {
     let mut parts: Vec<Part> = Vec::new();
     let mut corners: Vec<[f32; 3]> = Vec::new();
@@ -68,7 +68,7 @@ fn solids(text: &str, path: &Path, diagnostics: &mut Diagnostics) -> Result<Vec<
         let (word, name) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
         if word.eq_ignore_ascii_case("solid") {
             is_open = true;
-            // Some write all of the solid into one line.
+            // Some programs write a whole solid into one line.
             let name = name.split(" facet ").next().unwrap_or_default().trim().to_owned();
             parts.push(Part { name, ..Part::default() });
             if !line.contains(" facet ") {

@@ -1,4 +1,4 @@
-//! Files of every format, judged by areas, bounds and rays that are worked out by hand.
+//! Files of every format, checked by areas, bounds and rays that were computed by hand.
 
 mod collada;
 mod gltf;
@@ -13,7 +13,7 @@ use crate::model::Mesh;
 use glam::DVec3;
 use std::sync::Arc;
 
-/// A file with a name in a folder of its own.
+/// Files in a temporary folder.
 struct Files(tempfile::TempDir);
 
 impl Files {
@@ -27,7 +27,7 @@ impl Files {
         path
     }
 
-    /// Loads a file, a mesh for each material, with the problems in words.
+    /// Loads a file as one mesh per material, and returns the problems as text.
     fn load_as(
         &self,
         name: &str,
@@ -48,7 +48,7 @@ impl Files {
         self.load_as(name, None, UpAxis::Ignored)
     }
 
-    /// Loads a file that has nothing wrong.
+    /// Loads a file that has no problems.
     #[track_caller]
     fn meshes(&self, name: &str) -> Vec<Arc<Mesh>> {
         let (meshes, problems) = self.load(name);
@@ -56,7 +56,7 @@ impl Files {
         meshes.unwrap()
     }
 
-    /// The part of a file that has nothing wrong.
+    /// Loads a part of a file that has no problems.
     #[track_caller]
     fn part(&self, name: &str, part: &str) -> Vec<Arc<Mesh>> {
         let (meshes, problems) = self.load_as(name, Some(part), UpAxis::Ignored);
@@ -64,7 +64,7 @@ impl Files {
         meshes.unwrap()
     }
 
-    /// Loads a file that is an error, and returns it.
+    /// Loads a file with an error, and returns the error.
     #[track_caller]
     fn error(&self, name: &str) -> String {
         let (meshes, mut problems) = self.load(name);
@@ -99,14 +99,14 @@ fn bounds(meshes: &[Arc<Mesh>]) -> [[f64; 3]; 2] {
         .map(|corner| (corner * 1e6).round().to_array().map(|it| it / 1e6))
 }
 
-/// Counts how often a ray meets the triangles, front and back.
+/// Counts the intersections of a ray with the triangles, front and back.
 fn hits(meshes: &[Arc<Mesh>], origin: [f64; 3], direction: [f64; 3]) -> usize {
     let (origin, direction) = (DVec3::from(origin), DVec3::from(direction));
     let meets = |[a, b, c]: &[DVec3; 3]| {
         let normal = (b - a).cross(c - a);
         let turn = direction.dot(normal).signum();
         let before = (a - origin).dot(normal) / direction.dot(normal);
-        // The ray passes each edge on the same hand.
+        // The ray is on the same side of each edge.
         let passes =
             |from: &DVec3, to: &DVec3| direction.dot((from - origin).cross(to - origin)) * turn > 0.0;
         before > 0.0 && passes(a, b) && passes(b, c) && passes(c, a)
@@ -114,11 +114,11 @@ fn hits(meshes: &[Arc<Mesh>], origin: [f64; 3], direction: [f64; 3]) -> usize {
     triangles(meshes).iter().filter(|triangle| meets(triangle)).count()
 }
 
-/// The outline of an L in the plane z = 1, whose notch is from (1, 1) to (2, 2), as text.
+/// The outline of an L in the plane z = 1, whose notch is from (1, 1) to (2, 2).
 const L: [[f64; 3]; 6] =
     [[2.0, 1.0, 1.0], [1.0, 1.0, 1.0], [1.0, 2.0, 1.0], [0.0, 2.0, 1.0], [0.0, 0.0, 1.0], [2.0, 0.0, 1.0]];
 
-/// Asserts that a mesh is the L: a beam into its notch goes by.
+/// Asserts that a mesh is the L: a ray into its notch hits nothing.
 #[track_caller]
 fn assert_l(meshes: &[Arc<Mesh>]) {
     assert!((area(meshes) - 3.0).abs() < 1e-6, "{}", area(meshes));
@@ -145,7 +145,7 @@ fn a_remote_texture_is_a_warning() {
     assert!(problem.contains("download it"), "{problem}");
 }
 
-/// Any bytes of a file may be wrong: it is read or refused, and nothing panics.
+/// Random bytes of a file are changed: it is read or refused, and nothing panics.
 #[test]
 fn damaged_files_are_read_or_refused() {
     let files = Files::new();
@@ -194,7 +194,7 @@ fn damaged_files_are_read_or_refused() {
                 }
             }
             files.write(name, bytes);
-            // What is refused is an error: `load_as` asserts it.
+            // If the file is refused, there must be an error, which `load_as` asserts.
             files.load(name);
         }
     }

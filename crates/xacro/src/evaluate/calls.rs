@@ -16,7 +16,7 @@ use std::rc::Rc;
 #[derive(Debug)]
 struct Closure {
     lambda: Rc<Lambda>,
-    /// The parameters that have defaults, which are evaluated where the lambda is made.
+    /// The parameters that have defaults, which are evaluated when the lambda is created.
     defaults: Vec<(String, Value)>,
     locals: Option<Rc<Locals>>,
 }
@@ -53,7 +53,7 @@ impl Evaluator<'_> {
         }
     }
 
-    /// Blames the object if that is what is missing.
+    /// Returns the fault for an unknown method, or that of the object if the object is not defined.
     fn unknown_method(&mut self, function: &Expression, name: &str) -> Fault {
         let is_space = ["math.", "python.", "xacro."].iter().any(|space| name.starts_with(space));
         match function {
@@ -76,7 +76,7 @@ impl Evaluator<'_> {
                 }
                 Argument::Keywords(values) => {
                     let Value::Map(map) = self.value(values)? else {
-                        return Err(Fault::new("'**' needs a dictionary", "write it before one"));
+                        return Err(Fault::new("'**' needs a dictionary", "write a dictionary behind it"));
                     };
                     for (name, value) in map.entries.borrow().iter() {
                         let Value::Text(name) = name else {
@@ -154,7 +154,7 @@ impl Evaluator<'_> {
         for (name, value) in arguments.named {
             let is_known = lambda.parameters.iter().any(|(known, _)| *known == name);
             if !is_known || variables.iter().any(|(known, _)| *known == name) {
-                return Err(fault(format!("a lambda has no place for the argument '{name}'")));
+                return Err(fault(format!("a lambda has no parameter '{name}'")));
             }
             variables.push((name, value));
         }
@@ -219,7 +219,7 @@ impl Evaluator<'_> {
         checked(Value::iterator("filter", kept, None), self.work)
     }
 
-    /// Takes `key` and another argument out of those that have names.
+    /// Takes `key` and one other argument from the named arguments.
     fn named<'a>(
         arguments: &'a Arguments,
         function: &str,
@@ -236,7 +236,7 @@ impl Evaluator<'_> {
         Ok((key, found))
     }
 
-    /// Returns the items with what they are compared by.
+    /// Returns the items with the values by which they are compared.
     fn keyed(&mut self, items: Vec<Value>, key: Option<&Value>) -> Result<Vec<(Value, Value)>, Fault> {
         let mut keyed = Vec::with_capacity(items.len());
         for item in items {
@@ -292,7 +292,7 @@ fn not_sorted() -> Fault {
     Fault::new("nan and sets have no order to sort by", "leave them out")
 }
 
-/// Sorts items so that equal ones keep their order. The standard library's sort may panic where the order has faults.
+/// Sorts items, keeping the order of equal ones. The standard library's sort may panic if the order is inconsistent.
 fn merge_sorted<T>(
     mut items: Vec<T>,
     is_less: &dyn Fn(&T, &T) -> Result<bool, Fault>,

@@ -32,7 +32,7 @@ fn compare(comparison: Comparison, left: &Value, right: &Value, work: &Work) -> 
     let walks =
         |value: &Value| matches!(value, Value::List(_) | Value::Tuple(_) | Value::Map(_) | Value::Text(_));
     if walks(left) && walks(right) {
-        // What is nested too deeply cannot be compared.
+        // Values that are nested too deeply cannot be compared.
         let size = crate::limits::sized(left.size())?.min(crate::limits::sized(right.size())?);
         work.take(size / 64)?;
     }
@@ -91,7 +91,7 @@ fn contains(container: &Value, value: &Value, work: &Work) -> Result<bool, Fault
                 container.shown(),
                 container.kind()
             ),
-            "write a list or a text behind 'in'",
+            "write a list or a text after 'in'",
         )),
     }
 }

@@ -1,4 +1,4 @@
-//! Comprehensions. A generator is computed at once; the fault of an item is kept until that item is asked for.
+//! Comprehensions. A generator is computed at once; the fault of an item is kept until that item is requested.
 
 use super::{Evaluator, Locals};
 use crate::expression::{Clause, Collection, Comprehension, Target};
@@ -9,7 +9,7 @@ use crate::value::{Entries, Value};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// The items so far, with their keys if a dictionary is made.
+/// The items so far, with their keys for a dictionary.
 #[derive(Default)]
 struct Made {
     items: Vec<Value>,
@@ -22,7 +22,7 @@ impl Evaluator<'_> {
         let [first, rest @ ..] = &comprehension.clauses[..] else {
             return Err(Fault::new("a comprehension has no 'for'", "write one"));
         };
-        // The first list is evaluated outside, so that its fault is not that of an item.
+        // The first list is evaluated outside, so that its fault is not treated as that of an item.
         let outer = items(&self.value(&first.items)?, self.work)?;
         let around = self.locals.take();
         self.locals = Some(Rc::new(Locals { variables: RefCell::default(), around: around.clone() }));

@@ -82,7 +82,7 @@ pub(super) fn item(operand: &Value, index: &Value, work: &Work) -> Result<Value,
     })
 }
 
-/// A part of a YAML file is handed out as a copy.
+/// Returns a part of a YAML file as a copy.
 fn part(value: Value, is_dotted: bool, work: &Work) -> Result<Value, Fault> {
     if !is_dotted || !matches!(value, Value::List(_) | Value::Map(_)) {
         return Ok(value);
@@ -96,7 +96,7 @@ fn slice(operand: &Value, bounds: &[Option<BigInt>; 3], work: &Work) -> Result<V
     if step == 0.into() {
         return Err(Fault::new("a slice has the step 0", "correct the step"));
     }
-    // Characters and items are counted alike.
+    // Characters and items are counted in the same way.
     let characters: Vec<char>;
     let length: BigInt = match operand {
         Value::List(list) => list.items.borrow().len().into(),
@@ -135,7 +135,7 @@ fn slice(operand: &Value, bounds: &[Option<BigInt>; 3], work: &Work) -> Result<V
     }
 }
 
-/// The bounds of a slice of a sequence of a length, by Python's rule.
+/// The bounds of a slice of a sequence with this length, by Python's rules.
 fn range(bounds: &[Option<BigInt>; 3], step: &BigInt, length: &BigInt) -> [BigInt; 3] {
     let is_down = step.is_negative();
     let (least, most): (BigInt, BigInt) =
@@ -151,7 +151,7 @@ fn range(bounds: &[Option<BigInt>; 3], step: &BigInt, length: &BigInt) -> [BigIn
     [bound(&bounds[0], first), bound(&bounds[1], last), step.clone()]
 }
 
-/// The places from `start` to before `end`, which are inside of the sequence.
+/// The positions from `start` to before `end`, which are inside the sequence.
 fn places(start: &BigInt, end: &BigInt, step: &BigInt) -> impl Iterator<Item = usize> {
     let big = |int: &BigInt| int.to_i64().unwrap_or(if int.is_negative() { i64::MIN } else { i64::MAX });
     let (start, end, step) = (big(start), big(end), big(step));

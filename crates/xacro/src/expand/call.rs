@@ -1,4 +1,4 @@
-//! Calls of macros: who is meant, and what its parameters are bound to.
+//! Calls of macros: finding the macro, and binding its parameters.
 
 use super::super::fault::Fault;
 use super::super::macros::{Macro, Parameter};
@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::rc::Rc;
 
 impl Expander<'_> {
-    /// The macro of that name, and the namespace it was defined in.
+    /// Returns the macro with this name, and the namespace in which it was defined.
     pub(super) fn find_macro(&self, name: &str) -> Option<(Rc<Macro>, Option<Rc<Scope>>)> {
         for scope in self.scopes.iter().rev() {
             if let Some(definition) = scope.macros.get(name) {
@@ -60,7 +60,7 @@ impl Expander<'_> {
         result
     }
 
-    /// The scope of a call: attributes, blocks and defaults bound to the macro's parameters.
+    /// Creates the scope of a call, with attributes, blocks and defaults bound to the macro's parameters.
     fn bind(&mut self, element: &Element, definition: &Macro) -> Result<Scope, Problem> {
         let source = &element.source;
         let mut scope = Scope::default();
@@ -79,7 +79,7 @@ impl Expander<'_> {
             let value = self.value(text, source).map_err(|fault| self.problem(fault, source))?;
             scope.properties.insert(name.clone(), Property::Known(value.into_literal()));
         }
-        // Blocks are expanded where the macro is called.
+        // Blocks are expanded in the scope of the caller.
         let mut blocks = Output::default();
         self.nodes(&element.children, source, false, &mut blocks)?;
         let mut blocks = blocks.children.into_iter().filter_map(|node| match node {

@@ -1,4 +1,4 @@
-//! Other files, taken in where they are named.
+//! Inclusion of other files.
 
 use super::super::fault::Fault;
 use super::super::scope::{Property, Scope};
@@ -25,8 +25,8 @@ impl Expander<'_> {
             .substitute(text, self.scopes.len() - 1, source)
             .map_err(|fault| self.problem(fault, source))?;
         let name = printed(&substituted.value).map_err(|fault| self.problem(fault, source))?;
-        // As in xacro, a relative name counts from the file that is being expanded, which is not the one where the text
-        // stands if that is in a macro.
+        // As in xacro, a relative name is resolved against the folder of the file that is being expanded. In a macro,
+        // this is not the file that contains the text.
         let path = self.beside_file(name.trim());
         let paths = if is_pattern(name.trim()) {
             let found = matching(&path).map_err(|fault| self.problem(fault, source))?;
@@ -66,7 +66,7 @@ impl Expander<'_> {
             ),
             None => Fault::new(
                 format!("no file '{}' to include", path.display()),
-                "correct the name; it counts from the folder of the file that is being expanded, also in a macro",
+                "correct the name; it is relative to the folder of the file that is being expanded, also in a macro",
             ),
         }
     }
@@ -94,7 +94,7 @@ impl Expander<'_> {
         result
     }
 
-    /// A file may be included twice, but not by itself.
+    /// Checks that a file does not include itself, directly or indirectly. Including it twice is allowed.
     fn check_cycle(&self, path: &Path, source: &Source) -> Result<(), Problem> {
         let canonical = |path: &Path| path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
         let target = canonical(path);
@@ -109,12 +109,12 @@ impl Expander<'_> {
             .collect();
         Err(Fault::new(
             format!("include cycle: {}", chain.join(" → ")),
-            "take one of these includes out, or put what both files need into a third",
+            "remove one of these includes, or move what both files need into a third file",
         )
         .into_problem(source))
     }
 
-    /// Evaluates what is still lazy, for its scope goes away, and stores the rest under its name.
+    /// Evaluates the lazy properties of a namespace, whose scope ends, and stores the namespace under its name.
     fn close_namespace(&mut self, name: String) {
         let top = self.scopes.len() - 1;
         let names: Vec<_> = self.scopes[top].properties.keys().cloned().collect();

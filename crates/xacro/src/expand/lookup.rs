@@ -1,4 +1,4 @@
-//! The names that expressions find: properties and xacro's functions in `${…}`, arguments in `$(eval …)`.
+//! The names that are available to expressions: properties and xacro's functions in `${…}`, arguments in `$(eval …)`.
 
 use super::Expander;
 use super::substitute::environment;
@@ -12,7 +12,7 @@ use crate::value::Value;
 use crate::yaml;
 use std::path::{Path, PathBuf};
 
-/// Expressions in expressions take less of the stack than elements in elements.
+/// Nested expressions need less stack than nested elements, so this many of their levels count as one.
 const EXPRESSIONS_A_LEVEL: usize = 5;
 
 impl Expander<'_> {
@@ -28,7 +28,7 @@ impl Expander<'_> {
         evaluate(&parse(text)?, &mut InEval { expander: self }, &work)
     }
 
-    /// Returns a name of a file, which counts from the folder of the file that is being expanded.
+    /// Returns the path of a file whose name is relative to the folder of the file that is being expanded.
     pub(super) fn beside_file(&self, name: &str) -> PathBuf {
         let folder = self.files.last().and_then(|file| file.parent());
         folder.unwrap_or(Path::new("")).join(name)
@@ -144,7 +144,7 @@ impl Properties<'_, '_> {
                 let texts: Result<Vec<String>, Fault> = parts.iter().map(printed).collect();
                 return Err(Fault::new(
                     texts?.join(" "),
-                    "the file says so itself: see the condition around it",
+                    "the file itself reports this: see the condition around it",
                 ));
             }
             _ => {}
@@ -166,7 +166,8 @@ impl Properties<'_, '_> {
         }
     }
 
-    /// Reports a text of the file's author. An error of `xacro.error` does not end the expansion, and is a warning here.
+    /// Reports a message of the file's author. An error of `xacro.error` does not end the expansion, and is a warning
+    /// here.
     fn message(&mut self, name: &str, arguments: &Arguments) -> Result<Value, Fault> {
         let texts: Result<Vec<String>, Fault> = arguments.positional.iter().map(printed).collect();
         let text = texts?.join(" ");
@@ -187,7 +188,8 @@ fn tokenize(arguments: &Arguments) -> Result<Value, Fault> {
     else {
         return Err(crate::functions::misuse("xacro.tokenize", &arguments.positional));
     };
-    // xacro puts them into brackets of a regular expression, where these have a meaning.
+    // xacro puts the separators into the brackets of a regular expression, in which these characters have a special
+    // meaning.
     let Some(separators) =
         separators.filter(|set| !set.is_empty() && !set.contains(['\\', ']', '^', '-', '[']))
     else {

@@ -16,7 +16,7 @@ impl Expander<'_> {
         if !is_identifier || is_keyword(&name) || name.starts_with("__") {
             return Err(Fault::new(
                 format!("a property cannot be named '{name}'"),
-                "use letters, digits and underscores, a letter first, and none of Python's keywords",
+                "use letters, digits and underscores, beginning with a letter, and none of Python's keywords",
             ));
         }
         if element.attribute("remove").is_some() && self.condition(element, "remove")? {
@@ -48,13 +48,13 @@ impl Expander<'_> {
         let target = match element.attribute("scope") {
             Some("global") => 0,
             Some("parent") => top.saturating_sub(1),
-            // `local`, which files write: as in xacro, whatever is none of the two is the scope here.
+            // Files also contain `local`. As in xacro, any other word means the current scope.
             _ => top,
         };
         let lazy = !matches!(element.attribute("scope"), Some("global" | "parent"))
             && (element.attribute("lazy_eval").is_none() || self.condition(element, "lazy_eval")?);
-        // A text in single quotes loses them here, and is read once more when it is used: xacro makes a number of
-        // value="'3'", too.
+        // A text in single quotes loses them here, and is parsed once more when it is used: xacro converts value="'3'"
+        // to a number too.
         let property =
             match if lazy { Value::literal(text) } else { self.value(text, source)?.into_literal() } {
                 Value::Text(text) if lazy && text.contains('$') => {

@@ -1,4 +1,4 @@
-//! What an element is: a directive of xacro, the call of a macro, or an element of the result.
+//! The role of an element: a directive of xacro, a call of a macro, or an element of the result.
 
 use super::Expander;
 use crate::fault::Fault;
@@ -10,14 +10,14 @@ use crate::xml::Element;
 use std::collections::BTreeSet;
 use std::rc::Rc;
 
-/// What an element is to xacro.
+/// The role of an element.
 pub(super) enum Role {
     Directive(&'static str),
     Call(Rc<Macro>, Option<Rc<Scope>>),
     Plain,
 }
 
-/// The directives, and which attribute tells those without prefix from other elements of that name.
+/// The directives. Without the prefix, an element is a directive only if it has the given attribute.
 const DIRECTIVES: [(&str, Option<&str>); 10] = [
     ("arg", Some("default")),
     ("attribute", None),
@@ -51,15 +51,15 @@ impl Expander<'_> {
         }
     }
 
-    /// Returns whether an element that has no prefix but a macro's name is a call of it. One at the top, where robots
-    /// have few elements of their own, is one even if parameters are missing, unless it stands in the macro itself.
+    /// Returns true if an element without a prefix is a call of the macro with its name. At the top, where robots have
+    /// few elements of their own, it is a call even if parameters are missing, unless it is inside the macro itself.
     fn is_call(&self, element: &Element, definition: &Macro, at_top: bool) -> bool {
         let is_inside = self.calls.iter().any(|(name, _)| *name == definition.name);
         self.fits(element, definition) || (at_top && !is_inside)
     }
 
-    /// Warns of an element at the top of a file that is neither an element of URDF nor a macro. It is passed on, as by
-    /// xacro, because other programs have elements of their own there.
+    /// Warns about an element at the top of a file that is neither an element of URDF nor a macro. As in xacro, it is
+    /// kept, because other programs have their own elements there.
     pub(super) fn check_top(&mut self, element: &Element) {
         let name = element.name.as_str();
         if !self.strict || TOP_LEVEL.contains(&name) || FOREIGN.contains(&name) || name.contains(':') {
@@ -73,8 +73,9 @@ impl Expander<'_> {
         self.diagnostics.warning(&element.source, what, remedy);
     }
 
-    /// Returns whether an element without the prefix `xacro:` can be a call of a macro: it gives what the macro needs
-    /// and no more. What only has the macro's name, as `<sonar>` in a macro `sonar`, is an element of the robot.
+    /// Returns true if an element without the prefix `xacro:` can be a call of a macro: it has all required parameters
+    /// and nothing else. An element that only shares the macro's name, such as `<sonar>` in a macro `sonar`, is an
+    /// element of the robot.
     fn fits(&self, element: &Element, definition: &Macro) -> bool {
         let is_conditional = |child: &Element| matches!(child.name.as_str(), "xacro:if" | "xacro:unless");
         let is_given = |parameter: &Parameter| match parameter {

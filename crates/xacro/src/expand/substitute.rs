@@ -9,27 +9,27 @@ use crate::text::{Piece, pieces};
 use crate::value::Value;
 use std::path::Path;
 
-/// What `$(find package)` gives. A package path may be relative to where the program runs, while a relative name
-/// in a file counts from that file: so it is made absolute, as ROS gives it.
+/// Makes the result of `$(find package)` absolute, as in ROS: a package path may be relative to the working directory,
+/// while a relative name in a file is relative to that file.
 fn absolute(path: &Path) -> String {
     std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf()).to_string_lossy().into_owned()
 }
 
-/// A text after substitution.
+/// The result of substitution in a text.
 #[derive(Debug)]
 pub(super) struct Substituted {
     pub(super) value: Value,
-    /// Package and file inside it, when the text is `$(find package)/file`.
+    /// The package and the file inside it, if the text is `$(find package)/file`.
     pub(super) package_file: Option<(String, String)>,
 }
 
 impl Expander<'_> {
-    /// Evaluates a text in the uppermost scope. A text that is one expression keeps the expression's type.
+    /// Evaluates a text in the innermost scope. If the text is a single expression, the type of its value is kept.
     pub(super) fn value(&mut self, text: &str, source: &Source) -> Result<Value, Fault> {
         self.value_in(text, self.scopes.len() - 1, source)
     }
 
-    /// Evaluates a text to text.
+    /// Evaluates a text and converts the result to text.
     pub(super) fn string(&mut self, text: &str, source: &Source) -> Result<String, Fault> {
         if !text.contains('$') {
             return Ok(text.to_owned());
@@ -62,7 +62,7 @@ impl Expander<'_> {
     fn substitute_pieces(&mut self, text: &str, scope: usize, source: &Source) -> Result<Substituted, Fault> {
         let pieces = pieces(text)?;
         let mut values = Vec::with_capacity(pieces.len());
-        // Index and package of the last `$(find package)`.
+        // The index and the package of the last `$(find package)`.
         let mut found = None;
         for piece in &pieces {
             values.push(match piece {
@@ -80,7 +80,7 @@ impl Expander<'_> {
                 }
             });
         }
-        // `$(find package)/file`: the user's copy of a package may lack a file that ours has.
+        // For `$(find package)/file`, the user's copy of a package may lack a file that our copy has.
         let mut package_file = None;
         if let Some((index, package)) = found {
             let behind: String = values[index + 1..].iter().map(ToString::to_string).collect();
@@ -117,10 +117,10 @@ impl Expander<'_> {
             }
             ("eval", Some(_)) => {
                 if rest.contains("__") {
-                    let what = format!("'$({inside})' contains two underscores one behind the other");
-                    return Err(Fault::new(what, "name the argument otherwise"));
+                    let what = format!("'$({inside})' contains two consecutive underscores");
+                    return Err(Fault::new(what, "rename the argument"));
                 }
-                // roslaunch turns the result into text; so does xacro.
+                // roslaunch converts the result to text, and so does xacro.
                 Value::Text(printed(&self.evaluated_arguments(rest)?)?)
             }
             ("dirname", None) => {
@@ -134,7 +134,7 @@ impl Expander<'_> {
             }
             ("anon", Some(_)) => {
                 return Err(Fault::new(
-                    format!("'$({inside})' would be another name in each run, and xacro has no $(anon …)"),
+                    format!("'$({inside})' would differ in each run, and xacro has no $(anon …)"),
                     "write a name of your own",
                 ));
             }
@@ -170,12 +170,12 @@ impl Expander<'_> {
         )
     }
 
-    /// The folders of the package path, for error messages.
+    /// Returns the folders of the package path, for error messages.
     pub(super) fn folders(&self) -> String {
         self.packages.folders().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ")
     }
 
-    /// The property of that name, seen from `scope`; evaluated now if it was not yet.
+    /// Returns the property with this name, as seen from `scope`, and evaluates it if that has not been done.
     pub(super) fn property(&mut self, name: &str, scope: usize) -> Result<Option<Value>, Fault> {
         let Some(at) = (0..=scope).rev().find(|at| self.scopes[*at].properties.contains_key(name)) else {
             return self.namespaced_property(name, scope);
@@ -203,7 +203,7 @@ impl Expander<'_> {
         }
     }
 
-    /// `space.property`, defined in a file that was included with `ns="space"`.
+    /// Returns `space.property`, which is defined in a file that was included with `ns="space"`.
     fn namespaced_property(&self, name: &str, scope: usize) -> Result<Option<Value>, Fault> {
         let Some((space, rest)) = name.split_once('.') else { return Ok(None) };
         let mut space = self.scopes[..=scope].iter().rev().find_map(|scope| scope.namespaces.get(space));

@@ -1,9 +1,9 @@
-//! Patterns in the names of files to include: `*`, `?` and `[…]`, as Python's `glob` has them.
+//! Patterns in the names of files to include: `*`, `?` and `[…]`, as in Python's `glob`.
 
 use crate::fault::Fault;
 use std::path::{Component, Path, PathBuf};
 
-/// The greatest number of files that one pattern may name, or pass by.
+/// The greatest number of files that one pattern may match or skip.
 const MAX_FILES: usize = 10_000;
 
 /// Returns whether a name is a pattern.
@@ -43,7 +43,7 @@ pub(super) fn matching(pattern: &Path) -> Result<Vec<PathBuf>, Fault> {
                 }
                 passed += 1;
                 if passed > MAX_FILES {
-                    let what = format!("the pattern '{name}' passes by more than {MAX_FILES} files");
+                    let what = format!("the pattern '{name}' is compared with more than {MAX_FILES} files");
                     return Err(Fault::new(what, "name a smaller folder"));
                 }
             }
@@ -55,7 +55,7 @@ pub(super) fn matching(pattern: &Path) -> Result<Vec<PathBuf>, Fault> {
     Ok(found)
 }
 
-/// Returns whether a name matches a pattern, going back to the last `*` where it does not.
+/// Returns true if a name matches a pattern, backtracking to the last `*` after a mismatch.
 fn matches(pattern: &[char], name: &[char]) -> bool {
     let (mut at, mut place) = (0, 0);
     let mut star: Option<(usize, usize)> = None;

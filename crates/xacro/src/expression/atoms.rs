@@ -14,7 +14,7 @@ impl Parser<'_> {
         match self.take() {
             None => Err(self.error("it ends too early")),
             Some(Token::Literal(Value::Text(mut text))) => {
-                // Texts side by side are one, as in Python.
+                // Adjacent texts are joined, as in Python.
                 while let Some(Token::Literal(Value::Text(more))) = self.peek() {
                     text.push_str(more);
                     self.take();
@@ -143,7 +143,7 @@ impl Parser<'_> {
                     .iter()
                     .any(|known| matches!(known, Argument::Keyword(..) | Argument::Keywords(_)))
                 {
-                    return Err(self.error("an argument without a name stands behind one with a name"));
+                    return Err(self.error("an argument without a name follows one with a name"));
                 }
                 if self.is_at_word("for") {
                     if !arguments.is_empty() {

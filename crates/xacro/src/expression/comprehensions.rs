@@ -1,4 +1,4 @@
-//! `for … in … if …` behind the element of a comprehension.
+//! `for … in … if …` after the element of a comprehension.
 
 use super::super::fault::Fault;
 use super::parser::Parser;
@@ -53,7 +53,7 @@ impl Parser<'_> {
         } else if self.take_symbol("[") {
             "]"
         } else {
-            return Err(self.error("a name is missing behind 'for'"));
+            return Err(self.error("a name is missing after 'for'"));
         };
         let inside = self.targets()?;
         self.expect(close)?;

@@ -54,8 +54,8 @@ fn number_length(text: &str) -> usize {
     end
 }
 
-/// Returns the value of the quoted text that a text begins with, with its prefix, and the length of both; none if it
-/// begins with something else.
+/// Returns the value of the quoted text, with its prefix, with which a text begins, and the length of both; `None` if
+/// it begins with something else.
 pub(super) fn string(text: &str) -> Option<Result<(String, usize), String>> {
     let at = text.find(['\'', '"']).filter(|at| *at <= 2)?;
     let prefix = text[..at].to_ascii_lowercase();
@@ -103,7 +103,7 @@ fn inside(text: &str, quote: &str, is_raw: bool) -> Result<(String, usize), Stri
     }
 }
 
-/// Adds what a text behind a backslash stands for, and returns its length.
+/// Adds the character for the escape sequence after a backslash, and returns the length of the sequence.
 fn escape(text: &str, value: &mut String) -> Result<usize, String> {
     let c = text.chars().next().ok_or("a quoted text does not end")?;
     let simple = match c {
@@ -144,7 +144,7 @@ fn numbered(
     let character = written.and_then(|digits| char::from_u32(u32::from_str_radix(digits, radix).ok()?));
     value.push(character.ok_or_else(|| {
         let shown: String = text.chars().take(begin + digits).collect();
-        format!("'\\{shown}' is no character")
+        format!("'\\{shown}' is not a character")
     })?);
     Ok(begin + digits)
 }

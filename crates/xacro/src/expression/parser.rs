@@ -5,17 +5,17 @@ use super::tokens::{Token, syntax, tokens};
 use super::{Arithmetic, Comparison, Expression, Lambda, Unary};
 use std::rc::Rc;
 
-/// More than files have, few enough for any stack.
+/// More nesting than files have, and little enough for any stack.
 const MAX_NESTING: u32 = 60;
 
-/// The words that are no names.
+/// The words that cannot be names.
 pub(super) const KEYWORDS: [&str; 32] = [
     "and", "as", "assert", "async", "await", "break", "class", "continue", "def", "del", "elif", "else",
     "except", "finally", "for", "from", "global", "if", "import", "in", "is", "lambda", "nonlocal", "not",
     "or", "pass", "raise", "return", "try", "while", "with", "yield",
 ];
 
-/// Binary operators, the level at which each binds: the greater, the more.
+/// The binary operators with their precedence; a greater number binds more strongly.
 const OPERATORS: [(&str, u32, Arithmetic); 11] = [
     ("|", 1, Arithmetic::BitOr),
     ("^", 2, Arithmetic::BitXor),
@@ -54,7 +54,7 @@ impl<'a> Parser<'a> {
         self.tokens.get(self.next)
     }
 
-    /// Returns the next token and goes on behind it.
+    /// Returns the next token and advances past it.
     pub(super) fn take(&mut self) -> Option<Token> {
         let token = self.peek().cloned();
         self.next += 1;
@@ -81,7 +81,7 @@ impl<'a> Parser<'a> {
         found
     }
 
-    /// Takes a name that is no keyword.
+    /// Takes a name that is not a keyword.
     pub(super) fn take_name(&mut self) -> Option<String> {
         match self.peek() {
             Some(Token::Name(name)) if !KEYWORDS.contains(&name.as_str()) => {
@@ -93,7 +93,7 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Takes a name with the `=` behind it.
+    /// Takes a name and the `=` after it.
     pub(super) fn take_keyword(&mut self) -> Option<String> {
         let begin = self.next;
         if let Some(name) = self.take_name()
@@ -123,7 +123,7 @@ impl<'a> Parser<'a> {
         Err(self.error(&format!("'{symbol}' is missing")))
     }
 
-    /// Goes one level deeper, which the caller ends by [`Self::leave`].
+    /// Enters a level of nesting, which the caller leaves by [`Self::leave`].
     fn enter(&mut self) -> Result<(), Fault> {
         self.nesting += 1;
         if self.nesting > MAX_NESTING { Err(self.error("it is nested too deeply")) } else { Ok(()) }
@@ -179,7 +179,7 @@ impl<'a> Parser<'a> {
         let mut rest = None;
         while !self.take_symbol(":") {
             if self.take_symbol("*") {
-                rest = Some(self.take_name().ok_or_else(|| self.error("a name is missing behind '*'"))?);
+                rest = Some(self.take_name().ok_or_else(|| self.error("a name is missing after '*'"))?);
             } else {
                 let name =
                     self.take_name().ok_or_else(|| self.error("a parameter of 'lambda' has no name"))?;
@@ -187,7 +187,9 @@ impl<'a> Parser<'a> {
                 let is_out_of_order =
                     default.is_none() && parameters.iter().any(|(_, default)| default.is_some());
                 if rest.is_some() || is_out_of_order || parameters.iter().any(|(known, _)| *known == name) {
-                    return Err(self.error(&format!("the parameter '{name}' of 'lambda' cannot stand there")));
+                    return Err(
+                        self.error(&format!("the parameter '{name}' of 'lambda' is not allowed there"))
+                    );
                 }
                 parameters.push((name, default));
             }
@@ -197,7 +199,7 @@ impl<'a> Parser<'a> {
             }
         }
         let body = self.ternary()?;
-        // A call takes more of the stack than an operator.
+        // A call needs more stack than an operator.
         let levels = 4 + body.levels();
         Ok(Expression::Lambda(Rc::new(Lambda { parameters, rest, body, levels })))
     }
@@ -269,7 +271,7 @@ impl<'a> Parser<'a> {
         Ok(None)
     }
 
-    /// Reads operators that bind at least as much as `level`.
+    /// Reads operators whose precedence is at least `level`.
     pub(super) fn binary(&mut self, level: u32) -> Result<Expression, Fault> {
         let mut left = self.unary()?;
         loop {
@@ -312,7 +314,7 @@ impl<'a> Parser<'a> {
             } else if self.take_symbol("[") {
                 operand = self.subscript(operand)?;
             } else if self.take_symbol(".") {
-                let name = self.take_name().ok_or_else(|| self.error("a name is missing behind '.'"))?;
+                let name = self.take_name().ok_or_else(|| self.error("a name is missing after '.'"))?;
                 operand = Expression::Attribute(Box::new(operand), name);
             } else {
                 return Ok(operand);

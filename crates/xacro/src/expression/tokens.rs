@@ -1,10 +1,10 @@
-//! The words of an expression: numbers, texts, names and symbols.
+//! The tokens of an expression: numbers, texts, names and symbols.
 
 use super::super::fault::Fault;
 use super::super::value::Value;
 use super::literals::{number, string};
 
-/// Evaluation goes as deep as a chain of operators is long.
+/// A limit because evaluating a chain of operators nests as deeply as the chain is long.
 const MAX_TOKENS: usize = 1000;
 
 #[derive(Debug, Clone)]
@@ -24,13 +24,13 @@ impl Token {
     }
 }
 
-/// Longest first, so that `**` is not read as two `*`.
+/// The longest come first, so that `**` is not read as two `*`.
 const SYMBOLS: [&str; 30] = [
     "**", "//", "==", "!=", "<=", ">=", "<<", ">>", ":=", "<", ">", "+", "-", "*", "/", "%", "(", ")", "[",
     "]", "{", "}", ",", ".", ":", "&", "|", "^", "~", "=",
 ];
 
-/// The fault of an expression that cannot be parsed.
+/// Returns the fault of an expression that cannot be parsed.
 pub(super) fn syntax(text: &str, what: &str) -> Fault {
     let text = text.trim();
     let shown: String = text.chars().take(100).collect();

@@ -1,4 +1,4 @@
-//! `+ - * / // % **` and the operators of bits, by Python's rules for each kind of operand.
+//! `+ - * / // % **` and the bitwise operators, by Python's rules for each type of operand.
 
 use super::items::checked;
 use super::{exact, percent, set};
@@ -98,7 +98,7 @@ fn symbol(operator: Arithmetic) -> &'static str {
     }
 }
 
-/// Repeats a text, list or tuple; none if the operands are no such pair.
+/// Repeats a text, list or tuple; `None` for other operands.
 fn repeated(items: &Value, count: &Value, work: &Work) -> Result<Option<Value>, Fault> {
     let Some(count) = count.integer() else { return Ok(None) };
     let count = if count.is_negative() { 0 } else { count.to_usize().unwrap_or(usize::MAX) };
@@ -121,7 +121,7 @@ fn repeated(items: &Value, count: &Value, work: &Work) -> Result<Option<Value>, 
     }))
 }
 
-/// The arithmetic of numbers; none if one operand is no number.
+/// Arithmetic of numbers; `None` if an operand is not a number.
 fn numbers(operator: Arithmetic, left: &Value, right: &Value) -> Result<Option<Value>, Fault> {
     if let (Value::Bool(a), Value::Bool(b)) = (left, right) {
         match operator {
@@ -191,7 +191,7 @@ fn integers(operator: Arithmetic, a: &BigInt, b: &BigInt) -> Result<Value, Fault
             }
             let count = b.to_u64().unwrap_or(u64::MAX);
             if operator == Arithmetic::ShiftRight {
-                // More bits than any integer has leave the sign.
+                // A shift by more bits than any integer has leaves only the sign.
                 a >> count.min(1 << 20)
             } else if a.is_zero() {
                 BigInt::zero()
@@ -233,7 +233,7 @@ fn floats(operator: Arithmetic, a: f64, b: f64) -> Result<Option<Value>, Fault> 
     })))
 }
 
-/// Returns quotient and remainder of floats as Python's `divmod` does: the sign of the remainder is the divisor's, and the
+/// Returns quotient and remainder of floats like Python's `divmod`: the remainder has the sign of the divisor, and the
 /// quotient is computed from it.
 pub(super) fn floor_division(a: f64, b: f64) -> (f64, f64) {
     let mut remainder = a % b;
@@ -253,7 +253,7 @@ pub(super) fn floor_division(a: f64, b: f64) -> (f64, f64) {
     (whole, remainder)
 }
 
-/// Returns whether `is` holds between two values.
+/// Returns the result of `is` for two values.
 pub(crate) fn is_same(left: &Value, right: &Value) -> Result<bool, Fault> {
     Ok(match (left, right) {
         (Value::None, Value::None) => true,
@@ -261,10 +261,10 @@ pub(crate) fn is_same(left: &Value, right: &Value) -> Result<bool, Fault> {
         (Value::List(a), Value::List(b)) => Rc::ptr_eq(a, b),
         (Value::Map(a), Value::Map(b)) => Rc::ptr_eq(a, b),
         (Value::Function(_), Value::Function(_)) => left.equals(right),
-        // Whether equal numbers and texts are one object depends on Python's inner workings.
+        // Whether equal numbers and texts are the same object depends on Python's implementation.
         (a, b) if a.type_name() == b.type_name() && !matches!(a, Value::Set(_) | Value::Iterator(_)) => {
             return Err(Fault::new(
-                format!("'is' between {} and {} has no certain result", left.kind(), right.kind()),
+                format!("'is' between {} and {} has no defined result", left.kind(), right.kind()),
                 "write ==, or compare with None, True or False",
             ));
         }

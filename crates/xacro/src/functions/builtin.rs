@@ -1,4 +1,4 @@
-//! Built-in functions of containers and numbers that take no other function.
+//! Built-in functions of containers and numbers that do not take a function as an argument.
 
 use super::items::{checked, items, items_in_any_order, items_until_fault};
 use super::{Arguments, arithmetic, exact};
@@ -9,7 +9,7 @@ use crate::value::{Function, Value, is_type};
 use num_bigint::BigInt;
 use num_traits::{Signed, Zero};
 
-/// Calls a function; none if its arguments do not fit.
+/// Calls a function; `None` if it does not accept its arguments.
 pub(super) fn call(name: &str, arguments: &Arguments, work: &Work) -> Result<Option<Value>, Fault> {
     match name {
         "sum" => return sum(arguments, work),
@@ -84,7 +84,7 @@ fn length(value: &Value) -> Option<BigInt> {
 }
 
 fn divmod(a: &Value, b: &Value, work: &Work) -> Result<Option<Value>, Fault> {
-    // The remainder's faults are those of both.
+    // The faults of the remainder are also those of the quotient.
     let remainder = arithmetic::binary(Arithmetic::Remainder, a, b, work)?;
     let quotient = match (a.integer(), b.integer(), a.number(), b.number()) {
         (Some(a), Some(b), ..) => Value::Int(exact::floor_division(&a, &b).0),
@@ -94,7 +94,7 @@ fn divmod(a: &Value, b: &Value, work: &Work) -> Result<Option<Value>, Fault> {
     Ok(Some(Value::tuple(vec![quotient, remainder])))
 }
 
-/// Adds from the left, as Python does up to 3.11.
+/// Adds from the left without compensation, as Python does up to 3.11.
 fn sum(arguments: &Arguments, work: &Work) -> Result<Option<Value>, Fault> {
     let [values, start] = arguments.placed("sum", ["iterable", "start"])?;
     let Some(values) = values else { return Ok(None) };
@@ -134,7 +134,7 @@ fn zip(arguments: &Arguments, work: &Work) -> Result<Value, Fault> {
         let (column, fault) = items_until_fault(values, work)?;
         if strict && shortest.as_ref().is_some_and(|(length, _)| *length != column.len()) {
             return Err(Fault::new(
-                "zip() gets lists of different lengths",
+                "the lists given to zip() have different lengths",
                 "make them equally long, or leave strict out",
             ));
         }

@@ -1,4 +1,4 @@
-//! Functions that turn a value into one of another type.
+//! Functions that convert a value to another type.
 
 use super::items::{checked, items, items_in_any_order, key, printed};
 use super::{Arguments, rounding};
@@ -10,7 +10,7 @@ use num_traits::{Signed, Zero};
 use std::cell::RefCell;
 use std::rc::Rc;
 
-/// Calls a function; none if it is another one or its arguments do not fit.
+/// Calls a function; `None` for another function or if it does not accept its arguments.
 pub(super) fn call(name: &str, arguments: &Arguments, work: &Work) -> Result<Option<Value>, Fault> {
     match name {
         "dict" => return dictionary(arguments, work).map(Some),
@@ -110,12 +110,12 @@ pub(super) fn call(name: &str, arguments: &Arguments, work: &Work) -> Result<Opt
     }))
 }
 
-/// Makes a set.
+/// Creates a set.
 pub(crate) fn set(items: Vec<Value>) -> Result<Value, Fault> {
     let mut entries = Entries::default();
     for item in items {
         let key = key(&item)?;
-        // Of equal items the first stays.
+        // Of equal items, the first is kept.
         if !entries.contains(&key) {
             entries.insert(key, item, Value::None);
         }
@@ -156,7 +156,7 @@ fn dictionary(arguments: &Arguments, work: &Work) -> Result<Value, Fault> {
     checked(Value::map(entries), work)
 }
 
-/// Takes the entries of a dictionary, or of pairs, into another one.
+/// Adds the entries of a dictionary, or of pairs, to another dictionary.
 pub(super) fn extend(entries: &mut Entries, source: &Value, work: &Work) -> Result<(), Fault> {
     if let Value::Map(map) = source {
         let map = map.entries.borrow();
@@ -171,7 +171,7 @@ pub(super) fn extend(entries: &mut Entries, source: &Value, work: &Work) -> Resu
             [name, value] => entries.insert(key(name)?, name.clone(), value.clone()),
             _ => {
                 return Err(Fault::new(
-                    format!("'{}' is no pair of a key and a value", pair.shown()),
+                    format!("'{}' is not a pair of a key and a value", pair.shown()),
                     "write dict(name=value), or a list of pairs",
                 ));
             }

@@ -1,11 +1,11 @@
-//! Integers of any size, and sums and quotients that are rounded once.
+//! Integers of any size, and sums and quotients with a single rounding.
 
 use crate::fault::Fault;
 use crate::limits::{Work, bits};
 use num_bigint::{BigInt, Sign};
 use num_traits::{One, Signed, ToPrimitive, Zero};
 
-/// Returns the quotient that is rounded down, and its remainder, which has the sign of the divisor.
+/// Returns the quotient rounded down, and the remainder, which has the sign of the divisor.
 pub(super) fn floor_division(a: &BigInt, b: &BigInt) -> (BigInt, BigInt) {
     let (quotient, remainder) = (a / b, a % b);
     if !remainder.is_zero() && (remainder.is_negative() != b.is_negative()) {
@@ -21,8 +21,8 @@ pub(super) fn quotient(a: &BigInt, b: &BigInt) -> Result<f64, Fault> {
     if let (true, true, Some(a), Some(b)) = (exact(a), exact(b), a.to_f64(), b.to_f64()) {
         return Ok(a / b);
     }
-    // A quotient of at least 66 bits, its last bit set if anything was cut off, is rounded right by the conversion to a
-    // float, which sees only the first 54 and whether there is more.
+    // A quotient of at least 66 bits, whose last bit is set if anything was cut off, is rounded correctly when it is
+    // converted to a float, which uses only the first 54 bits and whether more follow.
     let shift = 66 + b.bits() as i64 - a.bits() as i64;
     let (dividend, divisor) = if shift >= 0 {
         (a.abs() << shift.unsigned_abs(), b.abs())
@@ -33,15 +33,18 @@ pub(super) fn quotient(a: &BigInt, b: &BigInt) -> Result<f64, Fault> {
     let whole = if (&dividend % &divisor).is_zero() { whole } else { whole | BigInt::one() };
     let value =
         libm::scalbn(whole.to_f64().unwrap_or(f64::INFINITY), i32::try_from(-shift).unwrap_or(i32::MIN));
-    // Below the normal numbers the result would be rounded twice.
+    // For subnormal results, rounding would happen twice.
     if !value.is_finite() || (value != 0.0 && value < f64::MIN_POSITIVE) {
-        return Err(Fault::new("the quotient of two integers is no float", "use smaller numbers"));
+        return Err(Fault::new(
+            "the quotient of two integers is not representable as a float",
+            "use smaller numbers",
+        ));
     }
     Ok(if a.is_negative() == b.is_negative() { value } else { -value })
 }
 
-/// Returns a power with a small integer as its exponent, rounded once: `10 ** -5` is 1e-05, which libm's `pow` misses by
-/// the last bit. None if the exponent is another one, or the result is no normal number.
+/// Returns a power with a small integer exponent, with a single rounding: `10 ** -5` is 1e-05, for which libm's `pow`
+/// is wrong in the last bit. `None` for other exponents, or if the result is not a normal number.
 pub(super) fn power(base: f64, exponent: f64) -> Option<f64> {
     if exponent.fract() != 0.0 || exponent.abs() > 300.0 || !base.is_normal() {
         return None;
@@ -66,7 +69,7 @@ pub(super) fn power(base: f64, exponent: f64) -> Option<f64> {
     quotient(&above, &below).ok()
 }
 
-/// Returns the sum of floats, rounded once, as `math.fsum` does: partial sums that do not overlap are kept.
+/// Returns the sum of floats with a single rounding, like `math.fsum`: it keeps partial sums that do not overlap.
 pub(super) fn float_sum(values: impl Iterator<Item = f64>) -> f64 {
     let mut partials: Vec<f64> = Vec::new();
     let mut special = 0.0;
@@ -105,7 +108,7 @@ pub(super) fn float_sum(values: impl Iterator<Item = f64>) -> f64 {
             break;
         }
     }
-    // Half-way cases are decided by what is below.
+    // Ties are decided by the lower partial sums.
     if let Some(below) = partials.last()
         && ((low < 0.0 && *below < 0.0) || (low > 0.0 && *below > 0.0))
     {
@@ -134,7 +137,7 @@ pub(super) fn lcm(a: &BigInt, b: &BigInt) -> Result<BigInt, Fault> {
     Ok((a / gcd(a, b) * b).abs())
 }
 
-/// Returns `high · (high − 1) · …`, as many factors as `count`.
+/// Returns `high · (high − 1) · …`, with `count` factors.
 pub(super) fn falling_product(high: &BigInt, count: u64, work: &Work) -> Result<BigInt, Fault> {
     let mut product = BigInt::one();
     for at in 0..count {
@@ -145,7 +148,7 @@ pub(super) fn falling_product(high: &BigInt, count: u64, work: &Work) -> Result<
     Ok(product)
 }
 
-/// Returns the number of ways to choose `k` of `n`.
+/// Returns the number of ways to choose `k` of `n` items.
 pub(super) fn choose(n: &BigInt, k: &BigInt, work: &Work) -> Result<BigInt, Fault> {
     if k > n {
         return Ok(BigInt::zero());
@@ -161,7 +164,7 @@ pub(super) fn choose(n: &BigInt, k: &BigInt, work: &Work) -> Result<BigInt, Faul
     Ok(result)
 }
 
-/// Returns the integer part of the square root of an integer that is not negative.
+/// Returns the integer part of the square root of a non-negative integer.
 pub(super) fn square_root(int: &BigInt) -> Option<BigInt> {
     (int.sign() != Sign::Minus).then(|| int.sqrt())
 }

@@ -1,4 +1,4 @@
-//! Numbers and texts with a width, a precision and a type: what `'…' % x` and `'…'.format(x)` have in common.
+//! Numbers and texts with a width, a precision and a type, for both `'…' % x` and `'…'.format(x)`.
 
 use crate::fault::Fault;
 use crate::limits::sized;
@@ -6,10 +6,10 @@ use crate::value::{Value, float_text, int_text, integer_of};
 use num_bigint::BigInt;
 use num_traits::{Signed, ToPrimitive};
 
-/// The greatest precision: floats have fewer digits that are not zero.
+/// The greatest precision; no float has more significant digits.
 const MAX_PRECISION: usize = 1100;
 
-/// How a value is to be written.
+/// A format specification.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Spec {
     pub(super) fill: Option<char>,
@@ -19,7 +19,7 @@ pub(super) struct Spec {
     pub(super) is_zero: bool,
     /// `+`, ` `, or `-`, the default.
     pub(super) sign: Option<char>,
-    /// `#`.
+    /// True for `#`.
     pub(super) is_alternate: bool,
     pub(super) width: usize,
     /// `,` or `_`.
@@ -43,7 +43,7 @@ impl Spec {
         sized(self.width.saturating_mul(4))?;
         if self.precision.is_some_and(|precision| precision > MAX_PRECISION) && self.kind != Some('s') {
             let what = format!("a precision of more than {MAX_PRECISION} digits");
-            return Err(Fault::new(what, "use a smaller one"));
+            return Err(Fault::new(what, "use a smaller precision"));
         }
         Ok(())
     }
@@ -152,7 +152,7 @@ impl Spec {
         let end = digits.find(|c: char| !c.is_ascii_hexdigit() || (group == 3 && !c.is_ascii_digit()));
         let (whole, rest) = digits.split_at(end.unwrap_or(digits.len()));
         let mut whole = whole.to_owned();
-        // Zeros that fill are grouped as well.
+        // Zeros that fill are grouped too.
         if self.fill == Some('0') && self.align.unwrap_or(default) == '=' && !whole.is_empty() {
             let room = self.width.saturating_sub(sign.len() + prefix.len() + rest.len());
             while grouped_length(whole.len(), group) < room {
@@ -200,7 +200,7 @@ fn exponential(value: f64, precision: usize, is_alternate: bool) -> String {
     format!("{mantissa}{point}{}", exponent_text(exponent))
 }
 
-/// The mantissa with a point and the exponent, rounded to so many digits behind the point.
+/// The mantissa with a point, and the exponent, rounded to `precision` digits after the point.
 fn parts(value: f64, precision: usize) -> (String, i32) {
     let text = format!("{value:.precision$e}");
     let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
@@ -230,7 +230,7 @@ fn general(value: f64, precision: usize, is_alternate: bool) -> String {
     format!("{digits}{behind}")
 }
 
-/// As `general`, with at least one digit behind the point, and the exponent from one digit earlier.
+/// Like `general`, with at least one digit after the point, and an exponent from one digit earlier.
 fn general_with_point(value: f64, precision: usize, is_alternate: bool) -> String {
     let precision = precision.max(1);
     let (mantissa, exponent) = parts(value, precision - 1);
@@ -246,7 +246,7 @@ fn general_with_point(value: f64, precision: usize, is_alternate: bool) -> Strin
     mantissa + &exponent_text(exponent)
 }
 
-/// Puts a point behind the digits before an exponent, if there is none.
+/// Adds a point after the digits before an exponent, if there is none.
 fn with_point(text: &str) -> String {
     match text.split_once('e') {
         Some((digits, exponent)) if !digits.contains('.') => format!("{digits}.e{exponent}"),
@@ -254,7 +254,7 @@ fn with_point(text: &str) -> String {
     }
 }
 
-/// Returns the integer that a number is cut to.
+/// Returns the number truncated to an integer.
 pub(super) fn truncated(value: &Value) -> Option<BigInt> {
     match value {
         Value::Float(float) => integer_of(*float),

@@ -1,4 +1,4 @@
-//! Walks through values: their items, keys and texts.
+//! Iteration over values: their items, keys and texts.
 
 use crate::fault::Fault;
 use crate::limits::{Work, sized};
@@ -6,7 +6,7 @@ use crate::value::{Key, Value, View};
 use num_bigint::BigInt;
 use num_traits::ToPrimitive;
 
-/// Returns the items of a value that can be iterated over. Those of an iterator are taken out of it.
+/// Returns the items of an iterable value. The items of an iterator are removed from it.
 pub(crate) fn items(value: &Value, work: &Work) -> Result<Vec<Value>, Fault> {
     let (items, fault) = items_until_fault(value, work)?;
     match fault {
@@ -15,7 +15,7 @@ pub(crate) fn items(value: &Value, work: &Work) -> Result<Vec<Value>, Fault> {
     }
 }
 
-/// Returns the items, and the fault that an iterator has behind them.
+/// Returns the items, and the fault at which an iterator ends.
 pub(super) fn items_until_fault(value: &Value, work: &Work) -> Result<(Vec<Value>, Option<Fault>), Fault> {
     let dotted =
         |value: &Value, is_dotted: bool| if is_dotted { value.clone().dotted() } else { value.clone() };
@@ -37,7 +37,7 @@ pub(super) fn items_until_fault(value: &Value, work: &Work) -> Result<(Vec<Value
         }
         Value::Set(_) => {
             return Err(Fault::new(
-                "a set of several items has no order, so that its items would come in another order each time",
+                "a set of several items has no order, so the order of its items would differ in each run",
                 "write sorted(…) around it, or use a list",
             ));
         }
@@ -63,7 +63,7 @@ pub(super) fn items_until_fault(value: &Value, work: &Work) -> Result<(Vec<Value
     Ok((items, None))
 }
 
-/// Returns the items of a value in any order, for functions whose result does not depend on the order.
+/// Returns the items in any order, for functions whose result does not depend on the order.
 pub(crate) fn items_in_any_order(value: &Value, work: &Work) -> Result<Vec<Value>, Fault> {
     match value {
         Value::Set(set) => {
@@ -75,14 +75,14 @@ pub(crate) fn items_in_any_order(value: &Value, work: &Work) -> Result<Vec<Value
     }
 }
 
-/// Checks that a new value is not too large, and counts the work of making it.
+/// Checks that a new value is not too large, and counts the work of creating it.
 pub(crate) fn checked(value: Value, work: &Work) -> Result<Value, Fault> {
     let size = sized(value.size())?;
     work.take(size / 64)?;
     Ok(value)
 }
 
-/// Returns the key of a dictionary or set that a value is.
+/// Returns the key of a dictionary or set for a value.
 pub(crate) fn key(value: &Value) -> Result<Key, Fault> {
     Key::of(value).map_err(|part| {
         Fault::new(
@@ -92,10 +92,10 @@ pub(crate) fn key(value: &Value) -> Result<Key, Fault> {
     })
 }
 
-/// Returns the text of a value as Python's `str` prints it.
+/// Returns the text of a value as printed by Python's `str`.
 ///
 /// # Errors
-/// A value whose text is another one in each run, as that of a function.
+/// If the text differs in each run, as that of a function does.
 pub(crate) fn printed(value: &Value) -> Result<String, Fault> {
     if let Value::Text(text) = value {
         return Ok(text.clone());
@@ -104,8 +104,8 @@ pub(crate) fn printed(value: &Value) -> Result<String, Fault> {
     match value.unprintable() {
         None => Ok(value.to_string()),
         Some(what) => Err(Fault::new(
-            format!("the result is or contains {what}, whose text is another one in each run"),
-            "call it, or turn it into a list with list(…) or sorted(…)",
+            format!("the result is or contains {what}, whose text differs in each run"),
+            "call it, or convert it to a list with list(…) or sorted(…)",
         )),
     }
 }

@@ -11,7 +11,8 @@ use std::rc::Rc;
 pub(super) const NAMES: [&str; 11] =
     ["append", "clear", "copy", "count", "extend", "index", "insert", "pop", "remove", "reverse", "sort"];
 
-/// Calls a method of a list, which may change the list. `sort` is the evaluator's, because it takes a function.
+/// Calls a method of a list, which may change the list. `sort` is implemented by the evaluator, because it takes a
+/// function.
 pub(super) fn method(
     list: &Rc<List>,
     name: &str,
@@ -66,7 +67,7 @@ pub(super) fn method(
     Ok(Some(Value::None))
 }
 
-/// Puts items into a list, unless it would contain itself, or grow too large.
+/// Adds items to a list, unless it would contain itself or become too large.
 fn add(list: &Rc<List>, place: usize, new: Vec<Value>, work: &Work) -> Result<(), Fault> {
     let count = new.len();
     for item in &new {
@@ -88,12 +89,12 @@ fn add(list: &Rc<List>, place: usize, new: Vec<Value>, work: &Work) -> Result<()
     Ok(())
 }
 
-/// Checks that a value may be stored in a list or dictionary that exists.
+/// Checks that a value may be stored in an existing list or dictionary.
 pub(super) fn accept(value: &Value) -> Result<(), Fault> {
     match value {
         Value::Function(_) | Value::Iterator(_) | Value::View(..) => Err(Fault::new(
-            format!("{} cannot be put into a list or dictionary that exists", value.kind()),
-            "turn it into a list with list(…)",
+            format!("{} cannot be put into an existing list or dictionary", value.kind()),
+            "convert it to a list with list(…)",
         )),
         _ => Ok(()),
     }

@@ -79,7 +79,7 @@ fn default(map: &Rc<Map>, name: &Value, value: &Value, work: &Work) -> Result<Va
     }
 }
 
-/// Sets an entry of a dictionary that exists, unless it would contain itself, or grow too large.
+/// Sets an entry of an existing dictionary, unless it would contain itself or become too large.
 fn set(map: &Rc<Map>, name: &Value, value: &Value, work: &Work) -> Result<(), Fault> {
     accept(value)?;
     let place = key(name)?;

@@ -66,7 +66,7 @@ pub(super) const NAMES: [&str; 54] = [
     "trunc",
 ];
 
-/// Calls a function of numbers. None where it is no such function, or has no real value.
+/// Calls a function of numbers; `None` for another function, or if it has no real value.
 pub(super) fn call(name: &str, arguments: &Arguments, work: &Work) -> Result<Option<Value>, Fault> {
     if !NAMES.contains(&name) {
         return Ok(None);
@@ -107,7 +107,8 @@ fn length(values: &[f64]) -> f64 {
     }
 }
 
-/// A result is refused if it is no number though the arguments are: Python's "math domain error" and "math range error".
+/// Returns `None` if the result is not a number although the arguments are: Python's "math domain error" and "math
+/// range error".
 fn fine(value: f64, inputs: &[f64]) -> Option<Value> {
     let fine = value.is_finite() || inputs.iter().any(|input| !input.is_finite());
     let is_new_nan = value.is_nan() && !inputs.iter().any(|input| input.is_nan());
@@ -148,7 +149,7 @@ fn of_one(name: &str, arguments: &[Value]) -> Option<Value> {
         "erfc" => libm::erfc(x),
         "gamma" => libm::tgamma(x),
         "lgamma" => libm::lgamma(x),
-        // Python multiplies by a rounded π/180 and 180/π.
+        // Python multiplies by rounded values of π/180 and 180/π.
         "radians" => x * (consts::PI / 180.0),
         "degrees" => x * (180.0 / consts::PI),
         "fabs" => x.abs(),
@@ -169,7 +170,7 @@ fn of_one(name: &str, arguments: &[Value]) -> Option<Value> {
     fine(result, &[x])
 }
 
-/// The logarithm of an integer that may be beyond all floats.
+/// The logarithm of an integer that may exceed the range of floats.
 fn large_logarithm(name: &str, int: &BigInt) -> Option<Value> {
     if !int.is_positive() {
         return None;
@@ -204,7 +205,7 @@ fn of_two(name: &str, arguments: &[Value]) -> Option<Value> {
     fine(result, &[x, y])
 }
 
-/// Functions whose arguments or results are integers; none if it is another one.
+/// Functions with integer arguments or results; `None` for other functions.
 fn of_integers(name: &str, arguments: &[Value], work: &Work) -> Option<Result<Value, Fault>> {
     let round = |round: fn(f64) -> f64| match arguments {
         [Value::Float(float)] => integer_of(round(*float)).map(|int| Ok(Value::Int(int))),

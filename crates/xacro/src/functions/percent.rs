@@ -1,4 +1,4 @@
-//! `'…' % values`, as C's printf.
+//! `'…' % values`, like C's printf.
 
 use super::format::{Spec, truncated};
 use super::items::printed;
@@ -10,11 +10,11 @@ use num_traits::Signed;
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// The values that a template takes one after the other.
+/// The values that a template uses, one after the other.
 struct Values<'a> {
     all: &'a [Value],
     next: usize,
-    /// The dictionary that `%(name)s` looks into.
+    /// The dictionary in which `%(name)s` is looked up.
     map: Option<&'a Value>,
 }
 
@@ -26,7 +26,7 @@ fn bad(template: &str, what: &str) -> Fault {
     )
 }
 
-/// Puts values into the places of a template.
+/// Fills the placeholders of a template.
 pub(super) fn format(template: &str, values: &Value, work: &Work) -> Result<String, Fault> {
     let single = [values.clone()];
     let (all, is_tuple) = match values {
@@ -49,18 +49,20 @@ pub(super) fn format(template: &str, values: &Value, work: &Work) -> Result<Stri
             work.take(1 + sized(out.len())? / 64)?;
         }
     }
-    // A dictionary or list that is not asked for is no mistake.
+    // An unused dictionary or list is not an error.
     let may_be_left = uses_names || (!is_tuple && matches!(values.all, [Value::Map(_) | Value::List(_)]));
     if values.next < values.all.len() && !may_be_left {
-        return Err(bad(template, "there are more values than places"));
+        return Err(bad(template, "there are more values than placeholders"));
     }
     Ok(out)
 }
 
 impl Values<'_> {
     fn take(&mut self, template: &str) -> Result<Value, Fault> {
-        let value =
-            self.all.get(self.next).ok_or_else(|| bad(template, "there are fewer values than places"))?;
+        let value = self
+            .all
+            .get(self.next)
+            .ok_or_else(|| bad(template, "there are fewer values than placeholders"))?;
         self.next += 1;
         Ok(value.clone())
     }
@@ -80,7 +82,7 @@ fn count(template: &str, rest: &mut Peekable<Chars<'_>>, values: &mut Values<'_>
     Ok(count)
 }
 
-/// Writes one place, and says whether it names its value.
+/// Writes one placeholder, and returns true if it names its value.
 fn place(
     template: &str,
     rest: &mut Peekable<Chars<'_>>,
@@ -120,7 +122,7 @@ fn place(
     let precision =
         if rest.next_if_eq(&'.').is_some() { Some(count(template, rest, values)?.max(0)) } else { None };
     while rest.next_if(|c| "hlL".contains(*c)).is_some() {}
-    let kind = rest.next().ok_or_else(|| bad(template, "a place does not end"))?;
+    let kind = rest.next().ok_or_else(|| bad(template, "a placeholder is incomplete"))?;
     let is_named = named.is_some();
     let value = match named {
         Some(value) => value,
@@ -198,7 +200,7 @@ fn conversion(template: &str, kind: char, value: &Value, spec: Spec) -> Result<S
     }
 }
 
-/// A precision is the least number of digits.
+/// Formats an integer. The precision is the minimum number of digits.
 fn integer(int: &BigInt, value: &Value, spec: &Spec) -> Result<String, Fault> {
     let Some(precision) = spec.precision else { return spec.integer(int, value) };
     let bare = Spec { kind: spec.kind, ..Spec::default() };

@@ -1,4 +1,4 @@
-//! `round`, which rounds the exact binary value, halves to the even digit.
+//! `round`, which rounds the exact binary value, with ties to the even digit.
 
 use super::exact::floor_division;
 use crate::fault::Fault;
@@ -21,7 +21,7 @@ pub(super) fn to_integer(value: &Value) -> Option<Result<Value, Fault>> {
     }
 }
 
-/// Rounds to a number of digits behind the point, which may be negative.
+/// Rounds to a number of digits after the point, which may be negative.
 pub(super) fn to_digits(value: &Value, digits: i64) -> Option<Result<Value, Fault>> {
     let Value::Float(float) = value else {
         let int = value.integer()?;
@@ -35,7 +35,7 @@ pub(super) fn to_digits(value: &Value, digits: i64) -> Option<Result<Value, Faul
         return Some(Ok(value.clone()));
     }
     if let Ok(digits) = usize::try_from(digits) {
-        // Decimal printing rounds the exact binary value.
+        // Decimal formatting rounds the exact binary value.
         return format!("{float:.digits$}").parse().ok().map(|float| Ok(Value::Float(float)));
     }
     if digits < -310 {
@@ -46,7 +46,7 @@ pub(super) fn to_digits(value: &Value, digits: i64) -> Option<Result<Value, Faul
     Some(rounded.map(|rounded| Value::Float(crate::value::float_of(&rounded).copysign(*float))))
 }
 
-/// Rounds to a multiple of a power of ten. `is_more` says that the number is a fraction more than the integer.
+/// Rounds to a multiple of a power of ten. With `is_more`, the number is a fraction greater than the integer.
 fn to_power(int: &BigInt, digits: i64, is_more: bool) -> Result<BigInt, Fault> {
     let power = u32::try_from(-digits).ok().filter(|power| *power < 5000).ok_or_else(too_large)?;
     let unit = BigInt::from(10).pow(power);

@@ -24,7 +24,7 @@ pub(super) const NAMES: [&str; 11] = [
     "update",
 ];
 
-/// Applies `& | ^ -`; none if it is another operator.
+/// Applies `& | ^ -`; `None` for other operators.
 pub(super) fn operator(
     operator: Arithmetic,
     a: &Entries,

@@ -15,7 +15,7 @@ fn bad(template: &str, what: &str) -> Fault {
     )
 }
 
-/// What fields without a number or with one have come so far.
+/// Whether fields without or with a number have occurred so far.
 #[derive(Default)]
 struct Numbering {
     next: usize,
@@ -23,7 +23,7 @@ struct Numbering {
     is_manual: bool,
 }
 
-/// Puts arguments into the fields of a template.
+/// Fills the fields of a template with arguments.
 pub(super) fn format(template: &str, arguments: &Arguments, work: &Work) -> Result<String, Fault> {
     fill(template, template, arguments, &mut Numbering::default(), 2, work)
 }
@@ -82,7 +82,7 @@ fn field(
     depth: u32,
     work: &Work,
 ) -> Result<String, Fault> {
-    // A colon or '!' inside of an index belongs to it.
+    // A colon or '!' inside an index belongs to the index.
     let mut in_index = false;
     let end = field.find(|c| {
         in_index = (in_index || c == '[') && c != ']';
@@ -92,11 +92,10 @@ fn field(
     let (conversion, spec) = match rest.strip_prefix('!') {
         None => (None, rest.strip_prefix(':').unwrap_or("")),
         Some(rest) => {
-            let letter =
-                rest.chars().next().ok_or_else(|| bad(template, "a letter is missing behind '!'"))?;
+            let letter = rest.chars().next().ok_or_else(|| bad(template, "a letter is missing after '!'"))?;
             let behind = &rest[letter.len_utf8()..];
             let spec = if behind.is_empty() { Some("") } else { behind.strip_prefix(':') };
-            (Some(letter), spec.ok_or_else(|| bad(template, "':' is missing behind the conversion"))?)
+            (Some(letter), spec.ok_or_else(|| bad(template, "':' is missing after the conversion"))?)
         }
     };
     let value = look_up(template, name, arguments, numbering)?;
@@ -110,10 +109,10 @@ fn field(
     if spec.is_empty() {
         return printed(&value);
     }
-    parse(&spec).ok_or_else(|| bad(template, &format!("'{spec}' is no format")))?.write(&value)
+    parse(&spec).ok_or_else(|| bad(template, &format!("'{spec}' is not a format")))?.write(&value)
 }
 
-/// Finds the value of a field such as `0`, `name`, `0[key]`, or nothing at all.
+/// Returns the value of a field such as `0`, `name`, `0[key]`, or an empty one.
 fn look_up(
     template: &str,
     name: &str,

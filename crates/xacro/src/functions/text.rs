@@ -1,4 +1,4 @@
-//! Methods of texts that make another text or a list.
+//! Methods of texts that return another text or a list.
 
 use super::items::{checked, items};
 use super::{Arguments, is_space, misuse, template, text_search};
@@ -156,7 +156,7 @@ pub(super) fn method(
 }
 
 fn titlecase(first: &str) -> String {
-    // The only ASCII-like exception, 'ß', becomes 'Ss'.
+    // Only the first letter of the upper-case form stays in upper case: 'ß' becomes 'Ss'.
     let upper = first.to_uppercase();
     let mut characters = upper.chars();
     let begin = characters.next().map(String::from).unwrap_or_default();
@@ -198,7 +198,7 @@ fn justify(text: &str, name: &str, width: &Value, fill: &[Value]) -> Result<Opti
     let left = match name {
         "ljust" => 0,
         "rjust" => missing,
-        // Python's rule for the odd one.
+        // Python's rule for an odd number.
         _ => missing / 2 + (missing & width & 1),
     };
     let fill = |count: usize| fill.to_string().repeat(count);

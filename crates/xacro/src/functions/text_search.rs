@@ -1,10 +1,10 @@
-//! Methods of texts that look for something: parts, places, kinds of characters.
+//! Methods of texts that search for parts, positions and kinds of characters.
 
 use super::{is_space, misuse};
 use crate::fault::Fault;
 use crate::value::Value;
 
-/// Calls a method; none if it is another one or its arguments do not fit.
+/// Calls a method; `None` for another method or if it does not accept its arguments.
 pub(super) fn method(text: &str, name: &str, arguments: &[Value]) -> Result<Option<Value>, Fault> {
     match (name, arguments) {
         ("find" | "rfind" | "index" | "rindex" | "count", [Value::Text(part), bounds @ ..])
@@ -26,7 +26,7 @@ pub(super) fn method(text: &str, name: &str, arguments: &[Value]) -> Result<Opti
         "isdigit" | "isdecimal" | "isnumeric" => {
             if let Some(c) = text.chars().find(|c| !c.is_ascii() && c.is_numeric()) {
                 return Err(Fault::new(
-                    format!("{name}: '{c}' is not told from digits"),
+                    format!("{name}: whether '{c}' is a digit is not known"),
                     "use the digits 0 to 9",
                 ));
             }
@@ -58,8 +58,8 @@ pub(super) fn method(text: &str, name: &str, arguments: &[Value]) -> Result<Opti
     })))
 }
 
-/// Returns the part of a text between two places, which count characters, and the place where it begins. None if the
-/// begin lies behind the end.
+/// Returns the part of a text between two positions, counted in characters, and the position at which it begins. `None`
+/// if the begin is after the end.
 #[expect(clippy::option_option, reason = "the outer one is for bounds that are no integers")]
 fn part<'t>(text: &'t str, bounds: &[Value]) -> Option<Option<(&'t str, usize)>> {
     let length = text.chars().count();

@@ -6,12 +6,12 @@ use num_traits::{FromPrimitive, ToPrimitive};
 use std::cmp::Ordering;
 use std::rc::Rc;
 
-/// Two values of which none is the greater.
+/// The error for two values without an order.
 #[derive(Debug)]
 pub(crate) struct Unordered;
 
 impl Value {
-    /// Returns whether `==` holds: numbers are compared by value whatever their type.
+    /// Returns the result of `==`: numbers are compared by value, whatever their type.
     pub(crate) fn equals(&self, other: &Self) -> bool {
         if let Some(ordering) = numbers(self, other) {
             return ordering == Some(Ordering::Equal);
@@ -44,7 +44,7 @@ impl Value {
         }
     }
 
-    /// Compares with Python's `<`, or says that the types have no order. `None` is the order of NaN.
+    /// Compares like Python's `<`, or returns an error if the types have no order. `None` is the order of NaN.
     pub(crate) fn order(&self, other: &Self) -> Result<Option<Ordering>, Unordered> {
         if let Some(ordering) = numbers(self, other) {
             return Ok(ordering);
@@ -64,7 +64,7 @@ impl Value {
     }
 }
 
-/// Compares two numbers exactly; none if one of them is no number.
+/// Compares two numbers exactly; `None` if one of them is not a number.
 #[expect(clippy::option_option, reason = "the inner one is the order of NaN")]
 fn numbers(a: &Value, b: &Value) -> Option<Option<Ordering>> {
     Some(match (a, b) {
@@ -86,7 +86,7 @@ fn float_and_int(float: f64, int: &BigInt) -> Option<Ordering> {
     Some(floor.cmp(int).then(fraction))
 }
 
-/// Returns whether two members of containers are the same: the same object, or equal.
+/// Returns true if two members of containers are the same object, or equal.
 pub(crate) fn same(a: &Value, b: &Value) -> bool {
     a.equals(b)
 }

@@ -12,7 +12,7 @@ use std::rc::Rc;
 #[derive(Debug)]
 pub(crate) struct List {
     pub(crate) items: RefCell<Vec<Value>>,
-    /// Whether it is from a YAML file: its parts are handed out as copies whose keys can be written behind a dot.
+    /// True if it is from a YAML file: its parts are returned as copies whose keys can be used as attributes.
     pub(crate) dotted: bool,
 }
 
@@ -26,18 +26,18 @@ pub(crate) struct Tuple {
 #[derive(Debug)]
 pub(crate) struct Map {
     pub(crate) entries: RefCell<Entries>,
-    /// Whether a key can be written behind a dot, as in dictionaries of YAML files.
+    /// True if keys can be used as attributes, as in dictionaries of YAML files.
     pub(crate) dotted: bool,
 }
 
-/// The entries of a dictionary, or the items of a set as keys, in the order in which they came.
+/// The entries of a dictionary, or the items of a set as keys, in the order of insertion.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Entries {
     places: HashMap<Key, usize>,
     entries: Vec<(Value, Value)>,
 }
 
-/// What makes two keys the same. Numbers are the same if their values are, as 1, 1.0 and True.
+/// The identity of a key. Numbers are the same key if their values are equal, such as 1, 1.0 and True.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub(crate) enum Key {
     None,
@@ -49,7 +49,7 @@ pub(crate) enum Key {
 }
 
 impl Key {
-    /// Returns the key of a value, or the part of it that can change and is no key for that.
+    /// Returns the key of a value, or the mutable part of it that prevents its use as a key.
     pub(crate) fn of(value: &Value) -> Result<Self, &Value> {
         Ok(match value {
             Value::None => Self::None,
@@ -94,7 +94,7 @@ impl Entries {
         self.places.contains_key(key)
     }
 
-    /// Sets an entry; a key that exists keeps its place.
+    /// Sets an entry; an existing key keeps its position.
     pub(crate) fn insert(&mut self, key: Key, name: Value, value: Value) {
         if let Some(place) = self.places.get(&key) {
             self.entries[*place].1 = value;
@@ -104,7 +104,7 @@ impl Entries {
         }
     }
 
-    /// Takes an entry out. The work is proportional to the number of entries.
+    /// Removes an entry. The work is proportional to the number of entries.
     pub(crate) fn remove(&mut self, key: &Key) -> Option<(Value, Value)> {
         let place = self.places.remove(key)?;
         for other in self.places.values_mut().filter(|other| **other > place) {
@@ -118,7 +118,7 @@ impl Entries {
     }
 }
 
-/// Destroys values one after the other: lists within lists, however deep, do not exhaust the stack.
+/// Destroys values one after the other, so that deeply nested lists do not exhaust the stack.
 fn dismantle(mut open: Vec<Value>) {
     while let Some(value) = open.pop() {
         match value {

@@ -1,20 +1,20 @@
-//! Texts to numbers, and integers of any size to floats.
+//! Conversion of texts to numbers, and of integers of any size to floats.
 
 use num_bigint::{BigInt, Sign};
 use num_traits::{FromPrimitive, Num, ToPrimitive};
 
-/// Returns the float that is nearest to an integer, infinite beyond all floats.
+/// Returns the float nearest to an integer; infinite beyond the range of floats.
 pub(crate) fn float_of(int: &BigInt) -> f64 {
     int.to_f64().unwrap_or(if int.sign() == Sign::Minus { f64::NEG_INFINITY } else { f64::INFINITY })
 }
 
-/// Returns the integer part of a float that is finite.
+/// Returns the integer part of a finite float.
 pub(crate) fn integer_of(float: f64) -> Option<BigInt> {
     BigInt::from_f64(float.trunc())
 }
 
-/// Reads an integer as Python's `int` does, with white space around it and underscores between digits. Radix 0 reads
-/// the prefixes `0x`, `0o` and `0b`.
+/// Parses an integer like Python's `int`, with white space around it and underscores between digits. With radix 0, the
+/// prefixes `0x`, `0o` and `0b` are accepted.
 pub(crate) fn parse_int(text: &str, radix: u32) -> Option<BigInt> {
     let text = text.trim();
     let (negative, digits) = match text.strip_prefix('-') {
@@ -27,7 +27,7 @@ pub(crate) fn parse_int(text: &str, radix: u32) -> Option<BigInt> {
     let found = prefixed.find_map(|(prefix, base)| Some((lower.strip_prefix(prefix)?, base)));
     let (digits, base) = match found {
         Some((digits, base)) => (digits.strip_prefix('_').unwrap_or(digits), base),
-        // A leading zero without a letter is a mistake where prefixes are read, except in zero itself.
+        // With radix 0, a leading zero without a letter is an error, except in zero itself.
         None if radix == 0 && lower.starts_with('0') && !lower.trim_matches(['0', '_']).is_empty() => {
             return None;
         }
@@ -43,7 +43,7 @@ pub(crate) fn parse_int(text: &str, radix: u32) -> Option<BigInt> {
     Some(if negative { -int } else { int })
 }
 
-/// Reads a float as Python's `float` does.
+/// Parses a float like Python's `float`.
 pub(crate) fn parse_float(text: &str) -> Option<f64> {
     let text = text.trim();
     if !text.contains('_') {

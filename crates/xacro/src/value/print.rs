@@ -1,10 +1,10 @@
-//! Values as Python prints them.
+//! Values printed like in Python.
 
 use super::{Function, MAX_DEPTH, Value, View};
 use std::fmt;
 
 impl Value {
-    /// Returns the text that Python's `repr` gives: as that of `str`, with texts in quotes.
+    /// Returns the result of Python's `repr`: like `str`, but with texts in quotes.
     pub(crate) fn repr(&self) -> String {
         match self {
             Self::Text(text) => quoted(text),
@@ -12,14 +12,14 @@ impl Value {
         }
     }
 
-    /// Returns the value for an error message: its text, cut short.
+    /// Returns the value for an error message: its text, shortened.
     pub(crate) fn shown(&self) -> String {
         let text =
             if self.size() < 10_000 { self.to_string() } else { format!("{} of many bytes", self.kind()) };
         if text.chars().count() <= 80 { text } else { text.chars().take(77).chain("...".chars()).collect() }
     }
 
-    /// Returns what keeps the value from being printed in the same way each time, if anything does.
+    /// Returns the part of the value whose text differs in each run, if there is one.
     pub(crate) fn unprintable(&self) -> Option<&'static str> {
         match self {
             Self::Function(Function::Builtin(name)) if is_type(name) => None,
@@ -36,13 +36,13 @@ impl Value {
     }
 }
 
-/// Returns whether a function is one of Python's types, which print as such.
+/// Returns true if a function is one of Python's types, which are printed as such.
 pub(crate) fn is_type(name: &str) -> bool {
     ["bool", "dict", "float", "int", "list", "range", "set", "str", "tuple"].contains(&name)
 }
 
 impl fmt::Display for Value {
-    /// Prints as Python's `str` does: the shortest digits that read back as the same number.
+    /// Prints like Python's `str`: with the shortest digits that give the same number.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Text(text) => f.write_str(text),
@@ -130,7 +130,7 @@ pub(crate) fn quoted(text: &str) -> String {
             '\t' => out.push_str("\\t"),
             c if c == quote => out.extend(['\\', c]),
             c if u32::from(c) < 0x20 || (0x7f..0xa1).contains(&u32::from(c)) || c == '\u{ad}' => {
-                // Writing to a String does not fail.
+                // Writing to a String cannot fail.
                 let _ = write!(out, "\\x{:02x}", u32::from(c));
             }
             c => out.push(c),
@@ -140,7 +140,7 @@ pub(crate) fn quoted(text: &str) -> String {
     out
 }
 
-/// Returns a float as Python prints it: a point always, an exponent below 1e-4 and from 1e16 on.
+/// Returns a float as printed by Python: always with a point, with an exponent below 1e-4 and from 1e16 on.
 pub(crate) fn float_text(value: f64) -> String {
     if !value.is_finite() {
         return if value.is_nan() {
@@ -153,7 +153,7 @@ pub(crate) fn float_text(value: f64) -> String {
     }
     // Rust and Python both print the shortest digits; only the layout differs.
     let mut scientific = format!("{value:e}");
-    // Half-way between two shortest texts Python takes the even one, as rounding to that many digits does.
+    // Of two equally near shortest texts, Python uses the even one, like rounding to that number of digits.
     let places = scientific.find('e').unwrap_or(0).saturating_sub(if value < 0.0 { 3 } else { 2 });
     let rounded = format!("{value:.places$e}");
     if rounded.parse() == Ok(value) {

@@ -1,7 +1,7 @@
-//! XML text in, elements out, in one pass: as tolerant as the readers that Gazebo has (tinyxml), line numbers included.
+//! A single-pass XML parser with line numbers, as tolerant as the one of Gazebo (tinyxml).
 //!
-//! Taken, though the standard refuses them: `--` inside comments, prefixes that nobody declares (`gz:pose`), `<` in
-//! attributes, an `&` that begins no entity, and text that is not UTF-8.
+//! It accepts some input that the standard forbids: `--` inside comments, undeclared prefixes (`gz:pose`), `<` in
+//! attributes, an `&` that does not begin an entity, and text that is not UTF-8.
 
 use super::{Element, Node};
 use crate::diagnostics::{Problem, Severity, Source};
@@ -10,10 +10,10 @@ use quick_xml::events::{BytesStart, Event};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Deepest nesting of elements: far beyond any robot's or world's.
+/// The greatest nesting of elements, far more than in any robot or world.
 const MAX_DEPTH: usize = 200;
 
-/// The outermost element of a text that came from `file`.
+/// Returns the outermost element of a text that came from `file`.
 pub(super) fn document(text: &str, file: &Arc<Path>) -> Result<Element, Problem> {
     let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let mut lines = Lines { text: text.as_bytes(), counted: 0, line: 1 };
@@ -28,7 +28,7 @@ pub(super) fn document(text: &str, file: &Arc<Path>) -> Result<Element, Problem>
     };
     let mut reader = Reader::from_str(text);
     reader.config_mut().allow_dangling_amp = true;
-    // Elements that are open, outermost first.
+    // The open elements, outermost first.
     let mut open: Vec<Element> = Vec::new();
     let mut root: Option<Element> = None;
     loop {
@@ -43,13 +43,13 @@ pub(super) fn document(text: &str, file: &Arc<Path>) -> Result<Element, Problem>
         let closed = match event {
             Event::Start(tag) | Event::Empty(tag) if root.is_some() => {
                 let name = String::from_utf8_lossy(tag.name().0).into_owned();
-                return Err(broken(line, &format!("<{name}> stands behind the outermost element")));
+                return Err(broken(line, &format!("<{name}> follows the outermost element")));
             }
             Event::Start(_) | Event::Empty(_) if open.len() >= MAX_DEPTH => {
                 return Err(problem(
                     line,
                     format!("elements are nested more than {MAX_DEPTH} deep"),
-                    "close those that are left open, or flatten them",
+                    "close the open elements, or nest fewer",
                 ));
             }
             Event::Start(tag) => {
@@ -67,7 +67,7 @@ pub(super) fn document(text: &str, file: &Arc<Path>) -> Result<Element, Problem>
                 if open.is_empty() && !text.trim().is_empty() {
                     let before = text.len() - text.trim_start().len();
                     let line = line + text[..before].matches('\n').count() as u32;
-                    return Err(broken(line, "there is text outside of the outermost element"));
+                    return Err(broken(line, "there is text outside the outermost element"));
                 }
                 add_text(&mut open, &text);
                 None
@@ -107,7 +107,7 @@ fn add_text(open: &mut [Element], text: &str) {
     }
 }
 
-/// An element without its content, or what is wrong with its tag.
+/// Returns an element without its content, or an error in its tag.
 fn element(tag: &BytesStart<'_>, source: Source) -> Result<Element, String> {
     let name = String::from_utf8_lossy(tag.name().0).into_owned();
     is_name(&name)?;
@@ -119,7 +119,7 @@ fn element(tag: &BytesStart<'_>, source: Source) -> Result<Element, String> {
             is_name(&key)?;
             Ok((key, unescaped(&String::from_utf8_lossy(&attribute.value), true)))
         })
-        // Declarations of prefixes say nothing of the element.
+        // Declarations of prefixes are not attributes of the element.
         .filter(|attribute| !matches!(attribute, Ok((key, _)) if key == "xmlns" || key.starts_with("xmlns:")))
         .collect::<Result<_, String>>()?;
     Ok(Element { name, attributes, children: Vec::new(), source })
@@ -134,7 +134,7 @@ fn is_name(name: &str) -> Result<(), String> {
     Err(format!("'{name}' cannot be the name of an element or attribute"))
 }
 
-/// Entities resolved, and white space made one kind as XML wants it. What is no entity stays as it is.
+/// Resolves entities and normalises white space by the rules of XML. Invalid entities are kept as text.
 fn unescaped(raw: &str, in_attribute: bool) -> String {
     let mut text = String::with_capacity(raw.len());
     let mut rest = raw;
@@ -160,9 +160,9 @@ fn unescaped(raw: &str, in_attribute: bool) -> String {
     text
 }
 
-/// The character of the entity that `text` begins with, its `&` taken off, and its length.
+/// Returns the character of the entity with which `text` begins, without its `&`, and its length.
 fn entity(text: &str) -> Option<(char, usize)> {
-    // The longest is that of a character by its number.
+    // The longest entity is a character by its number.
     let end = text.bytes().take(10).position(|byte| byte == b';')?;
     let name = &text[..end];
     let number = |text: &str, radix| u32::from_str_radix(text, radix).ok().and_then(char::from_u32);
@@ -180,7 +180,7 @@ fn entity(text: &str) -> Option<(char, usize)> {
     Some((character, end + 1))
 }
 
-/// Counts lines once through the text, however often they are asked for.
+/// Counts lines in a single pass through the text, however often they are requested.
 struct Lines<'t> {
     text: &'t [u8],
     counted: usize,
@@ -189,7 +189,7 @@ struct Lines<'t> {
 
 impl Lines<'_> {
     #[expect(clippy::naive_bytecount, reason = "fast enough, and no dependency more")]
-    /// The line of a place that is not before the last one.
+    /// Returns the line of a position, which must not be before the previous one.
     fn at(&mut self, place: u64) -> u32 {
         let place = usize::try_from(place).unwrap_or(usize::MAX).min(self.text.len());
         if place > self.counted {

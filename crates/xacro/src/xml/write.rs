@@ -1,17 +1,17 @@
-//! XML out of elements: for programs that read only plain URDF.
+//! Writes elements as XML, for programs that only read plain URDF.
 
 use super::{Element, Node};
 use std::collections::BTreeSet;
 use std::fmt;
 
-/// Columns that each level of elements is set in by.
+/// The number of columns by which each level is indented.
 const INDENT: usize = 2;
 
-/// A whole XML document with this element as its outermost.
+/// Writes a whole XML document with this element as the outermost.
 ///
-/// Attributes and text keep their content. White space between elements is made anew. Prefixes of names
-/// (`sensor:camera`) are kept and declared at the outermost element; what they stood for is not known here, and
-/// means nothing to readers of URDF.
+/// Attributes and text keep their content. White space between elements is replaced. Prefixes of names
+/// (`sensor:camera`) are kept and declared at the outermost element; their original meaning is not known here, and
+/// readers of URDF ignore it.
 impl fmt::Display for Element {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         writeln!(f, "<?xml version=\"1.0\"?>")?;
@@ -58,14 +58,14 @@ fn element(
 
 fn collect_prefixes<'e>(element: &'e Element, prefixes: &mut BTreeSet<&'e str>) {
     let names = element.attributes.iter().map(|(name, _)| name).chain([&element.name]);
-    // `xml:` is everywhere, without a declaration.
+    // `xml:` needs no declaration.
     prefixes.extend(names.filter_map(|name| Some(name.split_once(':')?.0)).filter(|prefix| *prefix != "xml"));
     for child in element.elements() {
         collect_prefixes(child, prefixes);
     }
 }
 
-/// Text with entities in the place of what would be read as something else.
+/// A text with entities in place of special characters.
 struct Escaped<'t> {
     text: &'t str,
     in_attribute: bool,
@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn written_as_one_would_by_hand() {
+    fn documents_are_indented_by_level() {
         let robot = parse("<robot name='r'><link name='a'>\n\n<x/></link><!-- c --><t> 1 2\n</t></robot>");
         let expected = "<?xml version=\"1.0\"?>
 <robot name=\"r\">
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_special_is_read_back_as_it_was() {
+    fn special_characters_survive_a_round_trip() {
         let robot = parse(
             "<r a='&lt;&amp;&quot;&#9;&#10;&#13;>' xmlns:s='http://s' s:b='1'><s:c>a &lt; b ]]&gt; &amp;amp;</s:c>t<d/></r>",
         );

@@ -1,10 +1,10 @@
-//! Words of YAML 1.1: what is a number, a boolean or nothing by the patterns that `PyYAML` resolves.
+//! Scalars of YAML 1.1: numbers, booleans and null by the patterns that `PyYAML` resolves.
 
 use crate::fault::Fault;
 use crate::value::{Value, parse_int};
 use num_bigint::BigInt;
 
-/// Returns the value of a word without quotes and tag.
+/// Returns the value of a scalar without quotes and tag.
 pub(super) fn plain(text: &str) -> Result<Value, Fault> {
     if let Some(value) =
         nothing(text).or_else(|| boolean(text)).or_else(|| integer(text)).or_else(|| float(text))
@@ -12,13 +12,13 @@ pub(super) fn plain(text: &str) -> Result<Value, Fault> {
         return Ok(value);
     }
     if is_date(text) || text == "=" {
-        let what = format!("'{text}' is a date or a sign that has no value here");
+        let what = format!("'{text}' is a date or a sign, which have no value here");
         return Err(Fault::new(what, "write it in quotes to make it a text"));
     }
     Ok(Value::text(text))
 }
 
-/// Returns the value that a tag of YAML's own gives a text; none if it is another tag.
+/// Returns the value of a text with one of YAML's own tags; `None` for other tags.
 pub(super) fn by_tag(text: &str, tag: &str) -> Option<Result<Value, Fault>> {
     let value = match tag {
         "str" => Some(Value::text(text)),
@@ -31,11 +31,9 @@ pub(super) fn by_tag(text: &str, tag: &str) -> Option<Result<Value, Fault>> {
         }),
         _ => return None,
     };
-    Some(
-        value.ok_or_else(|| {
-            Fault::new(format!("'{text}' is no value of the tag '!!{tag}'"), "correct it there")
-        }),
-    )
+    Some(value.ok_or_else(|| {
+        Fault::new(format!("'{text}' is not a value of the tag '!!{tag}'"), "correct it there")
+    }))
 }
 
 fn nothing(text: &str) -> Option<Value> {
@@ -50,7 +48,7 @@ fn boolean(text: &str) -> Option<Value> {
     }
 }
 
-/// The sign and what is behind it.
+/// Returns the sign and the rest.
 fn signed(text: &str) -> (bool, &str) {
     match text.strip_prefix('-') {
         Some(rest) => (true, rest),
@@ -66,7 +64,7 @@ fn digits(text: &str) -> bool {
     all(text, |byte| byte.is_ascii_digit())
 }
 
-/// The parts of `1:30`, each below 60 but the first.
+/// Returns the parts of `1:30`; each but the first is below 60.
 fn sexagesimal(text: &str) -> Option<Vec<&str>> {
     let parts: Vec<&str> = text.split(':').collect();
     let is_below_sixty = |part: &&str| match part.as_bytes() {
@@ -131,7 +129,7 @@ fn float(text: &str) -> Option<Value> {
         Some(at) => (&behind[..at], Some(&behind[at + 1..])),
         None => (behind, None),
     };
-    // An exponent needs its sign: 1.0e5 is a text.
+    // An exponent needs a sign: 1.0e5 is a text.
     let has_exponent = exponent.is_none_or(|exponent| {
         exponent
             .strip_prefix(['-', '+'])
@@ -149,7 +147,7 @@ fn float(text: &str) -> Option<Value> {
     unsigned.replace('_', "").parse::<f64>().ok().map(|value| Value::Float(sign * value))
 }
 
-/// Whether a word is a date, or a date and a time.
+/// Returns true if a text is a date, or a date and a time.
 fn is_date(text: &str) -> bool {
     let bytes = text.as_bytes();
     let count =

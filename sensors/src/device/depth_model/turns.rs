@@ -57,7 +57,7 @@ mod tests {
     use crate::simd::{best_level, dispatch};
 
     #[test]
-    fn all_the_way_round() {
+    fn angles_of_a_full_turn_are_accurate() {
         for step in -5_000..=5_000 {
             let turns = f64::from(step) * 1e-4;
             let (sin, cos) = libm::sincos(turns * TAU);

@@ -35,7 +35,7 @@ impl Tree {
     /// Builds the tree of a mesh like [`build`](super::plan::build), into allocated memory.
     ///
     /// # Errors
-    /// Those of [`build`](super::plan::build).
+    /// The errors of [`build`](super::plan::build).
     pub fn build(
         positions: &[[f32; 3]],
         triangles: &[[u32; 3]],
@@ -53,7 +53,7 @@ impl Tree {
     /// Refits the tree to moved vertices like [`refit`].
     ///
     /// # Errors
-    /// Those of [`refit`].
+    /// The errors of [`refit`].
     pub fn refit(
         &mut self,
         positions: &[[f32; 3]],
@@ -66,7 +66,7 @@ impl Tree {
     /// Checks the tree like [`validate_tree`].
     ///
     /// # Errors
-    /// Those of [`validate_tree`].
+    /// The errors of [`validate_tree`].
     pub fn validate(&self, positions: &[[f32; 3]], triangles: &[[u32; 3]]) -> Result<(), TreeFault> {
         let words = validate_scratch_len(triangles.len(), self.nodes.len(), self.blocks.len());
         validate_tree(positions, triangles, &self.nodes, &self.blocks, &mut zeroed_vec(words))

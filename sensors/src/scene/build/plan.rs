@@ -20,7 +20,7 @@ const TRIED: usize = 16_384;
 /// indices into them.
 ///
 /// # Errors
-/// Those of [`plan`] and [`Plan::write`].
+/// The errors of [`plan`] and [`Plan::write`].
 pub fn build(
     positions: &[[f32; 3]],
     triangles: &[[u32; 3]],

@@ -1,4 +1,4 @@
-//! How much time the building of a tree may take.
+//! The time that building a tree may take.
 
 /// The effort spent on building a tree.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -12,7 +12,7 @@ impl SceneBuilder {
     /// default: the scene then gets a material of [`MaterialConfig::default`], which is its first.
     ///
     /// # Errors
-    /// Those of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchHeightField`],
+    /// The errors of [`Instance::new`], [`SceneError::NoSuchMesh`], [`SceneError::NoSuchHeightField`],
     /// [`SceneError::NoSuchMaterial`], [`SceneError::TooMany`].
     pub fn add_instance(&mut self, config: &InstanceConfig) -> Result<InstanceId, SceneError> {
         room(&self.instances)?;

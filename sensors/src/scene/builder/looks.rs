@@ -28,7 +28,7 @@ impl SceneBuilder {
     /// represent −1 to 1. Unlike a colour texture it is averaged linearly, whatever the [`ColourSpace`].
     ///
     /// # Errors
-    /// Those of [`SceneBuilder::add_texture`].
+    /// The errors of [`SceneBuilder::add_texture`].
     pub fn add_normal_map(
         &mut self,
         width: u32,

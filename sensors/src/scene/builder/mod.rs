@@ -1,4 +1,4 @@
-//! An owned scene to which things can be added, and in which they can be changed and removed.
+//! An owned scene whose elements can be added, changed and removed.
 
 mod instances;
 mod looks;

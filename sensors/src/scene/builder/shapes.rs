@@ -128,7 +128,7 @@ impl SceneBuilder {
     /// holds its full lengths along x and y; a height of 0 is at z = 0.
     ///
     /// # Errors
-    /// Those of [`HeightField::build`].
+    /// The errors of [`HeightField::build`].
     pub fn add_height_field(
         &mut self,
         rows: u32,

@@ -10,7 +10,7 @@ impl HeightField {
     /// children.
     ///
     /// # Errors
-    /// Those of [`HeightField::build`], and [`SceneError::BadTree`] with the first node whose range of heights does not
+    /// The errors of [`HeightField::build`], and [`SceneError::BadTree`] with the first node whose range of heights does not
     /// match the field, or with 0 if the dimensions are inconsistent. Nodes are numbered as in [`HeightGrid::node`],
     /// and leaves follow them. A field without errors is traversed without a panic.
     pub fn validate(&self, heights: &[f32], extents: &[[f32; 2]]) -> Result<(), SceneError> {

@@ -97,7 +97,7 @@ pub(in crate::sensor) struct Brush<'a> {
     resolver: Resolver<'a>,
     seen: Tile,
     shader: Shader,
-    /// If it is colours alone that are wanted, as a tile has them when it is not looked at ray by ray.
+    /// Finds tiles of a single colour; set if only colours are needed, without per-ray data.
     uniform: Option<UniformTiles>,
     sight: Sight,
     space: ColourSpace,

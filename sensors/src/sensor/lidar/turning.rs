@@ -16,7 +16,7 @@ use crate::trace::grid::Frame;
 use core::ops::Range;
 use fearless_simd::Simd;
 
-/// The largest number of pieces into which slices are divided. Each needs memory for a view of its own. Results do not
+/// The largest number of pieces into which slices are divided. Each needs memory for a separate view. Results do not
 /// depend on this number.
 const MOST_PIECES: usize = 16;
 

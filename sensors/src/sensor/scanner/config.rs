@@ -226,7 +226,7 @@ impl<'a> ScannerConfig<'a> {
                 return wrong(
                     "from_m of spread",
                     spread.from_m,
-                    "not before that of the one before, and finite",
+                    "finite, and not less than that of the previous spread",
                 );
             }
             if let Some(value) = spread.stddev.into_iter().find(|value| !(0.0..f64::INFINITY).contains(value))

@@ -43,7 +43,7 @@ pub(super) struct ScannerFrame<'a> {
     pub(super) has_mirrors: bool,
 }
 
-/// What up to 64 firings are worked out in.
+/// The working memory for up to 64 firings.
 struct VolleyScratch<'m> {
     lanes: FiringLanes,
     volley: MovingPacket,
@@ -52,9 +52,9 @@ struct VolleyScratch<'m> {
     normals: [f32; LANES * MAX_RETURNS],
     /// The echoes of one firing.
     echoing: Echoing<MOST_ECHOES>,
-    /// What rays meet by way of mirrors and panes: room for it, if there are any.
+    /// The hits seen by specular reflection and transmission; empty if the scene has no mirrors or panes.
     found: &'m mut [Found<LANES>],
-    /// And for their ways.
+    /// The paths of the rays that are followed beyond mirrors and panes.
     paths: &'m mut [Paths<LANES>],
 }
 
@@ -98,13 +98,13 @@ impl<'a> ScannerFrame<'a> {
         }
     }
 
-    /// Cache lines that a piece is worked out in, besides those of its views.
+    /// Returns the number of cache lines that a piece needs in addition to its views.
     pub(super) fn piece_len(has_mirrors: bool) -> usize {
         let beyond = lines(size_of::<Found<LANES>>()) + lines(size_of::<Paths<LANES>>());
         lines(size_of::<MovingScratch>()) + if has_mirrors { beyond } else { 0 }
     }
 
-    /// What is seen during a motion.
+    /// Returns the view of a motion.
     pub(super) fn view<'m>(&self, motion: usize, memory: &'m mut [CacheLine]) -> View<'m>
     where
         'a: 'm,
@@ -319,7 +319,7 @@ impl<'a> ScannerFrame<'a> {
         }
     }
 
-    /// Adds the echoes of surfaces that one firing hits by way of mirrors and panes.
+    /// Adds the echoes of surfaces that one firing hits through panes and in mirrors.
     fn listen_beyond(
         &self,
         resolver: &mut Resolver<'_>,

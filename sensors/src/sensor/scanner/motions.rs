@@ -25,7 +25,7 @@ impl<'a> Motions<'a> {
         match *shutter {
             Shutter::Global(moment) => check_moment(scene, &moment).map(|()| Self::Still(moment)),
             Shutter::Slices(_) => Err(SenseError::Shutter {
-                rule: "be one moment or keyframes: this sensor's rays have times of their own",
+                rule: "be one moment or keyframes: this sensor's rays have individual times",
             }),
             Shutter::Moving(keyframes) => {
                 check_keyframes(scene, keyframes, frame_time_s)?;
@@ -104,16 +104,16 @@ fn check_keyframes(scene: &Scene<'_>, keyframes: &[Keyframe<'_>], end_s: f64) ->
             return wrong(index, "have a time that is finite");
         }
         if index > 0 && keyframe.time_s <= keyframes[index - 1].time_s {
-            return wrong(index, "be later than that before it");
+            return wrong(index, "be later than the previous one");
         }
         check_moment(scene, &keyframe.at)?;
     }
     if keyframes[0].time_s > 0.0 {
-        return wrong(0, "be at the beginning of the frame, 0 s, or before");
+        return wrong(0, "be at 0 s, the beginning of the frame, or earlier");
     }
     // A simulator may know its time less precisely than to a nanosecond.
     if keyframes[keyframes.len() - 1].time_s < end_s - 1e-9 {
-        return wrong(keyframes.len() - 1, "be at the end of the frame or after");
+        return wrong(keyframes.len() - 1, "be at the end of the frame or later");
     }
     Ok(())
 }

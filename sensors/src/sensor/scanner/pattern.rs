@@ -160,7 +160,7 @@ fn check_table(firings: &[Firing], frame_time_ns: u64) -> Result<(), ParameterEr
             return wrong(
                 "time_s of firing",
                 firing.time_s,
-                "not before that of the firing before, and less than the frame's",
+                "not before that of the previous firing, and less than the frame's",
             );
         }
         before = firing.time_s;

@@ -122,7 +122,7 @@ impl Spinning<'_> {
                 return wrong(
                     "time_s of laser",
                     laser.time_s,
-                    "not before that of the laser before, and less than a column's (frame_time_ns / per_turn)",
+                    "not before that of the previous laser, and less than a column's (frame_time_ns / per_turn)",
                 );
             }
             before = laser.time_s;

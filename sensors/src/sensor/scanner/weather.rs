@@ -76,7 +76,7 @@ impl Weather {
         for (parameter, drops) in [RAIN, SNOW].into_iter().zip(Air::new(self, beam, least).drops) {
             let Some(Noticed { expected: value, .. }) = drops else { continue };
             if value.is_nan() || value > MOST_EXPECTED {
-                let rule = "12 at most: by less of it, a narrower beam or a shorter reach of the receiver";
+                let rule = "12 at most: reduce the rain or snow, the width of the beam, or the reach of the receiver";
                 return Err(ParameterError::new("scanner", parameter, value, rule));
             }
         }
@@ -325,7 +325,7 @@ mod tests {
     }
 
     #[test]
-    fn hardly_any_firing_has_more_drops_than_are_taken() {
+    fn hardly_any_firing_has_more_drops_than_there_is_memory_for() {
         let (mut term, mut beyond) = (libm::exp(-MOST_EXPECTED), 0.0);
         for k in 1..200 {
             term *= MOST_EXPECTED / f64::from(k);
@@ -335,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn as_many_drops_as_are_expected() {
+    fn the_number_of_drops_has_its_expected_mean_and_variance() {
         const FIRINGS: u32 = 40_000;
         // The last case has 11.9 drops per firing, and the widest beam.
         for (rain_mm_per_h, reach_m, width) in
@@ -364,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn more_drops_than_there_is_room_for_are_refused() {
+    fn weather_with_too_many_drops_is_refused() {
         let refused = |weather: Weather, reach_m| {
             let beam = Beam { divergence_rad: [0.2; 2], ..Beam::RAY };
             weather.check_drops(&beam, least(reach_m)).unwrap_err().to_string()

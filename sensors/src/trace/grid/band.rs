@@ -1,4 +1,4 @@
-//! Bands of a grid: what is traced at a time, and what is done with it.
+//! Bands of a grid: the rows that are traced at a time, and the processing of their hits.
 
 use crate::execution::SplitRows;
 use crate::optics::rays::Rays;
@@ -9,32 +9,32 @@ use crate::trace::placed::view::{View, ViewMemory};
 use core::cell::RefCell;
 use fearless_simd::Simd;
 
-/// What is done with each band once it has been traced.
+/// The processing of each band after it has been traced.
 pub(crate) trait BandWork<O>: Sync {
-    /// Works on a band of traced rays, inside `simd.vectorize`. `output` is cut by rows of blocks; it begins with the
-    /// band's [`first_row`](Band::first_row).
+    /// Processes a band of traced rays, inside `simd.vectorize`. `output` is split by rows of blocks; it begins with
+    /// the band's [`first_row`](Band::first_row).
     fn finish<S: Simd>(&self, simd: S, band: &Band<'_>, output: &mut O);
 
-    /// Whether lines are wanted from every slice that has them, and not from the first alone.
+    /// Returns true if lines are needed from every slice that contains them, and not only from the first.
     fn is_mean(&self) -> bool {
         false
     }
 }
 
-/// A traced band of a grid, or the part of it that is taken at one moment.
+/// A traced band of a grid, or the part of it that is captured at one moment.
 pub(crate) struct Band<'a> {
     pub(crate) view: &'a View<'a>,
     pub(crate) rays: Rays<'a>,
     /// First and last row of the grid.
     pub(crate) rows: [i32; 2],
-    /// The row that the output begins with.
+    /// The first row of the output.
     pub(crate) first_row: i32,
-    /// Rows from here on are in no slice before this one.
+    /// Rows from this one on are in no earlier slice.
     pub(crate) fresh_from: i32,
-    /// Rows from here on are in a later slice, too.
+    /// Rows from this one on are also in a later slice.
     pub(crate) open_from: i32,
     pub(crate) target: Target<'a>,
-    /// Room for rays that are followed beyond mirrors and panes, if there are any.
+    /// Scratch memory for rays that are followed beyond mirrors and panes, if there are any.
     pub(crate) room: RefCell<&'a mut [SpecularScratch]>,
 }
 
@@ -45,14 +45,14 @@ impl Band<'_> {
         (self.rows[0] >> shift) as usize..=(self.rows[1] >> shift) as usize
     }
 
-    /// A row of blocks, counted from the first of the output.
+    /// The index of a row of blocks, counted from the first of the output.
     #[inline(always)]
     pub(crate) fn row_in_output(&self, block_row: usize) -> usize {
         block_row - (self.first_row >> self.rays.ray_grid().shift_y) as usize
     }
 }
 
-/// Rows of a band, as [`Band`] has them.
+/// The rows of a band; see [`Band`].
 pub(super) struct BandPart {
     pub(super) rows: [i32; 2],
     pub(super) first_row: i32,
@@ -60,15 +60,15 @@ pub(super) struct BandPart {
     pub(super) open_from: i32,
 }
 
-/// A part of the memory and of the output, cut between bands.
+/// A part of the memory and of the output, split between bands.
 pub(super) struct BandOutput<'a, O> {
-    /// Of one view for each band, if bands make their own.
+    /// Memory for one view per band, if bands make their own views.
     pub(super) views: Option<ViewMemory<'a>>,
     pub(super) instances: usize,
     pub(super) inverse: &'a mut [[f32; WIDTH]],
     pub(super) slot: &'a mut [[u32; WIDTH]],
     pub(super) farthest: &'a mut [f32],
-    /// One for each band, or none.
+    /// Scratch memory for each band; empty if it is not needed.
     pub(super) rooms: &'a mut [SpecularScratch],
     pub(super) output: O,
     pub(super) farthest_stride: usize,

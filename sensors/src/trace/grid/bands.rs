@@ -1,24 +1,25 @@
-//! How a grid of rays is cut into bands.
+//! The division of a grid of rays into bands.
 
 use crate::optics::rays::RayGrid;
 use crate::simd::WIDTH;
 
-/// A band has about that many rays: what is worked on at a time should lie in the second-level cache.
+/// The approximate number of rays of a band, chosen so that its data fits into the second-level cache.
 const RAYS_IN_BAND: usize = 40_000;
-/// Bands of the greatest grid, about.
+/// The approximate number of bands of the largest grid.
 const MOST_BANDS: usize = 64;
 
-/// How a grid is cut into bands. It depends on nothing but the grid, so that neither the number of threads nor
-/// the SIMD level decides in which order triangles are met.
+/// The division of a grid into bands. It depends only on the grid, so neither the number of threads nor the SIMD level
+/// changes the order in which triangles are visited.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::trace) struct Bands {
-    /// Rows of blocks in a band; the last may have fewer.
+    /// Rows of blocks in a band; the last band may have fewer.
     pub(in crate::trace) block_rows: usize,
     pub(in crate::trace) count: usize,
     /// Blocks of the grid.
     pub(in crate::trace) blocks: usize,
-    /// From where [`Target::farthest`](crate::trace::image::Target::farthest) of a band begins to where that of the
-    /// next does: whole cache lines, so that no two threads write to one, and sixteen more than a band has blocks.
+    /// The distance from the beginning of one band's [`Target::farthest`](crate::trace::image::Target::farthest) to the
+    /// next band's: whole cache lines, so that no two threads write to the same line, and at least sixteen elements
+    /// more than a band has blocks.
     pub(in crate::trace) farthest_stride: usize,
 }
 
@@ -36,7 +37,7 @@ impl Bands {
         }
     }
 
-    /// Elements of `farthest` of all bands.
+    /// The number of elements of `farthest` of all bands together.
     pub(in crate::trace) fn farthest_len(&self, ray_grid: &RayGrid) -> usize {
         let before_last = (self.count - 1) * self.block_rows * ray_grid.blocks_across();
         (self.count - 1) * self.farthest_stride + (self.blocks - before_last) + WIDTH
@@ -57,7 +58,7 @@ mod tests {
         let mut last_end = 0;
         for band in 0..bands.count {
             let rows = bands.block_rows.min(down - band * bands.block_rows);
-            // Sixteen past the end of a band's own are read.
+            // Sixteen elements past the end of a band's own are read.
             let end = band * bands.farthest_stride + rows * across + WIDTH;
             let next = if band + 1 < bands.count { (band + 1) * bands.farthest_stride } else { len };
             assert!(end <= next, "{size:?}: band {band} ends at {end}, the next begins at {next}");
@@ -68,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn bands_of_all_sizes_have_room() {
+    fn bands_of_all_sizes_have_enough_memory() {
         for width in 1..=200 {
             for height in 1..=200 {
                 check(&RayGrid::square(width, height));

@@ -1,4 +1,4 @@
-//! Frames of rays from one point, band by band.
+//! Frames of rays from one point, traced band by band.
 
 mod band;
 mod bands;
@@ -30,21 +30,21 @@ use core::cell::RefCell;
 use fearless_simd::Simd;
 use shutter::ray_grid_of;
 
-/// What counts as seen.
+/// The criteria for what is visible.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Sight {
     pub(crate) faces: Faces,
-    /// Least and most t.
+    /// The least and the greatest t.
     pub(crate) range: [f64; 2],
-    /// Nothing is traced where no surface comes within so many metres of the sensor.
+    /// Nothing is traced if no surface is within this many metres of the sensor.
     pub(crate) within: f64,
 }
 
-/// A frame to be traced: its rays, and where everything is when they are cast.
+/// A frame to be traced: its rays, and the poses of everything when they are cast.
 pub(crate) struct Frame<'a> {
     optics: &'a Optics<'a>,
     ray_grid: RayGrid,
-    /// That of the grid of angles which the frame begins with.
+    /// The column of the grid of angles with which the frame begins.
     first_column: u32,
     execution: Execution,
     when: When<'a>,
@@ -59,7 +59,7 @@ enum When<'a> {
 }
 
 impl<'a> Frame<'a> {
-    /// Cache lines that it takes to make a frame and to trace it.
+    /// Returns the number of cache lines that creating and tracing a frame needs.
     pub(crate) fn workspace_len(scene: &Scene<'_>, optics: &Optics<'_>, shutter: &Shutter<'_>) -> usize {
         if optics.check().is_err() {
             return 0; // and no frame
@@ -69,7 +69,7 @@ impl<'a> Frame<'a> {
         view_lines(scene.instances().len(), views) + traced_len(scene, optics, &ray_grid, 0)
     }
 
-    /// The same of a frame of some [columns](Frame::of_columns).
+    /// The same for a frame of some [columns](Frame::of_columns).
     pub(crate) fn columns_workspace_len(
         scene: &Scene<'_>,
         optics: &Optics<'_>,
@@ -79,13 +79,13 @@ impl<'a> Frame<'a> {
         view_lines(scene.instances().len(), 1) + traced_len(scene, optics, &ray_grid, columns.start)
     }
 
-    /// The blocks that the rays are traced in.
+    /// The grid of blocks in which the rays are traced.
     pub(crate) fn ray_grid_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> RayGrid {
-        // Where it cannot be, nothing will be traced.
+        // If the grid is invalid, nothing will be traced.
         ray_grid_of(optics, shutter).unwrap_or(optics.ray_grid())
     }
 
-    /// Checks rays, shutter and moments, and places what `visibility` lets the sensor see.
+    /// Checks rays, shutter and moments, and places the instances that `visibility` selects.
     pub(crate) fn new(
         scene: &'a Scene<'a>,
         optics: &'a Optics<'a>,
@@ -101,14 +101,14 @@ impl<'a> Frame<'a> {
             Shutter::Global(ref moment) => {
                 When::Once(View::new(scene, moment, visibility, memory.views(scene.instances().len(), 1)))
             }
-            // Moving ones have been refused.
+            // Moving shutters were refused above.
             Shutter::Slices(_) | Shutter::Moving(_) => When::Slices { scene, shutter: *shutter, visibility },
         };
         Ok(Self { optics, ray_grid, first_column: 0, execution, when })
     }
 
-    /// Some columns of a grid of angles at one moment, both of which have been checked. Their rays are those of the
-    /// whole grid, to the last bit.
+    /// Creates a frame of some columns of a grid of angles at one moment, both of which have been checked. The rays are
+    /// the same as those of the whole grid, to the last bit.
     pub(crate) fn of_columns(
         scene: &'a Scene<'a>,
         optics: &'a Optics<'a>,
@@ -138,7 +138,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// What all rays see, if it is seen at one moment.
+    /// The view of all rays, if they are cast at one moment.
     pub(crate) fn view(&self) -> Option<&View<'a>> {
         match &self.when {
             When::Once(view) => Some(view),
@@ -146,12 +146,13 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Rays of a row of blocks.
+    /// The number of rays of a row of blocks.
     pub(crate) fn rays_in_row(&self) -> usize {
         (self.ray_grid.width as usize) << self.ray_grid.shift_y
     }
 
-    /// False if no surface comes within so many metres of the sensor. True may be said of too much.
+    /// Returns false if no surface is within this many metres of the sensor. The test is conservative: it may return
+    /// true although none is.
     pub(crate) fn may_be_within(&self, radius: f64) -> bool {
         match &self.when {
             When::Once(view) => view.may_be_within(radius),
@@ -159,7 +160,7 @@ impl<'a> Frame<'a> {
         }
     }
 
-    /// Traces all rays and hands each band to `work`.
+    /// Traces all rays and passes each band to `work`.
     pub(crate) fn trace<O: SplitRows, W: BandWork<O>>(
         &self,
         sight: &Sight,
@@ -221,7 +222,7 @@ impl<'a> Frame<'a> {
         });
     }
 
-    /// Traces rows of a band that are taken at one moment.
+    /// Traces the rows of a band that are captured at one moment.
     fn trace_part<O: SplitRows, W: BandWork<O>>(
         &self,
         view: &View<'_>,
@@ -263,22 +264,22 @@ fn ray_grid_of_columns(optics: &Optics<'_>, columns: &core::ops::Range<u32>) -> 
     RayGrid::new(columns.end - columns.start, optics.ray_grid().height as u32)
 }
 
-/// Cache lines that tracing a grid takes, which begins with a column of the optics'.
+/// The number of cache lines for tracing a grid that begins at the given column of the optics.
 fn traced_len(scene: &Scene<'_>, optics: &Optics<'_>, ray_grid: &RayGrid, first_column: u32) -> usize {
     let bands = Bands::new(ray_grid);
-    // 1/t and slots take a line a block each.
+    // 1/t and slots need one cache line per block each.
     let blocks = 2 * bands.blocks + lines(bands.farthest_len(ray_grid) * size_of::<f32>());
     rays_len(optics, ray_grid, first_column)
         + blocks
         + lines(rooms(scene, &bands) * size_of::<SpecularScratch>())
 }
 
-/// Rooms for rays beyond mirrors and panes: one for each band, if there are any.
+/// The number of scratch memories for rays beyond mirrors and panes: one per band, or 0 if they are not needed.
 fn rooms(scene: &Scene<'_>, bands: &Bands) -> usize {
     if scene.has_mirrors_or_panes() { bands.count } else { 0 }
 }
 
-/// The rays of a grid, which begins with a column of the optics'.
+/// The rays of a grid that begins at the given column of the optics.
 pub(crate) fn rays_of<'a, 'm: 'a>(
     optics: &Optics<'a>,
     (ray_grid, first_column): (RayGrid, u32),
@@ -294,7 +295,7 @@ pub(crate) fn rays_of<'a, 'm: 'a>(
     }
 }
 
-/// Cache lines that these take.
+/// The number of cache lines that the tables of these rays need.
 pub(crate) fn rays_len(optics: &Optics<'_>, ray_grid: &RayGrid, first_column: u32) -> usize {
     match optics {
         Optics::Spherical(_) => SphericalRays::table_len(ray_grid, first_column),
@@ -318,7 +319,7 @@ fn spherical<'a>(
     ))
 }
 
-/// Sees to it that lanes without a ray hit nothing: nothing is nearer than 0 m.
+/// Makes lanes without a ray hit nothing, by setting their limit to 0 m.
 fn leave_out(rays: &Rays<'_>, rows: [i32; 2], target: &mut Target<'_>) {
     let ray_grid = rays.ray_grid();
     let across = ray_grid.blocks_across();
@@ -336,7 +337,7 @@ fn leave_out(rays: &Rays<'_>, rows: [i32; 2], target: &mut Target<'_>) {
     }
 }
 
-/// [`BandWork::finish`], apart from [`draw`], so that the stack holds what only one of them takes.
+/// Calls [`BandWork::finish`]. It is separate from [`draw`], so that the stack does not hold the variables of both.
 #[inline(never)]
 fn finish<S: Simd, O, W: BandWork<O>>(simd: S, band: &Band<'_>, output: &mut O, work: &W) {
     simd.vectorize(
@@ -345,7 +346,8 @@ fn finish<S: Simd, O, W: BandWork<O>>(simd: S, band: &Band<'_>, output: &mut O, 
     );
 }
 
-/// [`walk`], compiled once for each kind of grid and SIMD level, whatever is done with the band afterwards.
+/// Calls [`walk`], compiled once for each kind of grid and SIMD level, independent of how the band is processed
+/// afterwards.
 #[inline(never)]
 fn draw<S: Simd, P: Projection>(
     simd: S,

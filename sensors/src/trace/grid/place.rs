@@ -1,11 +1,11 @@
-//! Where the rays of a block lie in the rows of an output.
+//! The positions of a block's rays in the rows of an output.
 
 use crate::optics::rays::RayGrid;
 use crate::simd::{WIDTH, quarters};
 use crate::trace::grid::Band;
 use fearless_simd::{Bytes, Simd, SimdBase, f32x4, f32x16, u32x16};
 
-/// Calls `work` for each block of a band that no slice before had, with its column and row among the blocks of the
+/// Calls `work` for each block of a band that is in no earlier slice, with its column and row among the blocks of the
 /// grid.
 #[inline(always)]
 pub(crate) fn for_each_block(band: &Band<'_>, mut work: impl FnMut(&Place, [usize; 2])) {
@@ -22,20 +22,20 @@ pub(crate) fn for_each_block(band: &Band<'_>, mut work: impl FnMut(&Place, [usiz
     }
 }
 
-/// Where the rays of a block lie in a band's output.
+/// The position of a block's rays in a band's output.
 pub(crate) struct Place {
     /// Index of the block in the band.
     pub(crate) block: usize,
-    /// Rays across the grid.
+    /// The number of rays across the grid.
     width: usize,
-    /// Index of the first ray in the band's output, and rays from it to the end of its row.
+    /// The index of the first ray in the band's output, and the number of rays from it to the end of its row.
     first: usize,
     left: usize,
-    /// Rays of the block that are in the grid.
+    /// The number of the block's columns and rows that are in the grid.
     across: usize,
     down: usize,
     shift_x: u32,
-    /// It is 4×4, and wholly in the grid.
+    /// True if the block is 4×4 and entirely in the grid.
     is_square: bool,
 }
 
@@ -60,14 +60,14 @@ impl Place {
         place
     }
 
-    /// How much of the block is in the grid.
+    /// Computes which part of the block is in the grid.
     #[inline(always)]
     fn measure(&mut self) {
         self.across = (1 << self.shift_x).min(self.left);
         self.is_square = self.across == 4 && self.down == 4;
     }
 
-    /// To the next block of the row, if there is one.
+    /// Advances to the next block of the row, if there is one.
     #[inline(always)]
     pub(crate) fn step(&mut self) {
         self.block += 1;
@@ -76,7 +76,7 @@ impl Place {
         self.measure();
     }
 
-    /// Index of a lane's ray in the band's output; none if it lies outside the grid.
+    /// The index of a lane's ray in the band's output, or `None` if it is outside the grid.
     #[inline(always)]
     fn ray(&self, lane: usize) -> Option<usize> {
         let (x, y) = (lane & ((1 << self.shift_x) - 1), lane >> self.shift_x);
@@ -95,8 +95,8 @@ impl Place {
         );
     }
 
-    /// Writes a number for each ray of the block. The lines of a square block go straight out of the register: parts of
-    /// what has just been stored as a whole would have to wait for the memory.
+    /// Writes a number for each ray of the block. The lines of a square block are written directly from the register:
+    /// loading parts of a vector that has just been stored as a whole would stall.
     #[inline(always)]
     pub(crate) fn write_f32<S: Simd>(&self, simd: S, values: f32x16<S>, output: &mut [f32]) {
         if !self.is_square {
@@ -105,7 +105,7 @@ impl Place {
         self.write_four(output, quarters(simd, values), |values, output| values.store_slice(output));
     }
 
-    /// The same of whole numbers.
+    /// The same for integers.
     #[inline(always)]
     pub(crate) fn write_u32<S: Simd>(&self, simd: S, values: u32x16<S>, output: &mut [u32]) {
         self.write_f32(simd, values.bitcast(), bytemuck::cast_slice_mut(output));
@@ -163,7 +163,7 @@ impl Place {
                 (simd.zip_low_f32x4(x, z), simd.zip_low_f32x4(y, z)),
                 (simd.zip_high_f32x4(x, z), simd.zip_high_f32x4(y, z)),
             );
-            // Each with z twice; the second is overwritten by the next.
+            // Each has z twice; the second z is overwritten by the next vector.
             let (first, second) = (simd.zip_low_f32x4(xz, yz), simd.zip_high_f32x4(xz, yz));
             let (third, fourth) = (simd.zip_low_f32x4(xz_2, yz_2), simd.zip_high_f32x4(xz_2, yz_2));
             let output = output.as_flattened_mut();
@@ -185,8 +185,8 @@ impl Place {
         }
     }
 
-    /// Calls `four` for each line of a whole block of 4×4, whose length is known, so that a line is a single move;
-    /// `some` for those of others.
+    /// Calls `four` for each line of a complete 4×4 block, whose constant length makes each line a single move, and
+    /// `some` for each line of any other block.
     #[inline(always)]
     fn write_lines<T>(
         &self,
@@ -208,7 +208,7 @@ impl Place {
         }
     }
 
-    /// Writes some of the lanes.
+    /// Writes the values of the lanes whose bits are set.
     pub(crate) fn write_where<T: Copy>(&self, values: &[T; WIDTH], lanes: u16, output: &mut [T]) {
         for lane in 0..WIDTH {
             if let (true, Some(ray)) = (lanes >> lane & 1 == 1, self.ray(lane)) {

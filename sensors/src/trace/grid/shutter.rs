@@ -1,4 +1,4 @@
-//! What a shutter asks of a grid: a moment for each line, and blocks that lie in one slice each.
+//! Checks of a shutter: each line needs a moment, and each block must be in a single slice.
 
 use crate::moment::{Shutter, Slice};
 use crate::optics::Optics;
@@ -7,7 +7,7 @@ use crate::scene::Scene;
 use crate::trace::error::SenseError;
 use crate::trace::placed::view::check_moment;
 
-/// The blocks that the rays of a frame are traced in: such that each lies in one slice.
+/// The grid of blocks in which a frame is traced, chosen so that each block is in a single slice.
 pub(super) fn ray_grid_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> Result<RayGrid, SenseError> {
     let ray_grid = optics.ray_grid();
     let height = ray_grid.height as u32;
@@ -23,14 +23,14 @@ pub(super) fn ray_grid_of(optics: &Optics<'_>, shutter: &Shutter<'_>) -> Result<
     }
 }
 
-/// That there is a moment for each of so many lines, with all poses.
+/// Checks that each of `height` lines has a moment, with all poses.
 pub(crate) fn check_shutter(scene: &Scene<'_>, shutter: &Shutter<'_>, height: u32) -> Result<(), SenseError> {
     let slices = match shutter {
         Shutter::Global(moment) => return check_moment(scene, moment),
         Shutter::Slices(slices) => *slices,
         Shutter::Moving(_) => {
             return Err(SenseError::Shutter {
-                rule: "be one moment or slices: this sensor's rays have no times",
+                rule: "be one moment or slices: this sensor's rays have no individual times",
             });
         }
     };
@@ -38,7 +38,7 @@ pub(crate) fn check_shutter(scene: &Scene<'_>, shutter: &Shutter<'_>, height: u3
     for (slice, Slice { lines, at }) in slices.iter().enumerate() {
         let wrong = |rule| Err(SenseError::Slices { slice, rule });
         if lines.start >= lines.end || lines.end > height {
-            return wrong("have one line at least, and none beyond the frame's");
+            return wrong("have at least one line, and none beyond the frame's last line");
         }
         if lines.start < start || lines.end < end {
             return wrong("neither begin nor end before the slice before it");
@@ -50,7 +50,10 @@ pub(crate) fn check_shutter(scene: &Scene<'_>, shutter: &Shutter<'_>, height: u3
         (start, end) = (lines.start, lines.end);
     }
     if end < height {
-        return Err(SenseError::Slices { slice: slices.len(), rule: "exist: no slice has the last lines" });
+        return Err(SenseError::Slices {
+            slice: slices.len(),
+            rule: "exist: no slice contains the last lines",
+        });
     }
     Ok(())
 }

@@ -1,4 +1,4 @@
-//! How a picture is cut into tiles of sixty-four rays.
+//! The division of a picture into tiles of sixty-four rays.
 
 use crate::optics::rays::RayGrid;
 use crate::simd::{LANES, WIDTH, quarters};
@@ -7,17 +7,17 @@ use fearless_simd::{Simd, SimdBase, SimdCombine, f32x4, f32x16, u32x4, u32x16};
 /// Blocks in a tile.
 pub(crate) const BLOCKS: usize = LANES / WIDTH;
 
-/// How a picture is cut into tiles. Sixteen lanes at a time lie side by side in a row of it: a *line* of the tile.
+/// The division of a picture into tiles. Sixteen lanes at a time are side by side in a row: a *line* of the tile.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) enum Tiling {
-    /// 16 × 4 pixels, of four blocks of 4 × 4 side by side.
+    /// 16 × 4 pixels: four blocks of 4 × 4 side by side.
     Square,
-    /// 64 × 1 pixels, of four blocks of 16 × 1: where each row has a moment of its own.
+    /// 64 × 1 pixels: four blocks of 16 × 1, for pictures whose rows are captured at different moments.
     Rows,
 }
 
 impl Tiling {
-    /// That of a picture whose rays lie in such blocks.
+    /// The tiling of a picture whose rays are in the blocks of this grid.
     #[inline(always)]
     pub(crate) const fn of(ray_grid: &RayGrid) -> Self {
         if ray_grid.shift_y == 0 { Self::Rows } else { Self::Square }
@@ -38,7 +38,7 @@ impl Tiling {
         width.div_ceil(self.size()[0])
     }
 
-    /// The column, from the tile's first, and the row, from its first, of the pixel that a line begins with.
+    /// The column and row, relative to the tile's first, of the first pixel of a line.
     #[inline(always)]
     pub(crate) const fn line(self, line: usize) -> [usize; 2] {
         match self {
@@ -47,7 +47,7 @@ impl Tiling {
         }
     }
 
-    /// The pixels of the picture that the lines of the tile in that column and row begin with.
+    /// The first pixel of each line of the tile in this column and row, as pixels of the picture.
     #[inline(always)]
     pub(crate) fn lines(self, [column, row]: [usize; 2]) -> [[usize; 2]; BLOCKS] {
         let [across, down] = self.size();
@@ -61,8 +61,8 @@ impl Tiling {
 }
 
 impl Tiling {
-    /// The number of the sixteen random samples of each line of a tile. They are its pixels' own, whatever the tiling:
-    /// counted in tiles of 16 × 4, row by row of tiles, four lines to each.
+    /// The numbers of the sixteen random samples of each line of a tile. Each pixel has its own samples, independent of
+    /// the tiling: they are counted in tiles of 16 × 4, row by row of tiles, with four lines to each tile.
     #[inline(always)]
     pub(crate) fn samples(self, width: usize, tile: [usize; 2]) -> [u32; BLOCKS] {
         let squares = Self::Square.across(width);
@@ -70,7 +70,7 @@ impl Tiling {
     }
 }
 
-/// The lane of a tile that a lane of one of its blocks is.
+/// The lane of a tile that corresponds to a lane of one of its blocks.
 #[inline(always)]
 pub(crate) const fn lane_in_tile(tiling: Tiling, block: usize, lane: usize) -> usize {
     match tiling {
@@ -79,7 +79,7 @@ pub(crate) const fn lane_in_tile(tiling: Tiling, block: usize, lane: usize) -> u
     }
 }
 
-/// The block of a tile, and its lane, that a pixel of the tile is, from its first column and row.
+/// The block and lane of a pixel of a tile, given its column and row from the tile's first.
 #[inline(always)]
 pub(crate) const fn place_in_blocks(tiling: Tiling, [x, y]: [usize; 2]) -> (usize, usize) {
     match tiling {
@@ -88,7 +88,7 @@ pub(crate) const fn place_in_blocks(tiling: Tiling, [x, y]: [usize; 2]) -> (usiz
     }
 }
 
-/// A line of the tile that four blocks make.
+/// Assembles a line of a tile from its four blocks.
 #[inline(always)]
 pub(crate) fn line_u32<S: Simd>(
     simd: S,
@@ -106,7 +106,7 @@ pub(crate) fn line_u32<S: Simd>(
     left.combine(right)
 }
 
-/// A line of the tile that four blocks make.
+/// Assembles a line of a tile from its four blocks.
 #[inline(always)]
 pub(crate) fn line_f32<S: Simd>(
     simd: S,
@@ -124,7 +124,7 @@ pub(crate) fn line_f32<S: Simd>(
     left.combine(right)
 }
 
-/// The lines of the tile that four blocks make.
+/// Assembles all lines of a tile from its four blocks.
 #[inline(always)]
 pub(crate) fn lines_of<S: Simd>(simd: S, tiling: Tiling, blocks: [f32x16<S>; BLOCKS]) -> [f32x16<S>; BLOCKS] {
     if tiling == Tiling::Rows {

@@ -1,9 +1,9 @@
-//! What was worked out for the things met last.
+//! A cache of values that were computed for recently hit instances.
 
-/// Neighbouring rays mostly meet the same few things: so many of them are remembered.
+/// The number of cached values. Neighbouring rays mostly hit the same few instances.
 const KEPT: usize = 16;
 
-/// What was worked out for the things met last, by their numbers.
+/// Values that were computed for recently hit instances, by their numbers.
 pub(crate) struct HitCache<T>([Option<(u32, T)>; KEPT]);
 
 impl<T: Copy> HitCache<T> {
@@ -11,7 +11,7 @@ impl<T: Copy> HitCache<T> {
         Self([None; KEPT])
     }
 
-    /// That of a number, which is worked out now if it was not lately.
+    /// Returns the value for a number, and computes it if it is not cached.
     #[inline(always)]
     pub(crate) fn get(&mut self, number: u32, make: impl FnOnce() -> T) -> &T {
         let entry = &mut self.0[number as usize % KEPT];

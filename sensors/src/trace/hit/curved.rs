@@ -1,7 +1,7 @@
-//! Normals of a solid where rays have hit it, sixteen at a time.
+//! Normals of a solid at the points that rays have hit, sixteen at a time.
 //!
-//! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding
-//! does: some 1e-4 of a pixel.
+//! They are computed in single precision, from the points given by 1/t. The error corresponds to a shift of some 1e-4
+//! of a pixel, no more than the rounding of the ray itself.
 
 use crate::optics::rays::Points;
 use crate::scene::Solid;
@@ -11,22 +11,24 @@ use crate::trace::shapes::solid_normal;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
 use glam::{DMat3, DVec3};
 
-/// What is the same for all points of a solid. It is measured in units of its first size.
+/// The values that are the same for all points of a solid. Its first size is the unit of length.
 #[derive(Clone, Copy)]
 pub(crate) struct Curved {
     solid: Solid,
-    /// Its other sizes.
+    /// The other sizes.
     size: [f32; 2],
-    /// Rows of the matrix from the points' axes to the instance's, and the sensor's place there. Of a ball or an
-    /// ellipsoid, whose normals are linear in the points, all the way to the frame's normals.
+    /// Rows of the matrix from the axes of the points to those of the instance, and the position of the sensor there.
+    /// For a ball or an ellipsoid, whose normals are linear in the points, the matrix leads directly to the normals in
+    /// the frame.
     rows: [[f32; 3]; 3],
     origin: [f32; 3],
-    /// Rows of that from the instance's normals to the frame's, of whatever length.
+    /// Rows of the matrix from the instance's normals to the frame's, up to a positive factor.
     normal_rows: [[f32; 3]; 3],
 }
 
 impl Curved {
-    /// Of points in axes around the sensor; `rows` are those of the matrix from these to the instance's.
+    /// Creates the values for points in axes around the sensor. `rows` are those of the matrix from these axes to the
+    /// instance's.
     pub(crate) fn new((solid, size): (Solid, [f64; 3]), placed: &Placed, rows: &[[f64; 3]; 3]) -> Self {
         let [per_size, b, c] = [1.0 / size[0], size[1] / size[0], size[2] / size[0]];
         // Scales may be so small or large that their squares would overflow.
@@ -53,7 +55,7 @@ impl Curved {
         }
     }
 
-    /// Unit normals in the frame, outwards, at points of the surface; what they are elsewhere is undetermined.
+    /// Outward unit normals in the frame at points of the surface; undefined for other points.
     #[inline(always)]
     pub(crate) fn normals<S: Simd>(&self, simd: S, points: &Points<S>) -> Points<S> {
         let mut normals = *points;
@@ -73,7 +75,7 @@ impl Curved {
         [x * shorter, y * shorter, z * shorter]
     }
 
-    /// Normals in the instance's axes, of whatever length above 0.
+    /// Normals in the axes of the instance, of any positive length.
     #[inline(always)]
     fn of_local<S: Simd>(&self, simd: S, points: &Points<S>) -> Points<S> {
         let (mut local, mut normals) = ([[0.0; WIDTH]; 3], [[0.0; WIDTH]; 3]);
@@ -100,7 +102,7 @@ impl Curved {
     }
 }
 
-/// Normals go by the inverse transpose, whose columns are the rows of the inverse.
+/// Normals are transformed by the inverse transpose, whose columns are the rows of the inverse.
 pub(in crate::trace) fn normal_to_frame(placed: &Placed) -> DMat3 {
     DMat3::from_cols_array_2d(&placed.inverse)
 }

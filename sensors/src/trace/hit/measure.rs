@@ -1,4 +1,4 @@
-//! How far the rays of a block reach.
+//! The distances of the hits of a block's rays.
 
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
@@ -9,9 +9,9 @@ use crate::trace::image::{GRAZING, NO_HIT};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DMat3;
 
-/// Measures distances and depths of a sensor.
+/// Computes distances and depths from a sensor.
 pub(crate) struct Measure {
-    /// From the sensor's axes to the world's.
+    /// The rotation from the sensor's axes to the world's.
     axes: DMat3,
     /// Its rows, in single precision.
     rows: [[f32; 3]; 3],
@@ -23,8 +23,8 @@ impl Measure {
         Self { axes, rows: axes.transpose().as_mat3().to_cols_array_2d() }
     }
 
-    /// Metres along the rays of a block, or along the optical axis if it is `DEPTH` that is asked for; +∞ where nothing
-    /// is hit. Where a ray grazes a triangle, it is worked out in double precision.
+    /// Distances in metres along the rays of a block, or along the optical axis if `DEPTH` is true; +∞ where nothing is
+    /// hit. If a ray grazes a triangle, its distance is computed in double precision.
     #[inline(always)]
     pub(crate) fn block<S: Simd, const DEPTH: bool>(
         &self,
@@ -64,7 +64,7 @@ impl Measure {
                 let (x, y) = ray_grid.lane_position(lane);
                 let ray = [(column << ray_grid.shift_x) + x, (row << ray_grid.shift_y) + y];
                 let mut direction = band.rays.direction(ray[0] as i32, ray[1] as i32);
-                // A pinhole's t is the depth, whatever else counts it along the ray.
+                // For a pinhole, t is the depth; for other rays it is counted along the ray.
                 let forward = if DEPTH && !matches!(band.rays, Rays::Pinhole(_)) { direction.x } else { 1.0 };
                 if !DEPTH {
                     direction = direction.normalize();

@@ -1,7 +1,7 @@
-//! Normals of what the rays of a block hit: instance by instance, for all lanes at once.
+//! Normals of the surfaces that the rays of a block hit: instance by instance, for all lanes at once.
 //!
-//! In single precision, from the points that 1/t tells. That moves a normal by no more than the ray's own rounding
-//! does: some 1e-4 of a pixel.
+//! They are computed in single precision, from the points given by 1/t. The error corresponds to a shift of some 1e-4
+//! of a pixel, no more than the rounding of the ray itself.
 
 use crate::optics::rays::Points;
 use crate::scene::{Kind, Solid};
@@ -19,7 +19,7 @@ use glam::{DMat3, DVec3, Vec3};
 /// Unit normals in the frame; 0 where nothing is hit.
 #[derive(Clone, Copy)]
 pub(crate) enum Normals<S: Simd> {
-    /// All lanes have this one.
+    /// The same normal for all lanes.
     Same([f32; 3]),
     Each(Points<S>),
 }
@@ -33,7 +33,7 @@ impl<S: Simd> Normals<S> {
         }
     }
 
-    /// Lane by lane.
+    /// Returns the normals lane by lane.
     #[inline(always)]
     pub(crate) fn each(self, simd: S) -> [[f32; 3]; WIDTH] {
         let [x, y, z] = arrays(self.points(simd));
@@ -54,20 +54,20 @@ fn arrays<S: Simd>([x, y, z]: Points<S>) -> [[f32; WIDTH]; 3] {
     arrays
 }
 
-/// What is the same for all rays that hit a solid.
+/// The values that are the same for all rays that hit a solid.
 #[derive(Clone, Copy)]
 enum SolidFaces {
-    /// The sensor sees so many flat faces of it, and nothing else.
+    /// The sensor sees only flat faces of it, of which this is the number.
     Flat([Face; 3], usize),
     Curved(Curved),
 }
 
-/// A flat face that looks to the sensor.
+/// A flat face that is turned to the sensor.
 #[derive(Clone, Copy)]
 struct Face {
-    /// Unit, in the frame.
+    /// The unit normal in the frame.
     normal: [f32; 3],
-    /// In the sensor's axes, of whatever length; and its product with the points of the face.
+    /// The normal in the sensor's axes, of any length; and its dot product with the points of the face.
     across: [f32; 3],
     at: f32,
 }
@@ -80,7 +80,7 @@ impl SolidFaces {
         let mut seen = [Face { normal: [0.0; 3], across: [0.0; 3], at: 0.0 }; 3];
         let mut count = 0;
         for axis in 0..3 {
-            // Of a box the faces that look to the sensor, if insides are not seen.
+            // For a box, only faces that are turned to the sensor are visible, unless insides are visible too.
             let is_seen = match solid {
                 Solid::Box => faces == Faces::Front && origin[axis].abs() > size[axis],
                 Solid::Rectangle | Solid::Plane => axis == 2,
@@ -94,7 +94,7 @@ impl SolidFaces {
             seen[count] = Face {
                 normal: normal.normalize_or_zero().as_vec3().to_array(),
                 across: (DVec3::from_array(rows[axis]) * sign).as_vec3().to_array(),
-                // Rounded after the subtraction: however large the box, what is near the sensor is told apart.
+                // Rounded after the subtraction, so that points near the sensor are resolved however large the box is.
                 at: (size[axis] - origin[axis].abs()) as f32,
             };
             count += 1;
@@ -106,7 +106,7 @@ impl SolidFaces {
     }
 }
 
-/// Finds normals.
+/// Computes normals.
 pub(crate) struct NormalFinder {
     faces: Faces,
     solids: HitCache<SolidFaces>,
@@ -130,7 +130,7 @@ impl NormalFinder {
         (self.of(simd, band, resolver, block, &met), met.lanes())
     }
 
-    /// The normals of a block that has met that.
+    /// The normals of a block with the given hits.
     #[inline(always)]
     pub(crate) fn of<S: Simd>(
         &mut self,
@@ -186,9 +186,9 @@ impl NormalFinder {
         }
     }
 
-    /// Cosines of the angles between the rays of a block, backwards, and the normals of what they hit, in single
-    /// precision; 1 elsewhere. Where insides are seen, their normals count as turned to the sensor. `axes` are the
-    /// sensor's in the world, as columns.
+    /// Cosines of the angles between the reversed rays of a block and the normals of what they hit, in single
+    /// precision; 1 where nothing is hit. If insides are visible, their normals are turned to the sensor first. `axes`
+    /// are those of the sensor in the world, as columns.
     #[inline(always)]
     pub(crate) fn cosines<S: Simd>(
         &mut self,
@@ -215,7 +215,7 @@ impl NormalFinder {
         simd.from_bitmask_mask32x16(u64::from(hits)).select(cosines, one)
     }
 
-    /// Angles between the rays of a block, backwards, and the normals of what they hit; NaN elsewhere.
+    /// Angles between the reversed rays of a block and the normals of what they hit; NaN where nothing is hit.
     #[inline(always)]
     pub(crate) fn incidence<S: Simd>(
         &mut self,
@@ -244,7 +244,7 @@ impl NormalFinder {
     }
 }
 
-/// Where the rays of a block have hit, in the axes of the sensor.
+/// The points that the rays of a block have hit, in the axes of the sensor.
 #[inline(always)]
 fn points<S: Simd>(simd: S, band: &Band<'_>, block: [usize; 2]) -> Points<S> {
     let inverse = f32x16::load_array_ref(simd, &band.target.inverse[block_index(band, block)]);
@@ -253,7 +253,7 @@ fn points<S: Simd>(simd: S, band: &Band<'_>, block: [usize; 2]) -> Points<S> {
     [x * t, y * t, z * t]
 }
 
-/// Of the faces of a box: each point is on that which it is nearest to.
+/// The normals of the faces of a box. Each point is on the face to which it is nearest.
 #[inline(always)]
 fn flat<S: Simd>(simd: S, points: &Points<S>, faces: &[Face]) -> Normals<S> {
     let mut nearest = f32x16::splat(simd, f32::INFINITY);
@@ -269,7 +269,7 @@ fn flat<S: Simd>(simd: S, points: &Points<S>, faces: &[Face]) -> Normals<S> {
     Normals::Each(normals)
 }
 
-/// Of the triangles that some lanes have hit.
+/// The normals of the triangles that some lanes have hit.
 #[inline(always)]
 fn triangles<S: Simd>(simd: S, resolver: &mut Resolver<'_>, slots: &[u32; WIDTH], lanes: u16) -> Normals<S> {
     let [mut x, mut y, mut z] = [[0.0; WIDTH]; 3];

@@ -1,4 +1,4 @@
-//! Where rays meet the surfaces that they hit, in double precision, and barycentrics of triangles there.
+//! The points at which rays hit surfaces, in double precision, and their barycentric coordinates in triangles.
 
 use crate::pose::Pose;
 use crate::simd::WIDTH;
@@ -8,19 +8,19 @@ use crate::trace::image::NO_HIT;
 use crate::trace::placed::view::View;
 use glam::{DMat3, DVec3};
 
-/// Finds the points that the rays of a grid have hit.
+/// Computes the points that the rays of a grid have hit.
 pub(crate) struct HitPoints {
-    /// From the sensor's axes to the world's.
+    /// The rotation from the sensor's axes to the world's.
     axes: DMat3,
 }
 
-/// Index of a block, given by column and row among those of the grid, in its band.
+/// The index in its band of a block, given by its column and row in the grid.
 #[inline(always)]
 pub(crate) fn block_index(band: &Band<'_>, [column, row]: [usize; 2]) -> usize {
     (row - *band.block_rows().start()) * band.rays.ray_grid().blocks_across() + column
 }
 
-/// Whether anything in view is not made of triangles.
+/// Returns true if any instance in view is not made of triangles.
 pub(crate) fn has_solids(view: &View<'_>) -> bool {
     view.placed.iter().any(|placed| placed.kind().is_solid())
 }
@@ -59,8 +59,8 @@ impl HitPoints {
     }
 }
 
-/// Weights of the second and third corner at a point of a triangle's plane: areas of the parts that the point
-/// cuts it into, as shares of the whole.
+/// The weights of the second and third corner at a point of a triangle's plane: the areas of the two opposite parts
+/// into which the point divides the triangle, as fractions of the whole.
 pub(crate) fn triangle_weights([a, b, c]: [DVec3; 3], point: DVec3) -> [f32; 2] {
     let (ab, ac, ap) = (b - a, c - a, point - a);
     let normal = ab.cross(ac);

@@ -1,4 +1,4 @@
-//! From the slot of a hit back to what was hit.
+//! Finds the instance and triangle of a slot.
 
 use crate::scene::tree::Facet;
 use crate::scene::{Kind, Triangles};
@@ -8,16 +8,16 @@ use crate::trace::placed::view::{Placed, View};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DVec3;
 
-/// How many instances a [`Resolver`] remembers beside the last.
+/// The number of instances that a [`Resolver`] caches in addition to the last.
 const REMEMBERED: usize = 4;
 
-/// Finds the instances of slots; remembers the last few, as neighbours mostly hit the same.
+/// Finds the instances of slots, and caches the last few, because neighbours mostly hit the same.
 pub(crate) struct Resolver<'a> {
     view: &'a View<'a>,
-    /// The last instance found, and the slots that are its own.
+    /// The last instance found, and the range of its slots.
     placed: u32,
     slots: core::ops::Range<u32>,
-    /// Those before it, and which of them is the oldest.
+    /// The instances found before it, and the index of the oldest.
     before: [(u32, core::ops::Range<u32>); REMEMBERED],
     oldest: usize,
 }
@@ -28,37 +28,37 @@ pub(crate) fn hit_lanes<S: Simd>(simd: S, slots: &[u32; WIDTH]) -> u16 {
     u32x16::load_array_ref(simd, slots).simd_ne(u32x16::splat(simd, NO_HIT)).to_bitmask() as u16
 }
 
-/// A slot, counted from its instance's first.
+/// A slot, counted from the first of its instance.
 #[inline(always)]
 pub(crate) fn local_slot(slot: u32, instance: &Placed) -> u32 {
     (slot & !GRAZING) - instance.first_slot
 }
 
-/// What a slot stands for.
+/// The instance and triangle that a slot refers to.
 #[derive(Clone, Copy)]
 pub(crate) struct Hit<'a> {
     /// Index among the placed instances.
     pub(crate) placed: u32,
     pub(crate) instance: &'a Placed,
-    /// Slot, counted from the instance's first.
+    /// The slot, counted from the instance's first.
     pub(crate) local: u32,
 }
 
 impl Hit<'_> {
-    /// Index of the triangle of a mesh among the scene's facets.
+    /// The index of a mesh's triangle among the facets of the scene.
     #[inline(always)]
     fn facet(&self) -> usize {
         self.instance.first_block as usize * WIDTH + self.local as usize
     }
 }
 
-/// What the rays of a block have hit.
+/// The hits of the rays of a block.
 #[derive(Clone, Copy)]
 pub(crate) enum SurfaceHit<'a> {
     Nothing,
-    /// All rays the same instance.
+    /// All rays hit the same instance.
     One(Hit<'a>),
-    /// These lanes, anything.
+    /// These lanes hit any instances.
     Several(u16),
 }
 
@@ -79,7 +79,7 @@ impl<'a> Resolver<'a> {
         Self { view, placed: 0, slots: 0..0, before: [const { (0, 0..0) }; REMEMBERED], oldest: 0 }
     }
 
-    /// The hit of a slot, which is not [`NO_HIT`].
+    /// The hit of a slot other than [`NO_HIT`].
     #[inline(always)]
     pub(crate) fn hit(&mut self, slot: u32) -> Hit<'a> {
         let slot = slot & !GRAZING;
@@ -90,7 +90,7 @@ impl<'a> Resolver<'a> {
         Hit { placed: self.placed, instance, local: slot - instance.first_slot }
     }
 
-    /// What the rays of a block have hit.
+    /// The hits of the rays of a block.
     #[inline(always)]
     pub(crate) fn met<S: Simd>(&mut self, simd: S, slots: &[u32; WIDTH]) -> SurfaceHit<'a> {
         let lanes = hit_lanes(simd, slots);
@@ -106,13 +106,13 @@ impl<'a> Resolver<'a> {
         SurfaceHit::Several(lanes)
     }
 
-    /// The slots of the instance found last.
+    /// The slots of the instance that was found last.
     #[inline(always)]
     pub(crate) fn slots(&self) -> core::ops::Range<u32> {
         self.slots.clone()
     }
 
-    /// Whether all slots are of the instance found last.
+    /// Returns true if all slots belong to the instance that was found last.
     #[inline(always)]
     pub(crate) fn are_of_last<S: Simd>(&self, simd: S, slots: &[u32; WIDTH]) -> bool {
         let slots = u32x16::load_array_ref(simd, slots) & u32x16::splat(simd, !GRAZING);
@@ -121,7 +121,7 @@ impl<'a> Resolver<'a> {
         own.all_true()
     }
 
-    /// What the first of some lanes has hit, and which lanes have hit the same instance.
+    /// The hit of the first of some lanes, and the lanes that have hit the same instance.
     #[inline(always)]
     pub(crate) fn first_of<S: Simd>(&mut self, simd: S, slots: &[u32; WIDTH], lanes: u16) -> (Hit<'a>, u16) {
         let hit = self.hit(slots[lanes.trailing_zeros() as usize % WIDTH]);
@@ -131,7 +131,7 @@ impl<'a> Resolver<'a> {
         (hit, own.to_bitmask() as u16)
     }
 
-    /// The instance found last and the facets from its own on, if it is a mesh and all slots are its own.
+    /// The instance that was found last, and the facets from its first on, if it is a mesh and all slots belong to it.
     #[inline(always)]
     pub(crate) fn common_mesh<S: Simd>(
         &self,
@@ -161,7 +161,7 @@ impl<'a> Resolver<'a> {
         self.slots = self.view.placed[after - 1].first_slot..end;
     }
 
-    /// The intensity that a lidar reports for a slot's instance.
+    /// The [`laser_retro`](crate::scene::InstanceConfig::laser_retro) of a slot's instance.
     #[inline(always)]
     pub(crate) fn laser_retro(&mut self, slot: u32) -> f32 {
         let hit = self.hit(slot);
@@ -173,7 +173,8 @@ impl<'a> Resolver<'a> {
         self.view.scene.instances[hit.instance.instance as usize].laser_retro
     }
 
-    /// The intensities that a lidar reports for the instances that some lanes have hit, a bit each; 0 in the others.
+    /// The [`laser_retro`](crate::scene::InstanceConfig::laser_retro) of the instances that the given lanes have hit; 0
+    /// in the other lanes.
     #[inline(always)]
     pub(crate) fn laser_retros<S: Simd>(
         &mut self,
@@ -191,7 +192,7 @@ impl<'a> Resolver<'a> {
         retros
     }
 
-    /// Which triangle of its mesh or height field was hit, in the order of its maker; 0 for other shapes.
+    /// The index of the triangle that was hit, in the order in which the triangles were given; 0 for other shapes.
     #[inline(always)]
     pub(crate) fn triangle(&self, hit: &Hit<'_>) -> u32 {
         match hit.instance.kind() {
@@ -220,12 +221,12 @@ impl<'a> Resolver<'a> {
         }
     }
 
-    /// The corners of the triangle that was hit, in its instance.
+    /// The corners of the triangle that was hit, in the frame of its instance.
     fn corners(&self, hit: &Hit<'_>) -> [DVec3; 3] {
         self.view.corners(hit.instance, hit.local)
     }
 
-    /// Whether a ray runs so nearly along the triangle that it hits that single precision is not enough.
+    /// Returns true if a ray grazes the triangle that it hits at such an angle that single precision is not enough.
     #[inline(always)]
     pub(crate) fn grazes(&self, hit: &Hit<'_>, direction: [f32; 3]) -> bool {
         let [x, y, z] = self.triangle_normal(hit);
@@ -233,15 +234,15 @@ impl<'a> Resolver<'a> {
         sine * sine < 1.0 / GRAZING_SQUARED
     }
 
-    /// t of a ray from the frame's origin on the plane of the triangle that it hits, in double precision, and no nearer
-    /// or farther than its corners: of a ray that all but lies in the plane, rounding makes any t.
+    /// t at which a ray from the frame's origin hits the plane of its triangle, in double precision, limited to the
+    /// range of the corners' t: if the ray nearly lies in the plane, rounding could give any t.
     pub(crate) fn exact(&self, hit: &Hit<'_>, direction: DVec3, rough: f64) -> f64 {
         let [a, b, c] = self.corners(hit);
         let normal = (b - a).cross(c - a);
         let direction = hit.instance.vector_in_instance(direction);
         let origin = DVec3::from_array(hit.instance.origin_in_instance);
         let t = normal.dot(a - origin) / normal.dot(direction);
-        // A ray along the plane has no better answer.
+        // For a ray in the plane, keep the rough value.
         let t = if t.is_finite() && t > 0.0 { t } else { rough };
         let per_square = 1.0 / direction.length_squared();
         let [a, b, c] = [a, b, c].map(|corner| (corner - origin).dot(direction) * per_square);

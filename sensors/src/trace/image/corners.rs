@@ -1,7 +1,7 @@
-//! Corners of a leaf's triangles, taken to another frame.
+//! Corners of a leaf's triangles, transformed to another frame.
 //!
-//! A mesh stores all 48 corners of a leaf. A leaf of a terrain has but fifteen vertices: these are taken to the frame
-//! at once, and only then spread to the triangles that have them for corners.
+//! A mesh stores all 48 corners of a leaf. A leaf of a height field has only fifteen vertices: these are transformed at
+//! once, and then distributed to the triangles that use them as corners.
 
 use crate::optics::rays::Points;
 use crate::scene::CORNERS;
@@ -10,7 +10,7 @@ use crate::simd::WIDTH;
 use crate::trace::placed::view::ToSensor;
 use fearless_simd::{Simd, SimdBase, f32x16};
 
-/// A frame that points of an instance can be taken to.
+/// A frame to which points of an instance can be transformed.
 pub(super) trait CornerFrame {
     fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S>;
 }
@@ -25,7 +25,7 @@ pub(super) fn stored<S: Simd>(simd: S, block: &TriangleBlock, frame: &impl Corne
     ]
 }
 
-/// The same of a terrain's leaf, by its vertices.
+/// The corners of a height field's leaf, from its vertices.
 #[inline(always)]
 pub(super) fn spread<S: Simd>(
     simd: S,
@@ -40,7 +40,7 @@ pub(super) fn spread<S: Simd>(
     ]
 }
 
-/// Sixteen of the points.
+/// Selects sixteen of the points.
 #[inline(always)]
 fn chosen<S: Simd>(simd: S, points: &Points<S>, which: &[usize; WIDTH]) -> Points<S> {
     let mut taken = *points;
@@ -68,8 +68,8 @@ impl CornerFrame for ToSensor {
     }
 }
 
-/// point − origin. The origin comes in two parts, so that points near it lose no digit far from the instance's
-/// own origin.
+/// Returns point − origin. The origin is given in two parts, so that no digit is lost for points near it, however far
+/// it is from the instance's own origin.
 #[inline(always)]
 pub(super) fn from_origin<S: Simd>(simd: S, points: &[[f32; WIDTH]; 3], to_sensor: &ToSensor) -> Points<S> {
     let [high, low] = [&to_sensor.origin_high, &to_sensor.origin_low];

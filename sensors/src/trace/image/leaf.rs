@@ -1,4 +1,4 @@
-//! What is drawn at a time: a leaf of a tree, and what counts as a hit of it.
+//! A leaf of a tree to be drawn, and the criteria for hits.
 
 use super::sharp::Source;
 use crate::optics::rays::Points;
@@ -9,27 +9,27 @@ use fearless_simd::Simd;
 #[derive(Clone, Copy)]
 pub(super) struct Leaf<'a, S: Simd> {
     pub(super) source: Source<'a>,
-    /// Corners in the sensor's frame.
+    /// The corners in the sensor's frame.
     pub(super) corners: &'a [Points<S>; 3],
-    /// Slot of the first triangle; the others follow.
+    /// The slot of the first triangle; the others follow.
     pub(super) first_slot: u32,
-    /// Rectangle of the grid that holds all: columns, rows.
+    /// The rectangle of the grid that contains all triangles: columns, rows.
     pub(super) columns: [i32; 2],
     pub(super) rows: [i32; 2],
-    /// Bound of 1/t from above for all.
+    /// An upper bound on 1/t of all triangles.
     pub(super) nearest: f32,
 }
 
-/// What counts as a hit.
+/// The criteria for a hit.
 #[derive(Clone, Copy)]
 pub(super) struct Rules {
     pub(super) faces: Faces,
-    /// The instance is mirrored: its triangles run the other way round.
+    /// True if the instance is mirrored, which reverses the winding of its triangles.
     pub(super) mirrored: bool,
-    /// 1/t of the nearest that counts.
+    /// 1/t of the nearest hit that counts.
     pub(super) inverse_near: f32,
-    /// And t itself.
+    /// t of the nearest hit that counts.
     pub(super) near: f64,
-    /// First row of blocks of the target.
+    /// The first row of blocks of the target.
     pub(super) first_block_row: usize,
 }

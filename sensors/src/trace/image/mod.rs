@@ -1,14 +1,14 @@
-//! The image-order path: all rays of a frame that start in one point, at once.
+//! Tracing in image order: all rays of a frame that start at one point, at once.
 //!
-//! Not "for each ray walk the tree", but "walk the tree once, front to back, and find the rays": hierarchical
-//! rasterisation with an exact test for every ray. The rays lie in blocks of sixteen; sixteen boxes at a time are
-//! projected onto the grid of rays, and dropped where no ray passes or where all that do have already hit something
-//! nearer ([`walk`](mod@walk)); where few rays pass, each is asked by itself ([`single`]). Sixteen triangles at a time
-//! become edge planes through the origin ([`triangles`]), which a ray tests with four dot products, and are drawn by
-//! one of three loops, depending on how many rays they cover.
+//! Instead of walking the tree once for each ray, the tree is walked once, front to back, and the rays that hit it are
+//! found: hierarchical rasterisation with an exact test for every ray. The rays are in blocks of sixteen. Sixteen boxes
+//! at a time are projected onto the grid of rays, and dropped if no ray passes them or if all rays that do have already
+//! hit something nearer ([`walk`](mod@walk)). If only few rays pass, each is tested on its own ([`single`]). Sixteen
+//! triangles at a time are converted to edge planes through the origin ([`triangles`]), which a ray tests with four dot
+//! products, and are drawn by one of three loops, depending on how many rays they cover.
 //!
-//! What is kept of a ray is 1/t of its nearest hit, linear in the direction over a plane (and 0 if nothing is
-//! hit), and the hit's slot: which triangle of which instance it is.
+//! For each ray, 1/t of the nearest hit is stored, which on a plane is linear in the direction, and 0 if nothing is
+//! hit; and the slot of the hit, which identifies the triangle and the instance.
 
 mod corners;
 mod entry;

@@ -1,9 +1,9 @@
 //! The planes of sixteen triangles.
 //!
-//! With corners relative to the origin, the plane through it and the edge from A to B has the normal
-//! (A + B) × (B − A) = 2 A × B. Written so, it changes its sign, and nothing else, when A and B change places: two
-//! triangles with a common edge decide alike, and no ray slips between them. A ray is inside where all three are
-//! on the same side as the triangle, and there 1/t = n·d / n·a.
+//! With corners relative to the origin, the plane through the origin and the edge from A to B has the normal (A + B) ×
+//! (B − A) = 2 A × B. In this form it changes only its sign if A and B are swapped: two triangles with a common edge
+//! decide alike, and no ray slips between them. A ray is inside if all three edge planes are on the same side as the
+//! triangle, and there 1/t = n·d / n·a.
 
 use super::leaf::{Leaf, Rules};
 use super::sharp::{BLURRED_SQUARED, PlaneArrays, THIN_SQUARED};
@@ -15,24 +15,24 @@ use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16, u32x16}
 
 const LANE_NUMBERS: [u32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// Sixteen triangles, set up to be tested.
+/// Sixteen triangles, prepared for the tests.
 #[derive(Clone, Copy)]
 pub(super) struct Setup<S: Simd> {
     /// Edge planes, positive inside.
     pub(super) edges: [Planes<S>; 3],
-    /// Plane of 1/t.
+    /// The plane of 1/t.
     pub(super) inverse: Planes<S>,
-    /// Those to be drawn.
+    /// The triangles to be drawn.
     pub(super) valid: mask32x16<S>,
-    /// Those whose planes are not exact enough: they are to be made again first, see `sharp`.
+    /// The triangles whose planes are not exact enough and must first be recomputed; see `sharp`.
     pub(super) blurred: mask32x16<S>,
-    /// Those that have the sensor behind them, and in front.
+    /// The triangles that have the sensor behind them, and those that have it in front.
     sides: [mask32x16<S>; 2],
     pub(super) slots: u32x16<S>,
 }
 
 impl<S: Simd> Setup<S> {
-    /// The planes, triangle by triangle.
+    /// Stores the planes, triangle by triangle.
     #[inline(always)]
     pub(super) fn spill(&self) -> PlaneArrays {
         let mut planes = PlaneArrays {
@@ -70,7 +70,7 @@ fn square<S: Simd>(a: &Points<S>) -> f32x16<S> {
     (a[0] * a[0] + a[1] * a[1]) + a[2] * a[2]
 }
 
-/// Plane through the origin and the edge from a to b, times `sign`.
+/// The plane through the origin and the edge from a to b, times `sign`.
 #[inline(always)]
 fn edge<S: Simd>(a: &Points<S>, b: &Points<S>, sign: f32x16<S>) -> Planes<S> {
     let sum = [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
@@ -80,16 +80,17 @@ fn edge<S: Simd>(a: &Points<S>, b: &Points<S>, sign: f32x16<S>) -> Planes<S> {
 /// Planes of sixteen triangles.
 #[derive(Clone, Copy)]
 struct TrianglePlane<S: Simd> {
-    /// Six times that of the tetrahedron of triangle and sensor; positive if the sensor is behind.
+    /// Six times the volume of the tetrahedron of triangle and sensor; positive if the sensor is behind.
     volume: f32x16<S>,
-    /// Plane of 1/t.
+    /// The plane of 1/t.
     inverse: Planes<S>,
-    /// The rounding of the normal is of no account.
+    /// The triangles that are not thin, so that the rounding of their normals does not matter.
     fat: mask32x16<S>,
 }
 
 impl<S: Simd> TrianglePlane<S> {
-    /// Of triangles with corner `a` and two sides, whose squares are given, as is that of the longest side.
+    /// Computes the plane of triangles with corner `a` and two sides. The squares of these sides and of the longest
+    /// side are given.
     #[inline(always)]
     fn new(a: &Points<S>, [p, q]: [&Points<S>; 2], squares: [f32x16<S>; 2], extent: f32x16<S>) -> Self {
         let normal = cross(p, q);
@@ -111,7 +112,7 @@ pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<'_, S>, rules: Rules) -> Setu
     let mut plane = TrianglePlane::new(a, [&ab, &ac], squares, extent);
     let is_solid = extent.simd_gt(zero);
     if (is_solid & !plane.fat).any_true() {
-        // The shorter two sides lose less, unless all three are long for the triangle's height.
+        // The two shorter sides lose fewer digits, unless all three are long compared with the triangle's height.
         let bc = sub(c, b);
         let [ab_squared, ac_squared] = squares;
         let bc_squared = square(&bc);
@@ -130,12 +131,13 @@ pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<'_, S>, rules: Rules) -> Setu
     let TrianglePlane { volume, inverse, fat } = plane;
     let sides = [volume.simd_gt(zero), volume.simd_lt(zero)];
     let sign = sides[0].select(one, -one);
-    // 1/|inverse| is the distance of the plane. What is farther at some corner, by much, may be grazed by a ray;
-    // and what is large besides has no exact plane. Nor has what is so thin that its normal is mostly rounding.
+    // 1/|inverse| is the distance of the plane. If a corner is much farther away, rays may graze the triangle; if it is
+    // large too, its plane is not exact. Nor is that of a triangle so thin that its normal consists mostly of rounding
+    // errors.
     let away = square(a);
     let steep = ((away + extent) * square(&inverse)).simd_le(f32x16::splat(simd, BLURRED_SQUARED));
     let small = (extent * 4.0).simd_lt(away);
-    // Comparisons say no to 0 by 0, and to what has no extent they say no as well.
+    // Comparisons with 0/0 are false, and so are those for triangles without extent.
     let blurred = is_solid & !(fat & (steep | small));
     let slots = u32x16::load_array_ref(simd, &LANE_NUMBERS) + leaf.first_slot;
     let slots = steep.select(slots, slots | u32x16::splat(simd, GRAZING));
@@ -149,7 +151,7 @@ pub(super) fn set_up<S: Simd>(simd: S, leaf: &Leaf<'_, S>, rules: Rules) -> Setu
     }
 }
 
-/// Those that are seen from the side that counts. Seen edge on, a triangle covers nothing.
+/// The triangles that are seen from a side that counts. A triangle that is seen edge-on covers nothing.
 #[inline(always)]
 pub(super) fn facing<S: Simd>(rules: Rules, [behind, front]: [mask32x16<S>; 2]) -> mask32x16<S> {
     match (rules.faces, rules.mirrored) {

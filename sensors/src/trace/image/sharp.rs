@@ -1,47 +1,47 @@
-//! Planes of triangles in double precision, where single precision does not do.
+//! Planes of triangles in double precision, for triangles for which single precision is not enough.
 //!
-//! Corners in the sensor's frame are rounded by a share of their distance, and a normal by a share of the product of
-//! two sides. That matters where a triangle's plane passes the sensor much nearer than its corners lie, as under a
-//! robot that stands on a large triangle, and where a triangle is so thin that its normal is a small difference.
-//! Such triangles are rare. Their planes are made again, from the corners as they are stored.
+//! Corners in the sensor's frame have rounding errors proportional to their distance, and a normal has one proportional
+//! to the product of two sides. These matter if a triangle's plane passes much nearer to the sensor than its corners,
+//! as under a robot on a large triangle, or if a triangle is so thin that its normal is a small difference. Such
+//! triangles are rare. Their planes are recomputed from the stored corners.
 
 use crate::simd::WIDTH;
 use crate::trace::placed::view::{Placed, View};
 use fearless_simd::{Simd, mask32x16};
 use glam::{DMat3, DVec3};
 
-/// A triangle is blurred, that is to be made again, where its plane passes much nearer to the sensor than its corners
-/// lie: from this square of (distance of the farthest corner / distance of the plane) on.
+/// A triangle is blurred, and must be recomputed, if its plane passes much nearer to the sensor than its corners: from
+/// this square of (distance of the farthest corner / distance of the plane) on.
 pub(super) const BLURRED_SQUARED: f32 = 700.0;
-/// It is blurred too where it is thin: from this square of (product of two sides and the longer of them / volume of the
-/// solid between triangle and sensor) on.
+/// A triangle is also blurred if it is thin: from this square of (product of two sides and the longer of them / volume
+/// of the solid between triangle and sensor) on.
 pub(super) const THIN_SQUARED: f32 = 1e4;
-/// What [`BLURRED_SQUARED`] is for a plane, for the plane through the sensor and an edge, with the ends of the edge for
-/// corners. An edge belongs to two triangles, which must give it the same plane, so that no ray slips between them. The
-/// limit is higher, so that where an edge exceeds it both of its triangles are blurred.
+/// The same limit as [`BLURRED_SQUARED`], for the plane through the sensor and an edge, with the ends of the edge as
+/// corners. An edge belongs to two triangles, which must use the same plane for it, so that no ray slips between them.
+/// The limit is higher, so that if an edge exceeds it, both of its triangles are blurred.
 const BLURRED_EDGE_SQUARED: f64 = 1600.0;
 
-/// Where the triangles of a leaf come from.
+/// The source of the triangles of a leaf.
 #[derive(Clone, Copy)]
 pub(super) struct Source<'a> {
     pub(super) view: &'a View<'a>,
     pub(super) placed: &'a Placed,
-    /// Which leaf of the instance.
+    /// The index of the leaf in the instance.
     pub(super) leaf: u32,
 }
 
 /// Planes of sixteen triangles.
 pub(super) struct PlaneArrays {
-    /// Through the sensor and the edges, positive inside.
+    /// The planes through the sensor and the edges, positive inside.
     pub(super) edges: [[[f32; WIDTH]; 3]; 3],
-    /// Of 1/t.
+    /// The planes of 1/t.
     pub(super) inverse: [[f32; WIDTH]; 3],
-    /// Lanes whose triangles have the sensor behind them, and in front.
+    /// The lanes whose triangles have the sensor behind them, and those that have it in front.
     pub(super) sides: [u64; 2],
 }
 
 impl PlaneArrays {
-    /// `sides` as masks.
+    /// Returns `sides` as masks.
     #[inline(always)]
     pub(super) fn sides_of<S: Simd>(&self, simd: S) -> [mask32x16<S>; 2] {
         let [behind, front] = self.sides;
@@ -50,7 +50,7 @@ impl PlaneArrays {
 }
 
 impl Source<'_> {
-    /// Makes the planes of the triangles in `lanes` again.
+    /// Recomputes the planes of the triangles in `lanes`.
     #[inline(never)]
     pub(super) fn sharpen(&self, mut lanes: u64, planes: &mut PlaneArrays) {
         let sensor_from_instance = self.view.sensor_from_world * DMat3::from_cols_array_2d(&self.placed.axes);
@@ -78,8 +78,8 @@ impl Source<'_> {
             let sign = if sides[0] { 1.0 } else { -1.0 };
             for (plane, [p, q]) in planes.edges.iter_mut().zip([[b, c], [c, a], [a, b]]) {
                 let sharp = (p + q).cross((q - p) * sign);
-                // |sharp| = 2 |p × q| is twice the edge's length by the distance of its line, which need not be near
-                // the edge itself unless that is long.
+                // The length of `sharp`, 2 |p × q|, is twice the product of the edge's length and the distance of its
+                // line. The line may pass nearer than the edge itself, unless the edge is long.
                 let (far, length) = (p.length_squared().max(q.length_squared()), (q - p).length_squared());
                 let blurred =
                     length > 0.25 * far && far * length * 4.0 > sharp.length_squared() * BLURRED_EDGE_SQUARED;

@@ -1,14 +1,14 @@
-//! Which blocks of rays a solid may show in, from the outline of its box.
+//! Which blocks of rays may hit a solid, from the outline of its box.
 //!
-//! Seen from outside, a box covers a convex cone of directions. Along each of its axes that cone lies between two
-//! planes through the sensor, and what is met in it lies behind the faces that are turned to the sensor, for each of
-//! which 1/t is linear in the direction. That bounds sixteen blocks at a time for less than the exact test of one.
+//! From outside, a box covers a convex cone of directions. Along each axis of the box, the cone is between two planes
+//! through the sensor, and everything hit in it is behind the faces that are turned to the sensor, for each of which
+//! 1/t is linear in the direction. Testing sixteen blocks against these planes costs less than the exact test of one.
 
 use crate::optics::rays::{Projection, min};
 use fearless_simd::{Simd, SimdBase, f32x16, mask32x16};
 use glam::DVec3;
 
-/// A sensor that is nearer than this share of a box's size and distance to a face's plane counts as beside it.
+/// If the sensor is nearer to a face's plane than this fraction of the box's size and distance, it counts as beside it.
 const BESIDE: f64 = 1e-9;
 
 /// A box as the sensor sees it, in the axes of the sensor.
@@ -16,14 +16,15 @@ pub(super) struct Silhouette {
     /// Planes through the sensor, positive inside.
     edges: [[f32; 3]; 6],
     edge_count: usize,
-    /// 1/t of the planes of the faces that are turned to the sensor: what is seen has no more.
+    /// 1/t of the planes of the faces that are turned to the sensor, which is an upper bound on 1/t of any hit.
     faces: [[f32; 3]; 3],
     face_count: usize,
 }
 
 impl Silhouette {
-    /// Of a box of half extents `half` around its origin, seen from `origin`; `rows` are those of the matrix from the
-    /// axes of the sensor to the box's. Nothing is known of a box that the sensor is in.
+    /// Creates the silhouette of a box with half extents `half` around its origin, seen from `origin`. `rows` are those
+    /// of the matrix from the axes of the sensor to the box's. If the sensor is inside the box, the silhouette has no
+    /// planes and excludes nothing.
     pub(super) fn new(half: [f64; 3], origin: [f64; 3], rows: &[[f64; 3]; 3]) -> Self {
         let rows = rows.map(DVec3::from_array);
         let mut found = Self { edges: [[0.0; 3]; 6], edge_count: 0, faces: [[0.0; 3]; 3], face_count: 0 };
@@ -45,7 +46,7 @@ impl Silhouette {
                 found.faces[found.face_count] = (rows[axis] / distance).as_vec3().to_array();
                 found.face_count += 1;
             }
-            // Seen along the axis, the box is a rectangle, and its outline two of the corners.
+            // Seen along the axis, the box is a rectangle, whose outline is given by two of its corners.
             let [x, y] = [(axis + 1) % 3, (axis + 2) % 3];
             if face(x).is_none() && face(y).is_none() {
                 continue;
@@ -66,8 +67,8 @@ impl Silhouette {
         found
     }
 
-    /// Which of the sixteen blocks from `column` on may show something of it, that is nearer than the `farthest` which
-    /// each shows already.
+    /// Returns which of the sixteen blocks from `column` on may show a part of the box that is nearer than `farthest`,
+    /// their farthest hits so far.
     #[inline(always)]
     pub(super) fn shows<S: Simd, P: Projection>(
         &self,

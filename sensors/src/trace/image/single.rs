@@ -1,10 +1,11 @@
-//! Single rays against the boxes of a node.
+//! Tests of single rays against the boxes of a node.
 //!
-//! Where triangles are smaller than the distance of two rays, most boxes are passed by one ray or by none. Asking each
-//! ray, in the frame of the mesh, then takes less than projecting sixteen boxes onto the grid, and leaves fewer of
-//! them: what is projected is the box around a box that is turned.
+//! Where triangles are smaller than the distance between two rays, most boxes are hit by one ray or by none. Testing
+//! each ray in the frame of the mesh then costs less than projecting sixteen boxes onto the grid, and excludes more of
+//! them, because a projection encloses the box around a rotated box.
 //!
-//! Nothing here decides what is hit. It leaves out what no ray can hit, by more than all that is rounded later.
+//! These tests do not decide what is hit. They only exclude what no ray can hit, with a margin greater than all later
+//! rounding errors.
 
 use super::corners::CornerFrame;
 use crate::optics::rays::{Points, Projection, max, min};
@@ -14,13 +15,14 @@ use crate::trace::placed::view::View;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DVec3;
 
-/// Entries of up to so many rays are asked ray by ray.
+/// Entries with up to this many rays are tested ray by ray.
 pub(super) const MOST_RAYS: u32 = 4;
 
-/// Lesser components of a direction count as this, so that no 0·∞ comes up; and lesser distances.
+/// Smaller components of a direction are replaced by this value, so that 0·∞ does not occur; and so are smaller
+/// distances.
 const TINY: f32 = 1e-30;
 
-/// A share of the distance by which boxes and triangles are wider than they are: what is drawn is rounded.
+/// Boxes and triangles are enlarged by this fraction of their distance, because drawing them involves rounding.
 const SLACK: f32 = 3e-6;
 
 /// A ray in the frame of an instance.
@@ -31,14 +33,14 @@ pub(super) struct SingleRay {
     origin_low: [f32; 3],
     /// Reciprocals of the direction's components.
     inverse: [f32; 3],
-    /// The axis along which it runs furthest is the last …
+    /// The axes; the last one is that of the direction's largest component.
     axes: [usize; 3],
-    /// … and this is how far it runs along the other two for each metre there.
+    /// The ray's movement along the other two axes per metre along the last one.
     shear: [f32; 2],
 }
 
 impl SingleRay {
-    /// Of no instance.
+    /// A ray of no instance.
     pub(super) const NONE: Self = Self {
         placed: u32::MAX,
         at: [0; 2],
@@ -49,7 +51,7 @@ impl SingleRay {
         shear: [0.0; 2],
     };
 
-    /// Makes it the ray of a column and row, in the frame of an instance. It most often is already.
+    /// Sets the ray of a column and row, in the frame of an instance. Usually it is set already.
     #[inline(always)]
     pub(super) fn aim<P: Projection>(&mut self, view: &View<'_>, projection: P, placed: u32, at: [u16; 2]) {
         if self.placed == placed && self.at == at {
@@ -73,8 +75,8 @@ impl SingleRay {
         self.origin_low = instance.to_sensor.origin_low;
     }
 
-    /// The children that the ray may meet before 1/t is as little as `so_far`, a bit each, and a bound of 1/t from
-    /// above.
+    /// The children that the ray may hit before 1/t is as small as `so_far`, as one bit each, and an upper bound on
+    /// 1/t.
     #[inline(always)]
     pub(super) fn meet<S: Simd>(&self, simd: S, node: &WideNode, so_far: f32) -> (f32x16<S>, u64) {
         let low = [
@@ -102,8 +104,8 @@ impl SingleRay {
         (nearest, met.to_bitmask())
     }
 
-    /// Whether the ray may meet one of the triangles, whose corners are given beside it: whether it passes the box
-    /// around one of them.
+    /// Returns true if the ray may hit one of the triangles, whose corners are given relative to the ray: if it passes
+    /// the box around one of them.
     #[inline(always)]
     pub(super) fn meets_any<S: Simd>([a, b, c]: &[Points<S>; 3]) -> bool {
         let slack = max(max(a[2], b[2]), c[2]) * SLACK;
@@ -119,7 +121,7 @@ impl SingleRay {
     }
 }
 
-/// Beside the ray, and how far along it.
+/// Coordinates relative to the ray: across it and along it.
 impl CornerFrame for SingleRay {
     #[inline(always)]
     fn take<S: Simd>(&self, simd: S, points: &[[f32; WIDTH]; 3]) -> Points<S> {

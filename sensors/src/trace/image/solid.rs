@@ -1,4 +1,4 @@
-//! Shapes that are not made of triangles: exact, in double precision, block by block.
+//! Shapes that do not consist of triangles: exact, in double precision, block by block.
 
 use super::leaf::Rules;
 use super::silhouette::Silhouette;
@@ -12,15 +12,16 @@ use crate::trace::shapes::match_solid;
 use crate::trace::shapes::outside::{Outside, match_outside};
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 
-/// So many of sixteen blocks are tested without asking first in which of them the shape may show.
+/// If so few of sixteen blocks are left, they are tested without first checking in which of them the shape may be
+/// visible.
 const FEW_BLOCKS: u32 = 1;
 
 /// The part of the grid on which a shape may be seen.
 pub(super) struct SolidPart {
-    /// First and last column and row; columns may run past the last one on a ring.
+    /// The first and last column and row; on a full ring, columns may continue past the last one.
     pub(super) columns: [u16; 2],
     pub(super) rows: [u16; 2],
-    /// Bound of 1/t from above.
+    /// An upper bound on 1/t.
     pub(super) nearest: f32,
 }
 
@@ -75,7 +76,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
                     if let Some((outside, turning)) = &outside {
                         let directions = projection.turned(simd, turning, column, row);
                         let inverse = first_outside(simd, &directions, outside);
-                        // Whoever meets it too near may meet it once more.
+                        // A ray that first hits the solid nearer than the limit may hit it a second time.
                         if inverse.simd_le(f32x16::splat(simd, rules.inverse_near)).all_true() {
                             commit(simd, target, start + column, placed.first_slot, inverse);
                             continue;
@@ -91,7 +92,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     }
 }
 
-/// 1/t of where the rays of a block first meet a solid that they start outside of, or nothing above 0.
+/// 1/t at which the rays of a block first hit a solid that they start outside of; 0 or less for a miss.
 #[inline(always)]
 fn first_outside<S: Simd>(simd: S, directions: &[[f64; WIDTH]; 3], outside: &Outside) -> f32x16<S> {
     let mut inverse = [0.0; WIDTH];
@@ -104,7 +105,7 @@ fn first_outside<S: Simd>(simd: S, directions: &[[f64; WIDTH]; 3], outside: &Out
     f32x16::load_array_ref(simd, &inverse)
 }
 
-/// The same of any solid, from where t is `near` on. Compiled once a level, since it is seldom.
+/// The same for any solid, from t = `near` on. Compiled once per level, since it is seldom called.
 #[inline(never)]
 fn first_from<S: Simd>(
     simd: S,
@@ -130,7 +131,7 @@ fn first_from<S: Simd>(
     )
 }
 
-/// Takes what is nearer than what was there.
+/// Stores the hits that are nearer than the previous ones.
 #[inline(always)]
 fn commit<S: Simd>(simd: S, target: &mut Target<'_>, block: usize, slot: u32, inverse: f32x16<S>) {
     let so_far = f32x16::load_array_ref(simd, &target.inverse[block]);

@@ -1,9 +1,9 @@
-//! Sixteen triangles against the blocks of a grid of few rows, where a block is sixteen rays of one row.
+//! Sixteen triangles against the blocks of a grid with few rows, where a block is sixteen rays of one row.
 //!
-//! Such rays lie in a narrow arc, so two planes enclose them closely, and a triangle's own planes have a least and
-//! greatest value over them that is known closely: block by block, all but a few of the sixteen triangles are dropped
-//! at once. Either each of these meets the sixteen rays at once, or each ray meets them, whichever are fewer. No
-//! triangle needs a rectangle of its own.
+//! Such rays are in a narrow arc, so two planes enclose them tightly, and the least and greatest value of a triangle's
+//! own planes over them are known closely: for each block, all but a few of the sixteen triangles are excluded at once.
+//! The remaining ones are either each tested against the sixteen rays, or each ray is tested against all of them,
+//! whichever takes fewer steps. No triangle needs a rectangle of its own.
 
 use super::leaf::{Leaf, Rules};
 use super::set_up::{facing, set_up};
@@ -15,17 +15,17 @@ use crate::optics::rays::{Planes, Points, Projection, max, min};
 use crate::simd::WIDTH;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16, u32x16};
 
-/// Leaves over fewer rays are better tested ray by ray …
+/// Leaves that cover fewer rays are better tested ray by ray …
 const FEWEST_RAYS: i32 = 4;
-/// … and those over more blocks triangle by triangle, each with a rectangle of its own.
+/// … and leaves that cover more blocks triangle by triangle, each with its own rectangle.
 const MOST_BLOCKS: usize = 24;
-/// So many triangles meet a block without being held against its bounds first.
+/// Up to this many triangles are tested against a block without first comparing their bounds with its own.
 const FEW_TRIANGLES: u32 = 2;
 
 /// Columns of a strip.
 const COLUMNS: [i32; WIDTH] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-/// Whether a leaf is one for [`draw`].
+/// Returns true if a leaf is suitable for [`draw`].
 #[inline(always)]
 pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<'_, S>) -> bool {
     let ray_grid = projection.ray_grid();
@@ -37,13 +37,13 @@ pub(super) fn suits<S: Simd, P: Projection>(projection: &P, leaf: &Leaf<'_, S>) 
     across * rows >= FEWEST_RAYS && blocks as usize <= MOST_BLOCKS
 }
 
-/// Whether the blocks of a grid are strips: sixteen rays of a row.
+/// Returns true if the blocks of a grid are strips: sixteen rays of a row.
 #[inline(always)]
 pub(super) fn is_one<P: Projection>(ray_grid: &RayGrid) -> bool {
     P::HAS_STRIPS && ray_grid.shift_y == 0
 }
 
-/// The lanes of a strip that lie in the columns from the first to the last of `columns`.
+/// The lanes of a strip from the first to the last of `columns`.
 #[inline(always)]
 fn asked<S: Simd>(simd: S, columns: [i32; 2], strip: usize) -> mask32x16<S> {
     let here = i32x16::load_array_ref(simd, &COLUMNS) + (strip * WIDTH) as i32;
@@ -64,7 +64,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     let pieces = ray_grid.pieces(leaf.columns);
     let first = [(leaf.columns[0] >> ray_grid.shift_x) as usize, leaf.rows[0] as usize];
     let last = [(leaf.columns[1] >> ray_grid.shift_x) as usize, leaf.rows[1] as usize];
-    // Of a leaf over one block, which most are, what the rays pass by need not be set up at all.
+    // For a leaf over one block, as most are, triangles that no ray hits need not be set up at all.
     let single = first == last;
     let mut valid = mask32x16::splat(simd, true);
     if single {
@@ -154,7 +154,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     }
 }
 
-/// Each ray of a block that is in `open` against the triangles in `reached`.
+/// Tests each ray of a block that is in `open` against the triangles in `reached`.
 #[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
 #[inline(always)]
 fn each_ray<S: Simd, P: Projection>(
@@ -187,7 +187,7 @@ fn each_ray<S: Simd, P: Projection>(
     target.update_farthest(simd, block);
 }
 
-/// The triangles that do not lie wholly above or below the rays of a block.
+/// The triangles that are not entirely above or below the rays of a block.
 #[inline(always)]
 fn crossing<S: Simd, P: Projection>(
     simd: S,
@@ -201,7 +201,7 @@ fn crossing<S: Simd, P: Projection>(
     min(farthest(corners, below), farthest(corners, above)).simd_ge(f32x16::splat(simd, 0.0))
 }
 
-/// The greatest of plane · corner.
+/// The greatest of the dot products of a plane with the corners.
 #[inline(always)]
 fn farthest<S: Simd>([a, b, c]: &[Points<S>; 3], [x, y, z]: [f32; 3]) -> f32x16<S> {
     let a = (a[0] * x + a[1] * y) + a[2] * z;

@@ -1,7 +1,7 @@
 //! Sixteen triangles against the rays of a rectangle of the grid.
 //!
-//! By how many rays they cover, one of three loops draws them: ray by ray against all sixteen, side by side with a
-//! triangle in each lane, or triangle by triangle.
+//! One of three loops draws them, depending on the number of rays that they cover: ray by ray against all sixteen, side
+//! by side with a triangle in each lane, or triangle by triangle.
 
 mod each;
 mod tiny;
@@ -16,11 +16,11 @@ use each::draw_each;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
 use tiny::{TINY_TRIANGLE, TINY_TRIANGLES, draw_tiny};
 
-/// Grid rectangles of up to that many rays are tested ray by ray against all sixteen triangles.
+/// In grid rectangles of up to this many rays, each ray is tested against all sixteen triangles.
 const FEW_RAYS: i32 = 16;
 
-/// Draws the blurred triangles of a leaf, from planes in double precision. By itself, and with copies of all, so that
-/// the usual way has what it needs in registers.
+/// Draws the blurred triangles of a leaf, with planes in double precision. This is a separate function that copies its
+/// inputs, so that the usual path keeps its values in registers.
 #[cold]
 #[inline(never)]
 pub(super) fn draw_blurred<S: Simd, P: Projection>(
@@ -43,7 +43,7 @@ pub(super) fn draw_blurred<S: Simd, P: Projection>(
     );
 }
 
-/// Makes the planes of the blurred triangles again, and leaves those valid that face the sensor.
+/// Recomputes the planes of the blurred triangles, and marks as valid those that face the sensor.
 #[inline(always)]
 fn sharpen<S: Simd>(simd: S, source: &Source<'_>, rules: Rules, setup: &mut Setup<S>) {
     let mut planes = setup.spill();
@@ -102,7 +102,7 @@ pub(super) fn draw<S: Simd, P: Projection>(
     draw_each(simd, projection, target, rules, &setup, &rectangles, nearest);
 }
 
-/// The lanes where a ray is inside all three edges and its 1/t counts.
+/// The lanes in which a ray is inside all three edges and its 1/t counts.
 #[inline(always)]
 pub(super) fn inside<S: Simd, P: Projection>(
     edges: &[Planes<S>; 3],
@@ -120,7 +120,7 @@ pub(super) fn inside<S: Simd, P: Projection>(
     (hit, inverse)
 }
 
-/// Each ray against all sixteen triangles.
+/// Tests each ray against all sixteen triangles.
 #[inline(always)]
 fn draw_few_rays<S: Simd, P: Projection>(
     simd: S,

@@ -1,4 +1,4 @@
-//! Once through the trees, front to back.
+//! The walk through the trees, once per frame and front to back.
 
 use super::corners::{from_origin, spread, stored};
 use super::entry::{Entry, STACK, insert};
@@ -18,10 +18,10 @@ use crate::trace::placed::view::{Placed, ToSensor, View};
 use crate::trace::prefetch::prefetch;
 use fearless_simd::{Simd, SimdBase, SimdMask, f32x16, u32x16};
 
-/// The `placed` of an entry in the tree over the instances.
+/// The value of `placed` for entries of the tree over the instances.
 const TOP: u32 = u32::MAX;
 
-/// Draws what a view shows into the rows of `target`, whose first block row is `first_block_row`.
+/// Draws a view into the rows of `target`, whose first block row is `first_block_row`.
 #[allow(clippy::large_stack_arrays, reason = "26 KiB, once a band: a heap there may not be")]
 #[inline(always)]
 pub(crate) fn walk<S: Simd, P: Projection>(
@@ -65,7 +65,7 @@ pub(crate) fn walk<S: Simd, P: Projection>(
         let (node, to_sensor, placed) = if entry.placed == TOP && entry.child & LEAF == 0 {
             (&view.nodes[entry.child as usize], &view.sensor_from_frame, TOP)
         } else {
-            // A leaf of the top tree stands for the root of an instance's.
+            // A leaf of the top tree refers to the root of an instance's tree.
             let (index, child) =
                 if entry.placed == TOP { (entry.child & !LEAF, 0) } else { (entry.placed, entry.child) };
             let placed = &view.placed[index as usize];
@@ -129,7 +129,8 @@ pub(crate) fn walk<S: Simd, P: Projection>(
     }
 }
 
-/// The corners of a leaf at the edge of a terrain. By itself: there are few of them.
+/// Computes the corners of a leaf at the edge of a height field. It is a separate function because such leaves are
+/// rare.
 #[cold]
 #[inline(never)]
 fn narrow_leaf<S: Simd>(simd: S, view: &View<'_>, placed: &Placed, leaf: u32) -> [Points<S>; 3] {
@@ -139,7 +140,7 @@ fn narrow_leaf<S: Simd>(simd: S, view: &View<'_>, placed: &Placed, leaf: u32) ->
     )
 }
 
-/// Has what an entry will need brought into the cache.
+/// Prefetches the data that an entry will need.
 #[inline(always)]
 fn fetch(view: &View<'_>, entry: &Entry) {
     if entry.placed == TOP {
@@ -156,7 +157,7 @@ fn fetch(view: &View<'_>, entry: &Entry) {
     }
 }
 
-/// Puts the children of a node that some ray may meet on the stack, the first to visit on top.
+/// Pushes the children of a node that any ray may hit, with the first to visit on top.
 #[inline(always)]
 fn push_children<S: Simd, P: Projection>(
     simd: S,
@@ -203,15 +204,16 @@ fn push_children<S: Simd, P: Projection>(
     waiting
 }
 
-/// What instances are visited in the order of, the greatest first: the inverse of how far off the farthest point of a
-/// box may be. Of floors and walls, some part is nearer than all that stands before them.
+/// The order in which instances are visited, the greatest value first: the inverse of the greatest possible distance of
+/// a point in a box. Some part of a floor or a wall is nearer than everything in front of it, so the nearest distance
+/// would be a worse order.
 #[inline(always)]
 fn inverse_reach<S: Simd>(simd: S, low: &Points<S>, high: &Points<S>) -> f32x16<S> {
     let [x, y, z] = [max(high[0], -low[0]), max(high[1], -low[1]), max(high[2], -low[2])];
     f32x16::splat(simd, 1.0) / ((x * x + y * y) + z * z)
 }
 
-/// Puts the children of a node that the few rays of an entry may meet on the stack, ray by ray, the nearest on top.
+/// Pushes the children of a node that the few rays of an entry may hit, ray by ray, with the nearest on top.
 #[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
 #[inline(always)]
 fn push_by_ray<S: Simd, P: Projection>(
@@ -251,7 +253,7 @@ fn push_by_ray<S: Simd, P: Projection>(
     waiting
 }
 
-/// Whether all that an entry may show is behind what has been hit already.
+/// Returns true if everything in an entry is behind what its rays have already hit.
 #[inline(always)]
 fn hidden<S: Simd, P: Projection>(
     simd: S,
@@ -287,7 +289,7 @@ fn hidden<S: Simd, P: Projection>(
                 while lanes != 0 {
                     let column = column + lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    // Most entries pass by few rays, and the other rays of the block say nothing of them.
+                    // Most entries concern only a few rays; the other rays of the block are ignored.
                     let asked = ray_grid.lanes_within(rays, entry_rows, [column, row]);
                     let inverse = f32x16::load_array_ref(simd, &target.inverse[start + column]);
                     if inverse.simd_lt(nearest).to_bitmask() & asked != 0 {
@@ -301,7 +303,7 @@ fn hidden<S: Simd, P: Projection>(
     true
 }
 
-/// Boxes along the sensor's axes that hold the children.
+/// The bounding boxes of the children along the sensor's axes.
 #[inline(always)]
 fn box_in_sensor<S: Simd>(simd: S, node: &WideNode, to_sensor: &ToSensor) -> (Points<S>, Points<S>) {
     let low = from_origin(simd, &node.min, to_sensor);
@@ -309,7 +311,7 @@ fn box_in_sensor<S: Simd>(simd: S, node: &WideNode, to_sensor: &ToSensor) -> (Po
     let (mut centre, mut half) = (low, low);
     for axis in 0..3 {
         centre[axis] = (low[axis] + high[axis]) * 0.5;
-        // A little wider than the box: all that follows is rounded.
+        // Slightly wider than the box, because all that follows is rounded.
         half[axis] = (high[axis] - low[axis]) * 0.500_001 + max(high[axis], -low[axis]) * 1e-6;
     }
     let (mut low, mut high) = (low, high);

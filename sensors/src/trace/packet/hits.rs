@@ -1,4 +1,4 @@
-//! Where a packet meets one instance, in double precision: any hit, of which it is not specified which, or the first.
+//! Hits of a packet on one instance, in double precision: either any hit, whichever it is, or the first.
 
 use crate::scene::tree::{MAX_DEPTH, TriangleBlock, WideNode};
 use crate::scene::{Kind, Triangles};
@@ -11,7 +11,7 @@ use core::borrow::Borrow;
 use fearless_simd::Simd;
 use glam::DVec3;
 
-/// Only the lanes whose bits are set take part, up to `t_max`.
+/// Activates only the lanes whose bits are set, up to `t_max`.
 #[inline(always)]
 pub(crate) fn activate(packet: &mut Packet, lanes: u64, t_max: f64) {
     packet.hit = [MISS; LANES];
@@ -29,7 +29,7 @@ pub(crate) fn hit_lanes(packet: &Packet) -> u64 {
     lanes
 }
 
-/// Lanes that have hit something need no more.
+/// Deactivates the lanes that have hit something.
 #[inline(always)]
 fn retire_hits(packet: &mut Packet) {
     for lane in 0..LANES {
@@ -37,12 +37,12 @@ fn retire_hits(packet: &mut Packet) {
     }
 }
 
-/// What is looked for.
+/// The kind of hit to search for.
 #[derive(Clone, Copy)]
 pub(crate) enum Search {
-    /// Any hit before some t.
+    /// Any hit before this t.
     Any(f32),
-    /// The first.
+    /// The first hit.
     First,
 }
 
@@ -76,7 +76,7 @@ pub(crate) fn intersect_instance<S: Simd>(
     }
 }
 
-/// The rays of a packet, in the frame of an instance.
+/// Transforms the rays of a packet to the frame of an instance.
 #[inline(always)]
 fn take_in(placed: &Placed, packet: &Packet, rays: &mut LocalRays) {
     for axis in 0..3 {
@@ -101,7 +101,7 @@ fn take_in(placed: &Placed, packet: &Packet, rays: &mut LocalRays) {
     }
 }
 
-/// For any hit before `t_max`, or for the first. Compiled for each, as their stacks differ.
+/// Searches for any hit before `t_max`, or for the first. Compiled separately for each, because their stacks differ.
 #[inline(never)]
 fn walk_triangles<S: Simd, const ANY: bool>(
     simd: S,
@@ -179,7 +179,7 @@ fn walk_leaves<S: Simd, N: Borrow<WideNode>, const ANY: bool>(
     }
 }
 
-/// A leaf, whose first triangle has the slot `slot`.
+/// Draws a leaf whose first triangle has the slot `slot`.
 #[inline(always)]
 fn draw(rays: &LocalRays, block: &TriangleBlock, packet: &mut Packet, faces: triangle::Side, slot: u32) {
     for lane in 0..WIDTH {
@@ -191,8 +191,8 @@ fn draw(rays: &LocalRays, block: &TriangleBlock, packet: &mut Packet, faces: tri
     }
 }
 
-/// Finds the first hit of each ray from the frame's origin. [`Packet::hit`] is then its slot, as the
-/// [`Resolver`](crate::trace::hit::resolve::Resolver) knows it; `local` is room to work in.
+/// Finds the first hit of each ray from the frame's origin. [`Packet::hit`] is then its slot for the
+/// [`Resolver`](crate::trace::hit::resolve::Resolver); `local` is scratch memory.
 #[inline(always)]
 pub(crate) fn first_hits<S: Simd>(
     simd: S,

@@ -27,23 +27,23 @@ pub enum Faces {
 
 /// 64 rays p(t) = origin + t·direction with t ≥ `t_min`, and the nearest hit found so far.
 ///
-/// Coordinates are metres along the world's axes, relative to the origin of the frame (the sensor). A lane with
-/// `t` = −∞ takes no part.
+/// Coordinates are metres along the world's axes, relative to the origin of the frame (the sensor). A lane with `t` =
+/// −∞ is inactive.
 #[derive(Clone)]
 pub(crate) struct Packet {
     pub(crate) origin: [Lanes<f64>; 3],
     pub(crate) direction: [Lanes<f64>; 3],
-    /// True when all lanes have the origin of lane 0.
+    /// True if all lanes have the origin of lane 0.
     pub(crate) shared_origin: bool,
     pub(crate) t_min: f64,
-    /// Before: the farthest t that counts. After: that of the hit, if there is one.
+    /// Before the search, the farthest t that counts; afterwards, t of the hit, if there is one.
     pub(crate) t: Lanes<f64>,
-    /// What was hit, or [`MISS`]: the first slot of its instance, and of triangles their own.
+    /// [`MISS`], or the hit: the first slot of its instance, or for triangles their own slot.
     pub(crate) hit: Lanes<u32>,
 }
 
 impl Packet {
-    /// All lanes start at the frame's origin and take no part yet.
+    /// All lanes start at the frame's origin and are inactive.
     pub(crate) const fn new() -> Self {
         Self {
             origin: [[0.0; LANES]; 3],
@@ -55,7 +55,7 @@ impl Packet {
         }
     }
 
-    /// Whether some lane takes part.
+    /// Returns true if any lane is active.
     #[inline(always)]
     pub(crate) fn is_active(&self) -> bool {
         let mut active = false;
@@ -76,23 +76,23 @@ impl Packet {
     }
 }
 
-/// Intervals that hold the origin and direction of every lane that takes part.
+/// Intervals that contain the origins and directions of all active lanes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct PacketBounds {
-    /// Least and most.
+    /// Least and greatest value per axis.
     origin: [[f32; 2]; 3],
-    /// Least and most of 1/direction; −∞ and ∞ where the direction changes its sign.
+    /// Least and greatest value of 1/direction; −∞ and ∞ where the direction changes its sign.
     inverse: [[f32; 2]; 3],
-    /// For each axis, whether some ray goes up it.
+    /// For each axis, true if any ray has a positive direction.
     ascending: [bool; 3],
     t_min: f32,
 }
 
-/// What intervals are widened by, relatively: more than all roundings of a test together.
+/// The relative enlargement of the intervals: more than all rounding errors of a test together.
 const MARGIN: f64 = 4e-7;
 
 impl PacketBounds {
-    /// Bounds over the lanes of the packet that take part, given their rays in the frame of the tree.
+    /// Creates bounds over the active lanes of the packet, given their rays in the frame of the tree.
     #[inline(always)]
     pub(crate) fn new(origin: &[Lanes<f64>; 3], direction: &[Lanes<f64>; 3], packet: &Packet) -> Self {
         let (mut origins, mut directions) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
@@ -104,7 +104,7 @@ impl PacketBounds {
         Self::of_intervals(origins, directions, packet.t_min)
     }
 
-    /// Bounds of all rays whose origin and direction lie in the intervals.
+    /// Creates bounds of all rays whose origin and direction are in the intervals.
     #[inline(always)]
     pub(crate) fn of_intervals(origin: [[f64; 2]; 3], direction: [[f64; 2]; 3], t_min: f64) -> Self {
         let mut bounds = Self {
@@ -127,7 +127,7 @@ impl PacketBounds {
         bounds
     }
 
-    /// Bounds of rays from one point that end, at t = 1, within a box.
+    /// Creates bounds of rays from one point that end in a box at t = 1.
     #[inline(always)]
     pub(crate) fn from_point(from: DVec3, ends: &[[f32; 2]; 3]) -> Self {
         let (mut origin, mut direction) = ([[0.0; 2]; 3], [[0.0; 2]; 3]);
@@ -139,13 +139,13 @@ impl PacketBounds {
         Self::of_intervals(origin, direction, 0.0)
     }
 
-    /// Children of a node that some ray may meet before `t_max`, a bit for each.
+    /// The children of a node that any ray may hit before `t_max`, as one bit each.
     #[inline(always)]
     pub(crate) fn enter<S: Simd>(&self, simd: S, node: &WideNode, t_max: f32) -> u64 {
         self.slabs(simd, node, t_max).1
     }
 
-    /// The same, and the least t at which some ray may meet each.
+    /// The same, with the least t at which any ray may hit each child.
     #[inline(always)]
     pub(crate) fn enter_at<S: Simd>(
         &self,
@@ -168,14 +168,14 @@ impl PacketBounds {
             let [least, most] = self.inverse[axis];
             let to_low = f32x16::load_array_ref(simd, &node.min[axis]) - origin_high;
             let to_high = f32x16::load_array_ref(simd, &node.max[axis]) - origin_low;
-            // Rays that go down the axis meet the box's upper face first.
+            // Rays with a negative direction hit the box's upper face first.
             let (to_near, to_far) = if self.ascending[axis] { (to_low, to_high) } else { (to_high, to_low) };
             let (a, b) = (to_near * least, to_near * most);
             let near = a.simd_lt(b).select(a, b);
             let (a, b) = (to_far * least, to_far * most);
             let far = a.simd_gt(b).select(a, b);
-            // A little earlier and later, for the roundings here. 0·∞, on a face with rays to both sides, is NaN
-            // and bounds nothing.
+            // Slightly earlier and later, because of rounding. 0·∞, on a face with rays to both sides, is NaN and
+            // bounds nothing.
             let (near, far) = (near - near.abs() * 1e-6, far + far.abs() * 1e-6);
             enter = near.simd_gt(enter).select(near, enter);
             exit = far.simd_lt(exit).select(far, exit);
@@ -185,7 +185,7 @@ impl PacketBounds {
     }
 }
 
-/// Least and most of the lanes that take part, rounded to single precision.
+/// The least and greatest value of the active lanes, rounded to single precision.
 #[inline(always)]
 fn interval(values: &Lanes<f64>, t: &Lanes<f64>) -> [f64; 2] {
     let mut up = [0.0; LANES];

@@ -1,8 +1,8 @@
-//! Up to 64 rays, each from a place and at a time of its own between two moments.
+//! Up to 64 rays, each with its own origin and its own time between two moments.
 //!
-//! They go through the tree over the instances together, as a packet, and meet a solid all at once, in double
-//! precision. Through the triangles of a mesh those that meet its box go as a wave. What moves is met where it is at
-//! the ray's time.
+//! They traverse the tree over the instances together, as a packet, and are tested against a solid all at once, in
+//! double precision. Rays that hit the box of a mesh traverse its tree as a wave. Moving instances are hit at the pose
+//! that they have at the time of the ray.
 
 use crate::pose::Pose;
 use crate::scene::{Kind, Triangles};
@@ -21,21 +21,21 @@ use crate::trace::shapes::{self, LocalRays, commit, match_solid, solid_normal};
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
 
-/// What boxes around triangles are widened by, relatively: more than all roundings of a test together.
+/// The relative enlargement of boxes around triangles: more than all rounding errors of a test together.
 const MARGIN: f64 = 1e-6;
 
-/// Rays of a view, and what they meet.
+/// The rays of a view, and their hits.
 pub(crate) struct MovingPacket {
     packet: Packet,
-    /// Times, as shares of the way from the view's moment to the next one.
+    /// The times, as fractions of the interval from the view's moment to the next one.
     share: Lanes<f64>,
 }
 
 /// The scratch memory that a packet is cast with. Nothing in it is kept from one cast to the next.
 pub(crate) struct Ways<'m> {
-    /// The rays in the frame of the instance that is looked at.
+    /// The rays in the frame of the current instance.
     local: &'m mut LocalRays,
-    /// Those of them that go through a mesh or a height field.
+    /// The rays that traverse a mesh or a height field.
     wave: Wave<'m>,
 }
 
@@ -46,16 +46,16 @@ impl<'m> Ways<'m> {
     }
 }
 
-/// What a ray has met.
+/// The hit of a ray.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct MovingHit {
-    /// Index of the instance in the scene.
+    /// The index of the instance in the scene.
     pub(crate) instance: u32,
-    /// How far away it is, in metres.
+    /// The distance in metres.
     pub(crate) range: f64,
-    /// Unit, outwards, along the axes of the world.
+    /// The outward unit normal, along the axes of the world.
     pub(crate) normal: DVec3,
-    /// Cosine of the angle between the normal and the ray, backwards.
+    /// The cosine of the angle between the normal and the reversed ray.
     pub(crate) cos_incidence: f64,
 }
 
@@ -66,7 +66,7 @@ impl MovingPacket {
         Self { packet, share: [0.0; LANES] }
     }
 
-    /// No rays, to begin anew.
+    /// Removes all rays.
     pub(crate) fn clear(&mut self) {
         self.packet.t = [f64::NEG_INFINITY; LANES];
         self.packet.hit = [MISS; LANES];
@@ -84,29 +84,29 @@ impl MovingPacket {
         self.packet.t[lane] = farthest;
     }
 
-    /// Origin and direction of a ray, as it was set.
+    /// The origin and direction of a ray, as they were set.
     pub(crate) fn ray(&self, lane: usize) -> [DVec3; 2] {
         [of_lane(&self.packet.origin, lane), of_lane(&self.packet.direction, lane)]
     }
 
-    /// Time of a ray, as it was set.
+    /// The time of a ray, as it was set.
     pub(crate) fn share(&self, lane: usize) -> f64 {
         self.share[lane]
     }
 
-    /// How far the ray goes; none if it meets nothing.
+    /// The distance to the hit, or `None` if the ray hits nothing.
     #[inline(always)]
     pub(crate) fn range(&self, lane: usize) -> Option<f64> {
         self.slot(lane).map(|_| self.packet.t[lane])
     }
 
-    /// The slot of what it meets; none if that is nothing.
+    /// The slot of the hit, or `None` if the ray hits nothing.
     #[inline(always)]
     pub(crate) fn slot(&self, lane: usize) -> Option<u32> {
         Some(self.packet.hit[lane]).filter(|slot| *slot != MISS)
     }
 
-    /// Finds what each ray meets first.
+    /// Finds the first hit of each ray.
     #[inline(always)]
     pub(crate) fn cast<S: Simd>(&mut self, simd: S, view: &View<'_>, sight: &Sight, ways: &mut Ways<'_>) {
         let Self { packet, share } = self;
@@ -149,7 +149,7 @@ impl MovingPacket {
         );
     }
 
-    /// What a ray has met; none if nothing.
+    /// The hit of a ray, or `None` if it hits nothing.
     pub(crate) fn struck(
         &self,
         view: &View<'_>,
@@ -171,7 +171,7 @@ impl MovingPacket {
                 DVec3::from_array(solid_normal(solid, instance.size, point.to_array()))
             }
         };
-        // Normals go by the transpose of the inverse.
+        // Normals are transformed by the inverse transpose.
         let normal = match PlacedMotion::of(view, placed) {
             Some(motion) => {
                 let turn = motion.from.interpolate(&motion.to, self.share[lane]).rotation_matrix();
@@ -184,7 +184,7 @@ impl MovingPacket {
         Some(MovingHit { instance: index, range: self.packet.t[lane], normal, cos_incidence })
     }
 
-    /// A ray in the frame of an instance.
+    /// Transforms a ray to the frame of an instance.
     fn in_instance(&self, view: &View<'_>, placed: &Placed, lane: usize) -> [DVec3; 2] {
         let [origin, direction] = self.ray(lane);
         match PlacedMotion::of(view, placed) {
@@ -197,21 +197,21 @@ impl MovingPacket {
     }
 }
 
-/// The way of an instance from a view's moment to the next.
+/// The motion of an instance from a view's moment to the next.
 struct PlacedMotion {
     from: Pose,
     to: Pose,
-    /// Where it is first, relative to the view's origin, and how far it goes.
+    /// The first position relative to the view's origin, and the displacement.
     translation: DVec3,
     shift: DVec3,
-    /// Rotations as quaternions: the first, and what is added to it on the way; they are not of length 1 between.
+    /// The first rotation and the difference to the last one, as quaternions. Their interpolation is not of length 1.
     rotation: [f64; 4],
     turn: [f64; 4],
     inverse_scale: DVec3,
 }
 
 impl PlacedMotion {
-    /// None of what stands still.
+    /// Returns `None` if the instance does not move.
     fn of(view: &View<'_>, placed: &Placed) -> Option<Self> {
         let index = placed.instance as usize;
         let (from, to) = (view.world_from_instance[index], view.next?.world_from_instance[index]);
@@ -231,13 +231,13 @@ impl PlacedMotion {
         })
     }
 
-    /// Origin and direction in the frame of the instance, at a time.
+    /// Transforms an origin and a direction to the frame of the instance at a time.
     #[inline(always)]
     fn in_instance(&self, origin: DVec3, direction: DVec3, share: f64) -> [DVec3; 2] {
         let [x, y, z, w] = [0, 1, 2, 3].map(|part| self.rotation[part] + self.turn[part] * share);
         let per_square = 2.0 / ((x * x + y * y) + (z * z + w * w));
         let axis = DVec3::new(x, y, z);
-        // Turned back: by the conjugate, as no length is 1.
+        // The inverse rotation, by the conjugate divided by the square of the length, which is not 1.
         let back = |v: DVec3| {
             let across = axis.cross(v);
             (v + (axis.cross(across) - across * w) * per_square) * self.inverse_scale
@@ -251,7 +251,7 @@ fn of_lane([x, y, z]: &[Lanes<f64>; 3], lane: usize) -> DVec3 {
     DVec3::new(x[lane], y[lane], z[lane])
 }
 
-/// The rays of a packet, in the frame of an instance.
+/// Transforms the rays of a packet to the frame of an instance.
 #[inline(always)]
 fn take_in(view: &View<'_>, placed: &Placed, packet: &Packet, share: &Lanes<f64>, local: &mut LocalRays) {
     let mut put = |lane: usize, [origin, direction]: [DVec3; 2]| {
@@ -283,7 +283,7 @@ fn take_in(view: &View<'_>, placed: &Placed, packet: &Packet, share: &Lanes<f64>
     }
 }
 
-/// The lanes whose rays may meet an instance's box before what they have met, a bit each.
+/// The lanes whose rays may hit an instance's box before their hits so far, as one bit each.
 #[inline(always)]
 fn near(view: &View<'_>, placed: &Placed, local: &LocalRays, packet: &Packet) -> u64 {
     let instance = &view.scene.instances[placed.instance as usize];
@@ -305,13 +305,14 @@ fn near(view: &View<'_>, placed: &Placed, local: &LocalRays, packet: &Packet) ->
     lanes
 }
 
-/// How far a ray may go yet: a hair more than to what it has met, as boxes and hits are rounded.
+/// The range in which a ray may still hit something: slightly more than the distance of its hit so far, because boxes
+/// and hits are rounded.
 #[inline(always)]
 fn range_of(packet: &Packet, lane: usize) -> [f32; 2] {
     [packet.t_min as f32, (packet.t[lane] * (1.0 + MARGIN)) as f32]
 }
 
-/// Takes a triangle that a ray meets, if it is nearer than what it has met.
+/// Stores a hit on a triangle if it is nearer than the hit so far.
 #[inline(always)]
 fn offer(packet: &mut Packet, lane: usize, t: f64, slot: u32) {
     if t < packet.t[lane] && t >= packet.t_min {
@@ -319,7 +320,7 @@ fn offer(packet: &mut Packet, lane: usize, t: f64, slot: u32) {
     }
 }
 
-/// Takes some rays through the tree of a mesh, sixteen at a time.
+/// Traverses the tree of a mesh with some rays, sixteen at a time.
 #[inline(always)]
 fn through_mesh<S: Simd>(
     simd: S,
@@ -339,7 +340,7 @@ fn through_mesh<S: Simd>(
     for order in order[..count].chunks(RAYS) {
         let count = order.len();
         for id in 0..count.next_multiple_of(WIDTH) {
-            // Lanes that are left over repeat the last ray.
+            // Unused lanes repeat the last ray.
             let lane = usize::from(order[id.min(count - 1)]);
             let (origin, direction) = (of_lane(&local.origin, lane), of_lane(&local.direction, lane));
             wave.set(id, origin, direction, range_of(packet, lane));
@@ -353,7 +354,7 @@ fn through_mesh<S: Simd>(
     }
 }
 
-/// Takes some rays through the tree of a height field, which is made as they go: one by one.
+/// Traverses the tree of a height field, which is generated on the fly, with some rays, one after the other.
 #[inline(always)]
 fn through_height_field<S: Simd>(
     simd: S,

@@ -1,46 +1,46 @@
-//! The ways of rays by mirrors and panes, and what they meet there.
+//! The paths of rays that panes transmit and mirrors reflect, and the hits at their ends.
 
 use bytemuck::{Pod, Zeroable};
 use glam::DVec3;
 
-/// Surfaces that a ray meets one behind the other after the first, at the most.
+/// The largest number of surfaces that a ray hits one after the other behind the first.
 pub(in crate::trace) const SURFACES: usize = 4;
-/// Most that a ray meets: of a way through a surface and of one back from it.
+/// The largest number of hits of a ray: those of the path through the first surface, and of the path reflected by it.
 pub(crate) const SURFACES_BEYOND: usize = 2 * SURFACES;
 
-/// A ray that goes on behind a surface.
+/// A ray that continues after a surface.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Path {
-    /// Of the ray that it was at first.
+    /// The lane of the original ray.
     pub(in crate::trace) lane: u64,
     pub(in crate::trace) origin: DVec3,
     pub(in crate::trace) direction: DVec3,
-    /// Its time, as a share of the way from the view's moment to the next one.
+    /// The time, as a fraction of the interval from the view's moment to the next one.
     pub(in crate::trace) share: f64,
-    /// From where it was sent to its origin.
+    /// The length of the path from the scanner or camera to this origin.
     pub(in crate::trace) range: f64,
-    /// What of the light comes this way, there and back.
+    /// The fraction of the light that takes this path, there and back.
     pub(in crate::trace) light: f64,
 }
 
-/// A surface that scatters light back by way of others.
+/// A surface that scatters light back and is seen through panes or in mirrors.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Behind {
-    /// Of the ray.
+    /// The lane of the ray.
     pub(in crate::trace) lane: u32,
     pub(crate) slot: u32,
     pub(crate) instance: u32,
     pub(in crate::trace) cos_incidence: f32,
-    /// All the way.
+    /// The length of the whole path.
     pub(crate) range: f64,
-    /// What of the light it scatters and comes back.
+    /// The fraction of the light that reaches the surface and returns, if the surface scatters all of it.
     pub(crate) light: f64,
 }
 
 impl Behind {
-    /// Which ray it is of.
+    /// The lane of the ray.
     pub(crate) fn lane(&self) -> usize {
         self.lane as usize
     }
@@ -50,8 +50,8 @@ impl Behind {
     }
 }
 
-/// What up to so many rays meet.
+/// The hits of up to this many rays.
 pub(crate) type Found<const RAYS: usize> = [[Behind; SURFACES_BEYOND]; RAYS];
 
-/// Paths of up to so many rays: of those that go on through the first surface, and of those that go back from it.
+/// Paths of up to this many rays: those through the first surface, and those reflected by it.
 pub(crate) type Paths<const RAYS: usize> = [[Path; RAYS]; 2];

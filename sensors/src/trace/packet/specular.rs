@@ -1,4 +1,4 @@
-//! What rays meet by way of mirrors and panes.
+//! Hits seen by specular reflection and transmission.
 
 use crate::simd::{LANES, WIDTH};
 use crate::trace::grid::{Band, Sight};
@@ -12,12 +12,13 @@ use crate::trace::placed::view::View;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 
-/// Rays begin this share of their way behind a surface, or before it: more than single precision loses of it.
+/// Rays continue at this fraction of their length behind or in front of a surface, more than the rounding error of
+/// single precision.
 const GAP: f64 = 1e-5;
-/// Ways of which less light comes back are not followed.
+/// Paths on which less than this fraction of the light returns are not followed.
 const LEAST: f64 = 1e-6;
 
-/// What a surface does with the light that meets it, in shares of it; the rest it scatters.
+/// The fractions of the light that a surface reflects and transmits; the rest is scattered.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Shares {
     reflected: f64,
@@ -25,7 +26,7 @@ pub(crate) struct Shares {
 }
 
 impl Shares {
-    /// Of an instance.
+    /// The fractions for an instance.
     #[inline(always)]
     pub(crate) fn of(view: &View<'_>, instance: u32) -> Self {
         let material = view.scene.instances[instance as usize].material;
@@ -33,7 +34,7 @@ impl Shares {
         Self { reflected: material.specular_reflectance.into(), passed: material.transmittance.into() }
     }
 
-    /// Whether it scatters all of it.
+    /// Returns true if the surface scatters all light.
     #[inline(always)]
     pub(crate) fn is_matt(self) -> bool {
         self.reflected == 0.0 && self.passed == 0.0
@@ -44,7 +45,7 @@ impl Shares {
     }
 }
 
-/// How a ray goes on.
+/// The way in which a ray continues.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Way {
     Through,
@@ -52,10 +53,10 @@ enum Way {
 }
 
 impl Path {
-    /// How it goes on where it has met a surface; none if too little of the light does.
+    /// The path after a hit on a surface, or `None` if too little of the light is left.
     fn after(&self, struck: &MovingHit, shares: Shares, way: Way) -> Option<Self> {
         let part = if way == Way::Through { shares.passed } else { shares.reflected };
-        // There and back.
+        // The light passes the surface twice: there and back.
         let light = self.light * part * part;
         if light < LEAST {
             return None;
@@ -70,7 +71,7 @@ impl Path {
     }
 }
 
-/// What a ray has met after a way, of which so much of the light comes back.
+/// The hit of a ray at the end of a path, given by its length and the fraction of the light that returns.
 fn behind(lane: usize, slot: u32, struck: &MovingHit, (way, light): (f64, f64)) -> Behind {
     Behind {
         lane: lane as u32,
@@ -82,7 +83,7 @@ fn behind(lane: usize, slot: u32, struck: &MovingHit, (way, light): (f64, f64)) 
     }
 }
 
-/// Follows up to so many rays beyond what they have met.
+/// Follows up to this many rays beyond their first hits.
 pub(crate) struct Beyond<'m, const RAYS: usize> {
     paths: &'m mut Paths<RAYS>,
     counts: [usize; 2],
@@ -91,13 +92,13 @@ pub(crate) struct Beyond<'m, const RAYS: usize> {
 }
 
 impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
-    /// Room for the rays' ways and for what they meet, whatever is in it.
+    /// Uses memory for the paths and the hits, whose previous contents do not matter.
     pub(crate) fn new(paths: &'m mut Paths<RAYS>, found: &'m mut Found<RAYS>) -> Self {
         Self { paths, counts: [0; 2], found, found_count: 0 }
     }
 
-    /// Takes the rays of a moving packet that was cast, of which no more than there is room for meet anything: their
-    /// paths behind mirrors and panes. A ray goes on in both ways behind the first surface.
+    /// Starts the paths behind mirrors and panes of the rays of a moving packet, which has been cast. No more rays than
+    /// there is memory for may have hits. At the first surface, a ray continues in both ways.
     pub(crate) fn set_out(&mut self, (view, resolver): (&View<'_>, &mut Resolver<'_>), first: &MovingPacket) {
         (self.counts, self.found_count) = ([0; 2], 0);
         for lane in 0..LANES {
@@ -122,8 +123,8 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
         }
     }
 
-    /// Follows the rays that have set out, from the second surface on in that way which more of the light takes. What
-    /// scatters light back is returned, that of a lane not in one piece. Compiled once a level.
+    /// Follows the paths. From the second surface on, a ray continues in the way that more of the light takes. Returns
+    /// the surfaces that scatter light back; those of one lane are not adjacent. Compiled once per level.
     #[inline(never)]
     pub(crate) fn look<S: Simd>(
         &mut self,
@@ -143,7 +144,7 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
         &self.found.as_flattened()[..self.found_count]
     }
 
-    /// Follows the paths of one way to their ends.
+    /// Follows the paths of one of the two ways to their ends.
     #[inline(always)]
     fn follow<S: Simd>(
         &mut self,
@@ -191,33 +192,33 @@ impl<'m, const RAYS: usize> Beyond<'m, RAYS> {
     }
 }
 
-/// What the rays of a block of a grid see by way of mirrors and panes.
+/// The surfaces that the rays of a block of a grid see through panes and in mirrors.
 pub(crate) struct Seen {
-    /// Those that meet any, a bit each; of the others nothing is said.
+    /// The rays that hit a mirror or a pane, as one bit each; the other lanes are undefined.
     pub(crate) lanes: u16,
-    /// Metres, along the ray or along the optical axis.
+    /// Distances in metres, along the ray or along the optical axis.
     pub(crate) far: [f32; WIDTH],
-    /// [`NO_HIT`] where no light comes back.
+    /// Slots; [`NO_HIT`] if no light comes back.
     pub(crate) slots: [u32; WIDTH],
     pub(crate) cosines: [f32; WIDTH],
 }
 
 impl Seen {
-    /// In the place of what the rays meet.
+    /// Returns `met` with the distances of these lanes in their place.
     #[inline(always)]
     pub(crate) fn put_far<S: Simd>(&self, simd: S, met: f32x16<S>) -> f32x16<S> {
         let lanes = simd.from_bitmask_mask32x16(self.lanes.into());
         lanes.select(f32x16::load_array_ref(simd, &self.far), met)
     }
 
-    /// The same of cosines of incidence.
+    /// Returns `met` with the cosines of incidence of these lanes in their place.
     #[inline(always)]
     pub(crate) fn put_cosines<S: Simd>(&self, simd: S, met: f32x16<S>) -> f32x16<S> {
         let lanes = simd.from_bitmask_mask32x16(self.lanes.into());
         lanes.select(f32x16::load_array_ref(simd, &self.cosines), met)
     }
 
-    /// The same of slots.
+    /// Returns `met` with the slots of these lanes in their place.
     pub(crate) fn put_slots(&mut self, met: &[u32; WIDTH]) -> &[u32; WIDTH] {
         for (lane, slot) in self.slots.iter_mut().enumerate() {
             if self.lanes >> lane & 1 == 0 {
@@ -228,15 +229,15 @@ impl Seen {
     }
 }
 
-/// Looks beyond mirrors and panes for a grid of rays.
+/// Follows the rays of a grid beyond mirrors and panes.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Glazing {
-    /// From the sensor's axes to the world's.
+    /// The rotation from the sensor's axes to the world's.
     axes: DMat3,
 }
 
-/// The rays of a block that meet a mirror or a pane: a bit each, and of those unit directions in the world, and how far
-/// they reach.
+/// The rays of a block that hit a mirror or a pane, as one bit each, with their unit directions in the world and their
+/// ranges.
 struct Glazed {
     lanes: u16,
     directions: [DVec3; WIDTH],
@@ -244,14 +245,14 @@ struct Glazed {
 }
 
 impl Glazing {
-    /// None if a scene has no mirrors and panes.
+    /// Returns `None` if a scene has no mirrors and panes.
     pub(crate) fn of(view: &View<'_>) -> Option<Self> {
         let is_needed = view.scene.has_mirrors_or_panes();
         is_needed.then(|| Self { axes: view.world_from_sensor.rotation_matrix() })
     }
 
-    /// What a block sees, if any of its rays meets such a surface: of each ray that from which most light comes back,
-    /// were all as far away; of two alike, the nearer.
+    /// The hits of a block, if any of its rays hits a mirror or a pane. For each ray, it is the hit from which most
+    /// light would come back if all were equally far away; of two equal ones, the nearer.
     pub(crate) fn look<S: Simd, const DEPTH: bool>(
         self,
         simd: S,
@@ -283,7 +284,7 @@ impl Glazing {
         if glazed.lanes == 0 {
             return None;
         }
-        // From t of the grid to metres.
+        // Convert from t of the grid to metres.
         let range = [0, 1].map(|end| sight.range[end] * lengths[end]);
         let sight = Sight { range, ..*sight };
         let mut room = band.room.borrow_mut();
@@ -291,7 +292,7 @@ impl Glazing {
     }
 }
 
-/// What rays see that meet mirrors or panes. By itself, since what rays are followed with takes 10 kB of the stack.
+/// Follows the rays that hit mirrors or panes. It is a separate function because its scratch data takes 10 kB of stack.
 #[inline(never)]
 fn see<S: Simd>(
     simd: S,
@@ -337,7 +338,7 @@ fn see<S: Simd>(
     seen
 }
 
-/// Casts a packet of moving rays. Compiled once a level.
+/// Casts a packet of moving rays. Compiled once per level.
 #[inline(never)]
 fn cast<S: Simd>(
     simd: S,

@@ -1,4 +1,4 @@
-//! A second look at what rays have met, from another point.
+//! Visibility of hit points from another position.
 
 use crate::simd::{LANES, WIDTH};
 use crate::trace::packet::hits::{Search, activate, hit_lanes, intersect_instance};
@@ -9,11 +9,12 @@ use crate::trace::shapes::LocalRays;
 use fearless_simd::{Simd, f32x16};
 use glam::DVec3;
 
-/// What is nearer than a point by this share of its distance, or by less, does not hide it. Points come from depths in
-/// single precision, and surfaces so near to each other are one to sensors that triangulate.
+/// A surface that is nearer than a point by at most this fraction of its distance does not hide it: points are computed
+/// from depths in single precision, and a triangulating sensor does not resolve surfaces that are so close to each
+/// other.
 const TOUCHING: f64 = 1e-3;
 
-/// Rays from one point to others, up to sixty-four at a time.
+/// Rays from one position to up to sixty-four points.
 pub(crate) struct VisibilityTest {
     from: DVec3,
     packet: Packet,
@@ -21,10 +22,10 @@ pub(crate) struct VisibilityTest {
 }
 
 impl VisibilityTest {
-    /// From the sensor itself.
+    /// Tests visibility from the sensor itself.
     pub(crate) const NEW: Self = Self { from: DVec3::ZERO, packet: Packet::new(), local: LocalRays::new() };
 
-    /// Looks from a point in the axes of the world, relative to the sensor.
+    /// Sets the position, relative to the sensor in the axes of the world.
     pub(crate) fn set(&mut self, from: DVec3) {
         self.from = from;
         for axis in 0..3 {
@@ -44,8 +45,7 @@ impl VisibilityTest {
         }
     }
 
-    /// Which of the lanes, all of which are aimed, are aimed at a point that something stands before. Compiled once a
-    /// level.
+    /// Returns the lanes whose points are hidden. All lanes must have been aimed. Compiled once per level.
     #[inline(never)]
     pub(crate) fn hidden<S: Simd>(&mut self, simd: S, view: &View<'_>, faces: Faces, lanes: u64) -> u64 {
         let Self { packet, local, .. } = self;

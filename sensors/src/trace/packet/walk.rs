@@ -1,4 +1,4 @@
-//! The ways of a packet through a tree.
+//! Traversal of a tree by a packet.
 
 use super::{Packet, PacketBounds};
 use crate::scene::tree::{LEAF, WideNode};
@@ -6,12 +6,12 @@ use crate::simd::WIDTH;
 use core::borrow::Borrow;
 use fearless_simd::Simd;
 
-/// Entries of the stack that a walk of so deep a tree needs.
+/// The number of stack entries that traversing a tree of this depth needs.
 pub(crate) const fn stack_len(depth: usize) -> usize {
     (WIDTH - 1) * depth + 2
 }
 
-/// Visits the leaves that the packet may meet before `t_max`, until `visit` returns that no lane is left. A stack of
+/// Visits the leaves that the packet may hit before `t_max`, until `visit` returns that no lane is left. A stack of
 /// [`stack_len`] entries is enough.
 #[inline(always)]
 pub(crate) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
@@ -44,7 +44,7 @@ pub(crate) fn walk<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
     }
 }
 
-/// Visits the leaves that the packet may meet before what it has hit, the nearer ones first.
+/// Visits the leaves that the packet may hit before its hits so far, the nearer ones first.
 #[inline(always)]
 pub(crate) fn walk_to_nearest<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
     simd: S,
@@ -53,7 +53,7 @@ pub(crate) fn walk_to_nearest<S: Simd, N: Borrow<WideNode>, const STACK: usize>(
     packet: &mut Packet,
     mut visit: impl FnMut(u32, &mut Packet),
 ) {
-    // What waits, and the least t at which some ray meets it.
+    // The waiting children, each with the least t at which any ray may hit it.
     let mut stack = [(0_u32, 0.0_f32); STACK];
     let mut waiting = 1;
     let mut farthest = packet.farthest();

@@ -17,7 +17,7 @@ pub struct Workspace<'a> {
     pub execution: Execution,
 }
 
-/// Cache lines of so many views of so many instances, about 400 bytes an instance.
+/// The number of cache lines for `views` views of `instances` instances, about 400 bytes per instance.
 pub(crate) const fn view_lines(instances: usize, views: usize) -> usize {
     lines(views * instances * size_of::<Placed>())
         + lines(views * instances * size_of::<Aabb>())
@@ -26,7 +26,7 @@ pub(crate) const fn view_lines(instances: usize, views: usize) -> usize {
 }
 
 impl<'a> Cutter<'a> {
-    /// What so many [`crate::trace::placed::view::View`]s of so many instances need.
+    /// The memory for `views` [`crate::trace::placed::view::View`]s of `instances` instances.
     pub(crate) fn views(&mut self, instances: usize, views: usize) -> ViewMemory<'a> {
         ViewMemory {
             placed: self.take(views * instances),
@@ -38,7 +38,7 @@ impl<'a> Cutter<'a> {
 }
 
 impl Workspace<'_> {
-    /// The buffer, if it has so many cache lines.
+    /// The buffer, if it has at least `need` cache lines.
     pub(crate) fn cut(&mut self, need: usize) -> Result<Cutter<'_>, SenseError> {
         let value = self.buffer.len();
         if value < need { Err(SenseError::Workspace { value, need }) } else { Ok(Cutter(self.buffer)) }

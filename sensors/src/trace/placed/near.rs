@@ -1,4 +1,5 @@
-//! Whether anything is near the sensor at all: most often nothing is, and a look at some boxes tells.
+//! A quick test of whether anything is near the sensor. Usually nothing is, and testing some boxes is enough to show
+//! it.
 
 use crate::scene::tree::{self, LEAF, NONE, TriangleBlock, WideNode};
 use crate::simd::WIDTH;
@@ -6,8 +7,8 @@ use crate::trace::placed::view::{MAX_DEPTH, View};
 use glam::DVec3;
 
 impl View<'_> {
-    /// False if no surface comes within `radius` metres of the sensor. Boxes decide, and those of triangles and their
-    /// planes, so true may be said of too much.
+    /// Returns false if no surface is within `radius` metres of the sensor. The test uses the boxes and planes of
+    /// triangles, so it may return true although no surface is that near.
     pub(crate) fn may_be_within(&self, radius: f64) -> bool {
         visit(
             |node| &self.nodes[node as usize],
@@ -18,8 +19,8 @@ impl View<'_> {
                 if !placed.kind().is_mesh() {
                     return true;
                 }
-                // A ball of the frame lies in one of this radius in the instance: no row of the inverse stretches more
-                // than all together.
+                // A ball in the frame is inside a ball of this radius in the instance: the inverse stretches no vector
+                // by more than its Frobenius norm.
                 let squared: f64 = placed.inverse.as_flattened().iter().map(|value| value * value).sum();
                 let stretch = crate::simd::sqrt(squared);
                 visit(
@@ -37,8 +38,8 @@ impl View<'_> {
     }
 }
 
-/// Whether a triangle's box and its plane come within `radius` of a point: a leaf of a wall and what stands before it
-/// may have the sensor in its box.
+/// Returns true if both the box and the plane of a triangle are within `radius` of a point. The box alone is not
+/// enough: the sensor may be inside the box of a leaf that combines a wall with an object in front of it.
 fn any_triangle_within(block: &TriangleBlock, point: DVec3, radius: f64) -> bool {
     let margin = margin(point, radius);
     (0..WIDTH).any(|lane| {
@@ -49,7 +50,7 @@ fn any_triangle_within(block: &TriangleBlock, point: DVec3, radius: f64) -> bool
         let (a, b, c) = (corner(a), corner(b), corner(c));
         let (low, high) = (a.min(b).min(c), a.max(b).max(c));
         let outside = low.max(-high).max(DVec3::ZERO);
-        // Corners of large triangles are rounded by more.
+        // Corners of large triangles have larger rounding errors.
         let radius = margin + 1e-6 * high.max(-low).max_element();
         let normal = (b - a).cross(c - a);
         let above = normal.dot(a);
@@ -58,12 +59,12 @@ fn any_triangle_within(block: &TriangleBlock, point: DVec3, radius: f64) -> bool
     })
 }
 
-/// Boxes and planes hold what is in them but for rounding.
+/// The radius, enlarged by the rounding errors of boxes and planes.
 fn margin(point: DVec3, radius: f64) -> f64 {
     radius * 1.001 + 1e-5 * point.abs().max_element()
 }
 
-/// Whether `leaf` says yes to a leaf of a tree whose box comes within `radius` of a point.
+/// Returns true if `leaf` returns true for any leaf of a tree whose box is within `radius` of a point.
 fn visit<'a>(
     node: impl Fn(u32) -> &'a WideNode,
     point: DVec3,

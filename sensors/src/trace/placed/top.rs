@@ -5,7 +5,7 @@ use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::simd::WIDTH;
 use bytemuck::Zeroable;
 
-/// Nodes of a tree over that many instances.
+/// The number of nodes of a tree over this many instances.
 pub(crate) const fn top_nodes(instances: usize) -> usize {
     let mut level = instances.div_ceil(WIDTH);
     let mut nodes = 1;
@@ -18,15 +18,16 @@ pub(crate) const fn top_nodes(instances: usize) -> usize {
 
 /// Builds the tree over the boxes, sixteen neighbours on a Morton curve at a time, and returns its nodes.
 ///
-/// A scene's instances move, and are few: what matters is that this takes a few microseconds a hundred.
+/// The tree is rebuilt every frame, because instances move. There are few of them, so fast construction is more
+/// important than a good tree: it takes a few microseconds per hundred instances.
 pub(in crate::trace) fn build_top(bounds: &[Aabb], order: &mut [u64], nodes: &mut [WideNode]) -> usize {
-    // A key is the place on the curve, then the index: the fewer boxes there are, the finer is the curve.
+    // A key is the position on the curve, followed by the index: the fewer boxes there are, the finer the curve.
     let index_bits = usize::BITS - bounds.len().leading_zeros();
     let cell_bits = ((64 - index_bits) / 3).min(21);
     let half = (1_u32 << (cell_bits - 1)) as f32;
     let per_metre = half / most_reach(bounds);
     let cell = |bounds: &Aabb, axis: usize| {
-        // Casts are limited to the numbers of the type; what is farther out comes into the outermost cell.
+        // Casts saturate, so everything farther out is in the outermost cell.
         let place = (middle(bounds, axis) * per_metre + half) as u32;
         spread(place.min((1 << cell_bits) - 1))
     };
@@ -37,7 +38,7 @@ pub(in crate::trace) fn build_top(bounds: &[Aabb], order: &mut [u64], nodes: &mu
     order.sort_unstable();
     let index_mask = (1_u64 << index_bits) - 1;
 
-    // Level by level from the leaves up, each level before the one below it in memory.
+    // Level by level from the leaves up; in memory, each level precedes the one below it.
     let used = top_nodes(bounds.len());
     let mut below = 0..0;
     let mut elements = bounds.len();
@@ -90,19 +91,19 @@ fn middle(bounds: &Aabb, axis: usize) -> f32 {
     bounds.min[axis] * 0.5 + bounds.max[axis] * 0.5
 }
 
-/// A power of two that the coordinates of the centres do not exceed, but for one in sixteen at most.
+/// A power of two that the coordinates of the centres do not exceed, except for at most one in sixteen.
 ///
-/// A few things far away, or of great size, must not decide how finely all others are told apart: a body that has
-/// fallen out of the world, or a floor of 20 km that lies to one side.
+/// A few distant or huge objects must not determine the resolution for all others: a body that has fallen out of the
+/// world, or a floor of 20 km that extends to one side.
 fn most_reach(bounds: &[Aabb]) -> f32 {
-    // How many have which exponent.
+    // The number of coordinates with each exponent.
     let mut count = [0_u32; 256];
     for bounds in bounds {
         let reach = (0..3).map(|axis| middle(bounds, axis).abs()).fold(f32::MIN_POSITIVE, f32::max);
         count[(reach.to_bits() >> 23) as usize & 0xff] += 1;
     }
     let mut left = (bounds.len() / 16) as u32;
-    // No box reaches 2¹²⁷ m, and below 2⁻⁶³ m nothing needs to be told apart.
+    // No box reaches 2¹²⁷ m, and below 2⁻⁶³ m nothing needs to be resolved.
     let mut exponent = 254;
     while exponent > 64 && count[exponent - 1] <= left {
         exponent -= 1;
@@ -111,7 +112,7 @@ fn most_reach(bounds: &[Aabb]) -> f32 {
     f32::from_bits((exponent as u32) << 23)
 }
 
-/// 21 bits, two zeros between each.
+/// Spreads 21 bits, with two zeros between neighbours.
 fn spread(bits: u32) -> u64 {
     let mut x = u64::from(bits) & 0x1f_ffff;
     x = (x | x << 32) & 0x001f_0000_0000_ffff;
@@ -133,7 +134,7 @@ mod tests {
     use alloc::vec;
     use glam::DVec3;
 
-    /// 500 boxes within 30 m, and a few more things.
+    /// Returns the number of visited nodes for 500 boxes within 30 m and the given other objects.
     fn visits(others: &[(Shape, Pose)]) -> usize {
         let mut builder = SceneBuilder::new();
         let material = builder.add_material(&MaterialConfig::default()).expect("a plain material");
@@ -158,14 +159,14 @@ mod tests {
         (0..2000).map(|ray| nodes_on(&view, direction(ray))).sum()
     }
 
-    /// Directions all round.
+    /// Directions all around.
     fn direction(ray: u32) -> [f32; 3] {
         let i = f64::from(ray);
         let part = |step: f64| ((i * step).fract() - 0.5) as f32;
         [part(0.754_877_7), part(0.569_840_3), part(0.430_159_7) + 1e-3]
     }
 
-    /// How many nodes a ray from the origin meets.
+    /// The number of nodes that a ray from the origin hits.
     fn nodes_on(view: &View<'_>, direction: [f32; 3]) -> usize {
         let meets = |node: &WideNode, lane: usize| {
             let (mut near, mut far) = (0.0_f32, f32::INFINITY);
@@ -190,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn a_huge_or_distant_thing_spoils_no_tree() {
+    fn a_huge_or_distant_object_does_not_spoil_the_tree() {
         let floor = |size: f64, at: DVec3| (Shape::Rectangle { size: [size; 2] }, Pose::from_translation(at));
         let none = visits(&[]);
         let fallen = (Shape::Sphere { radius: 0.5 }, Pose::from_translation(DVec3::Z * -3e8));

@@ -10,10 +10,10 @@ use crate::trace::placed::top::{build_top, top_nodes};
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3, Vec3};
 
-/// Levels of the tree over the instances, at most: 16⁸ = 2³².
+/// The largest number of levels of the tree over the instances: 16⁸ = 2³².
 pub(crate) const MAX_DEPTH: usize = 8;
 
-/// Takes points of an instance, in single precision, to the axes of the sensor.
+/// Transforms points of an instance, in single precision, to the axes of the sensor.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct ToSensor {
@@ -21,7 +21,7 @@ pub(crate) struct ToSensor {
     pub(crate) rows: [[f32; 3]; 3],
     /// The sensor's origin in the instance, rounded …
     pub(crate) origin_high: [f32; 3],
-    /// … and what rounding left.
+    /// … and the remainder after rounding.
     pub(crate) origin_low: [f32; 3],
 }
 
@@ -36,12 +36,12 @@ impl ToSensor {
     }
 }
 
-/// An instance in the frame of a sensor: axes along the world's, origin at the sensor. The difference is taken
-/// in f64, so a robot 100 km from the world's origin sees what it sees at it.
+/// An instance in the frame of a sensor: axes along the world's, origin at the sensor. The difference of positions is
+/// computed in f64, so that a robot 100 km from the world's origin sees the same as at the origin.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Placed {
-    /// Columns: the instance's axes in the frame, scale included.
+    /// Columns: the instance's axes in the frame, including the scale.
     pub(crate) axes: [[f64; 3]; 3],
     pub(crate) translation: [f64; 3],
     /// Rows of the inverse: from the frame to the instance.
@@ -49,47 +49,47 @@ pub(crate) struct Placed {
     /// The frame's origin in the instance.
     pub(crate) origin_in_instance: [f64; 3],
     pub(crate) to_sensor: ToSensor,
-    /// Takes normals of the instance to the frame: rows of the inverse transpose.
+    /// Transforms normals of the instance to the frame: rows of the inverse transpose.
     normal_rows: [[f32; 3]; 3],
     pub(crate) instance: u32,
     /// The number of its [`Kind`].
     kind: u32,
-    /// Slot of its first primitive.
+    /// The slot of its first primitive.
     pub(crate) first_slot: u32,
     pub(crate) first_node: u32,
     pub(crate) first_block: u32,
-    /// Which mesh or height field.
+    /// The index of its mesh or height field.
     pub(crate) mesh: u32,
-    /// 1 if it does not stand in the way of light.
+    /// 1 if it does not block light.
     clear: u32,
     /// 1 if its scale mirrors it.
     pub(crate) mirrored: u32,
-    /// 1 if normals change their length on the way to the frame.
+    /// 1 if its scale is not 1, so that normals must be normalised in the frame.
     scaled: u32,
-    /// 0 if the instance has the axes of the world.
+    /// 0 if its axes are those of the world, unscaled.
     turned: u32,
 }
 
 impl Placed {
-    /// What the surface of the instance is.
+    /// The kind of shape of the instance.
     #[inline(always)]
     pub(crate) fn kind(&self) -> Kind {
         Kind::of_checked(self.kind)
     }
 
-    /// Whether the instance has other axes than the frame.
+    /// Returns true if the axes of the instance differ from those of the frame.
     #[inline(always)]
     pub(crate) fn is_turned(&self) -> bool {
         self.turned != 0
     }
 
-    /// Whether it stands in the way of light.
+    /// Returns true if it blocks light.
     #[inline(always)]
     pub(crate) fn casts_shadows(&self) -> bool {
         self.clear == 0
     }
 
-    /// A unit normal of the instance in the frame.
+    /// Transforms a unit normal of the instance to the frame.
     #[inline(always)]
     pub(crate) fn normal_in_frame(&self, normal: [f32; 3]) -> [f32; 3] {
         if self.turned == 0 {
@@ -105,7 +105,7 @@ impl Placed {
         turned
     }
 
-    /// A direction of the frame in the instance.
+    /// Transforms a direction of the frame to the instance.
     pub(crate) fn vector_in_instance(&self, vector: DVec3) -> DVec3 {
         let [x, y, z] = self.inverse.map(|row| DVec3::from_array(row).dot(vector));
         DVec3::new(x, y, z)
@@ -117,19 +117,19 @@ impl Placed {
 pub(crate) struct View<'a> {
     pub(crate) scene: Scene<'a>,
     pub(crate) world_from_sensor: Pose,
-    /// By the index of the instance in the scene.
+    /// Poses, by the index of the instance in the scene.
     pub(crate) world_from_instance: &'a [Pose],
     /// The next moment, if rays have times between the two.
     pub(crate) next: Option<Moment<'a>>,
     pub(crate) placed: &'a [Placed],
-    /// Tree over the placed instances, in the frame; a leaf is an index into `placed`.
+    /// The tree over the placed instances, in the frame; a leaf is an index into `placed`.
     pub(crate) nodes: &'a [WideNode],
-    /// From the frame to the axes of the sensor.
+    /// The transformation from the frame to the axes of the sensor.
     pub(crate) sensor_from_frame: ToSensor,
     pub(crate) sensor_from_world: DMat3,
-    /// Position of the frame's origin in the world.
+    /// The position of the frame's origin in the world.
     pub(crate) origin_in_world: DVec3,
-    /// Whether any instance may stand in its own light.
+    /// True if any instance may shadow itself.
     pub(crate) has_concave: bool,
 }
 
@@ -142,12 +142,12 @@ pub(crate) struct ViewMemory<'a> {
 }
 
 impl ViewMemory<'_> {
-    /// To be lent once more.
+    /// Reborrows the memory.
     pub(crate) fn reborrow(&mut self) -> ViewMemory<'_> {
         ViewMemory { placed: self.placed, bounds: self.bounds, order: self.order, nodes: self.nodes }
     }
 
-    /// The memory of the first `views` of so many instances each, and the rest.
+    /// Splits off the memory of the first `views` views, each with `instances` instances.
     pub(crate) fn split(self, views: usize, instances: usize) -> (Self, Self) {
         let (placed, placed_rest) = self.placed.split_at_mut(views * instances);
         let (bounds, bounds_rest) = self.bounds.split_at_mut(views * instances);
@@ -160,7 +160,7 @@ impl ViewMemory<'_> {
     }
 }
 
-/// That a moment has a pose for the sensor and for each instance.
+/// Checks that a moment has a pose for the sensor and for each instance.
 pub(crate) fn check_moment(scene: &Scene<'_>, moment: &Moment<'_>) -> Result<(), SenseError> {
     let (value, need) = (moment.world_from_instance.len(), scene.instances().len());
     if value != need {
@@ -173,13 +173,13 @@ pub(crate) fn check_moment(scene: &Scene<'_>, moment: &Moment<'_>) -> Result<(),
 }
 
 impl<'a> View<'a> {
-    /// A direction of the sensor in the frame.
+    /// Transforms a direction from the axes of the sensor to the frame.
     #[inline(always)]
     pub(crate) fn frame_from_sensor(&self, direction: DVec3) -> DVec3 {
         self.sensor_from_world.transpose() * direction
     }
 
-    /// Places what `visibility` lets the sensor see around it, at a moment that has been [checked](check_moment).
+    /// Places the instances that `visibility` selects, at a moment that has been [checked](check_moment).
     pub(crate) fn new(
         scene: &Scene<'a>,
         moment: &Moment<'a>,
@@ -189,8 +189,8 @@ impl<'a> View<'a> {
         Self::until(scene, (moment, None), visibility, memory)
     }
 
-    /// The same for rays with times between two moments, as shares of the way from the first to the next, up to some
-    /// share. Places are those at the first moment, but boxes of the tree hold whatever moves on all of its way.
+    /// The same for rays with times between two moments, as fractions of the interval, up to the given fraction. Poses
+    /// are those at the first moment, but the boxes of the tree contain moving instances during the whole interval.
     pub(crate) fn until(
         scene: &Scene<'a>,
         (moment, next): (&Moment<'a>, Option<(Moment<'a>, f64)>),
@@ -280,18 +280,18 @@ impl<'a> View<'a> {
         HeightGrid::of(field, self.scene.heights, self.scene.extents)
     }
 
-    /// The normal of a height field's triangle in its frame, upwards and of whatever length above 0, by its slot from
-    /// the instance's first.
+    /// The upward normal of a height field's triangle in its frame, of any positive length. `local` is the slot of the
+    /// triangle, counted from the instance's first.
     #[inline(always)]
     pub(crate) fn height_field_normal(&self, placed: &Placed, local: u32) -> [f32; 3] {
         let width = WIDTH as u32;
         let [along_x, along_y] = self.height_grid(placed).slopes(local / width, local % width);
-        // So that no square overflows, however steep it is.
+        // Scaled so that no square overflows, however steep the triangle is.
         let most = along_x.abs().max(along_y.abs()).max(1.0);
         [-along_x / most, -along_y / most, 1.0 / most]
     }
 
-    /// The corners of a triangle of an instance, in its frame, by its slot from the instance's first.
+    /// The corners of a triangle of an instance, in its frame. `local` is the slot, counted from the instance's first.
     #[inline(always)]
     pub(crate) fn corners(&self, placed: &Placed, local: u32) -> [DVec3; 3] {
         let (block, lane) = (local / WIDTH as u32, local as usize % WIDTH);
@@ -306,7 +306,7 @@ impl<'a> View<'a> {
         [corner(&corners[0]), corner(&corners[1]), corner(&corners[2])]
     }
 
-    /// A point of the world in the frame.
+    /// Transforms a point of the world to the frame.
     pub(crate) fn point_in_frame(&self, point_in_world: [f64; 3]) -> DVec3 {
         DVec3::from_array(point_in_world) - self.origin_in_world
     }
@@ -317,22 +317,23 @@ fn wide(point: [f32; 3]) -> DVec3 {
     Vec3::from_array(point).as_dvec3()
 }
 
-/// How far points of an instance may leave the straight line on their way from one pose to another.
+/// An upper bound on the deviation of an instance's points from the straight line as it moves from one pose to another.
 fn bow(scene: &Scene<'_>, instance: &Instance, from: &Pose, to: &Pose) -> f64 {
-    // Of half the angle that it turns by.
+    // The cosine of half the angle of the rotation.
     let cos = from.rotation().dot(to.rotation()).abs().min(1.0);
     if cos == 1.0 {
         return 0.0;
     }
     let [low, high] = scene.local_bounds(instance);
     let reach = (low.abs().max(high.abs()) * DVec3::from_array(instance.scale)).length();
-    // An arc is off its chord by 1 − cos; and turning is not as even as going straight on, by less than the cube of the
-    // tangent of a quarter of the angle.
+    // An arc deviates from its chord by 1 − cos. In addition, the rotation is not uniform: the deviation is less than
+    // the cube of the tangent of a quarter of the angle.
     let quarter = crate::simd::sqrt((1.0 - cos) / (1.0 + cos));
     reach * ((1.0 - cos) + quarter * quarter * quarter)
 }
 
-/// What the ways between two boxes are in, whose points leave straight lines by no more than `bow`.
+/// A box that contains the movement from one box to another, if the points deviate from straight lines by at most
+/// `bow`.
 fn swept(from: &Aabb, to: &Aabb, bow: f64) -> Aabb {
     let least = |axis: usize| f64::from(from.min[axis].min(to.min[axis])) - bow;
     let most = |axis: usize| f64::from(from.max[axis].max(to.max[axis])) + bow;

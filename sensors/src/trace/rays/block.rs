@@ -1,8 +1,8 @@
 //! One ray against sixteen triangles, watertight: Woop, Benthin, Wald 2013, "Watertight Ray/Triangle
 //! Intersection".
 //!
-//! The corners are sheared so that the ray runs along z from the origin. An edge of two triangles has then
-//! exactly the opposite edge function in each, and 0 counts as inside for both: no ray slips between them.
+//! The corners are sheared so that the ray runs along z from the origin. The two triangles at an edge then have exactly
+//! opposite edge functions, and 0 counts as inside for both, so no ray slips between them.
 
 use super::bundle::Bundle;
 use super::ray::{Nearest, Ray};
@@ -10,12 +10,12 @@ use crate::scene::tree::TriangleBlock;
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 
-/// Single precision decides which triangles are worth a second look; what is farther than the nearest hit by
-/// less than this share of t gets one.
+/// Single precision decides which triangles need a second test: those that are farther than the nearest hit by less
+/// than this fraction of t.
 pub(super) const SLACK: f32 = 1.0 + 1.0 / 4096.0;
 
-/// t of the triangles that ray `id` of the bundle meets; +∞ for the others and for those that lie farther than
-/// its nearest hit, but for the slack.
+/// t of the triangles that ray `id` of the bundle hits; +∞ for the others, and for those that are farther than its
+/// nearest hit by more than the slack.
 #[inline(always)]
 pub(super) fn meet_lane<S: Simd>(
     simd: S,
@@ -34,7 +34,7 @@ pub(super) fn meet_lane<S: Simd>(
     meet(simd, block, axes, [origin, low.unwrap_or_default()], low.is_some(), shear, range, cull_back)
 }
 
-/// The triangles that the ray meets up to about t = `limit`, as a mask, and the t of each; +∞ for the others.
+/// The triangles that the ray hits up to about t = `limit`, as a mask, with the t of each; +∞ for the others.
 #[inline(always)]
 pub(super) fn meet_all<S: Simd>(
     simd: S,
@@ -51,8 +51,8 @@ pub(super) fn meet_all<S: Simd>(
     (t, t.simd_lt(f32x16::splat(simd, f32::INFINITY)).to_bitmask() as u32 & 0xffff)
 }
 
-/// t of the triangles that a ray meets within a range; +∞ for the others. The origin comes in two parts, the
-/// second of which counts if the ray `is_far` from the origin of the mesh.
+/// t of the triangles that a ray hits within a range; +∞ for the others. The origin is given in two parts; the second
+/// part is used if the ray `is_far` from the origin of the mesh.
 #[allow(clippy::too_many_arguments, reason = "what a ray is made of")]
 #[inline(always)]
 fn meet<S: Simd>(
@@ -86,7 +86,7 @@ fn meet<S: Simd>(
     let w = bx * ay - by * ax;
     let least = u.min(v).min(w);
     let greatest = u.max(v).max(w);
-    // All of one sign: u, v, w ≥ 0 is an outside, ≤ 0 an inside.
+    // All three have the same sign: u, v, w ≥ 0 is an outside, ≤ 0 an inside.
     let front = least.simd_ge(zero);
     let inside = if cull_back { front } else { front | greatest.simd_le(zero) };
     let t = (u * az + v * bz + w * cz) / (u + v + w) * shear[2];
@@ -96,7 +96,7 @@ fn meet<S: Simd>(
     (inside & within).select(t, f32x16::splat(simd, f32::INFINITY))
 }
 
-/// One corner of each triangle, relative to the ray's origin, along the ray's axes.
+/// One corner of each triangle, relative to the ray's origin, along the axes of the ray's space.
 #[inline(always)]
 fn from_origin<S: Simd>(
     simd: S,
@@ -111,13 +111,13 @@ fn from_origin<S: Simd>(
     ]
 }
 
-/// The same in the space in which the ray runs along z.
+/// The same in the sheared space, in which the ray runs along z.
 #[inline(always)]
 fn sheared<S: Simd>([x, y, z]: [f32x16<S>; 3], shear: [f32; 3]) -> [f32x16<S>; 3] {
     [x - z * shear[0], y - z * shear[1], z]
 }
 
-/// Offers each triangle of the mask, at its exact distance, as the nearest hit.
+/// Updates the nearest hit with each triangle of the mask, at its exact distance.
 #[inline(always)]
 pub(super) fn offer(block: &TriangleBlock, index: u32, mut mask: u32, ray: &Ray, nearest: &mut Nearest) {
     while mask != 0 {
@@ -128,8 +128,8 @@ pub(super) fn offer(block: &TriangleBlock, index: u32, mut mask: u32, ray: &Ray,
     }
 }
 
-/// t of the ray in the plane of a triangle, in double precision, kept within the depths of the corners: beyond
-/// them lies nothing of the triangle, and only a ray along its plane could get there by rounding.
+/// t of the ray in the plane of a triangle, in double precision, clamped to the depths of the corners: the triangle
+/// does not extend beyond them, and only a ray along its plane could get there by rounding.
 #[inline(always)]
 pub(super) fn exact_distance(block: &TriangleBlock, lane: usize, ray: &Ray) -> f64 {
     let mut relative = [[0.0; 3]; 3];
@@ -147,11 +147,11 @@ pub(super) fn exact_distance(block: &TriangleBlock, lane: usize, ray: &Ray) -> f
     let depths = [a[z] * per_z, b[z] * per_z, c[z] * per_z];
     let least = depths[0].min(depths[1]).min(depths[2]);
     let greatest = depths[0].max(depths[1]).max(depths[2]);
-    // Not `clamp`: a NaN (a ray in the very plane) becomes the nearest depth.
+    // `clamp` would keep a NaN, which results from a ray in the plane; here it becomes the nearest depth.
     if t > least { t.min(greatest) } else { least }
 }
 
-/// Normal of a triangle, of length twice its area.
+/// The normal of a triangle, with a length of twice its area.
 #[inline(always)]
 pub(super) fn normal(block: &TriangleBlock, lane: usize) -> [f64; 3] {
     let mut corners = [[0.0; 3]; 3];

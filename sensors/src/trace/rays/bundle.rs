@@ -1,4 +1,4 @@
-//! Up to sixteen rays made ready together, as structures of arrays.
+//! Up to sixteen rays that are prepared together, as structures of arrays.
 
 use super::ray::FrameRay;
 use super::ray::{ORIGIN_PAD, ORIGIN_PAD_AT_ZERO, Ray, TINY, low_part};
@@ -7,29 +7,29 @@ use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 use glam::DVec3;
 
-/// Rays under way together. With 64, random rays are 3 to 10 % faster (Zen 3, AVX2); with 32 they are 2 % slower than
-/// that, but then not all frames fit into 64 KiB of stack.
+/// The number of rays that are traced together. With 64, random rays are 3 to 10 % faster (Zen 3, AVX2). With 32 they
+/// are 2 % slower than with 64, but not all frames fit into 64 KiB of stack.
 pub(in crate::trace) const RAYS: usize = 16;
 
 /// One value per ray.
 pub(super) type PerRay<T> = [T; RAYS];
 
-/// The same as [`Ray`], for all of them, and the nearest hit of each so far. All coordinates are those of one mesh.
+/// The data of a [`Ray`] for all rays, and the nearest hit of each so far. All coordinates are those of one mesh.
 pub(super) struct Bundle {
-    /// As given.
+    /// The origin as given, rounded.
     pub(super) origin: [PerRay<f32>; 3],
-    /// As given, then scaled.
+    /// The direction, first as given and later scaled.
     pub(super) direction: [PerRay<f32>; 3],
-    /// What rounding left of both, if anything: `is_far` tells.
+    /// The remainders of origin and direction after rounding, used if `is_far`.
     pub(super) origin_low: [PerRay<f32>; 3],
     pub(super) direction_low: [PerRay<f32>; 3],
     pub(super) is_far: bool,
-    /// How wrong t may be in single precision, besides a share of it.
+    /// The absolute part of the error of t in single precision.
     pub(super) doubt: f32,
     pub(super) inverse: [PerRay<f32>; 3],
     pub(super) near_origin: [PerRay<f32>; 3],
     pub(super) far_origin: [PerRay<f32>; 3],
-    /// 3 for an axis along which the ray runs backwards, else 0.
+    /// 3 for an axis along which the ray runs backwards, otherwise 0.
     pub(super) backwards: [PerRay<u32>; 3],
     pub(super) axes: [PerRay<u32>; 3],
     /// The origin along `axes`.
@@ -41,7 +41,7 @@ pub(super) struct Bundle {
     pub(super) unit: PerRay<f32>,
     /// The nearest hit so far in single precision, or the end of the range.
     pub(super) t: PerRay<f32>,
-    /// Its slot; the second is written in its stead when nothing was hit.
+    /// The slot of the hit. The second element is written instead if nothing was hit.
     pub(super) hit: PerRay<[u32; 2]>,
 }
 
@@ -71,7 +71,7 @@ impl Bundle {
         }
     }
 
-    /// Puts a ray into lane `id`, to be prepared.
+    /// Sets the ray of lane `id`, which still has to be prepared.
     #[inline(always)]
     pub(super) fn set(&mut self, id: usize, ray: &FrameRay) {
         let id = id % RAYS;
@@ -84,7 +84,7 @@ impl Bundle {
         }
     }
 
-    /// The same for a ray in double precision, after [`Bundle::set`]. If it is used for one ray, it must be for all.
+    /// Sets a ray in double precision, after [`Bundle::set`]. If it is called for one ray, it must be called for all.
     pub(super) fn set_low(&mut self, id: usize, origin: DVec3, direction: DVec3) {
         let id = id % RAYS;
         for axis in 0..3 {
@@ -94,7 +94,7 @@ impl Bundle {
         self.is_far = true;
     }
 
-    /// Ray `index` by itself.
+    /// The ray with the given index.
     pub(super) fn ray(&self, index: usize) -> Ray {
         let of = |high: &[PerRay<f32>; 3], low: &[PerRay<f32>; 3]| {
             let along = |axis: usize| f64::from(high[axis][index]) + f64::from(low[axis][index]);
@@ -106,13 +106,13 @@ impl Bundle {
             [self.range[0][index], self.range[1][index]],
             self.doubt,
         );
-        // The direction was scaled before.
+        // The direction has been scaled before.
         ray.unit *= self.unit[index];
         ray
     }
 
-    /// Works out everything from `origin`, `direction` (not scaled yet) and `range` for the first `count` rays.
-    /// `doubt` is how wrong t may be in single precision, besides a share of it.
+    /// Computes all other fields from `origin`, `direction` (not scaled yet) and `range` for the first `count` rays.
+    /// `doubt` is the absolute part of the error of t in single precision.
     #[inline(always)]
     pub(super) fn prepare<S: Simd>(&mut self, simd: S, count: usize, doubt: f32) {
         self.doubt = doubt;
@@ -152,7 +152,8 @@ impl Bundle {
             store_u32(sign + sign + sign, &mut self.backwards[axis], first);
             (scaled[axis], origins[axis]) = (d, origin);
         }
-        // x, y, z of the sheared space stay right-handed when the ray runs along +z; along −z, x and y swap.
+        // The axes x, y, z of the sheared space stay right-handed if the ray runs along +z; along −z, x and y are
+        // swapped.
         let z_is_2 = size[2].simd_ge(size[0].max(size[1]));
         let z_is_0 = size[0].simd_gt(size[1]);
         let rotated = |v: [f32x16<S>; 3]| {
@@ -198,7 +199,7 @@ impl Bundle {
     }
 }
 
-/// Sixteen values from `first` on.
+/// Loads sixteen values from index `first` on.
 #[inline(always)]
 pub(super) fn load<S: Simd>(simd: S, from: &PerRay<f32>, first: usize) -> f32x16<S> {
     f32x16::from_slice(simd, &from[first..first + WIDTH])

@@ -1,4 +1,4 @@
-//! Casting many rays at a scene.
+//! Casting many rays in a scene.
 
 use super::bundle::RAYS;
 use super::describe::{Description, on_triangle};
@@ -23,11 +23,11 @@ use glam::DVec3;
 /// Rays p(t) = origin + t·direction, in metres, relative to a reference point, along the world's axes.
 #[derive(Debug, Clone, Copy)]
 pub struct Rays<'a> {
-    /// One per ray, or one for all.
+    /// The origins: one per ray, or one for all.
     pub origins: &'a [[f32; 3]],
-    /// One per ray, finite, not 0, of any length.
+    /// The directions: one per ray, finite, not 0, of any length.
     pub directions: &'a [[f32; 3]],
-    /// Least and greatest t that count, per ray; 0 to ∞ without.
+    /// The least and greatest t that count, one pair per ray; by default 0 to ∞.
     pub ranges: Option<&'a [[f32; 2]]>,
 }
 
@@ -41,7 +41,7 @@ impl Rays<'_> {
         }
     }
 
-    /// That there is one origin for all rays or one for each, and one range for each; how many rays there are.
+    /// Checks that there is one origin for all rays or one per ray, and one range per ray. Returns the number of rays.
     fn check(&self) -> Result<usize, SenseError> {
         let need = self.directions.len();
         let wrong = |parameter, value| Err(SenseError::Input { parameter, value, need });
@@ -53,13 +53,13 @@ impl Rays<'_> {
     }
 }
 
-/// Finds where rays first hit something on an instance that `visibility` has a bit in common with. Rays need
-/// have nothing in common. `world_from_instance` has a pose for each instance of the scene; rays have no sensor, so
-/// there is no whole [`Moment`].
+/// Finds the first hit of each ray on an instance whose mask has a bit in common with `visibility`. The rays are
+/// independent of each other. `world_from_instance` has a pose for each instance of the scene; there is no sensor, so a
+/// whole [`Moment`] is not needed.
 ///
 /// # Errors
-/// When an input or output is not one element a ray, the workspace has less than [`workspace_len`], or there is not one
-/// pose for each instance. Nothing is written then.
+/// If an input or output does not have one element per ray, if the workspace has less than [`workspace_len`], or if
+/// there is not one pose for each instance. Nothing is written in that case.
 #[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn cast_rays(
     scene: &Scene<'_>,
@@ -76,10 +76,10 @@ pub fn cast_rays(
     cast_in_view(scene, (world_from_instance, reference_in_world), visibility, workspace, what)
 }
 
-/// Tells which rays hit anything within their ranges: shadows.
+/// Finds out which rays hit anything within their ranges, as for shadows.
 ///
 /// # Errors
-/// As [`cast_rays`].
+/// The errors of [`cast_rays`].
 #[allow(clippy::too_many_arguments, reason = "each is one thing the answer depends on")]
 pub fn occluded_rays(
     scene: &Scene<'_>,
@@ -96,7 +96,7 @@ pub fn occluded_rays(
     cast_in_view(scene, (world_from_instance, reference_in_world), visibility, workspace, what)
 }
 
-/// Places the instances around the reference, and casts rays that have been checked.
+/// Places the instances around the reference point, checks the rays and casts them.
 fn cast_in_view(
     scene: &Scene<'_>,
     (world_from_instance, reference_in_world): (&[Pose], DVec3),
@@ -119,15 +119,15 @@ fn cast_in_view(
     Ok(())
 }
 
-/// Cache lines of a [`Workspace`] that [`cast_rays`] and [`occluded_rays`] take.
+/// Returns the number of cache lines of [`Workspace`] memory that [`cast_rays`] and [`occluded_rays`] need.
 pub fn workspace_len(scene: &Scene<'_>) -> usize {
     view_lines(scene.instances().len(), 1)
 }
 
-/// Rays that one thread takes at once.
+/// The number of rays that one thread casts at a time.
 const CHUNK: usize = 4096;
 
-/// Where answers go.
+/// The output buffers.
 enum Output<'a> {
     Hits(Hits<'a>),
     Occluded(&'a mut [bool]),
@@ -158,14 +158,14 @@ fn cast_chunk<S: Simd>(
     faces: Faces,
     output: Output<'_>,
 ) {
-    // One mesh is all there is: its tree is all that rays go through.
+    // If the scene consists of a single mesh, rays traverse only its tree.
     match view.placed {
         [only] if only.kind().is_mesh() => cast_at_mesh(simd, (view, only), rays, range, faces, output),
         _ => cast_one_by_one(simd, view, rays, range, faces, output),
     }
 }
 
-/// Rays at the only mesh, many at a time.
+/// Casts rays at the only mesh, many at a time.
 #[inline(never)]
 fn cast_at_mesh<S: Simd>(
     simd: S,
@@ -186,7 +186,7 @@ fn cast_at_mesh<S: Simd>(
             while first < range.end {
                 let count = RAYS.min(range.end - first);
                 for id in 0..count.next_multiple_of(WIDTH) {
-                    // Lanes that are left over repeat the last ray.
+                    // Unused lanes repeat the last ray.
                     let ray = rays.get(first + id.min(count - 1));
                     if only.is_turned() || only.translation != [0.0; 3] {
                         let [origin, direction] = in_instance(only, &ray);
@@ -217,7 +217,7 @@ fn cast_at_mesh<S: Simd>(
     );
 }
 
-/// Rays in a scene.
+/// Casts rays in a scene.
 #[inline(never)]
 fn cast_one_by_one<S: Simd>(
     simd: S,
@@ -249,7 +249,7 @@ fn cast_one_by_one<S: Simd>(
     );
 }
 
-/// A hit on the only mesh: distance and triangle are known, and the normal too unless the mesh is turned.
+/// Writes a hit on the only mesh: distance and triangle are known, and so is the normal unless the mesh is rotated.
 #[allow(clippy::too_many_arguments, reason = "what is known of a hit lies in several places")]
 #[inline(always)]
 fn store_mesh_hit(
@@ -290,7 +290,7 @@ fn store_mesh_hit(
     }
 }
 
-/// Any hit.
+/// Writes a hit on any instance.
 #[inline(always)]
 fn store(view: &View<'_>, ray: &FrameRay, hit: &SceneHit, at: usize, hits: &mut Hits<'_>) {
     if let Some(distance) = &mut hits.distance {
@@ -320,10 +320,11 @@ fn store(view: &View<'_>, ray: &FrameRay, hit: &SceneHit, at: usize, hits: &mut 
     }
 }
 
-/// One mesh in its own frame, as a scene with one instance would show it: for those who have trees, and no scene.
+/// Casts rays at one mesh in its own frame, with the results of a scene with one instance of it. For callers who have
+/// trees but no scene.
 ///
 /// # Errors
-/// When an input or output is not one element a ray.
+/// If an input or output does not have one element per ray.
 pub fn cast_mesh(
     level: Level,
     tree: MeshTree<'_>,
@@ -342,10 +343,10 @@ pub fn cast_mesh(
     Ok(())
 }
 
-/// Tells which of the rays hit anything of one mesh, in its own frame.
+/// Finds out which rays hit anything of one mesh, in its own frame.
 ///
 /// # Errors
-/// As [`cast_mesh`].
+/// The errors of [`cast_mesh`].
 pub fn occluded_by_mesh(
     level: Level,
     tree: MeshTree<'_>,

@@ -1,4 +1,4 @@
-//! What is told of a hit: triangle, normal, barycentrics.
+//! The reported properties of a hit: triangle, normal, barycentric coordinates.
 
 use super::block;
 use super::ray::FrameRay;
@@ -11,18 +11,18 @@ use crate::trace::placed::view::{Placed, View};
 use crate::trace::shapes::solid_normal;
 use glam::{DMat3, DVec3};
 
-/// A hit, as the caller is told of it.
+/// The reported properties of a hit.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Description {
     pub(super) instance: u32,
     pub(super) primitive: u32,
-    /// Unit, outwards, in the frame.
+    /// The outward unit normal, in the frame.
     pub(super) normal: [f32; 3],
     pub(super) barycentrics: [f32; 2],
 }
 
 impl Description {
-    /// Of a hit of a ray.
+    /// Computes the properties of a ray's hit.
     pub(super) fn new(view: &View<'_>, ray: &FrameRay, hit: &SceneHit) -> Option<Self> {
         let placed = view.placed.get(hit.placed as usize)?;
         let instance = &view.scene.instances[placed.instance as usize];
@@ -46,14 +46,14 @@ impl Description {
     }
 }
 
-/// Normals go by the transpose of the inverse.
+/// Transforms a normal to the frame, by the inverse transpose.
 fn in_frame(placed: &Placed, normal: DVec3) -> [f32; 3] {
-    // Columns made of rows are the transpose.
+    // A matrix whose columns are the rows of another is its transpose.
     let transposed = DMat3::from_cols_array_2d(&placed.inverse);
     (transposed * normal).normalize_or_zero().as_vec3().to_array()
 }
 
-/// Normal, triangle, and weights of the second and third corner at a point.
+/// The normal, the triangle, and the weights of the second and third corner at a point.
 pub(super) fn on_triangle(block: &TriangleBlock, lane: usize, point: DVec3) -> (DVec3, u32, [f32; 2]) {
     let corner = |[x, y, z]: &[[f32; WIDTH]; 3]| DVec3::new(x[lane].into(), y[lane].into(), z[lane].into());
     let [a, b, c] = &block.corners;

@@ -23,8 +23,8 @@ pub(crate) use walk::nearest_in_tree;
 use crate::scene::tree::WideNode;
 use crate::simd::WIDTH;
 
-/// How far t may be off in single precision, besides a share of itself: coordinates are rounded, so this is 2⁻²⁰ of the
-/// largest one in the tree. It matters where t is near 0.
+/// The absolute part of the error of t in single precision. Coordinates are rounded, so it is 2⁻²⁰ of the largest
+/// coordinate in the tree. It matters where t is near 0.
 #[inline(always)]
 pub(crate) fn doubt_of(root: Option<&WideNode>) -> f32 {
     let mut size = 0.0_f32;

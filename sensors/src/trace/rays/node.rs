@@ -6,14 +6,14 @@ use crate::scene::tree::{NONE, WideNode};
 use crate::simd::WIDTH;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 
-/// The products and differences of a slab test are off by at most two units in the last place of t; so is the
-/// distance of the hit that t is compared with. The far side is moved outwards by all of that.
+/// The products and differences of a slab test, and the distance of the hit with which t is compared, have errors of at
+/// most two units in the last place of t. The far side is moved outwards by the sum of these.
 const FAR_PAD: f32 = 1.0 + f32::from_bits((127 - 21) << 23); // 1 + 2⁻²¹
 
-/// Which children the ray meets up to t = `limit`, as a mask, and where it enters each.
+/// The children that the ray hits up to t = `limit`, as a mask, and t at which it enters each.
 ///
-/// With finite boxes and rays no operand of a minimum or maximum is NaN, and the sign of a 0 does not matter to
-/// anything that follows, so that they give the same on every machine.
+/// With finite boxes and rays, no operand of a minimum or maximum is NaN, and the sign of a 0 does not affect any
+/// result, so every machine gives the same.
 #[inline(always)]
 pub(super) fn meet<S: Simd>(simd: S, node: &WideNode, ray: &Ray, limit: f32) -> (f32x16<S>, u32) {
     let rows: &[[f32; WIDTH]; 7] = bytemuck::cast_ref(node);
@@ -34,8 +34,8 @@ pub(super) fn meet<S: Simd>(simd: S, node: &WideNode, ray: &Ray, limit: f32) -> 
     (near, met.to_bitmask() as u32 & !(used.to_bitmask() as u32) & 0xffff)
 }
 
-/// Where ray `id` of the bundle enters each child up to t = `limit`, +∞ for children that it does not meet; and
-/// whether it meets any.
+/// t at which ray `id` of the bundle enters each child, up to t = `limit`; +∞ for children that it does not hit. Also
+/// returns whether it hits any child.
 #[inline(always)]
 pub(super) fn enter<S: Simd>(
     simd: S,

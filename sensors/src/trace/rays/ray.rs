@@ -1,13 +1,13 @@
-//! A ray made ready for boxes and triangles.
+//! A ray that is prepared for the tests of boxes and triangles.
 
-/// The smallest direction component that is divided by, where the largest lies in [1, 2); smaller ones, and 0
-/// above all, count as this one, so that no reciprocal overflows and no 0·∞ comes up in a slab test.
+/// The smallest direction component that is used as a divisor, if the largest is in [1, 2). Smaller components, 0 in
+/// particular, are replaced by it, so that no reciprocal overflows and 0·∞ does not occur in a slab test.
 pub(super) const TINY: f32 = f32::from_bits((127 - 100) << 23); // 2⁻¹⁰⁰
 
-/// How much of its own size an origin is moved outwards for the slab tests: two units in the last place.
+/// The fraction of its own size by which an origin is moved outwards for the slab tests: two units in the last place.
 pub(super) const ORIGIN_PAD: f32 = f32::from_bits((127 - 22) << 23); // 2⁻²²
 
-/// The same for an origin at 0: with a reciprocal of 2¹⁰⁰ it still opens a slab for 2⁴⁰ m.
+/// The same for an origin at 0: with a reciprocal of 2¹⁰⁰, it still widens a slab by 2⁴⁰ m.
 pub(super) const ORIGIN_PAD_AT_ZERO: f32 = f32::from_bits((127 - 60) << 23); // 2⁻⁶⁰
 
 /// A ray in the frame of a [`View`](crate::trace::placed::view::View).
@@ -15,47 +15,47 @@ pub(super) const ORIGIN_PAD_AT_ZERO: f32 = f32::from_bits((127 - 60) << 23); // 
 pub(crate) struct FrameRay {
     pub(crate) origin: [f32; 3],
     pub(crate) direction: [f32; 3],
-    /// Least and greatest t that count.
+    /// The least and greatest t that count.
     pub(crate) range: [f32; 2],
 }
 
-/// A ray p(t) = origin + t·direction of one mesh, with what the tests of boxes and triangles need.
+/// A ray p(t) = origin + t·direction in the frame of a mesh, with the data that the tests of boxes and triangles need.
 ///
-/// The direction is scaled by a power of two such that its largest component lies in [1, 2); t here is in units
-/// of the scaled direction's length.
+/// The direction is scaled by a power of two so that its largest component is in [1, 2); t is in units of the length of
+/// the scaled direction.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Ray {
-    /// Where the ray starts, metres, rounded …
+    /// The origin in metres, rounded …
     pub(crate) origin: [f32; 3],
-    /// … and what rounding left: of use far from the origin of the mesh.
+    /// … and the remainder after rounding, which matters far from the origin of the mesh.
     pub(super) origin_low: [f32; 3],
-    /// Where it starts, and its scaled direction, as they are.
+    /// The origin and the scaled direction, in double precision.
     pub(super) exact: [[f64; 3]; 2],
-    /// Reciprocals of the direction's components, those of 0 replaced by ±2¹⁰⁰.
+    /// The reciprocals of the direction's components; those of 0 are replaced by ±2¹⁰⁰.
     pub(super) inverse: [f32; 3],
-    /// Origin for the near planes of boxes, moved so that rounding never lets a box be missed.
+    /// The origin for the near planes of boxes, moved so that rounding never makes the ray miss a box.
     pub(super) near_origin: [f32; 3],
-    /// Origin for the far planes.
+    /// The origin for the far planes.
     pub(super) far_origin: [f32; 3],
-    /// Rows of a node (min x, y, z, max x, y, z) that hold the planes which the ray meets first.
+    /// The rows of a node (min x, y, z, max x, y, z) that hold the planes which the ray hits first.
     pub(super) near_rows: [u8; 3],
-    /// The axes x, y, z of the space in which the ray runs along +z or −z, as those of the mesh.
+    /// The mesh's axes that are the axes x, y, z of the space in which the ray runs along +z or −z.
     pub(super) axes: [u8; 3],
     /// x and y of the direction per z, and 1/z.
     pub(super) shear: [f32; 3],
-    /// In single precision, hits from here on are worth a second look.
+    /// In single precision, hits from this t on need a second test.
     pub(super) least: f32,
-    /// How wrong t may be in single precision, besides a share of it.
+    /// The absolute part of the error of t in single precision.
     pub(super) doubt: f32,
-    /// Least and greatest t that count.
+    /// The least and greatest t that count.
     pub(crate) range: [f32; 2],
-    /// Multiply t by this for units of the direction that was given.
+    /// The factor from t to units of the direction that was given.
     pub(crate) unit: f32,
 }
 
 impl Ray {
-    /// A ray from `origin` along `direction` (finite, not 0), for t within `range` in units of the direction's
-    /// length. `doubt` is how wrong t may be in single precision, near 0: a share of the size of the mesh.
+    /// Creates a ray from `origin` along `direction` (finite, not 0), with t within `range` in units of the direction's
+    /// length. `doubt` is the absolute part of the error of t in single precision, a fraction of the size of the mesh.
     #[inline(always)]
     pub(crate) fn new(origin: [f64; 3], direction: [f64; 3], range: [f32; 2], doubt: f32) -> Self {
         let exact = [origin, direction];
@@ -66,7 +66,8 @@ impl Ray {
         if size[2] >= largest {
             (z, largest) = (2, size[2]);
         }
-        // The power of two by exponent bits; what is out of its range (subnormal or huge) comes close enough.
+        // The power of two from the exponent bits. For numbers outside its range (subnormal or huge), the nearest power
+        // is close enough.
         let exponent = (largest.to_bits() >> 23).clamp(1, 253);
         let scale = f32::from_bits((254 - exponent) << 23);
         let direction = [direction[0] * scale, direction[1] * scale, direction[2] * scale];
@@ -83,7 +84,7 @@ impl Ray {
             far_origin[axis] = origin[axis] - pad;
             near_rows[axis] = axis as u8 + if d.is_sign_negative() { 3 } else { 0 };
         }
-        // x, y, z stay right-handed when the ray runs along +z; along −z, x and y change places.
+        // The axes x, y, z stay right-handed if the ray runs along +z; along −z, x and y are swapped.
         let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
         let (x, y) = if direction[z] < 0.0 { (y, x) } else { (x, y) };
         let shear = [direction[x] / direction[z], direction[y] / direction[z], inverse[z]];
@@ -105,7 +106,7 @@ impl Ray {
     }
 }
 
-/// What is left of a number when it has been rounded to single precision.
+/// The remainder of a number after rounding to single precision.
 #[inline(always)]
 pub(super) fn low_part(x: f64) -> f32 {
     (x - f64::from(x as f32)) as f32
@@ -114,11 +115,11 @@ pub(super) fn low_part(x: f64) -> f32 {
 /// The nearest hit so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Nearest {
-    /// In units of the ray's scaled direction; +∞ without a hit.
+    /// t of the hit, in units of the ray's scaled direction; +∞ without a hit.
     pub(crate) t: f64,
     /// Block × 16 + lane; [`NONE`](crate::scene::tree::NONE) without a hit.
     pub(crate) slot: u32,
-    /// Boxes and triangles that begin beyond this cannot matter.
+    /// Boxes and triangles that begin beyond this t cannot be nearer.
     pub(super) limit: f32,
 }
 
@@ -129,8 +130,8 @@ impl Nearest {
         Self { t: f64::INFINITY, slot: crate::scene::tree::NONE, limit: ray.range[1] }
     }
 
-    /// Takes a hit if it is nearer. Of two at the same place the lower slot counts, so that the order in which
-    /// they are found does not.
+    /// Stores a hit if it is nearer. Of two at the same distance, the lower slot counts, so that the order in which
+    /// they are found does not matter.
     #[inline(always)]
     pub(super) fn offer(&mut self, ray: &Ray, t: f64, slot: u32) {
         let inside = t >= f64::from(ray.range[0]) && t <= f64::from(ray.range[1]);

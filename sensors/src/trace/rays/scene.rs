@@ -1,8 +1,8 @@
-//! Rays among the instances of a scene.
+//! Rays in a scene.
 //!
-//! The tree over the instances is walked ray by ray, front to back; at an instance the ray goes on in the
-//! instance's own frame: through a mesh's tree or a height field's, or to the kernel of a solid. If all there is
-//! is one mesh, sixteen rays at a time go straight through its tree.
+//! Each ray walks the tree over the instances, front to back. At an instance, it continues in the instance's own frame:
+//! through the tree of a mesh or a height field, or in the kernel of a solid. If the scene consists of a single mesh,
+//! sixteen rays at a time traverse its tree directly.
 
 use super::doubt_of;
 use super::ray::{FrameRay, Nearest, Ray};
@@ -15,31 +15,31 @@ use crate::trace::shapes::match_solid;
 use fearless_simd::Simd;
 use glam::{DMat3, DVec3};
 
-/// Where a ray hits a scene.
+/// The hit of a ray in a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct SceneHit {
-    /// In units of the ray's direction.
+    /// t, in units of the ray's direction.
     pub(crate) t: f64,
-    /// Index among the placed instances; [`NONE`] on a miss.
+    /// The index among the placed instances; [`NONE`] for a miss.
     pub(crate) placed: u32,
-    /// Block × 16 + lane in a mesh or height field, else 0.
+    /// Block × 16 + lane for a mesh or height field, otherwise 0.
     pub(crate) slot: u32,
 }
 
-/// Memory for the children that wait, above and below the instances.
+/// Memory for the waiting children of the tree over the instances and of the instance's own tree.
 pub(crate) struct Stacks {
     instances: [Waiting; STACK],
     triangles: [Waiting; STACK],
 }
 
 impl Stacks {
-    /// Nothing waits.
+    /// No waiting children.
     pub(crate) const fn new() -> Self {
         Self { instances: [Waiting::NONE; STACK], triangles: [Waiting::NONE; STACK] }
     }
 }
 
-/// A ray in the frame of an instance.
+/// Transforms a ray to the frame of an instance.
 pub(super) fn in_instance(placed: &Placed, ray: &FrameRay) -> [DVec3; 2] {
     let inverse = DMat3::from_cols_array_2d(&placed.inverse).transpose();
     let origin = DVec3::from_array(placed.origin_in_instance) + inverse * wide(ray.origin);
@@ -50,7 +50,7 @@ fn wide(v: [f32; 3]) -> DVec3 {
     DVec3::new(v[0].into(), v[1].into(), v[2].into())
 }
 
-/// The tree of a mesh that is placed.
+/// The tree of a placed mesh.
 pub(crate) fn mesh_tree<'a>(view: &View<'a>, placed: &Placed) -> MeshTree<'a> {
     let mesh = &view.scene.meshes[view.scene.instances[placed.instance as usize].mesh as usize];
     MeshTree {
@@ -59,7 +59,7 @@ pub(crate) fn mesh_tree<'a>(view: &View<'a>, placed: &Placed) -> MeshTree<'a> {
     }
 }
 
-/// Finds the nearest hit of a ray on any instance; with `ANY`, just some hit.
+/// Finds the nearest hit of a ray on any instance; with `ANY`, any hit.
 #[inline(always)]
 pub(crate) fn hit_in_view<const ANY: bool, S: Simd>(
     simd: S,
@@ -83,7 +83,7 @@ pub(crate) fn hit_in_view<const ANY: bool, S: Simd>(
             if ANY && hit.placed != NONE {
                 return f32::NEG_INFINITY;
             }
-            // A hair more: boxes and hits are rounded.
+            // Slightly more, because boxes and hits are rounded.
             let t = (hit.t / f64::from(frame_ray.unit) * (1.0 + 1e-6)) as f32;
             if t < frame_ray.range[1] { t } else { frame_ray.range[1] }
         },
@@ -91,7 +91,7 @@ pub(crate) fn hit_in_view<const ANY: bool, S: Simd>(
     hit
 }
 
-/// Takes what the ray hits of one instance, if it is nearer than what it has hit.
+/// Stores the ray's hit on one instance if it is nearer than its hit so far.
 #[inline(always)]
 fn hit_instance<S: Simd>(
     simd: S,
@@ -108,7 +108,7 @@ fn hit_instance<S: Simd>(
     let from = f64::from(ray.range[0]);
     let (origin, direction) = (origin.to_array(), direction.to_array());
     let nearest_in = |stack: &mut Stack, triangles: Triangles| {
-        // No farther than the hit so far, but for what rounding to single precision may hide.
+        // No farther than the hit so far, plus the rounding error of single precision.
         let limit = (hit.t * (1.0 + 1e-6)) as f32;
         let range = [ray.range[0], if limit < ray.range[1] { limit } else { ray.range[1] }];
         let (nearest, unit) = match triangles {

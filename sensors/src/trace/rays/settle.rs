@@ -1,4 +1,4 @@
-//! Where exactly triangles are hit, in double precision, sixteen rays at a time.
+//! The exact hits on triangles, in double precision, sixteen rays at a time.
 
 use super::block;
 use super::bundle::{Bundle, PerRay, RAYS, load};
@@ -7,13 +7,13 @@ use crate::scene::tree::NONE;
 use crate::simd::{WIDTH, sqrt};
 use fearless_simd::{Simd, SimdBase, f32x16, f64x8, prelude::*};
 
-/// What is known of the hits of a bundle.
+/// The exact hits of a bundle.
 pub(super) struct Settled {
-    /// In units of the scaled direction; anything without a hit.
+    /// t, in units of the scaled direction; undefined without a hit.
     pub(super) t: PerRay<f64>,
-    /// Normal of the triangle, of length twice its area.
+    /// The normal of the triangle, with a length of twice its area.
     pub(super) normal: [PerRay<f64>; 3],
-    /// One over that length.
+    /// The reciprocal of that length.
     pub(super) per_length: PerRay<f64>,
     corners: [[PerRay<f32>; 3]; 3],
 }
@@ -52,14 +52,14 @@ impl Settled {
         }
     }
 
-    /// Sine of the angle between a ray and the plane that it hits, times a length in [1, 2√3).
+    /// The sine of the angle between a ray and the plane that it hits, times a length in [1, 2√3).
     #[inline(always)]
     pub(super) fn sine(&self, bundle: &Bundle, id: usize) -> f64 {
         let along = |axis: usize| self.normal[axis][id] * f64::from(bundle.direction[axis][id]);
         (along(0) + along(1) + along(2)) * self.per_length[id]
     }
 
-    /// Works out the normal of another triangle for a ray.
+    /// Computes the normal of another triangle for a ray.
     pub(super) fn take_normal(&mut self, tree: MeshTree<'_>, id: usize, slot: u32) {
         let Some(block) = tree.blocks.get(slot as usize / WIDTH) else { return };
         let normal = block::normal(block, slot as usize % WIDTH);
@@ -105,7 +105,7 @@ impl Settled {
         );
     }
 
-    /// A corner relative to the origin.
+    /// A corner relative to the origin, in double precision.
     #[inline(always)]
     fn widened<S: Simd>(
         &self,

@@ -1,4 +1,4 @@
-//! The way of one ray through a mesh's tree, front to back.
+//! Traversal of a mesh's tree by one ray, front to back.
 
 use super::block::{self, SLACK};
 use super::node;
@@ -10,19 +10,19 @@ use bytemuck::{Pod, Zeroable};
 use core::borrow::Borrow;
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*, u32x16};
 
-/// Room for the children that wait: fifteen a level, and sixteen that are being sorted in.
+/// The number of stack entries: fifteen waiting children per level, and sixteen that are being sorted.
 pub(super) const STACK: usize = (WIDTH - 1) * MAX_DEPTH + WIDTH;
 
 /// The tree of one mesh.
 #[derive(Debug, Clone, Copy)]
 pub struct MeshTree<'a> {
-    /// Boxes; the first is the root.
+    /// The nodes with their boxes; the first is the root.
     pub nodes: &'a [WideNode],
-    /// Triangles.
+    /// The leaves with their triangles.
     pub blocks: &'a [TriangleBlock],
 }
 
-/// A child that waits: its entry distance's bits, and itself.
+/// A waiting child: the bits of its entry distance, and its index.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct Waiting {
@@ -34,18 +34,19 @@ impl Waiting {
     pub(super) const NONE: Self = Self { key: 0, child: 0 };
 }
 
-/// Children that wait, the nearest of each node on top: memory of [`STACK`] or more, whatever is in it.
+/// The waiting children, with the nearest of each node on top. At least [`STACK`] entries, whose previous contents do
+/// not matter.
 pub(crate) type Stack = [Waiting];
 
-/// What can be walked: nodes of children, leaves of triangles.
+/// A tree that can be traversed: nodes with children, leaves with triangles.
 pub(crate) trait Branches: Copy {
-    /// A node, lent or made.
+    /// A node, borrowed or generated.
     type Node: core::borrow::Borrow<WideNode>;
-    /// A leaf, lent or made.
+    /// A leaf, borrowed or generated.
     type Block: core::borrow::Borrow<TriangleBlock>;
-    /// The node of that index.
+    /// The node with this index.
     fn node(self, index: u32) -> Option<Self::Node>;
-    /// The leaf of that index.
+    /// The leaf with this index.
     fn block(self, index: u32) -> Option<Self::Block>;
 }
 
@@ -79,7 +80,7 @@ impl Branches for &HeightGrid<'_> {
     }
 }
 
-/// Finds the nearest hit of the ray on the triangles of a tree that is nearer than `nearest`.
+/// Finds the nearest hit of the ray on the triangles of a tree, if it is nearer than `nearest`.
 #[inline(always)]
 pub(crate) fn nearest_in_tree<S: Simd>(
     simd: S,
@@ -107,8 +108,8 @@ pub(crate) fn nearest_in_tree<S: Simd>(
     );
 }
 
-/// Walks a tree front to back, and calls `leaf` for each leaf that the ray meets before the limit, in t, that it
-/// returned last; that is the end of the ray's range at first.
+/// Traverses a tree front to back, and calls `leaf` for each leaf that the ray hits before the limit. The limit is the
+/// value of t that `leaf` returned last, and at first the end of the ray's range.
 #[inline(always)]
 pub(crate) fn children_of<S: Simd>(
     simd: S,
@@ -148,8 +149,8 @@ pub(crate) fn children_of<S: Simd>(
     }
 }
 
-/// Puts the children of the mask on the stack, the nearest on top, and returns the new top. The rank of each is
-/// the number of those that are nearer: no branch depends on the order.
+/// Pushes the children of the mask, with the nearest on top, and returns the new number of entries. The position of
+/// each is the number of nearer children, so no branch depends on the order.
 #[inline(always)]
 fn push<S: Simd>(
     simd: S,
@@ -161,8 +162,8 @@ fn push<S: Simd>(
 ) -> usize {
     let count = mask.count_ones() as usize;
     let Some(room) = stack.get_mut(top..top + WIDTH) else { return top };
-    // t ≥ 0 orders like its bits (a negative t_min makes them large, which costs order, not hits); the lane in the
-    // last four makes them differ.
+    // t ≥ 0 has the same order as its bits. (A negative t_min makes them large, which changes the order, but loses no
+    // hits.) The lane in the last four bits makes them distinct.
     let lanes = u32x16::load_array_ref(simd, &LANE_NUMBERS);
     let keys = (near.bitcast::<u32x16<S>>() & !15_u32) | lanes;
     let array: [u32; WIDTH] = keys.into();

@@ -1,14 +1,14 @@
-//! Sixteen rays at once on their way through one mesh's tree.
+//! Traversal of one mesh's tree by sixteen rays at once.
 //!
-//! A ray by itself is a chain: box test, order, triangle test, distance, next box; each waits for the one before,
-//! for memory, and for branches that nobody can predict. So many rays are under way together. Each round takes
-//! every ray one node or one leaf further, in passes over all rays that do the same: boxes, triangles, nearest of
-//! the triangles, next child. Within a pass nothing depends on the ray before, and hardly a branch on the data, so
-//! the processor works on several rays, and waits for the memory of several, at once.
+//! A single ray is a chain of dependent steps: box test, sorting, triangle test, distance, next box. Each step waits
+//! for the previous one, for memory, and for branches that cannot be predicted. Many rays are therefore processed
+//! together. Each round advances every ray by one node or one leaf, in passes over all rays that do the same: boxes,
+//! triangles, nearest triangle, next child. Within a pass no ray depends on the one before, and hardly any branch
+//! depends on the data, so the processor works on several rays, and waits for the memory of several, at once.
 //!
-//! Single precision finds the nearest triangle; double precision then says where it is hit, and decides between
-//! triangles that are about equally near. Where the two disagree about what counts, the ray is walked once more,
-//! alone and in double precision ([`nearest_in_tree`]).
+//! The nearest triangle is found in single precision. Its exact hit is then computed in double precision, which also
+//! decides between triangles that are about equally near. If the two disagree about the hit, the ray traverses the tree
+//! again, alone and in double precision ([`nearest_in_tree`]).
 
 #![allow(clippy::needless_bitwise_bool, reason = "lazy operators become branches that nobody can predict")]
 
@@ -24,26 +24,27 @@ use bytemuck::{Pod, Zeroable};
 use fearless_simd::{Simd, SimdBase, f32x16, prelude::*};
 use glam::DVec3;
 
-/// Nodes on the way from the root whose children may wait, and the end; a ray that goes deeper is walked alone.
+/// The largest number of nodes on the path from the root with waiting children, and the end; a ray that goes deeper is
+/// traced alone.
 const LEVELS: usize = 16;
 
-/// The nearest t of a ray is known in single precision, which may be too small. Boxes and triangles are looked at up to
-/// this many times t, so that the true nearest hit is among what is looked at; a t in double precision that is larger
-/// than this says that the two disagree, and the ray is walked again by itself.
+/// The nearest t of a ray is known in single precision and may be too small. Boxes and triangles are tested up to this
+/// multiple of t, so that the true nearest hit is among the tested ones. If t in double precision is larger than this,
+/// the two disagree, and the ray is traced again, alone.
 pub(super) const AGREES: f32 = 1.0 + f32::from_bits((127 - 17) << 23); // 1 + 2⁻¹⁷
 
-/// Sine of the angle between a ray and a plane below which any hit is looked for in double precision.
+/// Below this sine of the angle between a ray and a plane, any hit must be confirmed in double precision.
 const LEAST_SINE: f64 = 1e-4;
 
-/// A t for each child of a node or triangle of a leaf: where a ray enters or meets it, +∞ for what it does not meet.
+/// A t for each child of a node or triangle of a leaf: where a ray enters or hits it, +∞ if it does not.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C, align(64))]
 struct Sixteen([f32; WIDTH]);
 
-// The room of the nodes on the way is that of the children that wait when a ray is walked alone.
+// The memory of the nodes on the path also holds the waiting children when a ray is traced alone.
 const _: () = assert!(LEVELS * RAYS * size_of::<Sixteen>() >= STACK * size_of::<Waiting>());
 
-/// Rays that wait for the same thing.
+/// Rays that wait for the same step.
 #[derive(Clone, Copy)]
 struct Queue {
     ids: PerRay<u8>,
@@ -53,7 +54,7 @@ struct Queue {
 impl Queue {
     const EMPTY: Self = Self { ids: [0; RAYS], length: 0 };
 
-    /// Adds the id if `really`, without a branch.
+    /// Adds the id if `really` is true, without a branch.
     #[inline(always)]
     fn push_if(&mut self, id: usize, really: bool) {
         self.ids[self.length % RAYS] = id as u8;
@@ -66,34 +67,34 @@ impl Queue {
     }
 }
 
-/// Where the nodes and leaves of the rays under way lie. Whatever is in it is written before it is read.
+/// Memory for the nodes and leaves of the rays. All of it is written before it is read.
 #[derive(Clone, Copy, Pod, Zeroable)]
 #[repr(C)]
 pub(crate) struct WaveScratch {
-    /// The end, and the nodes on the way of which some child waits …
+    /// The end, and t of the children of the nodes on the path that have waiting children …
     near: [PerRay<Sixteen>; LEVELS],
-    /// … and which these are.
+    /// … and the indices of these nodes.
     node: [PerRay<u32>; LEVELS],
     /// t of the triangles of a leaf.
     leaf: PerRay<Sixteen>,
 }
 
-/// Rays under way.
+/// Rays that are traced together.
 pub(crate) struct Wave<'m> {
     pub(super) bundle: Bundle,
     room: &'m mut WaveScratch,
-    /// How many nodes are in the room.
+    /// The number of nodes on each ray's path.
     depth: PerRay<u32>,
     /// The next node or leaf.
     child: PerRay<u32>,
-    /// What has to be walked alone.
+    /// The rays that must be traced alone.
     alone: Queue,
     /// The nearest hits in double precision.
     pub(super) settled: Settled,
 }
 
 impl<'m> Wave<'m> {
-    /// Nothing under way.
+    /// Creates an empty wave.
     #[inline(always)]
     pub(crate) fn new(room: &'m mut WaveScratch) -> Self {
         Self {
@@ -106,7 +107,7 @@ impl<'m> Wave<'m> {
         }
     }
 
-    /// Puts a ray of the mesh's frame into lane `id` of the bundle, to be prepared.
+    /// Sets a ray in the frame of the mesh in lane `id` of the bundle, which still has to be prepared.
     #[inline(always)]
     pub(crate) fn set(&mut self, id: usize, origin: DVec3, direction: DVec3, range: [f32; 2]) {
         let (high, along) = (origin.as_vec3().to_array(), direction.as_vec3().to_array());
@@ -114,8 +115,8 @@ impl<'m> Wave<'m> {
         self.bundle.set_low(id, origin, direction);
     }
 
-    /// Prepares the first `count` rays of the bundle and finds their nearest hits. Lanes that are left over in the last
-    /// sixteen have to be rays, too.
+    /// Prepares the first `count` rays of the bundle and finds their nearest hits. Unused lanes of the last sixteen
+    /// must also contain rays.
     #[inline(always)]
     pub(crate) fn cast<S: Simd>(
         &mut self,
@@ -128,15 +129,15 @@ impl<'m> Wave<'m> {
         self.nearest_hits(simd, tree, count, cull_back);
     }
 
-    /// t and slot of what a ray has hit; none if nothing.
+    /// t and slot of the hit of a ray, or `None` if it hits nothing.
     #[inline(always)]
     pub(crate) fn hit(&self, id: usize) -> Option<(f64, u32)> {
         let slot = self.bundle.hit[id][0];
         (slot != NONE).then(|| (self.settled.t[id] * f64::from(self.bundle.unit[id]), slot))
     }
 
-    /// Finds the nearest hits of the first `count` rays of the bundle, which has been prepared. Compiled once a level,
-    /// whoever casts.
+    /// Finds the nearest hits of the first `count` rays of the bundle, which must be prepared. Compiled once per level,
+    /// for all callers.
     #[inline(never)]
     pub(super) fn nearest_hits<S: Simd>(
         &mut self,
@@ -158,7 +159,7 @@ impl<'m> Wave<'m> {
         for id in 0..count.min(RAYS) {
             if self.bundle.hit[id][0] != NONE {
                 let t = self.settled.t[id];
-                // They disagree if t is more than was looked at, far less, out of range, or NaN.
+                // They disagree if t is beyond the tested range, far less, out of the ray's range, or NaN.
                 let agree = t <= f64::from(self.bundle.t[id] * AGREES + self.bundle.doubt)
                     && t >= f64::from(self.bundle.t[id] / SLACK - self.bundle.doubt)
                     && t >= f64::from(self.bundle.range[0][id])
@@ -172,15 +173,16 @@ impl<'m> Wave<'m> {
         }
     }
 
-    /// Finds for each of the first `count` rays of the bundle, which has been prepared, whether it hits anything:
-    /// its slot is then that of some triangle that it hits.
+    /// Finds out whether each of the first `count` rays of the bundle, which must be prepared, hits anything. Its slot
+    /// is then that of any of the triangles that it hits.
     #[inline(always)]
     pub(super) fn any_hits<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, count: usize, cull_back: bool) {
         self.walk::<true, S>(simd, tree, count, cull_back);
         self.settled.compute(simd, tree, &self.bundle, count);
         for id in 0..count.min(RAYS) {
             if self.bundle.hit[id][0] != NONE {
-                // Out of range after all, or a ray along the plane: single precision may have found it anywhere.
+                // Out of range after all, or the ray runs along the plane: single precision may then have found a hit
+                // anywhere.
                 let t = self.settled.t[id];
                 let sure = t >= f64::from(self.bundle.range[0][id])
                     && t <= f64::from(self.bundle.range[1][id])
@@ -199,7 +201,7 @@ impl<'m> Wave<'m> {
         }
     }
 
-    /// Walks the tree, for any hit or for the nearest, and leaves the hits in single precision.
+    /// Traverses the tree, for any hit or for the nearest, and stores the hits in single precision.
     #[inline(always)]
     fn walk<const ANY: bool, S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, count: usize, cull_back: bool) {
         let mut nodes = Queue::EMPTY;
@@ -207,7 +209,7 @@ impl<'m> Wave<'m> {
         self.alone.length = 0;
         for id in 0..count.min(RAYS) {
             (self.depth[id], self.child[id]) = (1, 0);
-            // What is left when nothing waits any more. It is never too far.
+            // The end, which is left when no other child waits. It is never too far.
             (self.room.near[0][id].0[0], self.room.node[0][id]) = (f32::NEG_INFINITY, NONE);
             nodes.push_if(id, true);
         }
@@ -236,7 +238,7 @@ impl<'m> Wave<'m> {
         }
     }
 
-    /// Room for a ray's way through a tree, while no rays are under way.
+    /// Memory for tracing a single ray through a tree, while no other rays are being traced.
     #[inline(always)]
     pub(crate) fn stack(&mut self) -> &mut Stack {
         bytemuck::cast_slice_mut(&mut self.room.near)
@@ -252,7 +254,7 @@ impl<'m> Wave<'m> {
         self.settled.take_normal(tree, id, nearest.slot);
     }
 
-    /// Lays the children of the next node on top of those that wait.
+    /// Adds the children of the next node to the waiting ones.
     #[inline(always)]
     fn enter_node<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize) {
         let Some(node) = tree.nodes.get(self.child[id] as usize) else { return };
@@ -264,7 +266,7 @@ impl<'m> Wave<'m> {
         self.depth[id] = depth as u32 + u32::from(any);
     }
 
-    /// Finds where the ray meets the triangles of the next leaf.
+    /// Computes where the ray hits the triangles of the next leaf.
     #[inline(always)]
     fn test_leaf<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize, cull_back: bool) {
         let Some(block) = tree.blocks.get((self.child[id] & !LEAF) as usize) else { return };
@@ -272,12 +274,12 @@ impl<'m> Wave<'m> {
         t.store_array(&mut self.room.leaf[id].0);
     }
 
-    /// Takes the nearest triangle of the leaf.
+    /// Stores the nearest triangle of the leaf.
     #[inline(always)]
     fn take_nearest<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize) {
         let t = f32x16::load_array_ref(simd, &self.room.leaf[id].0);
         let least = t.reduce_min();
-        // Of those within the slack, the first; should it not be the only one, they are compared.
+        // The first of the triangles within the slack; if there are several, they are compared.
         let limit = least * SLACK + self.bundle.doubt;
         let near = t.simd_le(f32x16::splat(simd, limit)).to_bitmask() as u32 & 0xffff;
         let before = self.bundle.t[id];
@@ -291,12 +293,12 @@ impl<'m> Wave<'m> {
         self.bundle.hit[id][usize::from(!hit)] = slot;
     }
 
-    /// Ends the way of a ray that hits a triangle of the leaf.
+    /// Ends the traversal of a ray that hits a triangle of the leaf.
     #[inline(always)]
     fn take_any<S: Simd>(&mut self, simd: S, tree: MeshTree<'_>, id: usize) {
         let t = f32x16::load_array_ref(simd, &self.room.leaf[id].0);
         let (from, to) = (self.bundle.range[0][id], self.bundle.range[1][id]);
-        // Beyond doubt: further inside the range than single precision may be wrong.
+        // Certain hits: further inside the range than the error of single precision.
         let to = if to < f32::MAX { to / SLACK - self.bundle.doubt } else { f32::MAX };
         let sure = t.simd_gt(f32x16::splat(simd, from + (from - self.bundle.least[id])))
             & t.simd_lt(f32x16::splat(simd, to));
@@ -313,7 +315,7 @@ impl<'m> Wave<'m> {
         self.depth[id] = if sure == 0 { self.depth[id] } else { 1 };
     }
 
-    /// Takes the nearest child that waits, of the deepest node, and queues the ray for it.
+    /// Takes the nearest waiting child of the deepest node, and queues the ray for it.
     #[inline(always)]
     fn next_child<S: Simd>(
         &mut self,
@@ -352,7 +354,7 @@ impl<'m> Wave<'m> {
         }
     }
 
-    /// Decides between the hit so far and triangles that lie at about the same distance.
+    /// Decides between the hit so far and triangles at about the same distance, in double precision.
     #[inline(never)]
     fn compare(&mut self, tree: &MeshTree<'_>, id: usize, mask: u32) {
         let index = self.child[id] & !LEAF;

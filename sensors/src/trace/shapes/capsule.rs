@@ -29,22 +29,22 @@ pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], [radius, half_length]: [T; 2]) 
     [x / radius, y / radius, (above + below) / radius]
 }
 
-/// A capsule before a sensor that is beside it, in axes in which the sensor has y = 0.
+/// A capsule, seen from a position beside it, in axes in which the sensor has y = 0.
 pub(crate) struct Outside {
     side: Side,
     radius_squared: f64,
     half_length: f64,
     height: f64,
-    /// The balls of the lower and the upper end.
+    /// The balls at the lower and the upper end.
     balls: [Ball; 2],
 }
 
-/// The ball of an end.
+/// The ball at an end.
 #[derive(Clone, Copy)]
 struct Ball {
-    /// Of the sensor over its centre.
+    /// The height of the sensor above its centre.
     height: f64,
-    /// Square of the distance of its centre.
+    /// The square of the distance from the sensor to its centre.
     distance_squared: f64,
     per_power: f64,
 }
@@ -58,7 +58,7 @@ impl Ball {
 }
 
 impl Outside {
-    /// None for a sensor before an end as well.
+    /// Returns `None` if the sensor is inside the endless cylinder, which includes positions beyond an end.
     pub(super) fn new(
         origin: [f64; 3],
         [radius, half_length]: [f64; 2],
@@ -71,12 +71,12 @@ impl Outside {
         Some(Self { side, radius_squared: radius * radius, half_length, height, balls })
     }
 
-    /// 1/t of a ray.
+    /// 1/t at which a ray first hits the capsule; 0 or less for a miss.
     #[inline(always)]
     pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
         let ([inverse, _], meets) = self.side.ends(x, y);
-        // The height at which the ray enters the endless cylinder, over t. Beyond an end, what it may meet first is the
-        // ball there.
+        // The height at which the ray enters the endless cylinder, divided by t. Beyond an end, the ray can first hit
+        // the ball there.
         let height = self.height * inverse + z;
         let on_side = height.abs() <= self.half_length * inverse;
         let [lower, upper] = self.balls;

@@ -1,21 +1,22 @@
 //! Parts of the kernels of [`Outside`](super::outside::Outside): rays that share an origin outside a solid.
 
-/// A sensor whose distance from a surface is less than this share of the solid's size has too few digits of it.
+/// If the distance of the sensor from a surface is less than this fraction of the solid's size, it has too few accurate
+/// digits.
 const BESIDE: f64 = 1e-6;
 
-/// The power of a point with respect to a circle or a ball: distance² − radius². `None` where the point is so close to
-/// the surface that the difference has too few digits.
+/// The power of a point with respect to a circle or a ball: distance² − radius². `None` if the point is so close to the
+/// surface that the difference has too few accurate digits.
 pub(super) fn power_of_point(distance: f64, radius: f64) -> Option<f64> {
     let power = (distance - radius) * (distance + radius);
     (power.abs() > BESIDE * radius * radius).then_some(power)
 }
 
-/// The slab |x| ≤ `half` of one axis: 1/t of where rays enter and leave it.
+/// The slab |x| ≤ `half` of one axis, which gives 1/t at which rays enter and leave it.
 #[derive(Clone, Copy)]
 pub(super) struct Slab {
-    /// What 1/t is for a direction of 1, and what is added: ∞ for rays that start in it.
+    /// A factor for the direction, and a summand, which is ∞ for rays that start inside.
     enter: [f64; 2],
-    /// The planes by which rays may leave.
+    /// The same factor for leaving, for the two signs of the direction.
     leave: [f64; 2],
 }
 
@@ -36,7 +37,7 @@ impl Slab {
         })
     }
 
-    /// Whether the origin of all rays lies between the faces.
+    /// Returns true if the common origin is between the faces.
     pub(super) fn is_around(&self) -> bool {
         self.enter[1] > 0.0
     }
@@ -52,7 +53,7 @@ impl Slab {
     }
 }
 
-/// 1/t of where a ray enters, or 0 where it leaves first and so misses.
+/// 1/t at which a ray enters, or 0 if it leaves before and so misses.
 #[inline(always)]
 pub(super) fn first(enter: f64, leave: f64) -> f64 {
     if enter >= leave { enter } else { 0.0 }

@@ -26,7 +26,7 @@ pub(crate) fn surface(point: DVec3, half: DVec3) -> Surface {
     flat(normal, point, [right * per_metre, up * per_metre])
 }
 
-/// Across which axis the face lies that a point is nearest to, and on which side.
+/// The axis that is perpendicular to the face nearest to a point, and the sign of its side.
 #[inline(always)]
 fn face<T: Real>([x, y, z]: [T; 3], [a, b, c]: [T; 3]) -> ([bool; 3], T) {
     let [to_x, to_y, to_z] = [a - x.abs(), b - y.abs(), c - z.abs()];
@@ -49,7 +49,7 @@ pub(crate) fn normal<T: Real>(point: [T; 3], half: [T; 3]) -> [T; 3] {
     [when(on_x), when(on_y), when(on_z)]
 }
 
-/// A box before a sensor that is outside.
+/// A box, seen from outside.
 pub(crate) struct Outside([Slab; 3]);
 
 impl Outside {
@@ -59,7 +59,7 @@ impl Outside {
         (!slabs.iter().all(Slab::is_around)).then_some(Self(slabs))
     }
 
-    /// 1/t of a ray.
+    /// 1/t at which a ray first hits the box; 0 or less for a miss.
     #[inline(always)]
     pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
         let Self([across_x, across_y, across_z]) = self;

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 #[inline(always)]
 pub(crate) fn inside([x, y, z]: [f64; 3], [dx, dy, dz]: [f64; 3], [radius, half_length]: [f64; 2]) -> Inside {
-    // Along the axis: inside for good, or never.
+    // A ray along the axis is either always inside or never.
     let along = dot([dx, dy], [dx, dy]) <= 0.0;
     let round = Inside::ball([x, y], [if along { 1.0 } else { dx }, dy], radius);
     let never = dot([x, y], [x, y]) > radius * radius;
@@ -30,7 +30,7 @@ pub(crate) fn surface(point: DVec3, [radius, half_length]: [f64; 2]) -> Surface 
     if is_end { end } else { side }
 }
 
-/// Whether a point of the surface is on an end, and the sign of z.
+/// Returns true if a point of the surface is on an end, and the sign of z.
 #[inline(always)]
 fn end<T: Real>([x, y, z]: [T; 3], [radius, half_length]: [T; 2]) -> (bool, T) {
     let sign = if z < T::ZERO { -T::ONE } else { T::ONE };
@@ -46,13 +46,13 @@ pub(crate) fn normal<T: Real>(point: [T; 3], [radius, half_length]: [T; 2]) -> [
     if is_end { [zero, zero, sign] } else { [x / radius, y / radius, zero] }
 }
 
-/// An endless cylinder before a sensor, in axes in which the sensor has y = 0. The sensor may be in it.
+/// An endless cylinder, in axes in which the sensor has y = 0. The sensor may be inside.
 #[derive(Clone, Copy)]
 pub(super) struct Side {
     radius_squared: f64,
-    /// Of the axis.
+    /// The distance from the sensor to the axis.
     pub(super) distance: f64,
-    /// The square of a tangent's length; negative within.
+    /// The square of the length of a tangent from the sensor; negative inside.
     power: f64,
     per_power: f64,
 }
@@ -67,12 +67,13 @@ impl Side {
         Some(Self { radius_squared: radius * radius, distance, power, per_power: 1.0 / power })
     }
 
-    /// Whether the sensor is in it.
+    /// Returns true if the sensor is inside.
     pub(super) fn is_around(&self) -> bool {
         self.power < 0.0
     }
 
-    /// 1/t of where a ray enters, if the sensor is outside, and of where it leaves; and whether it meets it.
+    /// 1/t at which a ray enters, if the sensor is outside, and at which it leaves; and whether the ray hits the
+    /// cylinder.
     #[inline(always)]
     pub(super) fn ends(&self, x: f64, y: f64) -> ([f64; 2], bool) {
         let discriminant = self.radius_squared * (x * x) - self.power * (y * y);
@@ -82,11 +83,11 @@ impl Side {
     }
 }
 
-/// A cylinder before a sensor that is outside.
+/// A cylinder, seen from outside.
 pub(crate) struct Outside {
     side: Side,
     ends: Slab,
-    /// Added to 1/t of entering by the side: ∞ for a sensor before an end.
+    /// Added to 1/t of entering through the side: ∞ if the sensor is inside the endless cylinder, beyond an end.
     before_end: f64,
 }
 
@@ -102,7 +103,7 @@ impl Outside {
         (!(side.is_around() && ends.is_around())).then_some(Self { side, ends, before_end })
     }
 
-    /// 1/t of a ray.
+    /// 1/t at which a ray first hits the cylinder; 0 or less for a miss.
     #[inline(always)]
     pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
         let ([enter, leave], meets) = self.side.ends(x, y);

@@ -1,4 +1,4 @@
-//! Ellipsoids along the axes: the unit ball in a frame that is stretched to it.
+//! Ellipsoids along the axes, as the unit ball in a scaled frame.
 
 use super::common_origin::turn;
 use super::real::Real;
@@ -6,14 +6,14 @@ use super::surface::{Surface, around};
 use super::{Inside, sphere};
 use glam::DVec3;
 
-/// Takes the reciprocals of the radii.
+/// The parameters are the reciprocals of the radii.
 #[inline(always)]
 pub(crate) fn inside([x, y, z]: [f64; 3], [dx, dy, dz]: [f64; 3], inverse_radii: [f64; 3]) -> Inside {
     let [a, b, c] = inverse_radii;
     Inside::ball([x * a, y * b, z * c], [dx * a, dy * b, dz * c], 1.0)
 }
 
-/// Takes the radii; as the unit ball in its own stretched frame.
+/// The parameters are the radii. Texture coordinates are those of the unit ball in the scaled frame.
 #[inline(always)]
 pub(crate) fn surface(point: DVec3, [a, b, c]: [f64; 3]) -> Surface {
     let inverse = DVec3::new(1.0 / a, 1.0 / b, 1.0 / c);
@@ -26,14 +26,14 @@ pub(crate) fn surface(point: DVec3, [a, b, c]: [f64; 3]) -> Surface {
     }
 }
 
-/// Takes the radii.
+/// The parameters are the radii.
 #[inline(always)]
 pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], [a, b, c]: [T; 3]) -> [T; 3] {
     let [a, b, c] = [T::ONE / a, T::ONE / b, T::ONE / c];
     [x * a * a, y * b * b, z * c * c]
 }
 
-/// Takes the radii.
+/// The parameters are the radii.
 pub(super) fn outside(
     [x, y, z]: [f64; 3],
     radii: [f64; 3],

@@ -1,12 +1,12 @@
-//! One shape a file: where a ray meets it, and what it shows there.
+//! Shapes, one per file: the intersection with a ray, and the properties of the surface.
 //!
-//! Kernels work on one ray in the shape's own frame, in f64, which leaves errors far below what an f32 result
-//! shows even for grazing rays. Each is a pure function without branches, so that a loop over lanes around it
-//! is vectorised; [`match_solid!`] picks the function once for the whole loop.
+//! Kernels process one ray in the shape's own frame, in f64, whose errors are far below what an f32 result can show
+//! even for grazing rays. Each is a pure function without branches, so that a loop over lanes around it is vectorised;
+//! [`match_solid!`] selects the function once for the whole loop.
 //!
-//! A convex solid gives the interval of t in which the ray is inside ([`Inside`]). A ray's origin may lie far
-//! away compared with the shape: squares are taken of what is left near the shape only, so that nothing is lost
-//! by cancellation (Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection").
+//! For a convex solid, the result is the interval of t in which the ray is inside ([`Inside`]). The origin of a ray may
+//! be far away compared with the size of the shape, so squares are only computed of distances near the shape, where
+//! nothing is lost by cancellation (Haines et al. 2019, "Precision Improvements for Ray/Sphere Intersection").
 
 pub(crate) mod capsule;
 mod common_origin;
@@ -33,12 +33,12 @@ use glam::DVec3;
 use real::Real;
 use surface::Surface;
 
-/// Evaluates `$body` with `$inside` bound to the kernel of a [`Solid`] of that size: a
-/// `Fn(origin: [f64; 3], direction: [f64; 3]) -> Inside` for rays in the instance's own (unscaled) frame.
+/// Evaluates `$body` with `$inside` bound to the kernel of a [`Solid`] of the given size: a `Fn(origin: [f64; 3],
+/// direction: [f64; 3]) -> Inside` for rays in the instance's own (unscaled) frame.
 ///
-/// The match is outside of `$body`, which is compiled once per kind: put the loop over lanes into it, and let it
-/// do nothing but fill an array of its own with [`Inside::first`]. If it changed hits in place, LLVM would make
-/// masked stores of that, which take four times as long as all the rest at AVX2.
+/// The match is outside of `$body`, which is compiled once per kind: put the loop over lanes into it, and only fill a
+/// separate array with [`Inside::first`] in that loop. If it changed hits in place, LLVM would generate masked stores,
+/// which take four times as long as everything else at AVX2.
 macro_rules! match_solid {
     ($solid:expr, $size:expr, $inside:ident => $body:expr) => {{
         use $crate::scene::Solid;
@@ -68,7 +68,7 @@ macro_rules! match_solid {
 }
 pub(crate) use match_solid;
 
-/// The surface of a solid at a point on it. Of a constant solid nothing is left of the match.
+/// The surface of a solid at a point on it. If `solid` is a constant, the match is compiled away.
 #[inline(always)]
 pub(crate) fn solid_surface(solid: Solid, size: [f64; 3], point: DVec3) -> Surface {
     let [a, b, c] = size;
@@ -84,7 +84,7 @@ pub(crate) fn solid_surface(solid: Solid, size: [f64; 3], point: DVec3) -> Surfa
     }
 }
 
-/// The outward normal of a solid at a point of its surface, of whatever length above 0.
+/// The outward normal of a solid at a point of its surface, of any positive length.
 #[inline(always)]
 pub(crate) fn solid_normal<T: Real>(solid: Solid, size: [T; 3], point: [T; 3]) -> [T; 3] {
     let [a, b, _] = size;
@@ -99,7 +99,7 @@ pub(crate) fn solid_normal<T: Real>(solid: Solid, size: [T; 3], point: [T; 3]) -
     }
 }
 
-/// Its argument: only as an argument may a closure be marked as to be inlined.
+/// Returns its argument. Only a closure that is passed as an argument can be marked for inlining.
 #[inline(always)]
 pub(crate) fn kernel<F: Fn([f64; 3], [f64; 3]) -> Inside>(inside: F) -> F {
     inside
@@ -119,10 +119,10 @@ impl LocalRays {
     }
 }
 
-/// Where a ray is inside a convex solid; empty when `enter` > `exit`.
+/// The interval of t in which a ray is inside a convex solid; empty if `enter` > `exit`.
 ///
-/// A surface without a volume, such as a rectangle, is entered by a ray that meets its outside and left by one
-/// that meets its inside; the other end lies at infinity.
+/// A surface without a volume, such as a rectangle, is entered by a ray that hits its outside and left by one that hits
+/// its inside; the other end of the interval is infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Inside {
     pub(crate) enter: f64,
@@ -132,8 +132,8 @@ pub(crate) struct Inside {
 impl Inside {
     pub(crate) const EVERYWHERE: Self = Self { enter: f64::NEG_INFINITY, exit: f64::INFINITY };
 
-    /// The least t ≥ `t_min` at which the ray meets the surface: from outside only, unless `both` sides count.
-    /// ∞ when it does not.
+    /// The least t ≥ `t_min` at which the ray hits the surface, from outside only unless `both` sides count; ∞ if it
+    /// does not.
     #[inline(always)]
     pub(crate) fn first(self, t_min: f64, both: bool) -> f64 {
         let leaving = if both && self.exit >= t_min { self.exit } else { f64::INFINITY };
@@ -141,7 +141,7 @@ impl Inside {
         if self.enter <= self.exit { t } else { f64::INFINITY }
     }
 
-    /// This where the condition holds, else nothing.
+    /// Returns this interval if the condition holds, otherwise an empty one.
     #[inline(always)]
     pub(crate) fn when(self, condition: bool) -> Self {
         Self {
@@ -158,10 +158,10 @@ impl Inside {
         }
     }
 
-    /// The smallest interval that holds both; right for the parts of a convex solid.
+    /// The smallest interval that contains both; correct for the parts of a convex solid.
     #[inline(always)]
     pub(crate) fn hull(self, other: Self) -> Self {
-        // Empty ones as +∞ … −∞, which the compares then pass over.
+        // Empty intervals become +∞ … −∞, which the comparisons then ignore.
         let (a, b) = (self.when(self.enter <= self.exit), other.when(other.enter <= other.exit));
         Self {
             enter: if b.enter < a.enter { b.enter } else { a.enter },
@@ -169,23 +169,23 @@ impl Inside {
         }
     }
 
-    /// Where a ray with that origin and direction along one axis lies in [−half, half].
+    /// The interval in which a ray with this origin and direction along one axis is in [−half, half].
     #[inline(always)]
     pub(crate) fn slab(origin: f64, direction: f64, half: f64) -> Self {
-        // A direction of exactly 0 gives ±∞ as it should; on the face itself 0·∞ is NaN, and the compares below
-        // then make it a miss.
+        // A direction of exactly 0 gives ±∞, as it should. On the face itself, 0·∞ is NaN, and the comparisons below
+        // make it a miss.
         let inverse = 1.0 / direction;
         let (a, b) = ((-half - origin) * inverse, (half - origin) * inverse);
         let ascending = a < b;
         Self { enter: if ascending { a } else { b }, exit: if ascending { b } else { a } }
     }
 
-    /// Where |o + t·d| ≤ r in as many dimensions as the arrays have, for d ≠ 0.
+    /// The interval in which |o + t·d| ≤ r, in as many dimensions as the arrays have, for d ≠ 0.
     #[inline(always)]
     pub(crate) fn ball<const N: usize>(o: [f64; N], d: [f64; N], radius: f64) -> Self {
         let inverse = 1.0 / dot(d, d);
         let middle = -dot(o, d) * inverse;
-        // From the ray's point that is nearest to the centre, half a chord back and forth.
+        // Half a chord back and forth from the ray's point nearest to the centre.
         let mut nearest = o;
         for axis in 0..N {
             nearest[axis] = o[axis] + middle * d[axis];
@@ -205,7 +205,7 @@ pub(crate) fn dot<const N: usize>(a: [f64; N], b: [f64; N]) -> f64 {
     sum
 }
 
-/// Takes the solid's surface as the packet's nearest hit where it is nearer than what was there.
+/// Stores a hit on the solid's surface as the packet's nearest hit if it is nearer than the previous one.
 #[inline(always)]
 pub(crate) fn commit(
     rays: &LocalRays,

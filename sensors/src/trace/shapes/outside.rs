@@ -1,15 +1,15 @@
-//! Where rays from one point outside a solid meet it first: 1/t, without a division.
+//! The first hits of rays from one point outside a solid: 1/t, without a division.
 //!
-//! Rays of a picture share their origin. Then 1/t of a plane is linear in the direction, and 1/t of a ball or a
-//! cylinder is the greater root of c·u² + 2·b·u + a = 0, whose c is the same for all rays. What is the same is worked
-//! out once, in axes in which the origin has few coordinates, and what is left for a ray is some products and at most
-//! two square roots: a third of what [`Inside`](super::Inside) takes. In double precision as there, and to as many
-//! digits.
+//! The rays of a picture share their origin. Then 1/t of a plane is linear in the direction, and 1/t of a ball or a
+//! cylinder is the greater root of c·u² + 2·b·u + a = 0, whose c is the same for all rays. Everything that all rays
+//! have in common is computed once, in axes in which the origin has few coordinates. For each ray, only some products
+//! and at most two square roots remain: a third of the cost of [`Inside`](super::Inside), in double precision and with
+//! the same accuracy.
 
 use super::{capsule, cuboid, cylinder, ellipsoid, rectangle, sphere};
 use crate::scene::Solid;
 
-/// A solid before a sensor.
+/// A solid, seen from outside.
 pub(crate) enum Outside {
     Box(cuboid::Outside),
     Flat(rectangle::Outside),
@@ -18,8 +18,8 @@ pub(crate) enum Outside {
     Capsule(capsule::Outside),
 }
 
-/// Evaluates an expression for the kernel that there is, which has `inverse`: 1/t of a ray by its direction in the axes
-/// that [`Outside::new`] tells, or nothing above 0.
+/// Evaluates an expression for the kernel of an [`Outside`]. Its `inverse` returns 1/t of a ray, given by its direction
+/// in the axes that [`Outside::new`] returns, or 0 or less for a miss.
 macro_rules! match_outside {
     ($outside:expr, $kernel:ident => $body:expr) => {
         match $outside {
@@ -34,9 +34,10 @@ macro_rules! match_outside {
 pub(crate) use match_outside;
 
 impl Outside {
-    /// Of a solid of that size, seen from `origin`, by the rows of a matrix to the axes of the instance; and those of
-    /// the matrix to the axes of the kernel. None of a solid that the sensor is in or all but on, of one that shows its
-    /// inside, and of those that have no such kernel.
+    /// Creates the kernel of a solid of the given size, seen from `origin`, and returns it with the rows of the matrix
+    /// to the axes of the kernel; `rows` are those of the matrix to the axes of the instance. Returns `None` if the
+    /// sensor is inside the solid or almost on its surface, if it sees the inside of a surface that only counts from
+    /// outside, or if the solid has no such kernel.
     pub(crate) fn new(
         solid: Solid,
         size: [f64; 3],

@@ -1,4 +1,4 @@
-//! The plane z = 0, endless; all below it is inside.
+//! The endless plane z = 0; everything below it is inside.
 
 use super::Inside;
 use super::surface::Surface;
@@ -16,7 +16,7 @@ pub(crate) fn inside(origin: [f64; 3], direction: [f64; 3], (): ()) -> Inside {
     .when(up != 0.0)
 }
 
-/// u and v are metres.
+/// u and v are in metres.
 #[inline(always)]
 pub(crate) fn surface(point: DVec3) -> Surface {
     Surface { normal: DVec3::Z, uv: [point.x, point.y], uv_gradient: [DVec3::X, DVec3::Y] }

@@ -1,4 +1,4 @@
-//! Numbers that surfaces are worked out in: f64 where they are to be exact, f32 where there are many.
+//! The number types in which surfaces are computed: f64 where they must be exact, f32 where there are many.
 
 use core::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -23,12 +23,12 @@ pub(crate) fn normal<T: Real>([x, y, z]: [T; 3], radius: T) -> [T; 3] {
     [x / radius, y / radius, z / radius]
 }
 
-/// A ball before a sensor that is outside, in axes of which z points away from its centre.
+/// A ball, seen from outside, in axes in which z points away from its centre.
 pub(crate) struct Outside {
     radius_squared: f64,
-    /// Of the centre.
+    /// The distance from the sensor to the centre.
     distance: f64,
-    /// The square of a tangent's length.
+    /// The square of the length of a tangent from the sensor.
     power: f64,
     per_power: f64,
 }
@@ -44,7 +44,7 @@ impl Outside {
         Some(Self { radius_squared: radius * radius, distance, power, per_power: 1.0 / power })
     }
 
-    /// 1/t of a ray.
+    /// 1/t at which a ray first hits the ball; 0 or less for a miss.
     #[inline(always)]
     pub(crate) fn inverse(&self, [x, y, z]: [f64; 3]) -> f64 {
         let discriminant = self.radius_squared * (z * z) - self.power * (x * x + y * y);

@@ -1,4 +1,4 @@
-//! What a point of a surface shows: its normal, and where on a texture it lies.
+//! The properties of a point of a surface: its normal and its texture coordinates.
 
 use core::f64::consts::{PI, TAU};
 use glam::DVec3;
@@ -6,15 +6,15 @@ use glam::DVec3;
 /// A point of a surface, in the unscaled frame of its instance.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Surface {
-    /// Outwards; of whatever length above 0. The inverse transpose takes it to other frames.
+    /// The outward normal, of any positive length. The inverse transpose transforms it to other frames.
     pub(crate) normal: DVec3,
     /// Texture coordinates.
     pub(crate) uv: [f64; 2],
-    /// Change of u and of v per metre along each axis.
+    /// The change of u and of v per metre along each axis.
     pub(crate) uv_gradient: [DVec3; 2],
 }
 
-/// A flat face centred on the origin of u and v, which run from 0 to 1 over it.
+/// A flat face; u and v run from 0 to 1 over it, with the origin in the middle.
 #[inline(always)]
 pub(crate) fn flat(normal: DVec3, point: DVec3, uv_gradient: [DVec3; 2]) -> Surface {
     let [u, v] = uv_gradient;
@@ -25,7 +25,7 @@ pub(crate) fn flat(normal: DVec3, point: DVec3, uv_gradient: [DVec3; 2]) -> Surf
 #[inline(always)]
 pub(super) fn around(point: DVec3, normal: DVec3, [low, high]: [f64; 2]) -> Surface {
     let squared = point.x * point.x + point.y * point.y;
-    // At the very poles u changes without limit.
+    // At the poles, the change of u is unlimited.
     let least = 1e-12 * (high - low) * (high - low);
     let per_turn = 1.0 / (if squared > least { squared } else { least } * TAU);
     let along = 1.0 / (high - low);

@@ -1,4 +1,4 @@
-//! Kernels where they are weakest, one ray at a time.
+//! Edge cases of the kernels, one ray at a time.
 
 use super::outside::{Outside, match_outside};
 use super::{Inside, match_solid};
@@ -26,7 +26,7 @@ fn first(shape: Shape, origin: [f64; 3], direction: [f64; 3], both: bool) -> f64
 }
 
 #[test]
-fn down_the_axis() {
+fn rays_along_the_axis() {
     // All of them reach up to z = 1, or are flat.
     for shape in SHAPES {
         let flat = matches!(shape, Shape::Rectangle { .. } | Shape::Plane);
@@ -42,12 +42,12 @@ fn down_the_axis() {
 }
 
 #[test]
-fn away_from_it() {
+fn rays_that_point_away_miss() {
     for shape in SHAPES {
         for direction in [[0.0, 0.0, 1.0], [0.1, -0.2, 3.0], [1e-300, 0.0, 1.0]] {
             assert_eq!(first(shape, [0.0, 0.0, 5.0], direction, true), f64::INFINITY, "{shape:?}");
         }
-        // Beside it, along each axis and in between: exact zeros among the components.
+        // Beside it, along each axis and in between, so that some components are exactly zero.
         for direction in
             [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 1.0], [-0.0, -0.0, 1.0]]
         {
@@ -58,20 +58,20 @@ fn away_from_it() {
 }
 
 #[test]
-fn from_the_surface_itself() {
-    // The top, looking down: t = 0, from outside.
+fn rays_from_the_surface() {
+    // From the top, looking down: t = 0, from outside.
     for shape in SHAPES {
         let flat = matches!(shape, Shape::Rectangle { .. } | Shape::Plane);
         let top = if flat { 0.0 } else { 1.0 };
         let t = first(shape, [0.0, 0.0, top], [0.0, 0.0, -1.0], false);
         assert_eq!(t, 0.0, "{shape:?}");
-        // … and along it: no ray lies in a surface for long, whatever the answer is it is a number.
+        // … and along it. Rays along a surface may hit or miss it; the result only has to be a number.
         for direction in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 0.0]] {
             let t = first(shape, [0.0, 0.0, top], direction, true);
             assert!(!t.is_nan(), "{shape:?} {direction:?}");
         }
     }
-    // Along the side of a cone, which is all the surface there is: a = 0 in its equation.
+    // Along the side of a cone, which is a straight line on the surface: a = 0 in its equation.
     let t = first(SHAPES[7], [0.5, 0.0, -1.0], [-0.5, 0.0, 2.0], true);
     assert!(!t.is_nan());
     // In the plane of a rectangle or an endless plane: a miss.
@@ -102,7 +102,7 @@ fn inverse_from_outside(shape: Shape, origin: [f64; 3], direction: [f64; 3], bot
 }
 
 #[test]
-fn from_outside_it_is_the_same() {
+fn kernels_for_outside_origins_give_the_same() {
     let mut next = random_numbers();
     for shape in SHAPES {
         let (mut hits, mut misses, mut without) = (0, 0, 0);
@@ -111,7 +111,7 @@ fn from_outside_it_is_the_same() {
             let mut origin = [next() * far, next() * far, next() * far];
             let target = [next() * 2.0, next() * 2.0, next() * 2.5];
             let mut direction: [f64; 3] = core::array::from_fn(|axis| target[axis] - origin[axis]);
-            // Some along an axis or in a plane of symmetry, and some that look away.
+            // Some rays are along an axis or in a plane of symmetry, and some look away.
             if number % 7 == 0 {
                 direction[number / 7 % 3] = 0.0;
             }
@@ -128,12 +128,12 @@ fn from_outside_it_is_the_same() {
                 without += 1;
                 continue;
             };
-            // A ray that passes by a rim hits it or not, by rounding.
+            // A ray near a rim may hit or miss it because of rounding.
             let t = 1.0 / inverse;
             let tolerance = 1e-11 * (1.0 + far / expected.abs().min(far));
             if inverse > 0.0 && expected.is_finite() {
                 hits += 1;
-                // Where a ray all but touches a round side, 1/t is a root of next to nothing.
+                // If a ray almost touches a round side, 1/t contains the root of a difference near 0.
                 let touch = 1e-8 * f64::from(inside.exit - inside.enter < 1e-3 * expected);
                 let off = (t / expected - 1.0).abs();
                 assert!(
@@ -161,7 +161,7 @@ fn from_outside_it_is_the_same() {
     }
 }
 
-/// Whether a ray meets the plane of a rectangle within rounding of its edges.
+/// Returns true if a ray hits the plane of a rectangle within rounding of its edges.
 fn on_rim(shape: Shape, origin: [f64; 3], direction: [f64; 3]) -> bool {
     let Shape::Rectangle { size } = shape else { return false };
     let t = -origin[2] / direction[2];
@@ -171,7 +171,7 @@ fn on_rim(shape: Shape, origin: [f64; 3], direction: [f64; 3]) -> bool {
 #[test]
 fn both_ends_lie_on_the_surface() {
     let mut next = random_numbers();
-    // Signed distance from the surface, or something alike: below 0 inside.
+    // The signed distance from the surface, or a similar value: below 0 inside.
     let level = |shape: Shape, [x, y, z]: [f64; 3]| match shape {
         Shape::Box { size: [a, b, c] } => (x.abs() - a / 2.0).max(y.abs() - b / 2.0).max(z.abs() - c / 2.0),
         Shape::Plane => z,
@@ -187,7 +187,7 @@ fn both_ends_lie_on_the_surface() {
     for shape in SHAPES.into_iter().filter(|shape| !matches!(shape, Shape::Rectangle { .. })) {
         let (mut hits, mut worst) = (0, 0.0_f64);
         for number in 0..50_000 {
-            // From near and from very far.
+            // From near and from very far away.
             let far = [1.0, 10.0, 1e4, 1e6][number % 4];
             let origin = [next() * far, next() * far, next() * far];
             let target = [next() * 2.0, next() * 2.0, next() * 2.5];
@@ -206,7 +206,7 @@ fn both_ends_lie_on_the_surface() {
                     if enter.is_finite() && exit.is_finite() { 0.5 * (enter + exit) } else { continue };
                 assert!(level(shape, at(middle)) < rounding, "{shape:?} from {origin:?}: not inside");
             } else {
-                // Nowhere along the ray is it inside: neither at the target nor at the point next to the centre.
+                // The ray is never inside: neither at the target nor at its point nearest to the centre.
                 let dd: f64 = direction.iter().map(|x| x * x).sum();
                 let od: f64 = origin.iter().zip(direction).map(|(a, b)| a * b).sum();
                 for t in [1.0, -od / dd] {

@@ -1,12 +1,12 @@
-//! Triangles by signed volumes. An edge's volume d·(a × b) has exactly the opposite sign when two triangles see
-//! the edge from its two sides, so they decide alike and no ray slips between them.
+//! Intersection with triangles, by signed volumes. An edge's volume d·(a × b) has exactly the opposite sign for the two
+//! triangles at the edge, so they decide alike and no ray slips between them.
 
 use super::LocalRays;
 use crate::simd::LANES;
 use crate::trace::packet::Packet;
 use glam::DVec3;
 
-/// From which side a triangle may be hit; its corners run counter-clockwise seen from the front.
+/// The sides from which a triangle may be hit; its corners run counter-clockwise seen from the front.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Side {
     Front,
@@ -14,7 +14,7 @@ pub(crate) enum Side {
     Both,
 }
 
-/// Tests one triangle, given its corners in the frame of the rays.
+/// Tests one triangle, given by its corners in the frame of the rays.
 #[inline(always)]
 pub(crate) fn intersect(rays: &LocalRays, corners: [DVec3; 3], packet: &mut Packet, side: Side, slot: u32) {
     if packet.shared_origin {
@@ -31,7 +31,7 @@ pub(crate) fn intersect(rays: &LocalRays, corners: [DVec3; 3], packet: &mut Pack
     }
 }
 
-/// Normals of the planes through the origin and each edge, and of the triangle itself.
+/// The normals of the planes through the origin and each edge, and of the triangle itself.
 struct Edges {
     ab: DVec3,
     bc: DVec3,

@@ -1,4 +1,4 @@
-//! Optical flow: where the point that a ray meets is seen at another moment.
+//! Optical flow: where the point that a ray hits is seen at another moment.
 
 use crate::moment::{Moment, Shutter};
 use crate::optics::Intrinsics;
@@ -13,11 +13,11 @@ use crate::trace::placed::view::View;
 use fearless_simd::{Select, Simd, SimdBase, f32x16};
 use glam::{DMat3, DVec3};
 
-/// How often the row of a rolling shutter is looked for anew: it moves by less each time, as long as things move by
-/// less than the shutter.
+/// The largest number of iterations that search for the row of a rolling shutter. The row changes by less in each step,
+/// as long as the image moves more slowly than the shutter.
 const MOST_STEPS: usize = 16;
 
-/// The way of the points of one instance from the axes of the sensor to those of the sensor at another moment.
+/// The transformation of one instance's points from the axes of the sensor to those of the sensor at another moment.
 #[derive(Debug, Clone, Copy)]
 struct InstanceMotion {
     turn: DMat3,
@@ -25,7 +25,8 @@ struct InstanceMotion {
 }
 
 impl InstanceMotion {
-    /// In one piece, so that what is far from the world's origin keeps its digits.
+    /// Computes the transformation from differences of positions, so that no digits are lost far from the world's
+    /// origin.
     fn new(view: &View<'_>, instance: u32, other: &Moment<'_>) -> Self {
         let (sensor, other_sensor) = (&view.world_from_sensor, &other.world_from_sensor);
         let now = &view.world_from_instance[instance as usize];
@@ -40,13 +41,14 @@ impl InstanceMotion {
     }
 }
 
-/// An [`InstanceMotion`] between the pixels of a pinhole: those of a point's ray, together with 1/t, are taken to those
-/// of its ray at the other moment by one linear map, in homogeneous coordinates.
+/// An [`InstanceMotion`] in pixels of a pinhole: the pixel of a point and its 1/t are mapped to its pixel at the other
+/// moment by one linear map, in homogeneous coordinates.
 #[derive(Debug, Clone, Copy)]
 struct PixelMotion {
-    /// How far ahead, column and row times that; of column, row and 1 each.
+    /// The rows for the depth, for the column times it, and for the row times it; each has coefficients of column, row
+    /// and 1.
     rows: [[f32; 3]; 3],
-    /// What 1/t adds.
+    /// The coefficients of 1/t.
     shift: [f32; 3],
 }
 
@@ -63,7 +65,7 @@ impl PixelMotion {
         Self { rows: rows.as_mat3().to_cols_array_2d(), shift: (pixel * motion.shift).as_vec3().to_array() }
     }
 
-    /// The flow of the rays of a block; NaN where the point is behind the sensor then.
+    /// The flow of the rays of a block; NaN if the point is behind the sensor at the other moment.
     #[inline(always)]
     fn flow<S: Simd>(
         &self,
@@ -87,13 +89,13 @@ impl PixelMotion {
     }
 }
 
-/// Works out the flow of the blocks of a band.
+/// Computes the flow of the blocks of a band.
 pub(crate) struct Flow<'a> {
     other: &'a Shutter<'a>,
-    /// If the other moment is one for all lines: of a pinhole, and of other rays.
+    /// Motions in pixels of a pinhole, and motions for other rays, if the other moment is the same for all lines.
     pixels: HitCache<PixelMotion>,
     motions: HitCache<InstanceMotion>,
-    /// Where the last ray's point went: a good guess for the next.
+    /// The pixel to which the last ray's point moved, an initial guess for the next.
     guess: [f64; 2],
 }
 
@@ -102,8 +104,8 @@ impl<'a> Flow<'a> {
         Self { other, pixels: HitCache::new(), motions: HitCache::new(), guess: [0.0; 2] }
     }
 
-    /// Pixels to the right and down from each ray of a block to where its point is seen at the other moment; NaN where
-    /// nothing is hit, or the point is seen by no pixel then.
+    /// The displacement in pixels, to the right and down, from each ray of a block to the pixel of its point at the
+    /// other moment; NaN if nothing is hit, or if no pixel sees the point then.
     #[inline(always)]
     pub(crate) fn block<S: Simd>(
         &mut self,
@@ -120,7 +122,7 @@ impl<'a> Flow<'a> {
         [f32x16::load_array(simd, right), f32x16::load_array(simd, down)]
     }
 
-    /// Between two moments of a pinhole: all rays of an instance at once.
+    /// Flow between two moments of a pinhole, for all rays of an instance at once.
     #[inline(always)]
     fn pinhole<S: Simd>(
         &mut self,
@@ -165,7 +167,7 @@ impl<'a> Flow<'a> {
         })
     }
 
-    /// Through any lens and shutter.
+    /// Flow for any lens and shutter.
     fn ray_by_ray(
         &mut self,
         band: &Band<'_>,
@@ -196,7 +198,7 @@ impl<'a> Flow<'a> {
         flow
     }
 
-    /// Where a point, in the axes of the sensor, is seen at the other moment.
+    /// The pixel at which a point, in the axes of the sensor, is seen at the other moment.
     fn find(&mut self, band: &Band<'_>, instance: u32, point: DVec3, from: [f64; 2]) -> Option<[f64; 2]> {
         let other = self.other;
         if let Shutter::Global(moment) = other {
@@ -212,8 +214,9 @@ impl<'a> Flow<'a> {
     }
 }
 
-/// The pixel of a point when its line is taken, and the slice of that line: the moment depends on the row, and the row
-/// on the moment. The row is one to begin with; `pixel` is where the point is seen at a moment.
+/// The pixel of a point at the moment at which its line is captured, and the slice of that line. The moment depends on
+/// the row, and the row on the moment, so this iterates from an initial `row`; `pixel` gives the point's pixel at a
+/// moment.
 pub(in crate::trace) fn at_its_line(
     shutter: &Shutter<'_>,
     height: u32,
@@ -223,7 +226,7 @@ pub(in crate::trace) fn at_its_line(
     let slices = match shutter {
         Shutter::Global(moment) => return pixel(moment).map(|to| (to, 0)),
         Shutter::Slices(slices) => *slices,
-        // These have been refused.
+        // Moving shutters were refused before.
         Shutter::Moving(_) => return None,
     };
     let mut seen = None;

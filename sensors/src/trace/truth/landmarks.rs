@@ -16,12 +16,13 @@ use crate::trace::rays::scene::{Stacks, hit_in_view};
 use crate::trace::truth::flow::at_its_line;
 use glam::DVec3;
 
-/// So many rays across and down are compared with the direction of a point, to begin the search for its pixel.
+/// The number of rays across and down that are compared with the direction of a point at the beginning of the search
+/// for its pixel.
 const COARSE: i32 = 24;
-/// What is nearer than a point by this share of its distance, or by less, does not hide it: rays are of single
-/// precision.
+/// A surface that is nearer than a point by at most this fraction of its distance does not hide it, because rays are in
+/// single precision.
 const TOUCHING: f64 = 1e-5;
-/// The same of the thing that bears the point, whose surface may be drawn a hair above it.
+/// The same for the instance that the point belongs to, whose surface may be slightly above the point.
 const BEARING: f64 = 1e-3;
 
 /// A point that is fixed to an instance.
@@ -127,10 +128,10 @@ pub fn see_landmarks(
     let rays = rays_of(optics, (ray_grid, 0), execution, &mut memory);
     for (landmark, seen) in landmarks.iter().zip(seen.iter_mut()) {
         *seen = find(&rays, shutter, landmark);
-        // Until a ray says otherwise.
+        // This is only the first condition; rays are cast below.
         seen.visible = in_picture(&rays, seen.pixel);
     }
-    // Slice by slice, as each has its own view of the scene; most have nothing to look at.
+    // Slice by slice, because each has its own view of the scene; most slices have no landmarks.
     let mut views = memory.views(instances, 1);
     let visible_in = |seen: &[Sighting], from: usize| {
         seen.iter().filter(|seen| seen.visible && seen.slice >= from).map(|seen| seen.slice).min()
@@ -166,32 +167,32 @@ fn moment_of<'a>(shutter: &'a Shutter<'_>, slice: usize) -> &'a Moment<'a> {
     match shutter {
         Shutter::Global(moment) => moment,
         Shutter::Slices(slices) => &slices[slice].at,
-        // These have been refused.
+        // Moving shutters were refused before.
         Shutter::Moving(keyframes) => &keyframes[slice].at,
     }
 }
 
-/// From the sensor to a landmark, along the axes of the world. Differences first: what is far from the world's origin
-/// keeps its digits.
+/// The vector from the sensor to a landmark, along the axes of the world. Positions are subtracted first, so that no
+/// digits are lost far from the world's origin.
 fn towards(moment: &Moment<'_>, landmark: &Landmark) -> DVec3 {
     let pose = &moment.world_from_instance[landmark.instance as usize];
     let between = pose.translation() - moment.world_from_sensor.translation();
     pose.rotation_matrix() * landmark.point + between
 }
 
-/// Whether the surface that bears a landmark shows it to the sensor.
+/// Returns true if the landmark's side of the surface faces the sensor.
 fn faces(moment: &Moment<'_>, landmark: &Landmark, towards: DVec3) -> bool {
     let pose = &moment.world_from_instance[landmark.instance as usize];
     landmark.normal == DVec3::ZERO || (pose.rotation_matrix() * landmark.normal).dot(towards) < 0.0
 }
 
-/// The pixel of a landmark when its line is taken, whatever hides it.
+/// The pixel of a landmark at the moment at which its line is captured, even if it is hidden.
 fn find(rays: &Rays<'_>, shutter: &Shutter<'_>, landmark: &Landmark) -> Sighting {
     let height = rays.ray_grid().height as u32;
     let in_sensor = |moment: &Moment<'_>| {
         moment.world_from_sensor.rotation_matrix().transpose() * towards(moment, landmark)
     };
-    // What one row does not see, another may.
+    // A point that is not seen from one row may be seen from another.
     let rows = [0.5 * f64::from(height - 1), 0.0, f64::from(height - 1)];
     let found = rows
         .into_iter()
@@ -200,7 +201,7 @@ fn find(rays: &Rays<'_>, shutter: &Shutter<'_>, landmark: &Landmark) -> Sighting
     Sighting { pixel, depth: in_sensor(moment_of(shutter, slice)).x, slice, visible: false }
 }
 
-/// Whether there is a ray at a pixel.
+/// Returns true if there is a ray at a pixel.
 fn in_picture(rays: &Rays<'_>, pixel: [f64; 2]) -> bool {
     let ray_grid = rays.ray_grid();
     let [column, row] = pixel.map(|at| libm::floor(at + 0.5));
@@ -209,25 +210,25 @@ fn in_picture(rays: &Rays<'_>, pixel: [f64; 2]) -> bool {
     inside && rays.has(column as i32, row as i32)
 }
 
-/// Column and row whose ray goes through a point; none where there is no such ray.
+/// The column and row whose ray passes a point, or `None` if there is no such ray.
 fn project(rays: &Rays<'_>, point: DVec3) -> Option<[f64; 2]> {
     if let Rays::Pinhole(_) = rays {
         return rays.project(point, [0.0; 2]); // which takes no guess
     }
-    // Within the cells around the nearest ray: beside them there may be none.
+    // Search within the cells around the nearest ray. At the borders, there may be none.
     let [column, row] = nearest(rays, point).map(f64::from);
     let middles = [[0.5, 0.5], [-0.5, 0.5], [0.5, -0.5], [-0.5, -0.5]];
     middles.into_iter().find_map(|[x, y]| rays.project(point, [column + x, row + y]))
 }
 
-/// The pixel whose ray goes nearest to a point: the best of some all over the picture, then of their neighbours, ever
-/// nearer ones.
+/// The pixel whose ray passes nearest to a point: the best of a coarse grid over the picture, and then repeatedly the
+/// best of its neighbours at decreasing distances.
 fn nearest(rays: &Rays<'_>, point: DVec3) -> [i32; 2] {
     let ray_grid = rays.ray_grid();
     let mut best = (f64::NEG_INFINITY, [0; 2]);
     let mut consider = |[column, row]: [i32; 2]| {
         let [column, row] = [column.clamp(0, ray_grid.width - 1), row.clamp(0, ray_grid.height - 1)];
-        // All directions are of length 1.
+        // All directions are unit vectors.
         let along = rays.direction(column, row).dot(point);
         if along > best.0 && rays.has(column, row) {
             best = (along, [column, row]);

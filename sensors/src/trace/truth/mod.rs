@@ -49,7 +49,7 @@ pub struct Truth<'a> {
     pub flow_back: Option<&'a mut [[f32; 2]]>,
 }
 
-/// What is true of one ray, as [`Truth`] has it.
+/// The ground truth of one ray; see [`Truth`].
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct OfRay {
     pub(crate) depth: f32,
@@ -61,7 +61,7 @@ pub(crate) struct OfRay {
 }
 
 impl OfRay {
-    /// Of one that meets nothing.
+    /// The ground truth of a ray that hits nothing.
     pub(crate) const NOTHING: Self = Self {
         depth: f32::INFINITY,
         range: f32::INFINITY,
@@ -78,7 +78,7 @@ fn put<T>(output: &mut Option<&mut [T]>, index: usize, value: T) {
     }
 }
 
-/// That truth has a place for each ray, and moments for its flow.
+/// Checks that ground truth has an element for each ray, and that the capture has the moments for its flow.
 pub(crate) fn check_truth(
     truth: Option<&Truth<'_>>,
     scene: &Scene<'_>,
@@ -114,7 +114,7 @@ impl<'a> Truth<'a> {
         flow_back: &'a mut [[f32; 2]],
     }
 
-    /// That each output holds `rays` elements, and that there is a moment for each flow.
+    /// Checks that each output has `rays` elements, and that there is a moment for each flow.
     fn check(&self, rays: usize, capture: &Capture<'_>) -> Result<(), SenseError> {
         self.check_len(rays)?;
         match (&self.flow, &capture.after, &self.flow_back, &capture.before) {
@@ -124,7 +124,7 @@ impl<'a> Truth<'a> {
         }
     }
 
-    /// That each output holds `rays` elements.
+    /// Checks that each output has `rays` elements.
     pub(crate) fn check_len(&self, rays: usize) -> Result<(), SenseError> {
         check_output("depth", self.depth.as_ref().map(|values| values.len()), rays)?;
         check_output("range", self.range.as_ref().map(|values| values.len()), rays)?;
@@ -136,7 +136,7 @@ impl<'a> Truth<'a> {
         check_output("flow_back", self.flow_back.as_ref().map(|values| values.len()), rays)
     }
 
-    /// Writes what is true of a ray by itself; flow is not.
+    /// Writes the ground truth of a single ray, without flow.
     pub(crate) fn put(&mut self, ray: usize, of: &OfRay) {
         put(&mut self.depth, ray, of.depth);
         put(&mut self.range, ray, of.range);
@@ -146,7 +146,7 @@ impl<'a> Truth<'a> {
         put(&mut self.incidence, ray, of.incidence);
     }
 
-    /// The same outputs, of so many rays, in other memory; of flow, none.
+    /// Creates buffers for the same channels and `rays` rays in other memory, without flow.
     pub(crate) fn elsewhere<'m>(&self, memory: &mut Cutter<'m>, rays: usize) -> Truth<'m> {
         Truth {
             depth: self.depth.is_some().then(|| memory.take(rays)),
@@ -160,12 +160,12 @@ impl<'a> Truth<'a> {
         }
     }
 
-    /// Cache lines of [`Truth::elsewhere`], whatever is wanted.
+    /// The number of cache lines for [`Truth::elsewhere`] with all channels.
     pub(crate) const fn elsewhere_len(rays: usize) -> usize {
         5 * lines(rays * size_of::<f32>()) + lines(rays * size_of::<[f32; 3]>())
     }
 
-    /// To be lent once more.
+    /// Reborrows the buffers.
     pub(crate) fn reborrow(&mut self) -> Truth<'_> {
         Truth {
             depth: self.depth.as_deref_mut(),
@@ -179,7 +179,7 @@ impl<'a> Truth<'a> {
         }
     }
 
-    /// The truth of the first `rays` rays, and the rest.
+    /// Splits off the ground truth of the first `rays` rays.
     pub(crate) fn split_at(self, rays: usize) -> (Self, Self) {
         let (depth, depth_rest) = split_at(self.depth, rays);
         let (range, range_rest) = split_at(self.range, rays);
@@ -204,7 +204,7 @@ impl<'a> Truth<'a> {
         )
     }
 
-    /// Writes what is true of the rays of a band. Compiled once a level, whatever sensor it is for.
+    /// Writes the ground truth of the rays of a band. Compiled once per level, for all kinds of sensors.
     #[inline(never)]
     pub(crate) fn write<S: Simd>(&mut self, simd: S, band: &Band<'_>, sight: &Sight, capture: &Capture<'_>) {
         simd.vectorize(
@@ -213,7 +213,7 @@ impl<'a> Truth<'a> {
         );
     }
 
-    /// Block by block, so that what the rays of a block have met is found once for all channels.
+    /// Works block by block, so that the hits of a block's rays are resolved once for all channels.
     #[inline(always)]
     fn write_channels<S: Simd>(&mut self, simd: S, band: &Band<'_>, sight: &Sight, capture: &Capture<'_>) {
         let mut resolver = Resolver::new(band.view);
@@ -281,7 +281,7 @@ impl<'a> Truth<'a> {
     }
 }
 
-/// Writes what the rays of a block have hit: instances and their classes.
+/// Writes the instances that the rays of a block have hit, and their classes.
 #[inline(always)]
 fn write_identities<S: Simd>(
     simd: S,

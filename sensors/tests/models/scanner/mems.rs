@@ -1,4 +1,4 @@
-//! Mirrors that swing about two axes, against reflection by glam's rotations and against closed forms.
+//! Mirrors that oscillate about two axes, against reflection with glam's rotations and against closed forms.
 
 use belvedere_sensors::scanner::{Mems, MirrorAxis, Pattern, Scanner, ScannerConfig, Wave};
 use core::f64::consts::TAU;
@@ -14,7 +14,7 @@ fn config(mems: Mems<'_>) -> ScannerConfig<'_> {
     ScannerConfig::new(Pattern::Mems(mems)).frame_time_ns(100_000_000)
 }
 
-/// How far the mirror is turned at a time, written apart from the library.
+/// The angle of the mirror at a time, implemented independently of the library.
 fn turned(axis: MirrorAxis, time_s: f64) -> f64 {
     let angle = TAU * f64::from(axis.cycles_per_min) / 60.0 * time_s + axis.phase_rad;
     axis.amplitude_rad
@@ -34,9 +34,9 @@ fn beams_are_reflected_by_a_mirror_in_a_frame() {
             let tick = (frame * 100_000_000).div_ceil(7001) + index as u64;
             let in_frame_ns = tick * 7001 - frame * 100_000_000;
             assert!((firing.time_s - in_frame_ns as f64 * 1e-9).abs() < 1e-12);
-            // Whole minutes are whole cycles.
+            // Whole minutes are a whole number of cycles.
             let time_s = (tick * 7001 % 60_000_000_000) as f64 * 1e-9;
-            // About −y is up.
+            // A rotation about −y is upwards.
             let frame_turned = DQuat::from_rotation_y(-turned(EVEN, time_s));
             let mirror =
                 frame_turned * DQuat::from_rotation_y(-0.4) * DQuat::from_rotation_z(turned(SINE, time_s));
@@ -51,7 +51,8 @@ fn beams_are_reflected_by_a_mirror_in_a_frame() {
     assert!(all > 500);
 }
 
-/// A beam along the normal turns by twice what the mirror does, and rows that go up evenly are as far from each other.
+/// A beam along the normal turns by twice the angle of the mirror, and rows of a uniform upward motion are equally
+/// spaced.
 #[test]
 fn a_beam_along_the_normal_turns_twice_as_far() {
     let still = MirrorAxis { amplitude_rad: 0.0, ..SINE };
@@ -61,15 +62,15 @@ fn a_beam_along_the_normal_turns_twice_as_far() {
         (0..scanner.firings(0)).map(|index| scanner.firing(0, index).direction.z.asin()).collect();
     let most = up.iter().copied().fold(0.0, f64::max);
     assert!((most - 0.2).abs() < 1e-4 && up.iter().all(|angle| angle.abs() <= 0.2), "{most}");
-    // A quarter of a tenth of a second to the top.
+    // It takes a quarter of a tenth of a second to the top.
     let step = 0.2 / 0.025 * 7001e-9;
     let quarter = (0.025_f64 / 7001e-9) as usize;
     assert!(up[..quarter].windows(2).all(|pair| (pair[1] - pair[0] - step).abs() < 1e-12));
 }
 
-/// Two sines of 10 and 10.5 in a second draw the same figure every two seconds.
+/// Two sines of 10 and 10.5 cycles per second draw the same figure every two seconds.
 #[test]
-fn a_lissajous_figure_comes_again() {
+fn a_lissajous_figure_repeats() {
     let across = MirrorAxis { cycles_per_min: 630, ..SINE };
     let up = MirrorAxis { cycles_per_min: 600, wave: Wave::Sine, ..EVEN };
     let axes = [across, up];
@@ -84,7 +85,7 @@ fn a_lissajous_figure_comes_again() {
 }
 
 #[test]
-fn what_no_mirror_does_is_refused() {
+fn impossible_mirrors_are_refused() {
     let said = |mems: Mems<'_>| Scanner::new(config(mems)).unwrap_err().to_string();
     let axis = |amplitude_rad| MirrorAxis { amplitude_rad, ..SINE };
     let swinging = |axes: [MirrorAxis; 2]| said(Mems { axes: &axes, ..MEMS });

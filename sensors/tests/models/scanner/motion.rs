@@ -1,9 +1,9 @@
-//! Every firing from where sensor and things are at its own time.
+//! Every firing uses the poses of the sensor and of the objects at its own time.
 
 use super::*;
 
 #[test]
-fn every_firing_starts_where_the_sensor_is_at_its_time() {
+fn every_firing_starts_at_the_pose_of_the_sensor_at_its_time() {
     let (tower, drum) = (tower(), drum());
     for room in rooms() {
         let motion = Motion::new(drive, |_| room.poses().to_vec());
@@ -20,7 +20,7 @@ fn every_firing_starts_where_the_sensor_is_at_its_time() {
                     (pose.transform_point(firing.origin), pose.transform_vector(firing.direction));
                 let expected = to_walls(origin, direction);
                 worst = worst.max((f64::from(ranges[index]) / expected - 1.0).abs());
-                // Taken back to the world by the pose of its time, each point lies on a wall.
+                // Transformed to the world by the pose at its time, each point is on a wall.
                 let point = pose.transform_point(DVec3::from(points[index].map(f64::from)));
                 let wall = ROOM.iter().map(|(normal, distance)| (distance - point.dot(*normal)).abs());
                 off = off.max(wall.fold(f64::INFINITY, f64::min));
@@ -29,7 +29,8 @@ fn every_firing_starts_where_the_sensor_is_at_its_time() {
             assert!(worst < 1e-6 && off < 2e-6, "{worst:e} {off:e}");
             assert!(ranges[scanner.firings(number)..].iter().all(|range| range.is_nan()));
         }
-        // At the first moment for all, points are as far off as the lidar goes and turns in a tenth of a second.
+        // With a single moment for all, errors of the points are as large as the motion of the lidar in a tenth of a
+        // second.
         let scanner = Scanner::new(ScannerConfig::new(tower_of(&tower))).unwrap();
         let still =
             Capture::new(0, Moment { world_from_sensor: drive(0.0), world_from_instance: room.poses() });
@@ -47,7 +48,7 @@ fn every_firing_starts_where_the_sensor_is_at_its_time() {
 
 /// A ball that flies past, a box that spins and a tetrahedron that tumbles, while the sensor drives and turns.
 #[test]
-fn things_are_where_they_are_at_the_time_of_a_firing() {
+fn objects_are_hit_at_their_poses_at_the_time_of_a_firing() {
     let mut builder = SceneBuilder::new();
     add_grey(&mut builder, Shape::Sphere { radius: 0.5 }, Pose::IDENTITY);
     add_grey(&mut builder, Shape::Box { size: [0.2, 3.0, 8.0] }, Pose::IDENTITY);
@@ -83,7 +84,7 @@ fn things_are_where_they_are_at_the_time_of_a_firing() {
         let pose = sensor(firing.time_s);
         let (origin, direction) =
             (pose.transform_point(firing.origin), pose.transform_vector(firing.direction));
-        // Nearest of all, with how far from its edge, its normal, and the thing.
+        // The nearest hit: its range and distance from an edge, its normal, and the object.
         let mut nearest = (f64::INFINITY, DVec3::ZERO, u32::MAX);
         let mut is_close = false;
         for (number, thing) in things(firing.time_s).iter().enumerate() {
@@ -125,7 +126,7 @@ fn things_are_where_they_are_at_the_time_of_a_firing() {
 
 type SurfaceHit = (Option<(f64, DVec3)>, f64);
 
-/// Where a ray meets a ball, and how far it passes from its edge.
+/// The hit of a ray on a ball, and its distance from the edge.
 fn ball(origin: DVec3, direction: DVec3, radius: f64) -> SurfaceHit {
     let along = -origin.dot(direction);
     let aside = (origin + direction * along).length();
@@ -144,7 +145,7 @@ fn slabs(origin: DVec3, direction: DVec3, half: DVec3) -> SurfaceHit {
     ((margin > 0.0 && range > 0.0).then_some((range, normal[0] + normal[1] + normal[2])), margin.abs())
 }
 
-/// A convex body of triangles that run counter-clockwise seen from outside.
+/// A convex body of triangles that are counter-clockwise seen from outside.
 fn planes(origin: DVec3, direction: DVec3, corners: &[DVec3; 4], faces: &[[u32; 3]; 4]) -> SurfaceHit {
     let (mut enter, mut leave, mut normal) = (f64::NEG_INFINITY, f64::INFINITY, DVec3::ZERO);
     for face in faces {

@@ -1,8 +1,8 @@
-//! What is fired when, and how well it is measured.
+//! Firing patterns, and the noise of their ranges.
 
 use super::*;
 
-/// Beams of an even grid from one point at one moment are a lidar's.
+/// Beams of an even grid from one point at one moment are those of a lidar.
 #[test]
 fn at_one_moment_a_scanner_is_a_lidar() {
     let mut builder = SceneBuilder::new();
@@ -33,15 +33,16 @@ fn at_one_moment_a_scanner_is_a_lidar() {
         let expected = expected[row * 360 + column];
         differ += usize::from(!(range == &expected || (range / expected - 1.0).abs() < 1e-5));
     }
-    // Some beams pass an edge.
+    // Some beams are at an edge.
     assert!(differ <= 2, "{differ} of {}", ranges.len());
     let met = ranges.iter().filter(|range| range.is_finite()).count();
     assert!(met > 2500, "{met}");
 }
 
-/// Columns that are fired at fixed times go on from frame to frame without a gap, and the head with them.
+/// Columns that are fired at fixed times continue from frame to frame without a gap, and so does the rotation of the
+/// head.
 #[test]
-fn columns_at_fixed_times_go_on_from_frame_to_frame() {
+fn columns_at_fixed_times_continue_from_frame_to_frame() {
     let tower = tower();
     let scanner = Scanner::new(ScannerConfig::new(tower_of(&tower))).unwrap();
     let mut before: Option<(f64, f64)> = None;
@@ -66,8 +67,8 @@ fn columns_at_fixed_times_go_on_from_frame_to_frame() {
     assert_eq!(scanner.most_firings(), 1809 * 16);
 }
 
-/// Brazeal's model of a Mid-40 (2021) with a Mid-70's angle: everything within 35.2° of the axis, most of it near the rim
-/// and the middle, over again after 30 s.
+/// Brazeal's model of a Mid-40 (2021) with the angle of a Mid-70: everything is within 35.2° of the axis, most of it
+/// near the rim and the middle, and the figure repeats after 30 s.
 #[test]
 fn two_prisms_draw_a_rosette() {
     let rosette = Rosette {
@@ -97,7 +98,7 @@ fn two_prisms_draw_a_rosette() {
     let again = |frame| (0..100).map(|index| scanner.firing(frame, index).direction).collect::<Vec<_>>();
     assert_eq!(again(0), again(300));
     assert_ne!(again(0), again(150));
-    // A small wedge bends by (n − 1) times its angle, each on its own.
+    // A small wedge deflects by (n − 1) times its angle, each on its own.
     let thin = Rosette { wedge_rad: 1e-3, ..rosette };
     let thin = Scanner::new(ScannerConfig::new(Pattern::Rosette(thin))).unwrap();
     for index in 0..1000 {
@@ -110,9 +111,9 @@ fn two_prisms_draw_a_rosette() {
     }
 }
 
-/// From the middle of a ball of 8 m whose surface sends 40 back.
+/// From the centre of a ball of 8 m whose surface has an intensity of 40.
 #[test]
-fn ranges_have_the_noise_that_they_are_told() {
+fn ranges_have_the_configured_noise() {
     let mut ball = SceneBuilder::new();
     let material = ball.add_material(&MaterialConfig::default()).unwrap();
     let config = InstanceConfig {
@@ -141,7 +142,7 @@ fn ranges_have_the_noise_that_they_are_told() {
         assert!((point - DVec3::from(points[index].map(f64::from))).length() < 1e-6);
         assert!((range / 0.002 - (range / 0.002).round()).abs() < 1e-3, "{range}");
         assert_eq!((intensities[index], times[index], lasers[index]), (40.0, firing.time_s, firing.laser));
-        // Origins are beside the middle by up to 11 mm.
+        // Origins are up to 11 mm from the centre.
         let truth = -firing.origin.dot(firing.direction)
             + (64.0 + firing.origin.dot(firing.direction).powi(2) - firing.origin.length_squared()).sqrt();
         let error = range - truth;
@@ -149,12 +150,12 @@ fn ranges_have_the_noise_that_they_are_told() {
     }
     let mean = sum / count as f64;
     let stddev = (squares / count as f64 - mean * mean).sqrt();
-    // The rounding to 2 mm adds its own.
+    // Rounding to 2 mm adds its own variance.
     let expected = (0.02_f64.powi(2) + 0.002_f64.powi(2) / 12.0).sqrt();
     assert!((mean - 0.1).abs() < 4.0 * 0.02 / (count as f64).sqrt(), "{mean}");
     assert!((stddev / expected - 1.0).abs() < 0.02, "{stddev}");
     assert!(count < most && times[count..].iter().all(|time| time.is_nan()));
-    // Beyond its largest range there is nothing, and nearer than its smallest no measuring.
+    // Beyond the largest range there are no returns, and surfaces nearer than the smallest are too near.
     let limited = |range: [f64; 2]| {
         let config = config.range_min_m(range[0]).range_max_m(range[1]);
         scan(&Scanner::new(config).unwrap(), &ball, &capture, Execution::default()).0[..count].to_vec()
@@ -163,9 +164,9 @@ fn ranges_have_the_noise_that_they_are_told() {
     assert!(limited([8.1, 9.0]).iter().all(|range| *range == f32::NEG_INFINITY));
 }
 
-/// Rings of the manuals' tables, and what leaves the window of a VLP-16: beams meet behind it.
+/// The rings of the manuals' tables; and the beams that leave the window of a VLP-16 intersect behind it.
 #[test]
-fn presets_are_as_their_manuals_say() {
+fn presets_follow_their_manuals() {
     let elevations = |preset: &presets::Preset| {
         let Pattern::Spinning(head) = preset.pattern else { panic!() };
         let degrees = head.lasers.iter().map(|laser| laser.elevation_rad.to_degrees());
@@ -188,7 +189,7 @@ fn presets_are_as_their_manuals_say() {
     assert!(
         (lasers[0].origin_m[2] - 0.017_17).abs() < 1e-5 && (lasers[31].origin_m[2] + 0.005_45).abs() < 1e-5
     );
-    // 753.5 packets of 384 firings a second, 1808.4 (at 46.08 µs) for the other.
+    // 753.5 packets of 384 firings per second, and 1808.4 packets (at 46.08 µs per column) for the other.
     let rate = |preset: &presets::Preset| {
         let scanner = Scanner::new(preset.config().frame_time_ns(100_000_000)).unwrap();
         (0..100).map(|frame| scanner.firings(frame)).sum::<usize>() as f64 / 384.0 / 10.0
@@ -200,7 +201,7 @@ fn presets_are_as_their_manuals_say() {
 }
 
 #[test]
-fn what_cannot_be_is_refused() {
+fn invalid_patterns_are_refused() {
     let drum = drum();
     let said = |config: ScannerConfig<'_>| Scanner::new(config).unwrap_err().to_string();
     let with = |change: &dyn Fn(&mut Vec<Laser>)| {
@@ -214,8 +215,8 @@ fn what_cannot_be_is_refused() {
     );
     assert_eq!(
         with(&|lasers| lasers[2].time_s = 1e-6),
-        "time_s of laser 3 of the scanner is 0; it must be not before that of the laser before, and less than a column's \
-         (frame_time_ns / per_turn)"
+        "time_s of laser 3 of the scanner is 0; it must be not before that of the previous laser, and less than a \
+         column's (frame_time_ns / per_turn)"
     );
     assert!(
         with(&|lasers| lasers[31].time_s = 1e-3).starts_with("time_s of laser 31 of the scanner is 0.001")
@@ -293,13 +294,13 @@ fn what_cannot_be_is_refused() {
     let keys = |times: &[f64]| times.iter().map(|&time_s| Keyframe { time_s, at }).collect::<Vec<_>>();
     let moving = |times: &[f64]| refused(Shutter::Moving(&keys(times)));
     assert_eq!(moving(&[0.0]), "keyframe 1 of the shutter must exist: motion needs at least two keyframes");
-    assert_eq!(moving(&[0.0, 0.1, 0.1]), "keyframe 2 of the shutter must be later than that before it");
+    assert_eq!(moving(&[0.0, 0.1, 0.1]), "keyframe 2 of the shutter must be later than the previous one");
     assert_eq!(moving(&[0.0, f64::NAN]), "keyframe 1 of the shutter must have a time that is finite");
     assert_eq!(
         moving(&[0.01, 0.1]),
-        "keyframe 0 of the shutter must be at the beginning of the frame, 0 s, or before"
+        "keyframe 0 of the shutter must be at 0 s, the beginning of the frame, or earlier"
     );
-    assert_eq!(moving(&[0.0, 0.09]), "keyframe 1 of the shutter must be at the end of the frame or after");
+    assert_eq!(moving(&[0.0, 0.09]), "keyframe 1 of the shutter must be at the end of the frame or later");
     let slices = [Slice { lines: 0..1, at }];
     assert!(refused(Shutter::Slices(&slices)).starts_with("the shutter must be one moment or keyframes"));
     let lost = Moment { world_from_sensor: Pose::from_translation(DVec3::NAN), ..at };
@@ -310,8 +311,8 @@ fn what_cannot_be_is_refused() {
     let mut flow = [[0.0; 2]];
     let flow = Echoes::new().truth(Truth::new().flow(&mut flow));
     let flow = take(&scanner, &builder, &Capture::new(0, at), Execution::default(), flow);
-    assert!(flow.unwrap_err().to_string().starts_with("flow is not worked out where each ray"));
-    // A lidar's beams have no times.
+    assert!(flow.unwrap_err().to_string().starts_with("flow is not computed for sensors whose rays"));
+    // A lidar's beams have no individual times.
     let lidar = Lidar::new(LidarConfig::new(Beams::ONE)).unwrap();
     let (keyframes, mut ranges) = (keys(&[0.0, 1.0]), [0.0]);
     let (scene, capture) = (builder.scene(), Capture::new(0, keyframes.as_slice()));
@@ -319,6 +320,6 @@ fn what_cannot_be_is_refused() {
     let said = lidar.sense_in(&mut memory, &scene, &capture, Scan::new().ranges(&mut ranges)).unwrap_err();
     assert_eq!(
         said.to_string(),
-        "the shutter must be one moment or slices: this sensor's rays have no times"
+        "the shutter must be one moment or slices: this sensor's rays have no individual times"
     );
 }

@@ -1,4 +1,4 @@
-//! Lasers behind prisms and mirrors that turn, against closed forms and against rosettes.
+//! Lasers behind rotating prisms and mirrors, against closed forms and against rosettes.
 
 use belvedere_sensors::scanner::{
     Axis, Face, MAX_WHEELS, Pattern, Prisms, Rosette, Scanner, ScannerConfig, Swing, Wheel, Wheels,
@@ -25,9 +25,9 @@ fn scanner(prisms: Prisms<'_>) -> Scanner<'_> {
     Scanner::new(ScannerConfig::new(Pattern::Prisms(prisms))).unwrap()
 }
 
-/// The same two wedges, told as a rosette and as wheels: the flat sides outwards, and inwards.
+/// The same two wedges, given as a rosette and as wheels: with the flat sides outwards, and inwards.
 #[test]
-fn two_wedges_are_a_rosette() {
+fn two_wedges_equal_a_rosette() {
     const TILT: f64 = 0.3;
     let outwards = [
         wheel(7294, const { &[into(0.0, GLASS), into(TILT, 1.0)] }),
@@ -57,9 +57,9 @@ fn two_wedges_are_a_rosette() {
     }
 }
 
-/// A mirror at 45° over lasers that look up sends them around; its angle swings as it is told.
+/// A mirror at 45° above lasers that look up deflects them all around; its angle oscillates as configured.
 #[test]
-fn a_mirror_sends_lasers_around() {
+fn a_mirror_deflects_lasers_all_around() {
     let swing = Swing { rad: 0.2, rpm: 1200, phase_rad: 0.5 };
     let mirror = [Face::Mirror { tilt_rad: -TAU / 8.0 }];
     let wheels = [Wheel { speed_rpm: -600, phase_rad: 1.0, swing, faces: &mirror }];
@@ -84,12 +84,12 @@ fn a_mirror_sends_lasers_around() {
         let normal = (DVec3::Z - out).normalize();
         let expected = up - 2.0 * up.dot(normal) * normal;
         assert!((firing.direction - expected).length() < 1e-9, "{firing:?} {expected}");
-        // The image of a laser beside the axis turns with the mirror.
+        // The image of a laser beside the axis rotates with the mirror.
         assert!(index % 3 != 0 || (firing.direction - out).length() < 1e-9);
     }
 }
 
-/// A small wedge bends by (n − 1) times its angle, each on its own.
+/// A small wedge deflects by (n − 1) times its angle, each on its own.
 #[test]
 fn thin_wedges_add_up() {
     let thin = [into(0.0, GLASS), into(1e-3, 1.0)];
@@ -107,7 +107,7 @@ fn thin_wedges_add_up() {
 }
 
 #[test]
-fn what_lets_no_light_through_is_refused() {
+fn wheels_that_block_light_are_refused() {
     let plain = [wheel(1, const { &[into(0.0, GLASS), into(0.3, 1.0)] })];
     let steep = [wheel(1, const { &[into(0.0, GLASS), into(0.7, 1.0)] })];
     let bent = [wheel(1, const { &[into(2.0, GLASS), into(0.0, 1.0)] })];

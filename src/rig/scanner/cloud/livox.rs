@@ -1,4 +1,4 @@
-//! The cloud of Livox's drivers: x, y, z, intensity, tag, line, timestamp. It is stamped with the beginning of the scan.
+//! The cloud of Livox's drivers: x, y, z, intensity, tag, line, timestamp. Its timestamp is the beginning of the scan.
 
 use super::{CloudForm, Places, Scan};
 use crate::rig::outlet::Outlet;
@@ -21,8 +21,9 @@ impl LivoxCloud {
         Self { is_reflectivity: intensity == Intensity::Reflectivity }
     }
 
-    /// An intensity as Livox tells it: calibrated up to 150 of diffuse surfaces, up to 255 of retroreflectors.
-    fn told(&self, intensity: f32) -> f32 {
+    /// Converts an intensity to Livox's scale. Calibrated intensities are up to 150 for diffuse surfaces and up to 255
+    /// for retroreflectors.
+    fn livox_intensity(&self, intensity: f32) -> f32 {
         match intensity {
             _ if !self.is_reflectivity => intensity,
             diffuse if diffuse <= 100.0 => 1.5 * diffuse,
@@ -49,7 +50,7 @@ impl CloudForm for LivoxCloud {
             for (number, (point, intensity)) in points.iter().zip(intensities).enumerate() {
                 let Some(place) = places.next::<POINT_STEP>() else { return Some(frame) };
                 place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
-                place[12..16].copy_from_slice(&self.told(*intensity).to_le_bytes());
+                place[12..16].copy_from_slice(&self.livox_intensity(*intensity).to_le_bytes());
                 place[16] = (number.min(3) << RETURN_BIT) as u8;
                 place[17] = laser as u8;
                 place[18..].copy_from_slice(&time_ns.to_le_bytes());

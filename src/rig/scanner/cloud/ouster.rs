@@ -1,5 +1,5 @@
-//! The cloud of Ouster's driver: an image of a row a laser, the highest first, whose columns are directions, not times.
-//! It is stamped with the beginning of the scan. Each return has a cloud of its own.
+//! The cloud of Ouster's driver: an image with one row per laser, the highest first. Its columns are directions, not
+//! times. Its timestamp is the beginning of the scan. Each return has a separate cloud.
 
 use super::{CloudForm, Scan};
 use crate::rig::ouster::OusterHead;
@@ -10,7 +10,7 @@ use belvedere_bridge::Encoding;
 use belvedere_sensors::scanner::presets::Preset;
 
 const POINT_STEP: usize = 48;
-/// Rows that are written at once: what was found lies by columns, and a line of the cache has several rows of it.
+/// Number of rows that are written together. The results are stored by columns, so a cache line contains several rows.
 const TILE: usize = 8;
 
 pub(super) struct OusterCloud {
@@ -58,7 +58,7 @@ impl CloudForm for OusterCloud {
                     let time_ns = nearest_below(scan.time_s(firing) * 1e9, f64::from(u32::MAX));
                     let range = if is_point { self.head.told(found.ranges[echo], 1.0, 32) } else { 0 };
                     let reflectivity = nearest(intensity, 255.0) as u16;
-                    // It looks to where the head does so many columns later.
+                    // This laser faces where the head faces `shift` columns later.
                     let at = column + shift;
                     let at = if at < columns { at } else { at - columns };
                     let bytes = &mut points[row * columns + at];

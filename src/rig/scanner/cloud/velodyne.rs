@@ -1,4 +1,4 @@
-//! The cloud of Velodyne's driver: x, y, z, intensity, ring, time. It is stamped with the end of the scan.
+//! The cloud of Velodyne's driver: x, y, z, intensity, ring, time. Its timestamp is the end of the scan.
 
 use super::{CloudForm, Places, Scan};
 use crate::rig::outlet::Outlet;
@@ -8,14 +8,14 @@ use belvedere_bridge::Encoding;
 const POINT_STEP: usize = 22;
 
 pub(super) struct VelodyneCloud {
-    /// The rank of each laser, from the lowest up.
+    /// The rank of each laser, counted from the lowest.
     rings: Vec<u16>,
-    /// Firings of a row: those of a column of lasers, or of a row of pixels.
+    /// Number of firings in a row: those of a column of lasers, or of a row of pixels.
     in_row: usize,
 }
 
 impl VelodyneCloud {
-    /// Of lasers that look up so much.
+    /// Creates the layout for lasers with these elevations.
     pub(super) fn of(elevations: &[f64], in_row: usize) -> Self {
         let rank = |elevation: &f64| elevations.iter().filter(|other| *other < elevation).count() as u16;
         Self { rings: elevations.iter().map(rank).collect(), in_row }
@@ -32,7 +32,7 @@ impl CloudForm for VelodyneCloud {
     }
 }
 
-/// Puts a return into its place.
+/// Writes a return to its place.
 #[inline]
 fn put(place: &mut [u8; POINT_STEP], point: [f32; 3], intensity: f32, ring: u16, before_s: f64) {
     place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
@@ -42,7 +42,7 @@ fn put(place: &mut [u8; POINT_STEP], point: [f32; 3], intensity: f32, ring: u16,
 }
 
 impl VelodyneCloud {
-    /// What is shown alone, the returns of a firing together.
+    /// Writes only the included returns, those of a firing next to each other.
     fn write_shown(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame> {
         let count = scan.points();
         let mut frame = outlet.loan(count * POINT_STEP)?;
@@ -62,7 +62,7 @@ impl VelodyneCloud {
         Some(frame)
     }
 
-    /// All returns: a row of first ones, then one of the second.
+    /// Writes all returns: a row of first returns, then a row of second ones.
     fn write_all(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame> {
         let Scan { found, firings, returns, .. } = *scan;
         let in_row = self.in_row;

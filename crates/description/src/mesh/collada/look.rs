@@ -1,4 +1,4 @@
-//! Effects of a Collada file: colours, pictures, and what is transparent.
+//! Effects of a Collada file: colours, pictures, and transparency.
 
 use super::numbers::list;
 use super::{Document, Outcome, wrong};
@@ -33,7 +33,7 @@ impl Document<'_> {
         Ok(look.material())
     }
 
-    /// The file behind a texture: sampler → surface → image (1.4), sampler → image (1.5), or the image itself.
+    /// Returns the file of a texture: sampler → surface → image (1.4), sampler → image (1.5), or the image itself.
     fn picture(&self, profile: &Element, sampler: &str) -> Option<PathBuf> {
         let parameter = |sid: &str| {
             profile.elements_named("newparam").find(|parameter| parameter.attribute("sid") == Some(sid))
@@ -56,7 +56,7 @@ impl Document<'_> {
     }
 }
 
-/// The colour of an element's text; opaque if it does not say.
+/// Returns the colour of an element's text; opaque without an alpha.
 fn rgba(element: &Element) -> Outcome<[f32; 4]> {
     match list::<f32>(element)?[..] {
         [r, g, b, ref rest @ ..] if [r, g, b].iter().chain(rest).all(|value| value.is_finite()) => {
@@ -66,7 +66,7 @@ fn rgba(element: &Element) -> Outcome<[f32; 4]> {
     }
 }
 
-/// The number in an element's `<float>`, if there is one.
+/// Returns the number in an element's `<float>`, if there is one.
 fn float(element: &Element) -> Outcome<Option<f32>> {
     let Some(float) = element.child("float") else { return Ok(None) };
     match list::<f32>(float)?[..] {
@@ -75,8 +75,9 @@ fn float(element: &Element) -> Outcome<Option<f32>> {
     }
 }
 
-/// How much of a surface is to be seen. Exporters disagree on what `<transparency>` alone means, so it counts only beside
-/// a `<transparent>` that says how it is meant, as in Gazebo; with a picture there, the picture's alpha cuts out.
+/// Returns the opacity of a surface. Exporters disagree on the meaning of `<transparency>` alone, so it only counts
+/// together with a `<transparent>` that gives its meaning, as in Gazebo. If that has a picture, the picture's alpha
+/// cuts out.
 fn opacity(shading: &Element) -> Outcome<(Option<f32>, TextureAlpha)> {
     let transparent = shading.child("transparent");
     let Some((transparent, mode)) = transparent.and_then(|it| Some((it, it.attribute("opaque")?))) else {

@@ -6,7 +6,7 @@ use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use std::ops::Range;
 use std::str::FromStr;
 
-/// A corner with more indices than this is a mistake.
+/// The greatest number of indices of a corner; more are an error in the file.
 const MAX_INPUTS: usize = 64;
 
 /// The numbers of a `<source>`.
@@ -25,7 +25,7 @@ impl Values<'_> {
         let entry = start.and_then(|start| self.numbers.get(start..start + N));
         match entry.and_then(|entry| entry.try_into().ok()) {
             Some(entry) => Ok(entry),
-            None => wrong(self.element, format!("entry {index} is asked for, of {}", self.count)),
+            None => wrong(self.element, format!("entry {index} is requested, but there are {}", self.count)),
         }
     }
 }
@@ -51,20 +51,20 @@ pub(super) fn values(source: &Element) -> Outcome<Values<'_>> {
     Ok(Values { first: number("offset", 0)?, stride, count, element: source, numbers })
 }
 
-/// The polygons of a primitive, by the indices of their corners.
+/// The polygons of a primitive, given by the indices of their corners.
 #[derive(Default)]
 pub(super) struct Polygons {
-    /// Indices of a corner, one of them for each input.
+    /// The number of indices per corner, one for each input.
     pub(super) stride: usize,
     pub(super) indices: Vec<usize>,
     pub(super) outlines: Vec<Polygon>,
 }
 
-/// A polygon among the [`Polygons`].
+/// One of the [`Polygons`].
 pub(super) struct Polygon {
-    /// Its corners, with those of its holes behind those of its outline.
+    /// Its corners: those of the outline, followed by those of its holes.
     pub(super) corners: Range<usize>,
-    /// The first corner of each hole, counted from that of the outline.
+    /// The first corner of each hole, counted from the first corner of the outline.
     pub(super) holes: Vec<u32>,
 }
 
@@ -73,7 +73,7 @@ impl Polygons {
         self.outlines.push(Polygon { corners, holes: Vec::new() });
     }
 
-    /// Adds a triangle of corners that are there.
+    /// Adds a triangle of existing corners.
     fn triangle(&mut self, corners: [usize; 3]) {
         let first = self.corners();
         for corner in corners {
@@ -92,7 +92,7 @@ impl Polygons {
         append(element, &mut self.indices)?;
         let count = self.indices.len() - begin;
         if !count.is_multiple_of(self.stride) {
-            return wrong(element, format!("{count} indices are no multiple of {}", self.stride));
+            return wrong(element, format!("{count} indices are not a multiple of {}", self.stride));
         }
         Ok(first..self.corners())
     }
@@ -118,7 +118,7 @@ pub(super) fn polygons(primitive: &Element) -> Outcome<Polygons> {
     Ok(found)
 }
 
-/// Makes polygons of the corners of a `<p>`.
+/// Creates polygons from the corners of a `<p>`.
 fn cut_up(
     primitive: &Element,
     p: &Element,
@@ -130,7 +130,7 @@ fn cut_up(
     match primitive.name.as_str() {
         "polygons" => found.push(corners),
         "trifans" => (first + 2..end).for_each(|i| found.triangle([first, i - 1, i])),
-        // Every second triangle of a strip runs the other way round.
+        // Every second triangle of a strip has the opposite winding.
         "tristrips" => (first + 2..end).for_each(|i| {
             let (a, b) = if (i - first) % 2 == 0 { (i - 2, i - 1) } else { (i - 1, i - 2) };
             found.triangle([a, b, i]);
@@ -158,7 +158,7 @@ fn with_holes(element: &Element, found: &mut Polygons) -> Outcome<()> {
     for hole in element.elements_named("h") {
         let start = (corners.end - corners.start) as u32;
         let hole = found.append(hole)?;
-        // What has fewer corners encloses nothing.
+        // A hole with fewer corners has no area.
         if hole.len() >= 3 {
             holes.push(start);
             corners.end = hole.end;
@@ -170,7 +170,7 @@ fn with_holes(element: &Element, found: &mut Polygons) -> Outcome<()> {
     Ok(())
 }
 
-/// The place of an `<input>` among the indices of a corner.
+/// Returns the offset of an `<input>` within the indices of a corner.
 pub(super) fn offset(input: &Element) -> Outcome<usize> {
     match input.attribute("offset").unwrap_or("0").trim().parse() {
         Ok(offset) if offset < MAX_INPUTS => Ok(offset),
@@ -178,7 +178,7 @@ pub(super) fn offset(input: &Element) -> Outcome<usize> {
     }
 }
 
-/// The transform that an element of a node stands for, if it does.
+/// Returns the transform that an element of a node represents, if it is one.
 pub(super) fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
     if !matches!(
         element.name.as_str(),
@@ -197,7 +197,7 @@ pub(super) fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
         ("scale", &[x, y, z]) => DAffine3::from_scale(DVec3::new(x, y, z)),
         ("rotate", &[x, y, z, degrees]) => match DVec3::new(x, y, z).try_normalize() {
             Some(axis) => {
-                // libm, not the platform's functions: the same bits on every machine.
+                // libm instead of the platform's functions, so that the bits are the same on every machine.
                 let half = belvedere_sensors::Pose::from_xyz_rpy(
                     DVec3::ZERO,
                     DVec3::new(degrees.to_radians(), 0.0, 0.0),
@@ -208,7 +208,8 @@ pub(super) fn transform(element: &Element) -> Outcome<Option<DAffine3>> {
             }
             None => DAffine3::IDENTITY,
         },
-        // Where the eye is, what it looks at along its −z, and where its y points as far as it may.
+        // The position of the eye, the target in the direction of its −z, and the direction that its y should have as
+        // far as possible.
         ("lookat", &[ex, ey, ez, x, y, z, ux, uy, uz]) => {
             let eye = DVec3::new(ex, ey, ez);
             let back = (eye - DVec3::new(x, y, z)).normalize_or_zero();

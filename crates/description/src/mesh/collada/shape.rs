@@ -15,7 +15,7 @@ struct Input<'a> {
 /// The triangles of a primitive in the axes of its geometry.
 #[derive(Default)]
 pub(super) struct Shape<'a> {
-    /// What an instance binds its material to.
+    /// The symbol to which an instance binds its material.
     pub(super) symbol: Option<&'a str>,
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
@@ -23,7 +23,7 @@ pub(super) struct Shape<'a> {
 }
 
 impl<'a> Document<'a> {
-    /// Reads a geometry: its triangles in its own axes, those of each primitive for themselves.
+    /// Reads a geometry as triangles in its own axes, separately for each primitive.
     pub(super) fn shapes(&mut self, geometry: &'a Element) -> Outcome<Vec<Shape<'a>>> {
         let mut shapes = Vec::new();
         for primitive in geometry.child("mesh").iter().flat_map(|mesh| mesh.elements()) {
@@ -37,7 +37,7 @@ impl<'a> Document<'a> {
         Ok(shapes)
     }
 
-    /// Returns the numbers of a source, which are read once.
+    /// Returns the numbers of a source, which is read only once.
     fn values(&mut self, source: &'a Element) -> Outcome<Rc<Values<'a>>> {
         if let Some(known) = self.values.get(&std::ptr::from_ref(source)) {
             return Ok(known.clone());
@@ -54,7 +54,8 @@ impl<'a> Document<'a> {
             let source = self.referenced(input, "source")?;
             match input.attribute("semantic") {
                 Some("VERTEX") => {
-                    // Its source is <vertices>, which names that of the positions, and of others in step.
+                    // Its source is <vertices>, which refers to the source of the positions, and to others with the
+                    // same indices.
                     for inner in source.elements_named("input") {
                         let semantic = inner.attribute("semantic");
                         if !matches!(semantic, Some("POSITION" | "TEXCOORD")) {
@@ -77,7 +78,7 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Cuts the polygons of a primitive into triangles, each corner a vertex of its own.
+    /// Divides the polygons of a primitive into triangles with a separate vertex for each corner.
     fn triangulate(&mut self, primitive: &'a Element) -> Outcome<Shape<'a>> {
         let (vertex, texture) = self.inputs(primitive)?;
         let polygons = polygons(primitive)?;

@@ -7,8 +7,8 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 use std::rc::Rc;
 
-/// The greatest number of zeros that an accessor without bytes of its own may stand for, so that a short file does not
-/// take all memory.
+/// The greatest number of zeros that an accessor without bytes may represent, so that a short file cannot use all
+/// memory.
 const MOST_ZEROS: usize = 1 << 25;
 
 /// The type of a number, by OpenGL's code.
@@ -25,7 +25,7 @@ impl Component {
         }
     }
 
-    /// Reads a number of as many bytes as its size, as a share of the largest one if it is `normalized`.
+    /// Reads a number from its bytes. If it is `normalized`, the result is a fraction of the largest value.
     fn read(self, bytes: &[u8], normalized: bool) -> f64 {
         let mut all = [0; 4];
         all[..bytes.len()].copy_from_slice(bytes);
@@ -48,9 +48,9 @@ pub(super) struct Accessors<'a> {
     buffers: RefCell<HashMap<u64, Rc<Cow<'a, [u8]>>>>,
 }
 
-/// A range of bytes that holds rows of numbers.
+/// A range of bytes that contains rows of numbers.
 struct Rows {
-    /// Bytes from one row to the next; the rows are close together if it is none.
+    /// The number of bytes from one row to the next; without it, rows are contiguous.
     stride: Option<usize>,
     buffer: u64,
     begin: usize,
@@ -79,7 +79,7 @@ impl<'a> Accessors<'a> {
             _ => 0,
         };
         if numbers != N {
-            return Err(wrong(format!("its type is '{kind}', where {N} numbers are needed")));
+            return Err(wrong(format!("its type is '{kind}', but {N} numbers are needed")));
         }
         let count = number(&accessor["count"]).map_err(wrong)?;
         let component = Component(accessor["componentType"].as_u64().unwrap_or_default());
@@ -98,7 +98,7 @@ impl<'a> Accessors<'a> {
         Ok(entries)
     }
 
-    /// Puts the entries of a sparse accessor in their places.
+    /// Replaces the entries that a sparse accessor names.
     fn replace<const N: usize>(
         &self,
         sparse: &Value,
@@ -115,7 +115,7 @@ impl<'a> Accessors<'a> {
         for ([index], value) in indices.into_iter().zip(values) {
             let length = entries.len();
             let place = entries.get_mut(index as usize);
-            *place.ok_or_else(|| format!("a sparse entry replaces {index}, of {length}"))? = value;
+            *place.ok_or_else(|| format!("a sparse entry replaces {index}, but there are {length}"))? = value;
         }
         Ok(())
     }
@@ -166,7 +166,7 @@ impl<'a> Accessors<'a> {
         };
         let buffer = view["buffer"].as_u64().ok_or("a view has no buffer")?;
         let end = begin.saturating_add(number(&view["byteLength"])?);
-        // A buffer without bytes stands in for what an extension unpacks.
+        // A buffer without bytes is a placeholder for the output of an extension.
         if let Some(extension) =
             view["extensions"].as_object().and_then(|extensions| extensions.keys().next())
             && self.buffer(buffer).is_err()
@@ -188,7 +188,7 @@ impl<'a> Accessors<'a> {
 
 fn number(value: &Value) -> Result<usize, String> {
     let number = value.as_u64().and_then(|number| usize::try_from(number).ok());
-    number.ok_or_else(|| format!("{value} stands where a number from 0 is needed"))
+    number.ok_or_else(|| format!("{value} is not a whole number of 0 or more"))
 }
 
 fn number_or_0(value: &Value) -> Result<usize, String> {

@@ -1,13 +1,13 @@
-//! A glTF's JSON, and the bytes that it names: in the same file, beside it, or in `data:` URIs.
+//! The JSON of a glTF, and its binary data: in the same file, beside it, or in `data:` URIs.
 
 use crate::mesh::part::Unreadable;
 use percent_encoding::percent_decode_str;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What a GLB begins with.
+/// The first bytes of a GLB.
 const MAGIC: &[u8] = b"glTF";
-/// Extensions that a file may require, because they are read, or say nothing about the shape.
+/// Extensions that a file may require, because they are supported or do not affect the shape.
 const KNOWN: [&str; 5] = [
     "KHR_texture_transform",
     "KHR_mesh_quantization",
@@ -16,7 +16,7 @@ const KNOWN: [&str; 5] = [
     "KHR_materials_pbrSpecularGlossiness",
 ];
 
-/// A file in its pieces.
+/// A file, split into its parts.
 pub(super) struct Container<'a> {
     pub(super) json: Value,
     /// The binary chunk of a GLB.
@@ -129,7 +129,7 @@ fn chunks(bytes: &[u8]) -> Result<(&[u8], Option<&[u8]>), Unreadable> {
         let begin = at + 8;
         let Some(chunk) = bytes.get(begin..).and_then(|rest| rest.get(..length as usize)) else {
             let there = bytes.len() - begin;
-            return Err(format!("a chunk says that it has {length} bytes, and has {there}").into());
+            return Err(format!("a chunk declares {length} bytes, and has {there}").into());
         };
         match &kind.to_le_bytes() {
             b"JSON" if json.is_none() => json = Some(chunk),

@@ -10,19 +10,19 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
-/// The look of a primitive, and how its texture lies on it.
+/// The material of a primitive, and the placement of its texture.
 #[derive(Default)]
 pub(super) struct Surface {
     pub(super) material: Option<Material>,
-    /// Which set of texture coordinates counts.
+    /// The number of the set of texture coordinates that is used.
     pub(super) uv_set: u64,
     offset: DVec2,
-    /// Where an axis of the texture coordinates goes; none if they stay as they are.
+    /// The images of the axes of the texture coordinates; `None` if these are unchanged.
     axes: Option<[DVec2; 2]>,
 }
 
 impl Surface {
-    /// Returns texture coordinates of the mesh, v up, for those of the file, v down.
+    /// Converts texture coordinates of the file, with v down, to those of the mesh, with v up.
     pub(super) fn uv(&self, [u, v]: [f64; 2]) -> [f32; 2] {
         let uv = match self.axes {
             Some([right, down]) => right * u + down * v + self.offset,
@@ -32,7 +32,7 @@ impl Surface {
     }
 }
 
-/// Reads a material. What is not drawn of it goes into `left_out`.
+/// Reads a material. Its features that are not drawn are added to `left_out`.
 ///
 /// # Errors
 /// A message about what is wrong with it.
@@ -58,10 +58,10 @@ pub(super) fn surface(
     let maps = [
         (&material["emissiveTexture"], "emissive maps"),
         (&material["occlusionTexture"], "occlusion maps"),
-        (&metal["metallicRoughnessTexture"], "maps of metal and roughness"),
+        (&metal["metallicRoughnessTexture"], "metallic-roughness maps"),
     ];
     left_out.extend(maps.iter().filter(|(map, _)| !map.is_null()).map(|(_, what)| (*what).to_owned()));
-    // The factor is multiplied by the map. Without the map it would light all of the surface.
+    // The factor is multiplied by the map. Without the map, the whole surface would emit light.
     if !material["emissiveTexture"].is_null() {
         emissive = [0.0; 3];
     }
@@ -88,7 +88,7 @@ pub(super) fn surface(
     place(texture, &mut surface);
     let normals = &material["normalTexture"];
     if !normals.is_null() {
-        // A surface has one set of texture coordinates.
+        // A surface has only one set of texture coordinates.
         let same = |name: &str| normals[name] == texture[name];
         if texture.is_null() {
             place(normals, &mut surface);
@@ -100,13 +100,13 @@ pub(super) fn surface(
                 material.normal_map = map;
             }
         } else {
-            left_out.insert("maps of normals that lie otherwise than their textures".into());
+            left_out.insert("normal maps whose texture coordinates differ from those of the texture".into());
         }
     }
     Ok(surface)
 }
 
-/// Reads how a texture lies on a surface: which coordinates count, and `KHR_texture_transform`.
+/// Reads the placement of a texture on a surface: the set of coordinates, and `KHR_texture_transform`.
 fn place(texture: &Value, surface: &mut Surface) {
     let transform = &texture["extensions"]["KHR_texture_transform"];
     surface.uv_set = transform["texCoord"].as_u64().or(texture["texCoord"].as_u64()).unwrap_or(0);
@@ -115,10 +115,10 @@ fn place(texture: &Value, surface: &mut Surface) {
     }
     let [x, y] = numbers(&transform["scale"], [1.0; 2]);
     let angle = transform["rotation"].as_f64().unwrap_or(0.0);
-    // libm, not the platform's functions: the same bits on every machine.
+    // libm instead of the platform's functions, so that the bits are the same on every machine.
     let (sin, cos) = libm::sincos(angle);
     surface.offset = DVec2::from(numbers(&transform["offset"], [0.0; 2]));
-    // Counter-clockwise as pictures are looked at, where v is down.
+    // Counter-clockwise as seen in pictures, where v is down.
     surface.axes = Some([dvec2(cos, -sin) * x, dvec2(sin, cos) * y]);
 }
 
@@ -146,13 +146,13 @@ fn image(
     }))
 }
 
-/// Returns the numbers of a list, or `otherwise` if it does not have as many.
+/// Returns the numbers of a list, or `otherwise` if it has another length.
 pub(super) fn numbers<const N: usize>(value: &Value, otherwise: [f64; N]) -> [f64; N] {
     let list = value.as_array().filter(|list| list.len() == N);
     list.map_or(otherwise, |list| std::array::from_fn(|at| list[at].as_f64().unwrap_or(otherwise[at])))
 }
 
-/// Converts an amount of light, in which glTF counts, to a share of a colour as it is displayed.
+/// Converts linear light, as used in glTF, to a displayed colour value.
 fn displayed(light: f64) -> f32 {
     let light = light.clamp(0.0, 1.0);
     let share =

@@ -1,4 +1,4 @@
-//! Pictures inside of a glTF's file. They are named by a path of their own, so that they go wherever pictures in files go.
+//! Pictures inside a glTF file. Each has a path of its own, so that it can be used like a picture in a file.
 
 use super::accessor::Accessors;
 use super::container::Container;
@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// What stands between the file's name and the number of the picture.
+/// The separator between the name of the file and the number of the picture.
 const MARK: &str = "#image";
 
 /// Returns the name of a picture inside a file.
@@ -26,7 +26,7 @@ fn parts(name: &Path) -> Option<(&Path, u64)> {
     image.parse().ok().filter(|_| is_gltf).map(|image| (file, image))
 }
 
-/// Whether a path names a picture inside of a file.
+/// Returns true if a path names a picture inside a file.
 pub(crate) fn is_embedded(name: &Path) -> bool {
     parts(name).is_some()
 }

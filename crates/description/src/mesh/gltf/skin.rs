@@ -1,17 +1,17 @@
-//! Skins of a glTF in their rest pose: each vertex moves with its joints.
+//! Skins of a glTF in their rest pose: the vertices are moved by the joints.
 
 use super::accessor::Accessors;
 use super::container::Container;
 use glam::{DAffine3, DMat4, DVec3};
 use serde_json::Value;
 
-/// Where the joints of a skin take its vertices.
+/// The transforms that the joints of a skin apply to its vertices.
 pub(super) struct Skin {
     scene_from_bound: Vec<DAffine3>,
 }
 
 impl Skin {
-    /// Reads a skin. `scene_from_node` has where each node is.
+    /// Reads a skin. `scene_from_node` has the pose of each node.
     ///
     /// # Errors
     /// A message about what is wrong with the skin.
@@ -36,7 +36,7 @@ impl Skin {
         Ok(Self { scene_from_bound: joints.iter().enumerate().map(joint).collect::<Result<_, String>>()? })
     }
 
-    /// Returns where a vertex is by its joints and their weights.
+    /// Returns the position of a vertex, from its joints and their weights.
     ///
     /// # Errors
     /// The vertex names a joint that the skin does not have.
@@ -53,7 +53,7 @@ impl Skin {
     }
 }
 
-/// Converts a matrix of a file, which has it column by column.
+/// Converts a matrix of a file, which is stored column by column.
 pub(super) fn affine(columns: &[f64; 16]) -> DAffine3 {
     DAffine3::from_mat4(DMat4::from_cols_array(columns))
 }

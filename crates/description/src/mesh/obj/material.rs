@@ -23,12 +23,12 @@ pub(super) fn parse(text: &str, folder: &Path) -> Vec<(String, Look)> {
             "d" => look.alpha = number(rest).or(look.alpha),
             "Tr" => look.alpha = number(rest).map(|share| 1.0 - share).or(look.alpha),
             "map_Kd" => {
-                // Names may have spaces; options stand before the name.
+                // Names may contain spaces; options come before the name.
                 let last = rest.rsplit(char::is_whitespace).next().unwrap_or(rest);
                 let found = find_texture(rest, folder).or_else(|| find_texture(last, folder));
                 let named = if rest.starts_with('-') { last } else { rest };
                 look.texture = Some(found.unwrap_or_else(|| named.into())).filter(|_| !rest.is_empty());
-                // A picture is shown as it is.
+                // A picture is shown in its own colours.
                 look.diffuse = Some([1.0; 3]);
             }
             _ => {}
@@ -37,7 +37,7 @@ pub(super) fn parse(text: &str, folder: &Path) -> Vec<(String, Look)> {
     materials
 }
 
-/// Reads a colour, of which one number stands for all three.
+/// Reads a colour; a single number is used for all three channels.
 fn color(rest: &str) -> Option<[f32; 3]> {
     let numbers: Option<Vec<f32>> = rest.split_whitespace().map(number).collect();
     match numbers?[..] {

@@ -1,8 +1,8 @@
-//! The header of a PLY file: which elements follow, and of which properties.
+//! The header of a PLY file: the elements that follow, and their properties.
 
 use crate::mesh::part::Unreadable;
 
-/// How the numbers after the header are written.
+/// The encoding of the numbers after the header.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Form {
     Text,
@@ -64,7 +64,7 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// Returns the place of the first property that has one of these names.
+    /// Returns the index of the first property with one of these names.
     pub(super) fn place(&self, names: &[&str]) -> Option<usize> {
         self.properties.iter().position(|property| names.contains(&property.name.as_str()))
     }
@@ -74,11 +74,11 @@ impl Element {
 pub(super) struct Header {
     pub(super) form: Form,
     pub(super) elements: Vec<Element>,
-    /// The picture of a `comment TextureFile`, which is a convention of `MeshLab`.
+    /// The picture in a `comment TextureFile`, a convention of `MeshLab`.
     pub(super) texture: Option<String>,
-    /// Size of the header in bytes.
+    /// The size of the header in bytes.
     pub(super) bytes: usize,
-    /// Size of the header in lines.
+    /// The size of the header in lines.
     pub(super) lines: u32,
 }
 

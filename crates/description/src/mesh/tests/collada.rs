@@ -3,7 +3,7 @@
 use super::{Files, L, area, assert_l, bounds, hits};
 use std::time::Instant;
 
-/// A file with a geometry of these primitives over 6 positions, those of the L unless others are given.
+/// A file with a geometry of these primitives over 6 positions; by default, those of the L.
 fn dae(positions: &str, primitives: &str, nodes: &str) -> String {
     let count = positions.split_whitespace().count();
     format!(
@@ -37,7 +37,7 @@ fn concave_faces_keep_their_notch() {
     }
 }
 
-/// A square of 16 with two holes of 1, and half of the first filled again.
+/// A square of 16 with two holes of 1, one of which is half filled again.
 pub(super) fn with_a_hole() -> String {
     let square =
         |low: f64, high: f64| format!("{low} {low} 0 {high} {low} 0 {high} {high} 0 {low} {high} 0 ");
@@ -60,9 +60,9 @@ fn polygons_with_holes() {
     }
 }
 
-/// A node without a name is known by the nearest one above that has a name.
+/// A part of a node without a name has the name of the nearest ancestor that has one.
 #[test]
-fn unnamed_nodes_are_parts_of_those_above() {
+fn unnamed_nodes_have_the_name_of_their_ancestor() {
     let files = Files::new();
     let at = |x: i32| format!("<translate>{x} 0 0</translate><instance_geometry url='#g'/>");
     let nodes = format!(
@@ -92,11 +92,11 @@ fn the_first_of_an_id_counts_and_the_second_is_a_warning() {
     assert!((area(&meshes.unwrap()) - 4.0).abs() < 1e-6);
     // Nothing refers to x.
     let [problem] = &problems[..] else { panic!("{problems:?}") };
-    let words = "i.dae:7: warning: the id 'g' occurs again: the element at i.dae:2 counts";
+    let words = "i.dae:7: warning: the id 'g' occurs again: the element at i.dae:2 is used";
     assert!(problem.starts_with(words), "{problem}");
 }
 
-/// Many primitives share a source, and many instances a geometry: each is read once.
+/// Many primitives share a source, and many instances share a geometry: each is read once.
 #[test]
 fn sources_are_read_in_linear_time() {
     let files = Files::new();
@@ -114,7 +114,7 @@ fn sources_are_read_in_linear_time() {
         };
         (0..3).map(took).fold(f64::INFINITY, f64::min)
     };
-    // Four times the file takes four times as long, not sixteen times. Others use the machine, too.
+    // A file four times as large takes four times as long, not sixteen times. The machine may have other load.
     for many in [|count| (count, 1), |count| (1, count)] {
         let ((a, b), (c, d)): ((usize, usize), (usize, usize)) = (many(100), many(400));
         let mut ratios = (0..8).map(|_| seconds(c, d) / seconds(a, b));

@@ -19,7 +19,7 @@ const CORNERS: [[f32; 3]; 8] = [
 const FACES: [[u16; 4]; 6] =
     [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
 
-/// A file that grows by its accessors.
+/// A file to which accessors are added.
 pub(super) struct Model {
     pub(super) json: Value,
     bytes: Vec<u8>,
@@ -141,9 +141,9 @@ fn buffers_are_inside_beside_or_in_uris() {
     }
 }
 
-/// Gazebo takes the numbers as they stand; upright, y becomes z and z becomes −y.
+/// Gazebo uses the coordinates unchanged; upright, y becomes z and z becomes −y.
 #[test]
-fn up_is_turned_only_on_request() {
+fn the_up_axis_is_rotated_only_on_request() {
     let files = Files::new();
     files.write("m.glb", Model::block().glb());
     let (meshes, problems) = files.load_as("m.glb", None, UpAxis::Applied);
@@ -154,11 +154,11 @@ fn up_is_turned_only_on_request() {
 }
 
 #[test]
-fn nodes_stand_where_they_are_put() {
+fn nodes_have_their_transforms() {
     let mut model = Model::block();
     let half = 0.5_f64.sqrt();
     let places = [
-        // A quarter about z, twice as long in x, then moved: the last transform is the innermost.
+        // A quarter turn about z, twice the length in x, then moved: the last transform is the innermost.
         (
             json!({ "translation": [10, 0, 0], "rotation": [0, 0, half, half], "scale": [2, 1, 1] }),
             [[8.0, 0.0, 0.0], [10.0, 2.0, 3.0]],
@@ -169,7 +169,7 @@ fn nodes_stand_where_they_are_put() {
             [[8.0, 0.0, 0.0], [10.0, 1.0, 3.0]],
             6.0,
         ),
-        // A mirror keeps the outside out.
+        // A mirroring scale keeps the outside outside.
         (json!({ "scale": [1, 1, -1] }), [[0.0, 0.0, -3.0], [1.0, 2.0, 0.0]], 6.0),
     ];
     for (mut node, corners, content) in places {
@@ -192,7 +192,7 @@ fn nodes_stand_where_they_are_put() {
     files.write("m.glb", model.glb());
     assert_eq!(bounds(&files.part("m.glb", "a")), [[1.0, 0.0, 0.0], [2.0, 2.0, 3.0]]);
     assert_eq!(bounds(&files.part("m.glb", "b")), [[1.0, 5.0, 0.0], [2.0, 7.0, 3.0]]);
-    // Without a scene, all that stand at the top are shown.
+    // Without a scene, all nodes at the top are shown.
     for key in ["scene", "scenes"] {
         model.json.as_object_mut().unwrap().remove(key);
     }
@@ -218,9 +218,9 @@ fn strips_fans_and_lists_without_indices() {
 }
 
 #[test]
-fn sparse_accessors_replace_what_they_name() {
+fn sparse_accessors_replace_entries() {
     let mut model = Model::block();
-    // The top is lifted to 5 over the corners of the box, then over zeros.
+    // The top is raised to 5, in an accessor of the box's corners and then in one of zeros.
     let indices = model.view(&[4, 5, 6, 7]);
     let lifted: Vec<u8> =
         CORNERS[4..].iter().flat_map(|[x, y, _]| [*x, *y, 5.0]).flat_map(f32::to_le_bytes).collect();
@@ -231,16 +231,16 @@ fn sparse_accessors_replace_what_they_name() {
     assert!((volume(&meshes) - 10.0).abs() < 1e-5);
     model.json["accessors"][0].as_object_mut().unwrap().remove("bufferView");
     let meshes = model.meshes();
-    // A pyramid that stands on its tip at the origin.
+    // A pyramid with its tip at the origin.
     assert!((volume(&meshes) - 10.0 / 3.0).abs() < 1e-5);
     assert_eq!(hits(&meshes, [0.9, 1.9, 9.0], [0.0, 0.0, -1.0]), 2);
     model.json["accessors"][0]["count"] = (1_u64 << 40).into();
     assert!(model.error().contains("entries and no bytes"));
     model.json["accessors"][0]["count"] = 7.into();
-    assert!(model.error().contains("a sparse entry replaces 7, of 7"));
+    assert!(model.error().contains("a sparse entry replaces 7, but there are 7"));
 }
 
-/// The upper half hangs on a joint that stands 4 higher than where it was bound; the lower half on one that stays.
+/// The upper half is bound to a joint that is 4 higher than in its bind pose; the lower half to one that is not moved.
 #[test]
 fn skins_are_in_their_rest_pose() {
     let files = Files::new();
@@ -258,7 +258,7 @@ fn skins_are_in_their_rest_pose() {
     attributes["JOINTS_0"] = joints.into();
     attributes["WEIGHTS_0"] = weights.into();
     model.json["skins"] = json!([{ "joints": [1, 2], "inverseBindMatrices": bound }]);
-    // The node of the skin itself moves nothing.
+    // The node of the skin itself has no effect.
     let nodes = json!([
         { "mesh": 0, "skin": 0, "translation": [100, 0, 0] },
         { "name": "low", "children": [2] },
@@ -298,7 +298,7 @@ fn broken_files_are_one_error() {
     let whole = Model::block().glb();
     for (bytes, words) in [
         (&whole[..6], "ends within its header"),
-        (&whole[..whole.len() - 1], "a chunk says"),
+        (&whole[..whole.len() - 1], "a chunk declares"),
         (b"glTF\x01\0\0\0....", "GLB of version 1"),
         (b"{\n\"asset\": }", "m.gltf:2: error: "),
         (b"{\"asset\": {\"version\": \"1.0\"}}", "version 1.0"),
@@ -321,7 +321,7 @@ fn broken_files_are_one_error() {
         ("/nodes/0/children", json!([0]), "more than 300 deep"),
         ("/nodes/0/scale", json!([1e300, 1e300, 1e300]), "is not finite"),
         ("/scene", json!(2), "there is no entry 2 in scenes"),
-        ("/accessors/1/componentType", json!(5121), "names a vertex that is not there"),
+        ("/accessors/1/componentType", json!(5121), "names a vertex that does not exist"),
     ];
     for (place, value, words) in broken {
         let mut model = Model::block();

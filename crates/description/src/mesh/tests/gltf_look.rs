@@ -1,4 +1,4 @@
-//! Looks of glTF and GLB: materials, pictures, and how these lie on a surface.
+//! Materials of glTF and GLB, and the placement of pictures on surfaces.
 
 use super::Files;
 use super::gltf::{Model, encoded};
@@ -16,7 +16,7 @@ fn png(color: [u8; 4]) -> Vec<u8> {
     bytes.into_inner()
 }
 
-/// The box with a material and texture coordinates of its corners in bytes, as shares of 255.
+/// The box with a material, and texture coordinates of its corners in bytes, as fractions of 255.
 fn painted(material: &Value) -> Model {
     let mut model = Model::block();
     let bytes: Vec<u8> = (0..8_u8).flat_map(|at| [51 * (at % 4), 255 - 51 * (at / 2), 0, 0]).collect();
@@ -30,7 +30,7 @@ fn painted(material: &Value) -> Model {
 }
 
 #[test]
-fn looks_are_those_of_their_materials() {
+fn materials_are_read() {
     let look = |material: &Value| painted(material).meshes()[0].material.clone().unwrap();
     // Half the light is displayed as 0.735 (sRGB).
     let plain = look(
@@ -87,9 +87,9 @@ fn pictures_are_inside_beside_or_in_uris() {
     assert!(image_file::open(&files.0.path().join("m.glb#image7")).is_err());
 }
 
-/// The example of the extension's page: the lower left quarter of the picture, rotated clockwise.
+/// The example of the extension's specification: the lower left quarter of the picture, rotated clockwise.
 #[test]
-fn textures_are_turned_as_the_extension_says() {
+fn textures_are_transformed_by_the_extension() {
     let transform = json!({ "offset": [0, 1], "rotation": std::f64::consts::FRAC_PI_2, "scale": [0.5, 0.5] });
     let texture = json!({ "index": 0, "extensions": { "KHR_texture_transform": transform } });
     let mut model = painted(&json!({ "pbrMetallicRoughness": { "baseColorTexture": texture } }));
@@ -100,13 +100,14 @@ fn textures_are_turned_as_the_extension_says() {
     for [u, v] in &model.meshes()[0].uvs {
         assert!((-1e-6..=0.500_001).contains(u) && (-1e-6..=0.500_001).contains(v), "{u} {v}");
     }
-    // Corner 3 has (0.6, 0.8): a quarter counter-clockwise as it is seen, half as large, and from the lower edge.
+    // Corner 3 has (0.6, 0.8): rotated by a quarter turn counter-clockwise as seen, half as large, and from the lower
+    // edge.
     let [u, v] = model.meshes()[0].uvs[3];
     assert!((u - 0.4).abs() < 1e-6 && (v - 0.3).abs() < 1e-6, "{u} {v}");
 }
 
 #[test]
-fn what_is_not_drawn_is_a_note() {
+fn undrawn_features_give_a_note() {
     let files = Files::new();
     let mut model = painted(
         &json!({ "doubleSided": true, "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }),
@@ -117,5 +118,8 @@ fn what_is_not_drawn_is_a_note() {
     assert_eq!(meshes.unwrap()[0].material.as_ref().unwrap().emissive, [0.0; 3]);
     let [pose, note] = &problems[..] else { panic!("{problems:?}") };
     assert!(pose.contains("m.glb: warning: the mesh m.glb has morph targets"), "{pose}");
-    assert!(note.contains("note: of the mesh m.glb are not drawn: emissive maps, the insides of"), "{note}");
+    assert!(
+        note.contains("note: parts of the mesh m.glb are not drawn: emissive maps, the insides of"),
+        "{note}"
+    );
 }

@@ -6,7 +6,7 @@ use super::{Files, L, area, assert_l, bounds};
 fn concave_faces_keep_their_notch() {
     let files = Files::new();
     let vertices = L.map(|[x, y, z]| format!("v {x} {y} {z}\n")).concat();
-    // From every corner, and by indices that count back.
+    // From every corner, and by indices that count backwards.
     for first in 0..6 {
         let face: Vec<String> = (0..6).map(|at| ((first + at) % 6 + 1).to_string()).collect();
         files.write("l.obj", format!("{vertices}f {}\n", face.join(" ")));
@@ -17,7 +17,7 @@ fn concave_faces_keep_their_notch() {
 }
 
 #[test]
-fn statements_go_on_behind_a_backslash() {
+fn statements_continue_after_a_backslash() {
     let files = Files::new();
     files.write("a.obj", "v 0 0 \\\n 0\r\nv 2 0 0 \\\r\n\nv 0 3 0 # a corner\nf 1 \\\n 2 \\\n 3\n");
     assert!((area(&files.meshes("a.obj")) - 3.0).abs() < 1e-9);
@@ -29,9 +29,9 @@ fn statements_go_on_behind_a_backslash() {
     );
 }
 
-/// Colours of vertices are read past, as in Gazebo; a fourth number alone is a weight.
+/// Colours of vertices are ignored, as in Gazebo; a single fourth number is a weight.
 #[test]
-fn numbers_behind_a_vertex() {
+fn additional_numbers_of_a_vertex() {
     let files = Files::new();
     files.write("a.obj", "v 0 0 0 1 0 0\nv 2 0 0 0.5 0.5 0.5\nv 0 6 0 2\nf 1 2 3\n");
     assert!((area(&files.meshes("a.obj")) - 3.0).abs() < 1e-9);
@@ -68,7 +68,7 @@ fn materials_hold_across_groups_and_files() {
 }
 
 #[test]
-fn what_is_missing_is_one_warning() {
+fn each_missing_item_gives_one_warning() {
     let files = Files::new();
     files.write("paint.mtl", "newmtl red\nKd 1 0 0\nmap_Kd -s 2 2 1 gone.png\n");
     let faces = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -88,13 +88,13 @@ fn what_is_missing_is_one_warning() {
 }
 
 #[test]
-fn a_face_names_what_is_there() {
+fn indices_of_faces_are_checked() {
     let files = Files::new();
     for (face, words) in [
-        ("1 2 4", "a.obj:4: error: the mesh a.obj cannot be read: the face names vertex 4, of 3"),
-        ("1 2 0", "vertex 0, of 3"),
-        ("1 2 -4", "vertex -4, of 3"),
-        ("1/1 2 3", "texture coordinate 1, of 0"),
+        ("1 2 4", "a.obj:4: error: the mesh a.obj cannot be read: the face names vertex 4, but there are 3"),
+        ("1 2 0", "vertex 0, but there are 3"),
+        ("1 2 -4", "vertex -4, but there are 3"),
+        ("1/1 2 3", "texture coordinate 1, but there are 0"),
         ("1 2 x", "'x' is not the number of a vertex"),
     ] {
         files.write("a.obj", format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf {face}\n"));
@@ -104,7 +104,7 @@ fn a_face_names_what_is_there() {
 }
 
 #[test]
-fn text_of_windows_is_read() {
+fn utf_16_and_windows_line_ends_are_read() {
     let files = Files::new();
     let text = "v 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nf 1 2 3\r\n";
     let wide: Vec<u8> =

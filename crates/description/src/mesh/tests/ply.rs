@@ -10,7 +10,7 @@ fn header(format: &str, more: &str) -> String {
 }
 
 #[test]
-fn text_and_bytes_of_both_orders_are_one() {
+fn text_and_binary_of_both_byte_orders_are_equal() {
     let files = Files::new();
     let rows = L.map(|[x, y, z]| format!("{x} {y} {z} 255\n")).concat();
     files.write("text.ply", format!("{}{rows}6 0 1 2 3 4 5\n", header("ascii", "")));
@@ -44,7 +44,7 @@ fn text_and_bytes_of_both_orders_are_one() {
 }
 
 #[test]
-fn textures_lie_on_vertices_or_corners() {
+fn texture_coordinates_belong_to_vertices_or_corners() {
     let files = Files::new();
     files.write("wood.png", b"");
     let head = "ply\nformat ascii 1.0\ncomment TextureFile wood.png\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n";
@@ -68,7 +68,7 @@ fn textures_lie_on_vertices_or_corners() {
 }
 
 #[test]
-fn strips_and_elements_of_others() {
+fn strips_are_read_and_unknown_elements_ignored() {
     let files = Files::new();
     let text = "ply\nformat ascii 1.0\nelement camera 1\nproperty float f\nproperty list uchar float k\nelement vertex 4\n\
                 property float x\nproperty float y\nproperty float z\nelement tristrips 1\n\
@@ -94,7 +94,7 @@ fn broken_files_name_their_line() {
         (
             "6 0 1 2 3 4 5",
             "6 0 1 2 3 4 6",
-            "a.ply:18: error: the mesh a.ply cannot be read: a face names vertex 6, of 6",
+            "a.ply:18: error: the mesh a.ply cannot be read: a face names vertex 6, but there are 6",
         ),
         ("6 0 1 2 3 4 5", "6 0 1 2", "the file ends before"),
         ("6 0 1 2 3 4 5", "-1", "a list has -1 entries"),

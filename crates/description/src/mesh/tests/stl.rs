@@ -38,14 +38,14 @@ fn each_solid_is_a_part() {
 }
 
 #[test]
-fn counts_that_are_wrong_are_told() {
+fn wrong_counts_are_reported() {
     let files = Files::new();
     files.write("a.stl", binary(3, 2, 0));
     let error = files.error("a.stl");
-    assert!(error.contains("it says that it has 3 triangles, and has 2"), "{error}");
+    assert!(error.contains("it declares 3 triangles, and has 2"), "{error}");
     files.write("a.stl", binary(u32::MAX, 2, 7));
     assert!(files.error("a.stl").contains("4294967295 triangles"));
-    // What begins like text, and is none.
+    // A binary file that begins like text.
     let mut bytes = binary(3, 2, 0);
     bytes[..9].copy_from_slice(b"solid box");
     bytes[9..80].fill(0);
@@ -56,7 +56,7 @@ fn counts_that_are_wrong_are_told() {
         let (meshes, problems) = files.load("a.stl");
         assert!((area(&meshes.unwrap()) - f64::from(said) / 2.0).abs() < 1e-9);
         assert!(
-            problems.len() == 1 && problems[0].contains(": warning: the mesh a.stl says"),
+            problems.len() == 1 && problems[0].contains(": warning: the mesh a.stl declares"),
             "{problems:?}"
         );
     }

@@ -30,7 +30,7 @@ impl RayTableBuf {
     /// Builds a table with [`RayTable::build`] in allocated memory.
     ///
     /// # Errors
-    /// Those of [`RayTable::build`].
+    /// The errors of [`RayTable::build`].
     pub fn build(width: u32, height: u32, directions: &[[f32; 3]]) -> Result<Self, TableError> {
         Self::with(width, height, |buffer| RayTable::build(width, height, directions, buffer))
     }

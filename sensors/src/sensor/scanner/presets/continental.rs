@@ -8,7 +8,6 @@ use core::f64::consts::PI;
 ///
 /// The largest range is 50 m, the resolution a 65536th of that, as in its driver. Pixels are assumed to be evenly
 /// spaced in angle. σ is not published; 20 mm is assumed.
-/// that, as its driver has it. Pixels are taken to be even in angle; σ is not published: 20 mm is assumed.
 pub const HFL_110: Preset = Preset {
     name: "hfl110",
     maker: Maker::Continental,

@@ -8,21 +8,21 @@ use crate::trace::image::set_up::Setup;
 use crate::trace::image::target::Target;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 
-/// Rectangles of up to that many blocks are drawn without asking first which blocks the triangle touches.
+/// Rectangles of up to this many blocks are drawn without first checking which blocks the triangle touches.
 const FEW_BLOCKS: usize = 6;
 
-/// What a drawing loop needs of one of sixteen triangles.
+/// The data of sixteen triangles that a drawing loop needs.
 struct Spilled {
     edges: [[[f32; WIDTH]; 3]; 3],
     inverse: [[f32; WIDTH]; 3],
-    /// Bound of 1/t from above.
+    /// Upper bounds on 1/t.
     nearest: [f32; WIDTH],
     slots: [u32; WIDTH],
     columns: [[i32; WIDTH]; 2],
     rows: [[i32; WIDTH]; 2],
 }
 
-/// One triangle after the other, those of `some` of the rectangles. `nearest` are bounds of 1/t from above.
+/// Draws triangles one after the other, for `some` of the rectangles. `nearest` are upper bounds on 1/t.
 #[inline(always)]
 pub(super) fn draw_each<S: Simd, P: Projection>(
     simd: S,
@@ -61,7 +61,7 @@ pub(super) fn draw_each<S: Simd, P: Projection>(
     }
 }
 
-/// One triangle, block by block.
+/// Draws one triangle, block by block.
 #[inline(always)]
 fn draw_one<S: Simd, P: Projection>(
     simd: S,
@@ -141,7 +141,7 @@ fn draw_one<S: Simd, P: Projection>(
     }
 }
 
-/// The rays of a block against one triangle.
+/// Tests the rays of a block against one triangle.
 #[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
 #[inline(always)]
 fn draw_block<S: Simd, P: Projection>(
@@ -160,8 +160,8 @@ fn draw_block<S: Simd, P: Projection>(
     let (hit, inverse) = inside::<S, P>(&edges, &splat(simd, inverse), &directions, rules.inverse_near);
     let so_far = f32x16::load_array_ref(simd, &target.inverse[block]);
     let hit = hit & inverse.simd_gt(so_far);
-    // A lidar's blocks span wide angles, and many are not hit after all (S1/R3 5 % faster, R4 3 %); a camera's are
-    // nearly always (S3/R1 10 % slower).
+    // A lidar's blocks span wide angles, and many are not hit after all (S1/R3 5 % faster, R4 3 %); a camera's blocks
+    // are nearly always hit (S3/R1 10 % slower).
     if P::HAS_STRIPS && !hit.any_true() {
         return;
     }

@@ -8,15 +8,15 @@ use crate::trace::image::set_up::Setup;
 use crate::trace::image::target::Target;
 use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, i32x16, mask32x16};
 
-/// Triangles whose rectangle holds up to that many rays are drawn side by side, each in its lane …
+/// Triangles whose rectangle has up to this many rays are drawn side by side, each in its lane …
 pub(super) const TINY_TRIANGLE: i32 = 12;
-/// … if there are at least that many of them.
+/// … if there are at least this many of them.
 pub(super) const TINY_TRIANGLES: u32 = 3;
 
-/// Rays that each lane goes through before hits are dealt with: as many as have a bit each in a word.
+/// The number of rays that each lane processes before hits are stored: as many as have one bit each in a word.
 const STEPS: usize = 4;
 
-/// Tiny triangles side by side, each lane going through the rays of its own rectangle.
+/// Draws tiny triangles side by side; each lane processes the rays of its own rectangle.
 #[allow(clippy::too_many_arguments, reason = "the pieces of one kernel")]
 #[inline(always)]
 pub(super) fn draw_tiny<S: Simd, P: Projection>(
@@ -36,7 +36,7 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
     let (mut columns, mut rows) = (rectangles.first_column, rectangles.first_row);
     let mut drawing = tiny;
     let mut touched = 0;
-    // The processor cannot foresee how many are hit in a step, so that is asked once for several.
+    // The branch on hits is hard to predict, so it is taken once for several steps.
     for _ in 0..(steps as u32).div_ceil(STEPS as u32) {
         let mut hits = 0;
         let (mut places, mut inverses) = ([zero; STEPS], [f32x16::splat(simd, 0.0); STEPS]);
@@ -47,7 +47,7 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
             hits |= (hit & drawing).to_bitmask() << (step * WIDTH);
             places[step] = ray_grid.places(columns, rows, rules.first_block_row);
             inverses[step] = inverse;
-            // On to the next ray: to the right, then down.
+            // Go to the next ray: to the right, then down.
             columns += 1;
             let past = columns.simd_gt(rectangles.last_column);
             columns = past.select(rectangles.first_column, columns);
@@ -70,7 +70,7 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
     if touched == 0 {
         return;
     }
-    // In which step does not matter any more.
+    // The step in which they were touched no longer matters.
     touched |= touched >> (2 * WIDTH);
     touched |= touched >> WIDTH;
     let touched = mask32x16::from_bitmask(simd, touched);
@@ -81,7 +81,7 @@ pub(super) fn draw_tiny<S: Simd, P: Projection>(
         simd.reduce_max_i32x16(touched.select(rectangles.last_column, zero)) >> ray_grid.shift_x;
     let first_row = simd.reduce_min_i32x16(touched.select(rectangles.first_row, most)) >> ray_grid.shift_y;
     let last_row = simd.reduce_max_i32x16(touched.select(rectangles.last_row, zero)) >> ray_grid.shift_y;
-    // If they lie far apart, what is behind them is merely not left out.
+    // If they are far apart, `farthest` is not updated; this only hides less.
     if (last_column - first_column + 1) * (last_row - first_row + 1) <= 64 {
         for row in first_row..=last_row {
             let first = (row as usize - rules.first_block_row) * blocks_across;

@@ -1,4 +1,4 @@
-//! Where rounding could let a ray through.
+//! Cases in which rounding could let a ray through.
 
 use super::oracle::{Random, soup, sphere};
 use super::{Mesh, around};
@@ -14,7 +14,7 @@ fn shifted(mut mesh: (Vec<[f32; 3]>, Vec<[u32; 3]>), by: [f32; 3]) -> (Vec<[f32;
     mesh
 }
 
-/// Casts from inside of a closed mesh; nothing may get out.
+/// Casts rays from inside a closed mesh and checks that none escapes.
 fn none_escapes(mesh: &Mesh, origins: &[[f32; 3]], directions: &[[f32; 3]]) {
     let found = mesh.cast(&Rays { origins, directions, ranges: None }, Faces::Both);
     let escaped = found.distance.iter().filter(|t| t.is_infinite()).count();
@@ -49,7 +49,7 @@ fn no_ray_escapes_through_a_vertex_or_an_edge() {
     none_escapes(&mesh, &origins, &directions);
 }
 
-/// A cube of squares whose corners are whole numbers: rays along the axes meet edges and vertices exactly.
+/// A cube of squares whose corners are integers: rays along the axes hit edges and vertices exactly.
 fn cube() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let mut mesh = (Vec::new(), Vec::new());
     for axis in 0..3 {
@@ -109,7 +109,7 @@ fn directions_with_zeros_meet_edges_and_vertices() {
 
 #[test]
 fn rays_along_the_faces_of_boxes() {
-    // The walls lie in the very planes of their nodes' boxes; rays run along them, and hit what stands across.
+    // The walls are in the same planes as the boxes of their nodes. Rays run along them and hit the walls across.
     let mesh = Mesh::new(cube());
     let origins = vec![[-4.0, 0.3, 4.0], [-3.7, 4.0, 0.2], [4.0, -4.0, 0.1], [0.0, -4.0, 4.0]];
     let directions = vec![[1.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
@@ -129,7 +129,7 @@ fn from_a_surface_the_surface_itself_is_hit_at_zero_or_not_at_all() {
     for triangle in &mesh.triangles {
         let [a, b, c] = triangle.map(|index| mesh.vertices[index as usize]);
         let origin = [0, 1, 2].map(|axis| (a[axis] + b[axis] + c[axis]) / 3.0);
-        // Inwards, so that the other side is behind.
+        // Inwards, so that the opposite side is behind.
         let target = random.point(0.3);
         origins.push(origin);
         directions.push([0, 1, 2].map(|axis| target[axis] - origin[axis]));
@@ -153,7 +153,7 @@ fn triangles_without_area_are_not_hit() {
     mesh.1.push([first, first + 1, first + 2]);
     let mesh = Mesh::new(mesh);
     let (origins, mut directions) = around(&mut random, 3000, 1.5);
-    // Some straight at the points that are left of them.
+    // Some rays are aimed straight at the points to which triangles have collapsed.
     for index in 0..1000 {
         let vertex = mesh.vertices[mesh.triangles[index % 200][1] as usize];
         directions[index] = [0, 1, 2].map(|axis| vertex[axis] - origins[index][axis]);
@@ -167,6 +167,6 @@ fn one_origin_for_all() {
     let (_, directions) = around(&mut Random(15), 1000, 1.0);
     let rays = Rays { origins: &[[0.1, 0.2, 0.3]], directions: &directions, ranges: None };
     assert_eq!(mesh.check(&rays, Faces::Both), 1000);
-    // From inside no outside is seen.
+    // No front face is visible from inside.
     assert_eq!(mesh.check(&rays, Faces::Front), 0);
 }

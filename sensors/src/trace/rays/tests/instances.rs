@@ -15,7 +15,7 @@ struct Found {
     barycentrics: Vec<[f32; 2]>,
 }
 
-/// Casts at every level, sees that all agree to the bit, and gives the answers.
+/// Casts at every level, checks that all give the same bits, and returns the hits.
 fn cast(builder: &SceneBuilder, reference: DVec3, rays: &Rays<'_>, faces: Faces) -> Found {
     let scene = builder.scene();
     let mut buffer = vec![CacheLine::ZERO; workspace_len(&scene)];
@@ -79,7 +79,7 @@ fn with_material() -> SceneBuilder {
     builder
 }
 
-/// Meshes in a scene, and the same triangles in the frame of the reference for the oracle.
+/// Compares meshes in a scene with the oracle, which gets the same triangles in the frame of the reference point.
 fn check_meshes(count: usize, reference: DVec3, faces: Faces, turned: bool) {
     let mut random = Random(21 + count as u64);
     let mut builder = with_material();
@@ -106,7 +106,7 @@ fn check_meshes(count: usize, reference: DVec3, faces: Faces, turned: bool) {
             let scaled = DVec3::from_array([0, 1, 2].map(|axis| f64::from(vertex[axis]) * scale[axis]));
             (world.rotation() * scaled + (world.translation() - reference)).as_vec3().to_array()
         }));
-        // A mirror turns the winding round; the outside stays where it was.
+        // A mirrored instance has the opposite winding; its outside stays the outside.
         let mirrored = scale[0] * scale[1] * scale[2] < 0.0;
         all.1.extend(triangles.iter().map(|&[a, b, c]| {
             let [b, c] = if mirrored { [c, b] } else { [b, c] };
@@ -154,7 +154,7 @@ fn barycentrics_give_the_point() {
     }
 }
 
-/// The normal is across the plane through the hits of three neighbouring rays.
+/// The normal is perpendicular to the plane through the hits of three neighbouring rays.
 #[test]
 fn normals_of_every_shape_are_across_its_surface() {
     let mut shapes = with_material();
@@ -207,7 +207,7 @@ fn normals_of_every_shape_are_across_its_surface() {
             assert!((normal.length() - 1.0).abs() < 1e-6, "{shape:?}: {normal}");
             tried += 1;
             right += usize::from(across.dot(normal).abs() > 0.99);
-            // Solids are seen from outside.
+            // Solids are only hit from outside.
             if !matches!(shape, Shape::Rectangle { .. } | Shape::Plane | Shape::HeightField(_)) {
                 let direction = DVec3::from_array(directions[first].map(f64::from));
                 assert!(normal.dot(direction) < 0.0, "{shape:?}");

@@ -34,7 +34,7 @@ pub(super) struct Mesh {
     tree: build::Tree,
 }
 
-/// What is answered for each ray.
+/// The outputs for each ray.
 #[derive(Debug, PartialEq)]
 pub(super) struct Found {
     pub(super) distance: Vec<f32>,
@@ -70,7 +70,7 @@ impl Mesh {
         found
     }
 
-    /// Casts at every level, sees that all agree to the bit, and gives the answers.
+    /// Casts at every level, checks that all give the same bits, and returns the hits.
     pub(super) fn cast(&self, rays: &Rays<'_>, faces: Faces) -> Found {
         let mut answers = levels().into_iter().map(|level| (level, self.cast_at(level, rays, faces)));
         let (_, first) = answers.next().expect("a level");
@@ -85,14 +85,14 @@ impl Mesh {
         first
     }
 
-    /// Casts, and compares with the oracle: no hit or miss may differ but where the ray passes an edge within
-    /// 1e-6 of its way, and no distance by more than 1e-5 of itself. Tells how many hit.
+    /// Casts, and compares with the oracle: hits and misses may differ only if the ray passes an edge within 1e-6 of
+    /// its length, and distances by at most 1e-5 of themselves. Returns the number of hits.
     pub(super) fn check(&self, rays: &Rays<'_>, faces: Faces) -> usize {
         let found = self.cast(rays, faces);
         self.compare(rays, faces, &found.distance, &found.normal, 0.0)
     }
 
-    /// Compares answers with the oracle's, whose vertices are off by up to `rounding` metres.
+    /// Compares the outputs with the oracle's; vertices have errors of up to `rounding` metres.
     pub(super) fn compare(
         &self,
         rays: &Rays<'_>,
@@ -122,7 +122,7 @@ impl Mesh {
     }
 }
 
-/// Rays from around a box of that half size, to all sides.
+/// Rays that start around a box of this half size, in all directions.
 fn around(random: &mut Random, count: usize, half: f32) -> (Vec<[f32; 3]>, Vec<[f32; 3]>) {
     let origins = (0..count).map(|_| random.point(half)).collect();
     let directions = (0..count).map(|_| random.direction()).collect();
@@ -197,8 +197,8 @@ fn ranges_cut_hits_off() {
 
 #[test]
 fn the_nearest_of_close_layers() {
-    // Parallel squares 2⁻¹² of their distance apart: single precision alone could take the wrong one when the
-    // rays come in at a small angle.
+    // Parallel squares 2⁻¹² of their distance apart: single precision alone could choose the wrong one for rays at a
+    // small angle.
     let mut mesh = (Vec::new(), Vec::new());
     for layer in 0..32_u16 {
         let z = f32::from(layer) / 4096.0;

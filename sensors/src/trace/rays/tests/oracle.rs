@@ -1,10 +1,10 @@
-//! The slow way: every triangle, in double precision.
+//! An oracle that tests every triangle, in double precision.
 
 use super::Mesh;
 use crate::trace::Faces;
 use glam::DVec3;
 
-/// How near to an edge, in parts of the way, a ray may count either way.
+/// If a ray passes this near to an edge, relative to its length, it may hit or miss.
 const EDGE: f64 = 1e-6;
 
 pub(super) enum Answer {
@@ -13,7 +13,7 @@ pub(super) enum Answer {
         t: f64,
         normal: DVec3,
     },
-    /// The ray passes an edge too closely, or ends too closely at a triangle, for the answer to be sure.
+    /// The ray passes an edge, or ends at a triangle, too closely for a certain answer.
     Doubtful,
 }
 
@@ -42,7 +42,8 @@ pub(super) fn nearest(
         let t = n.dot(a) / slope;
         let way = [a, b, c].map(DVec3::length).into_iter().fold(0.0, f64::max);
         let point = d * t;
-        // Distance from each edge, inwards, in the triangle's plane; across the ray when seen at an angle.
+        // The distance from each edge, inwards in the plane of the triangle; perpendicular to the ray if it is seen at
+        // an angle.
         let unit = n.normalize();
         let tilt = (slope.abs() / (n.length() * d.length())).max(1e-3);
         let inside = [(a, b), (b, c), (c, a)]
@@ -69,11 +70,11 @@ pub(super) fn nearest(
     if sure < f64::INFINITY { Answer::Hit { t: sure, normal } } else { Answer::Miss }
 }
 
-/// A small generator (splitmix64).
+/// A small random number generator (splitmix64).
 pub(super) struct Random(pub(super) u64);
 
 impl Random {
-    /// In [0, 1).
+    /// A number in [0, 1).
     pub(super) fn unit(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let z = (self.0 ^ (self.0 >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -85,12 +86,12 @@ impl Random {
         (self.unit() * count as f64) as usize
     }
 
-    /// In a cube of that half edge.
+    /// A point in a cube of this half edge.
     pub(super) fn point(&mut self, half: f32) -> [f32; 3] {
         [0; 3].map(|_| half * (2.0 * self.unit() - 1.0) as f32)
     }
 
-    /// Of length 1.
+    /// A direction of length 1.
     pub(super) fn direction(&mut self) -> [f32; 3] {
         let z = 2.0 * self.unit() - 1.0;
         let (sin, cos) = (core::f64::consts::TAU * self.unit()).sin_cos();
@@ -99,7 +100,7 @@ impl Random {
     }
 }
 
-/// Triangles anywhere in a cube of half edge 1.
+/// Random triangles in a cube of half edge 1.
 pub(super) fn soup(random: &mut Random, count: usize, size: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let mut vertices = Vec::new();
     for _ in 0..count {
@@ -113,7 +114,7 @@ pub(super) fn soup(random: &mut Random, count: usize, size: f32) -> (Vec<[f32; 3
     (vertices, triangles)
 }
 
-/// A closed sphere around the origin, wound outwards.
+/// A closed sphere around the origin, with outward winding.
 pub(super) fn sphere(rings: u32, radius: f32) -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     let around = 2 * rings;
     let mut vertices = vec![[0.0, 0.0, radius], [0.0, 0.0, -radius]];

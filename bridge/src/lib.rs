@@ -88,6 +88,12 @@
 // The examples above use shared memory.
 #![cfg_attr(not(feature = "shared-memory"), allow(rustdoc::broken_intra_doc_links))]
 
+#[cfg(all(feature = "shared-memory", not(target_os = "linux")))]
+compile_error!(
+    "the feature `shared-memory` of belvedere-bridge needs Linux; without it (default-features = false) the wire format \
+     compiles on any system, as do belvedere without its default features and belvedere-sensors"
+);
+
 #[cfg(feature = "shared-memory")]
 pub mod clock;
 mod consumer;

@@ -16,6 +16,7 @@ pub mod list;
 mod live_lines;
 pub mod log;
 pub mod message;
+pub mod models;
 pub mod names;
 mod pacer;
 pub mod place;
@@ -58,6 +59,7 @@ use std::process::ExitCode;
   ROS_PACKAGE_PATH                                        searched for packages after --package-path
   BELVEDERE_DOMAIN                                        the domain, if --domain is not given
   BELVEDERE_MODELS                                        folder of belvedere's own models, instead of the installed one
+  XDG_CACHE_HOME                                          where the models in the program are unpacked, instead of ~/.cache
   RAYON_NUM_THREADS                                       number of threads that render
   RUST_LOG                                                log filter, for example belvedere=debug")]
 struct Cli {
@@ -126,8 +128,9 @@ fn command_names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Runs the command line of this process and returns its exit code: 0, 1 if something went wrong, 2 if the arguments
-/// are invalid.
-pub fn main() -> ExitCode {
+/// are invalid. The program carries the robots and worlds `models`.
+pub fn main(models: models::Files) -> ExitCode {
+    models::carry(models);
     // A thread is used only if the main thread's stack is too small, because signals interrupt only the main thread's
     // sleep.
     if rustix::process::getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= STACK) {

@@ -13,6 +13,7 @@ mod sdf;
 
 mod bad_input;
 mod cameras;
+mod carried_models;
 mod check;
 mod check_folder;
 mod commands;

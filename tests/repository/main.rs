@@ -6,5 +6,6 @@ mod benchmark_scenes;
 mod benchmark_verdict;
 mod docs;
 mod layers;
+mod models;
 mod package;
 mod page_layout;

@@ -3,6 +3,10 @@
 use crate::package::PackagePath;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// What [`carry`] was given.
+static CARRIED: OnceLock<fn() -> PathBuf> = OnceLock::new();
 
 /// Lists the `user` folders in their order, then those of `ros_package_path`, which is the value of the environment
 /// variable `ROS_PACKAGE_PATH`, then Belvedere's own models.
@@ -13,17 +17,51 @@ pub fn package_path(
     PackagePath::new(user, ros_package_path).with_fallback(folder())
 }
 
-/// Returns the folder of Belvedere's own models: `BELVEDERE_MODELS`, or `share/belvedere/models` of an installation, or
-/// that of the source tree.
+/// Says that the program carries the models itself: `unpack` writes them into a folder and returns it. It is called
+/// where there is no other folder of Belvedere's own models. Only the first call in a process has an effect.
+pub fn carry(unpack: fn() -> PathBuf) {
+    let _ = CARRIED.set(unpack);
+}
+
+/// Returns the folder of Belvedere's own models: the first of the [`places`] that exists, or else that which the program
+/// carries. What `BELVEDERE_MODELS` says always holds.
 fn folder() -> PathBuf {
-    if let Some(folder) = std::env::var_os("BELVEDERE_MODELS") {
-        return folder.into();
+    let places = places();
+    if explicit().is_none()
+        && !places.iter().any(|folder| folder.is_dir())
+        && let Some(unpack) = CARRIED.get()
+    {
+        return unpack();
+    }
+    let first = places.iter().find(|folder| folder.is_dir()).or(places.first());
+    first.cloned().unwrap_or_default()
+}
+
+/// The folder that `BELVEDERE_MODELS` names.
+fn explicit() -> Option<PathBuf> {
+    std::env::var_os("BELVEDERE_MODELS").map(PathBuf::from)
+}
+
+/// Where Belvedere's own models are looked for: `BELVEDERE_MODELS` alone if it is set, or else `share/belvedere/models`
+/// of an installation, and the source that this was compiled from.
+fn places() -> Vec<PathBuf> {
+    if let Some(folder) = explicit() {
+        return vec![folder];
     }
     let installed = std::env::current_exe()
         .ok()
-        .and_then(|exe| Some(exe.parent()?.parent()?.join("share/belvedere/models")))
-        .filter(|folder| folder.is_dir());
-    installed.unwrap_or_else(|| {
-        Path::new(env!("CARGO_MANIFEST_DIR")).ancestors().nth(2).unwrap_or(Path::new("")).join("models")
-    })
+        .and_then(|exe| Some(exe.parent()?.parent()?.join("share/belvedere/models")));
+    // In the repository this is a link. A published package has the files.
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("models");
+    installed.into_iter().chain([source.canonicalize().unwrap_or(source)]).collect()
+}
+
+/// The folders in which packages and Belvedere's own models were looked for, as part of a sentence.
+pub(crate) fn searched(packages: &PackagePath) -> String {
+    let ours = packages.fallback();
+    let is_missing = ours.is_some_and(|folder| !folder.is_dir());
+    let user = packages.folders().filter(|folder| Some(*folder) != ours).map(Path::to_path_buf);
+    let own = if is_missing { places() } else { ours.map(Path::to_path_buf).into_iter().collect() };
+    let folders: Vec<String> = user.chain(own).map(|folder| folder.display().to_string()).collect();
+    folders.join(", ")
 }

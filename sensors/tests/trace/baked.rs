@@ -1,6 +1,6 @@
 //! Baked scenes: they are read back as they were written, and corrupted ones do no harm.
 
-#[path = "../../fuzz/entry.rs"]
+#[path = "fuzz_entry.rs"]
 mod entry;
 
 use crate::common::random::tries;

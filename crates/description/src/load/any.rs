@@ -4,6 +4,7 @@ use super::robot::{LoadOptions, is_bare, load_robot, not_found, robot_names};
 use super::world::{load_world, world_names};
 use crate::diagnostics::Diagnostics;
 use crate::model::{Model, World};
+use crate::models::searched;
 use crate::xml::Element;
 use crate::{sdf, urdf, xacro};
 use std::path::Path;
@@ -32,10 +33,14 @@ pub fn load(
         let (robots, worlds) = (robot_names(&options.packages), world_names(&options.packages));
         let names = || robots.iter().chain(&worlds).map(String::as_str);
         if names().all(|name| path != Path::new(name)) {
+            let listed =
+                |names: &[String]| if names.is_empty() { "none found".into() } else { names.join(", ") };
             let otherwise = format!(
-                "give the path of a .urdf, .xacro, .sdf or .world file, or the name of a robot ({}) or a world ({})",
-                robots.join(", "),
-                worlds.join(", ")
+                "give the path of a .urdf, .xacro, .sdf or .world file, or the name of a robot ({}) or a world ({}), \
+                 looked for in {}",
+                listed(&robots),
+                listed(&worlds),
+                searched(&options.packages)
             );
             not_found(path, "robot or world", names(), &otherwise, diagnostics);
             return None;

@@ -2,6 +2,7 @@
 
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::Model;
+use crate::models::searched;
 use crate::package::PackagePath;
 use crate::rules::Rules;
 use crate::suggestion::did_you_mean_or;
@@ -143,8 +144,7 @@ fn find_robot(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics
         return Some(found.path);
     }
     let names = robot_names(packages);
-    let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
-    let otherwise = format!("give the path of a .urdf, .xacro or .sdf file or one of these names: {listed}");
+    let otherwise = format!("give the path of a .urdf, .xacro or .sdf file or {}", one_of(&names, packages));
     not_found(path, "robot", names.iter().map(String::as_str), &otherwise, diagnostics);
     None
 }
@@ -170,6 +170,12 @@ pub(super) fn not_found<'a>(
         did_you_mean_or(&file_or_name.to_string_lossy(), names, otherwise)
     };
     diagnostics.error(&Source::new(file_or_name, 0), what, remedy);
+}
+
+/// Which names there are and where they were looked for, as the end of a remedy.
+pub(super) fn one_of(names: &[String], packages: &PackagePath) -> String {
+    let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
+    format!("one of these names: {listed} (looked for in {})", searched(packages))
 }
 
 /// The names that [`load_robot`] knows, sorted.

@@ -1,6 +1,6 @@
 //! Worlds: found by file or by name, loaded from SDF.
 
-use super::robot::{is_bare, not_found};
+use super::robot::{is_bare, not_found, one_of};
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::World;
 use crate::package::PackagePath;
@@ -89,8 +89,7 @@ fn find_world(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics
         }
     }
     let names = world_names(packages);
-    let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
-    let otherwise = format!("give the path of a world file or one of these names: {listed}");
+    let otherwise = format!("give the path of a world file or {}", one_of(&names, packages));
     not_found(path, "world", names.iter().map(String::as_str), &otherwise, diagnostics);
     None
 }

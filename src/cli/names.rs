@@ -10,7 +10,7 @@ use std::path::PathBuf;
 /// Where names are searched.
 #[derive(Clone, Debug, clap::Args)]
 pub struct NamesArgs {
-    /// A folder of ROS packages, searched before ROS_PACKAGE_PATH and Belvedere's own; may be repeated
+    /// A folder of ROS packages, searched before `ROS_PACKAGE_PATH` and Belvedere's own; may be repeated
     #[arg(long, value_name = "FOLDER")]
     pub package_path: Vec<PathBuf>,
 }

@@ -4,9 +4,10 @@ use std::path::Path;
 use std::process::Command;
 
 /// Each crate that is published, with its folder and with files that it must have.
-const CRATES: [(&str, &str, &[&str]); 5] = [
+const CRATES: [(&str, &str, &[&str]); 6] = [
     ("belvedere-sensors", "sensors", &[]),
     ("belvedere-bridge", "bridge", &["WIRE.md", "SECURITY.md"]),
+    ("lidar-packets", "crates/lidar-packets", &[]),
     ("belvedere-xacro", "crates/xacro", &[]),
     ("belvedere-description", "crates/description", &["models/worlds/tag_ceiling.world"]),
     ("belvedere", "", &["models/worlds/tag_ceiling.world", "viewer/dist/viewer.js", "src/main.rs"]),

@@ -173,7 +173,7 @@ mod tests {
         for (text, says) in [
             (
                 "",
-                "no setting is given; write NAME=VALUE, as update_rate (0.01 to 1000), noise_mean (-6 to 6)",
+                "no setting is given; write NAME=VALUE for one of update_rate (0.01 to 1000), noise_mean (-6 to 6)",
             ),
             ("update_rate", "'update_rate' is not a setting; write NAME=VALUE"),
             ("updaterate=3", "updaterate is not a setting; this sensor has update_rate"),

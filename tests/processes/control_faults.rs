@@ -83,7 +83,7 @@ fn invalid_commands_do_no_harm() {
         result.reason.as_str().to_owned()
     };
     let spawn = |text_len| SimulationCommand { text_len, ..named(Operation::Spawn, "thing") };
-    assert!(send(spawn(1000), b"<sdf/>").contains("cut off: 1000 bytes announced, 6 came"));
+    assert!(send(spawn(1000), b"<sdf/>").contains("cut off: 1000 bytes announced, 6 received"));
     assert!(send(spawn(u32::MAX), b"<sdf/>").contains("at most"));
     assert!(send(spawn(4), b"ab\xff\xff").contains("not UTF-8 from byte 2 on"));
     // A message that is not a command.

@@ -228,7 +228,7 @@ fn files_of_other_recorders_are_not_overwritten() {
     let left = std::fs::read(&active).unwrap();
     assert!(!frames(&read(&left).0)["clock"].is_empty());
     let (code, errors) = Process::start(&mut record(&[])).end();
-    assert!(code == Some(1) && errors.contains("a.mcap.active is there"), "{errors}");
+    assert!(code == Some(1) && errors.contains("a.mcap.active exists"), "{errors}");
     assert!(errors.contains("rename it") && errors.contains("--force"), "{errors}");
     assert!(std::fs::read(&active).unwrap() == left, "it was touched");
     let (code, errors) = Process::start(&mut record(&["--force", "--duration", "0.3"])).end();

@@ -204,7 +204,7 @@ fn invalid_settings_are_refused_with_a_reason_and_change_nothing() {
         ("scan", "update_rate=8 noise_stddev=7", "noise_stddev is '7'; it must be a number from 0 to 6"),
         ("image_raw", "gain=2", "gain is not a setting; "),
         ("image_raw", "exposure=1e9", "exposure is '1e9'; it must be a number from 0.01 to 100"),
-        ("image_raw", "", "no setting is given; write NAME=VALUE, as "),
+        ("image_raw", "", "no setting is given; write NAME=VALUE for one of "),
     ] {
         let reason = configure(&mut control, sensor, text).unwrap_err();
         assert!(reason.starts_with(says), "{sensor} {text}: {reason}");

@@ -51,8 +51,9 @@ fn read_again(printed: &str) -> Model {
     let file = folder.path().join("printed.urdf");
     fs::write(&file, printed).unwrap();
     let mut robot = load(file.to_str().unwrap(), package_path([], None));
+    let is_optical = |link: usize| robot.links[link].name.ends_with("_optical");
+    robot.joints.retain(|joint| !is_optical(joint.child));
     robot.links.retain(|link| !link.name.ends_with("_optical"));
-    robot.joints.retain(|joint| !joint.name.ends_with("_optical_joint"));
     robot
 }
 

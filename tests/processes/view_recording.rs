@@ -134,5 +134,5 @@ fn errors_of_recordings_are_one_sentence() {
     let mut page = server.page();
     seek(&mut page, 1.0);
     let said = page.next_json("status");
-    assert!(said["text"].as_str().unwrap().contains("no recording"), "{said}");
+    assert!(said["text"].as_str().unwrap().contains("not a recording"), "{said}");
 }

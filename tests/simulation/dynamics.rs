@@ -295,7 +295,8 @@ fn a_box_slides_down_a_slope_by_coulombs_law() {
     // It comes to rest on its way down onto the slope.
     let [first, second] = slid(0.4);
     assert!(first < 0.01 && (second - first).abs() < 1e-4, "{first} {second}");
-    // rapier's contacts reach 15/16 of a friction of Coulomb in the 16 passes of a step.
+    // Contacts brake about 6 % less than Coulomb's law; the cause is not known. So the slope of 0.309 holds the box at 0.4
+    // and not yet at 0.33.
     let [_, slipped] = slid(0.2);
     let with = |mu: f64| 0.5 * 9.8 * (0.3_f64.sin() - mu * 0.3_f64.cos()) * 4.0;
     assert!((with(0.2)..with(0.18)).contains(&slipped), "{slipped}");

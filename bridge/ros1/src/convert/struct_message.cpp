@@ -8,7 +8,7 @@ StructMessage::StructMessage(std::uint16_t kind, const std::string& topic) {
     bv_ros1_message* message = nullptr;
     const bv_status status = bv_ros1_open(kind, topic.c_str(), &message);
     if (status == BV_STATUS_NOTHING)
-        throw Unrepresentable("ROS has no type for its kind, " + std::to_string(kind) + ", under its name");
+        throw Unrepresentable("ROS has no message type for a stream of kind " + std::to_string(kind) + " with this name");
     if (status != BV_STATUS_OK) throw Unrepresentable(bv_last_error());
     message_.reset(message);
 }

@@ -6,7 +6,7 @@
 //! so that the consumer sleeps before each. Rounds of both transports alternate. The result is the ratio of their
 //! medians within a round, which cancels out the speed of the machine.
 //!
-//! The exit code is 1 if a budget of latency is exceeded in each of six measurements. Processor time is reported but
+//! The exit code is 1 if a budget of latency is exceeded in each of three measurements. Processor time is reported but
 //! has no budget: the cost of waking a process depends on the machine. The figure of a plain socket shows that cost.
 
 mod consumer;

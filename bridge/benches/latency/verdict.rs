@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 use crate::{SIZES, Way, median};
 
 /// Number of measurements that must exceed a budget before it counts as missed, since machines are noisy.
-pub(crate) const ATTEMPTS: usize = 6;
+pub(crate) const ATTEMPTS: usize = 3;
 const ROUNDS: usize = 7;
 /// Budget of Belvedere's median relative to that of iceoryx2 alone.
 const BESIDE: f64 = 1.1;

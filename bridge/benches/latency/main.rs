@@ -3,8 +3,9 @@
 //!
 //! Publisher and consumer are two processes; this program starts itself again as the consumer. Both transports wait for
 //! an event and then receive, and both carry the send time in a header of 384 bytes. Frames are sent every millisecond,
-//! so that the consumer sleeps before each. Rounds of both transports alternate. The result is the ratio of their
-//! medians within a round, which cancels out the speed of the machine.
+//! so that the consumer sleeps before each. Short rounds of both transports alternate. The result is the ratio of their
+//! medians within a round, which cancels out the speed of the machine. Processes are started anew several times within
+//! a measurement, because latency also depends on the cores and the memory that a process happens to get.
 //!
 //! The exit code is 1 if a budget of latency is exceeded in each of three measurements. Processor time is reported but
 //! has no budget: the cost of waking a process depends on the machine. The figure of a plain socket shows that cost.
@@ -15,7 +16,11 @@ mod plain;
 mod socket;
 mod verdict;
 
-use std::{process::ExitCode, time::Duration};
+use std::{
+    process::ExitCode,
+    sync::atomic::{AtomicUsize, Ordering},
+    time::Duration,
+};
 
 use consumer::Consumer;
 use criterion::{BenchmarkId, Criterion, SamplingMode};
@@ -23,7 +28,7 @@ use criterion::{BenchmarkId, Criterion, SamplingMode};
 /// Payload sizes: a page; 640 × 480 colour and depth; a point cloud.
 const SIZES: [usize; 4] = [4096, 921_600, 1_228_800, 4_194_304];
 /// Number of frames in a round.
-const FRAMES: usize = 400;
+const FRAMES: usize = 100;
 const PERIOD: Duration = Duration::from_millis(1);
 
 /// The sending end of a transport.
@@ -39,20 +44,25 @@ struct Way {
 }
 
 impl Way {
+    /// Starts Belvedere and iceoryx2 alone for each payload size.
+    fn start_all() -> Vec<(usize, Self, Self)> {
+        SIZES.iter().map(|&size| (size, Self::ours(size), Self::plain(size))).collect()
+    }
+
     fn ours(size: usize) -> Self {
-        let domain = format!("bench-{}-{size}", std::process::id());
+        let domain = fresh_name();
         let sender = ours::Ours::open(&domain, size);
         Self { sender: Box::new(sender), consumer: Consumer::start("ours", &domain) }
     }
 
     fn plain(size: usize) -> Self {
-        let domain = format!("bench-{}-plain-{size}", std::process::id());
+        let domain = fresh_name();
         let sender = plain::Plain::open(&domain, size);
         Self { sender: Box::new(sender), consumer: Consumer::start("plain", &domain) }
     }
 
     fn socket() -> Self {
-        let name = format!("bench-{}-socket", std::process::id());
+        let name = fresh_name();
         let sender = socket::Socket::open(&name);
         Self { sender: Box::new(sender), consumer: Consumer::start("socket", &name) }
     }
@@ -72,6 +82,12 @@ impl Way {
     }
 }
 
+/// Returns a name that no other transport of this or another process has.
+fn fresh_name() -> String {
+    static NEXT: AtomicUsize = AtomicUsize::new(0);
+    format!("bench-{}-{}", std::process::id(), NEXT.fetch_add(1, Ordering::Relaxed))
+}
+
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values[values.len() / 2]
@@ -86,17 +102,17 @@ fn main() -> ExitCode {
     }
     // `cargo test --benches` only checks that it runs.
     let quick = std::env::args().any(|argument| argument == "--test");
-    let mut ways: Vec<(usize, Way, Way)> =
-        SIZES.iter().map(|&size| (size, Way::ours(size), Way::plain(size))).collect();
     if quick {
-        for (_, ours, plain) in &mut ways {
+        for (_, ours, plain) in &mut Way::start_all() {
             assert!(ours.latencies(5, PERIOD).len() == 5 && plain.latencies(5, PERIOD).len() == 5);
         }
+        plain::remove_remains();
         return ExitCode::SUCCESS;
     }
-    statistics(&mut ways);
-    let missed = verdict::latencies(&mut ways);
-    verdict::processor_time(&mut ways[1]);
+    statistics(&mut Way::start_all());
+    let missed = verdict::latencies();
+    verdict::processor_time(921_600);
+    plain::remove_remains();
     for name in &missed {
         eprintln!("missed in each of {} measurements: {name}", verdict::ATTEMPTS);
     }

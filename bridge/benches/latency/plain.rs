@@ -26,12 +26,28 @@ pub(crate) struct Header {
 type Frames = publish_subscribe::PortFactory<Ipc, [u8], Header>;
 type Events = event::PortFactory<Ipc>;
 
+/// The start of the names of all files in shared memory, of the process whose id is the last but one part of `domain`.
+fn prefix(domain: &str) -> String {
+    let (process, _number) = domain.rsplit_once('-').expect("a fresh name");
+    format!("{process}-plain.")
+}
+
+/// Removes the file that iceoryx2 leaves for each prefix.
+pub(crate) fn remove_remains() {
+    let prefix = prefix(&crate::fresh_name());
+    for file in std::fs::read_dir("/dev/shm").into_iter().flatten().flatten() {
+        if file.file_name().as_encoded_bytes().starts_with(prefix.as_bytes()) {
+            let _ = std::fs::remove_file(file.path());
+        }
+    }
+}
+
 fn open_services(domain: &str) -> (Frames, Events) {
     iceoryx2::prelude::set_log_level(LogLevel::Fatal);
     let mut config = Config::default();
-    config.global.prefix = FileName::new(format!("{domain}.").as_bytes()).expect("a prefix");
+    config.global.prefix = FileName::new(prefix(domain).as_bytes()).expect("a prefix");
     let node = NodeBuilder::new().config(&config).create::<Ipc>().expect("a node");
-    let name = "frames".try_into().expect("a name");
+    let name = domain.try_into().expect("a name");
     let spec = StreamSpec::new("", belvedere_bridge::Kind::Image, belvedere_bridge::Encoding::Mono8, 1);
     let frames = node
         .service_builder(&name)

@@ -6,6 +6,9 @@ use crate::{SIZES, Way, median};
 
 /// Number of measurements that must exceed a budget before it counts as missed, since machines are noisy.
 pub(crate) const ATTEMPTS: usize = 3;
+/// How often a measurement starts all processes anew.
+const STARTS: usize = 5;
+/// Number of rounds between two starts.
 const ROUNDS: usize = 7;
 /// Budget of Belvedere's median relative to that of iceoryx2 alone.
 const BESIDE: f64 = 1.1;
@@ -15,28 +18,31 @@ const FLAT: f64 = 1.2;
 const PROCESSOR: f64 = 0.1;
 
 /// Measures and prints. Returns the budgets that were missed each time.
-pub(crate) fn latencies(ways: &mut [(usize, Way, Way)]) -> Vec<String> {
-    let mut missed = attempt(ways);
+pub(crate) fn latencies() -> Vec<String> {
+    let mut missed = attempt();
     for _ in 1..ATTEMPTS {
         if missed.is_empty() {
             break;
         }
-        let again = attempt(ways);
+        let again = attempt();
         missed.retain(|name| again.contains(name));
     }
     missed
 }
 
-fn attempt(ways: &mut [(usize, Way, Way)]) -> Vec<String> {
-    let mut rounds: Vec<Vec<(f64, f64)>> = vec![Vec::new(); ways.len()];
-    for _ in 0..ROUNDS {
-        for ((_, ours, plain), rounds) in ways.iter_mut().zip(&mut rounds) {
-            rounds.push((ours.median(), plain.median()));
+fn attempt() -> Vec<String> {
+    let mut rounds: Vec<Vec<(f64, f64)>> = vec![Vec::new(); SIZES.len()];
+    for _ in 0..STARTS {
+        let mut ways = Way::start_all();
+        for _ in 0..ROUNDS {
+            for ((_, ours, plain), rounds) in ways.iter_mut().zip(&mut rounds) {
+                rounds.push((ours.median(), plain.median()));
+            }
         }
     }
     let mut missed = Vec::new();
     println!("\n{:>9}  {:>12}  {:>12}  {:>6}  budget", "bytes", "belvedere", "iceoryx2", "ratio");
-    for ((size, ..), rounds) in ways.iter().zip(&rounds) {
+    for (size, rounds) in SIZES.iter().zip(&rounds) {
         let ratio = median(rounds.iter().map(|(ours, plain)| ours / plain).collect());
         let ours = median(rounds.iter().map(|round| round.0).collect()) * 1e-3;
         let plain = median(rounds.iter().map(|round| round.1).collect()) * 1e-3;
@@ -49,7 +55,7 @@ fn attempt(ways: &mut [(usize, Way, Way)]) -> Vec<String> {
         }
     }
     let last = rounds.len() - 1;
-    let flat = median((0..ROUNDS).map(|round| rounds[last][round].0 / rounds[0][round].0).collect());
+    let flat = median((0..rounds[0].len()).map(|round| rounds[last][round].0 / rounds[0][round].0).collect());
     let name = format!("{} bytes beside {}", SIZES[last], SIZES[0]);
     println!("{name}: {flat:.3}, budget {FLAT} {}", word(flat, FLAT));
     if flat > FLAT {
@@ -58,10 +64,10 @@ fn attempt(ways: &mut [(usize, Way, Way)]) -> Vec<String> {
     missed
 }
 
-/// Prints the share of a core that consumers take at 30 Hz.
-pub(crate) fn processor_time((size, ours, plain): &mut (usize, Way, Way)) {
+/// Prints the share of a core that consumers of frames of this size take at 30 Hz.
+pub(crate) fn processor_time(size: usize) {
     let [ours, plain, socket] =
-        [processor_share(ours), processor_share(plain), processor_share(&mut Way::socket())];
+        [Way::ours(size), Way::plain(size), Way::socket()].map(|mut way| processor_share(&mut way));
     println!(
         "processor time of a consumer at 30 Hz, {size} bytes: {ours:.3} % of a core (iceoryx2 alone {plain:.3} %, eight bytes by a socket {socket:.3} %), budget {PROCESSOR} % {}",
         word(ours, PROCESSOR)

@@ -27,7 +27,7 @@ use iceoryx2::{
 
 use crate::{
     Consumer, Error, FrameHeader, Node, StreamSpec, clock,
-    domain::{Ipc, room},
+    domain::Ipc,
     own::Own,
     payload::Message,
     session,
@@ -72,7 +72,7 @@ impl Node {
     /// # Errors
     /// [`Error::DomainInUse`] if another process publishes the stream, [`Error::TooManyPublishers`] if a stream for
     /// several publishers has no slot left, [`Error::SharedMemoryTooSmall`] if its pool does not fit into `/dev/shm`,
-    /// [`Error::TooManyOpenFiles`], [`Error::Incompatible`] and [`Error::Permission`].
+    /// [`Error::AddressSpaceTooSmall`], [`Error::TooManyOpenFiles`], [`Error::Incompatible`] and [`Error::Permission`].
     pub fn publisher(&self, spec: &StreamSpec) -> Result<Publisher, Error> {
         Publisher::open(self, spec)
     }
@@ -101,6 +101,7 @@ impl Publisher {
             drop(booking);
             pool::book(node, &topic, made.pool_bytes())?
         };
+        pool::check_address_space(&topic, made.pool_bytes())?;
         let queue = spec.lossless.clone().map(|lossless| Arc::new(Queue::new(lossless, node.clone())));
         let when_full = match queue {
             Some(_) => BackpressureStrategy::RetryUntilDelivered,
@@ -136,10 +137,6 @@ impl Publisher {
                         1 => Error::DomainInUse { topic, domain: node.domain().to_string(), holder },
                         max => Error::TooManyPublishers { topic, max, holder },
                     });
-                }
-                Err(_) if !pool::has_address_space(made.pool_bytes()) => {
-                    let needed_mib = made.pool_bytes().div_ceil(room::MIB);
-                    return Err(Error::AddressSpaceTooSmall { topic, needed_mib });
                 }
                 Err(error) => {
                     return Err(node.keeper().failed(format!("opening {topic} for writing"), error));

@@ -4,10 +4,18 @@ use crate::live::{belvedere, own_domain};
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// Runs the simulator from a shell that sets something up before.
+/// Runs the simulator from a shell that sets something up before, and checks that it leaves nothing in shared memory.
 fn run_after(set_up: &str, arguments: &[&str]) -> Output {
     let domain = own_domain();
-    after(set_up, &[&["run", "--domain", &domain], arguments].concat())
+    let output = after(set_up, &[&["run", "--domain", &domain], arguments].concat());
+    let is_ours = |name: &str| name.split(['.', '~']).any(|part| part == domain);
+    let left: Vec<String> = std::fs::read_dir("/dev/shm")
+        .unwrap()
+        .filter_map(|entry| entry.unwrap().file_name().into_string().ok())
+        .filter(|name| is_ours(name))
+        .collect();
+    assert!(left.is_empty(), "{set_up}: {left:?} are left in /dev/shm");
+    output
 }
 
 /// Runs a command from a shell that sets something up before.

@@ -16,7 +16,7 @@ use rustix::fs::FallocateFlags;
 
 use crate::{
     Error, Node, StreamSpec,
-    domain::room::{BOOKS, free, too_small},
+    domain::room::{BOOKS, MIB, free, too_small},
 };
 
 /// Reserves `bytes` for a pool, if the free space of `/dev/shm` covers them and what earlier reservations have not yet
@@ -54,10 +54,17 @@ impl Drop for Booking {
     }
 }
 
-/// Returns true if a pool of this size can be mapped: iceoryx2's errors do not say that it cannot.
-pub(crate) fn has_address_space(bytes: u64) -> bool {
+/// Checks that a pool of this size can be mapped. iceoryx2 would create the pool's file first, fail to map it, not say
+/// why, and leave the file.
+///
+/// # Errors
+/// [`Error::AddressSpaceTooSmall`].
+pub(crate) fn check_address_space(topic: &str, bytes: u64) -> Result<(), Error> {
     // This reserves address space as a mapping does, and does not touch it.
-    usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok())
+    if usize::try_from(bytes).is_ok_and(|bytes| Vec::<u8>::new().try_reserve_exact(bytes).is_ok()) {
+        return Ok(());
+    }
+    Err(Error::AddressSpaceTooSmall { topic: topic.to_owned(), needed_mib: bytes.div_ceil(MIB) })
 }
 
 /// A publisher's pool of frames, and how much of it is allocated.

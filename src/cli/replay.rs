@@ -77,6 +77,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
         paused: args.paused,
         wait_for: args.wait_for.clone(),
         patience: args.patience,
+        gives_up: |_| stop_wanted(),
     };
     let mut player = Player::open(node, options).map_err(failed)?;
     tracing::info!(

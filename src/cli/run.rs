@@ -169,6 +169,8 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         lossless: (!awaited.is_empty()).then(|| Lossless {
             consumers: awaited.iter().map(|awaited| awaited.name.clone()).collect(),
             patience: args.patience.unwrap_or(Lossless::PATIENCE),
+            // The recording gets every frame up to the end.
+            gives_up: |consumer| stop_wanted() && consumer.name != RECORDER,
         }),
         post: post.clone(),
         ..SharedMemory::new(node.clone())

@@ -249,6 +249,7 @@ impl Player {
         let lossless = (!self.options.wait_for.is_empty()).then(|| Lossless {
             consumers: self.options.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
             patience: self.patience(),
+            gives_up: self.options.gives_up,
         });
         Ok(self.node.publisher(&StreamSpec { lossless, ..spec.clone() })?)
     }

@@ -1,6 +1,7 @@
 //! [`PlayerOptions`]: options for playing a recording.
 
 use crate::server::attendance::Awaited;
+use belvedere_bridge::Consumer;
 use std::time::Duration;
 
 /// The speed at which a recording is played.
@@ -27,6 +28,8 @@ pub struct PlayerOptions {
     pub wait_for: Vec<Awaited>,
     /// Longest wait of a frame, and of the start, for one of these consumers; the defaults are those of a simulation.
     pub patience: Option<Duration>,
+    /// Returns true if no frame is to wait for this consumer any longer: see [`belvedere_bridge::Lossless::gives_up`].
+    pub gives_up: fn(&Consumer) -> bool,
 }
 
 impl Default for PlayerOptions {
@@ -39,6 +42,7 @@ impl Default for PlayerOptions {
             paused: false,
             wait_for: Vec::new(),
             patience: None,
+            gives_up: |_| false,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! A simulation that waits for its consumers: they receive every frame, and one that stops is named.
 
 use crate::live::{belvedere, follow, next_frame, own_domain};
+use rustix::process::{Pid, Signal, kill_process};
 use std::io::Read as _;
 use std::process::{Child, Stdio};
 use std::time::Duration;
@@ -53,6 +54,24 @@ fn a_consumer_that_blocks_the_simulation_is_named() {
     {
         assert!(said.contains(words), "no {words} in: {said}");
     }
+}
+
+/// The consumer has no room for another frame, so the simulator waits for it when the signal arrives.
+#[test]
+fn a_signal_ends_a_simulation_that_waits_for_a_consumer() {
+    let domain = own_domain();
+    let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "600"]);
+    let mut images = follow(&domain, "mapper", &["image_raw"]);
+    next_frame(&mut images[0]);
+    // The simulator waits once no frame of another stream arrives either.
+    let mut poses = follow(&domain, "other", &["odom"]);
+    next_frame(&mut poses[0]);
+    while poses[0].wait(Duration::from_secs(1)).unwrap() {
+        while poses[0].take().unwrap().is_some() {}
+    }
+    kill_process(Pid::from_child(&simulator), Signal::INT).unwrap();
+    let (success, said) = end(simulator);
+    assert!(success, "{said}");
 }
 
 #[test]

@@ -71,6 +71,9 @@ impl Queue {
         else {
             return BackpressureAction::DiscardData;
         };
+        if (self.lossless.gives_up)(consumer) {
+            return BackpressureAction::DiscardData;
+        }
         if now - state.since >= self.lossless.patience {
             let consumer = consumer.clone();
             state.held_up.get_or_insert(consumer);

@@ -10,7 +10,11 @@ fn open(domain: &Domain, consumers: &[&str], patience: Duration) -> Publisher {
     let consumers = consumers.iter().map(ToString::to_string).collect();
     let node = Node::open(domain, "simulator").unwrap();
     let spec = StreamSpec::new("image", Kind::Image, Encoding::Mono8, 4);
-    node.publisher(&StreamSpec { lossless: Some(Lossless { consumers, patience }), ..spec }).unwrap()
+    node.publisher(&StreamSpec {
+        lossless: Some(Lossless { consumers, patience, ..Lossless::default() }),
+        ..spec
+    })
+    .unwrap()
 }
 
 fn subscribe(domain: &Domain, name: &str) -> Subscriber {

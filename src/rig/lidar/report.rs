@@ -24,8 +24,9 @@ pub(super) fn lidar(lidar: &model::Lidar, gazebo_compat: bool, say: Say<'_>) {
         physics(&lidar.physics, say);
     }
     if let Some(layout) = lidar.plugin.as_ref().and_then(|plugin| plugin.cloud) {
-        let shape = if layout.is_organized { "a row a column of beams" } else { "what was hit" };
-        let times = if gazebo_compat { "at one moment" } else { "each beam at its own time" };
+        let shape =
+            if layout.is_organized { "organized, one row per column of beams" } else { "only returns" };
+        let times = if gazebo_compat { "all beams at the same time" } else { "each beam at its own time" };
         say("cloud", format!("{shape}, {times}"));
     }
     if let Some(preset) = lidar.preset.filter(|_| Packets::of(lidar).is_some()) {

@@ -1,4 +1,4 @@
-//! The attributes by which a stream describes itself to processes that find it.
+//! The attributes of a stream, which describe it to processes that list or open it.
 
 use super::Frames;
 use crate::Error;

@@ -26,8 +26,7 @@ pub struct StreamInfo {
     pub kind: Option<Kind>,
     /// The encoding of its payload, under the same conditions.
     pub encoding: Option<Encoding>,
-    /// The intended frames per second, as declared when it was created. The rate of a sensor may have changed since:
-    /// see
+    /// The intended frames per second, as declared when it was created. The rate of a sensor may have changed since: see
     /// [`StreamSpec::SENSOR_SETTINGS`](crate::StreamSpec::SENSOR_SETTINGS).
     pub rate_hz: Option<f64>,
     /// Layers of a lidar, if its creator declared them.

@@ -1,4 +1,4 @@
-//! Ten pictures of a running simulator.
+//! Receives ten images of a running simulator.
 
 use belvedere_bridge::{Domain, Node};
 use std::time::Duration;

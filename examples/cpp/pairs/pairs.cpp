@@ -8,7 +8,7 @@ int main() try {
     while (count < 10 && pairs.wait(std::chrono::seconds(5))) {
         if (auto pair = pairs.take()) {
             const auto& [picture, cloud] = *pair;  // captured at the same time
-            const auto points = belvedere::eigen_points(cloud);  // a map: in place: the memory that the simulator wrote
+            const auto points = belvedere::eigen_points(cloud);  // a map of the memory that the simulator wrote
             const auto middle = points.col(cloud.header().width * (cloud.header().height / 2) + cloud.header().width / 2);
             std::cout << picture.header().stamp_ns << " ns: " << points.cols() << " points, in the middle "
                       << (belvedere::eigen_world_from_optical(cloud) * middle.cast<double>()).transpose() << '\n';

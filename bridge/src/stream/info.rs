@@ -22,7 +22,7 @@ use iceoryx2::{
 pub struct StreamInfo {
     /// Its topic, without a leading slash.
     pub topic: String,
-    /// What it carries, if its creator declared it and this version knows it.
+    /// The kind of its frames, if its creator declared it and this version knows it.
     pub kind: Option<Kind>,
     /// The encoding of its payload, under the same conditions.
     pub encoding: Option<Encoding>,

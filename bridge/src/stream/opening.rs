@@ -2,7 +2,7 @@
 
 use super::{
     Events, Frames,
-    attributes::{attributes, kind_told},
+    attributes::{attributes, declared_kind},
     ports, versions,
 };
 use crate::{Error, FrameHeader, Node, StreamSpec, domain::service_name, topic::canonical_topic};
@@ -218,7 +218,7 @@ fn check_against(spec: &StreamSpec, topic: &str, node: &Node, frames: &Frames) -
                 .to_owned()
         });
     }
-    let kind = kind_told(frames);
+    let kind = declared_kind(frames);
     if kind.as_deref().is_some_and(|kind| kind != spec.kind.as_str()) {
         tracing::warn!(topic, ?kind, "consumers keep this stream open from a publisher of another kind");
     }

@@ -67,7 +67,7 @@ class Simulation(Unpicklable):
         )
         #: The default robot of the methods: the one spawned last.
         self.robot: str | None = self._native.thing
-        self._told = 0
+        self._reported = 0
         self._tell()
         if robot is not None:
             self.spawn(_arrays.described("robot", robot), pose=pose, xacro=xacro)
@@ -111,8 +111,8 @@ class Simulation(Unpicklable):
     def _tell(self) -> None:
         """Log the notes since the last call."""
         notes = self.notes
-        report(notes[self._told :])
-        self._told = len(notes)
+        report(notes[self._reported :])
+        self._reported = len(notes)
 
     @property
     def notes(self) -> list[str]:

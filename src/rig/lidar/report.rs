@@ -48,8 +48,8 @@ fn beams(ray: &RaySensor, say: Say<'_>) {
     }
 }
 
-/// Describes the noise of ranges r: that of a preset beyond certain distances, and noise that is the same at all
-/// distances.
+/// Describes the noise of a range r: the noise of a preset, which depends on the distance, and noise that is the same at
+/// all distances.
 fn noise_of_ranges(same: &Noise, spreads: &[Spread]) -> String {
     let part = |spread: &Spread| {
         let terms = spread.stddev.into_iter().zip(["", "·r", "·r²"]).filter(|(factor, _)| *factor != 0.0);

@@ -4,7 +4,7 @@ use crate::columns::{BEAM_ORIGIN_M, Columns, Encoder, OUSTER, VELODYNE};
 use lidar_packets::ouster::LidarProfile;
 
 /// Returns the nearest whole number up to `most`, by its definition.
-fn told(value: f32, most: f32) -> u32 {
+fn rounded(value: f32, most: f32) -> u32 {
     if value.is_nan() { 0 } else { value.clamp(0.0, most).round_ties_even() as u32 }
 }
 
@@ -25,8 +25,8 @@ fn velodynes_places_tell_any_return() {
                 let place = |number: usize| {
                     let (range, intensity) = columns.echo(column, laser, number);
                     let steps = range / step_m;
-                    let distance = if steps <= 65_535.0 { told(steps, 65_535.0) } else { 0 };
-                    (distance, if distance == 0 { 0 } else { told(intensity, 255.0) })
+                    let distance = if steps <= 65_535.0 { rounded(steps, 65_535.0) } else { 0 };
+                    (distance, if distance == 0 { 0 } else { rounded(intensity, 255.0) })
                 };
                 for number in 0..returns {
                     let expected = if place(number).0 == 0 { place(0) } else { place(number) };
@@ -69,7 +69,7 @@ fn ousters_channels_tell_any_return() {
                     let (range, intensity) = columns.echo(first + column, laser, number);
                     let steps = (f64::from(range) + BEAM_ORIGIN_M) * 1000.0 / step_mm;
                     let steps = if steps > 0.0 { steps.round_ties_even() } else { 0.0 };
-                    let signal = if range.is_finite() { told(intensity, 65_535.0) } else { 0 };
+                    let signal = if range.is_finite() { rounded(intensity, 65_535.0) } else { 0 };
                     (if steps < f64::from(1 << bits) { steps as u32 } else { 0 }, signal)
                 };
                 let at = header

@@ -1,7 +1,9 @@
-//! What the inertial unit of a robot reads while that stands in a world, for other programs to hold packets against: time in
-//! ns, specific force in m/s² and rate of turn in rad/s of each message, as f64, little-endian.
+//! Writes the readings of a robot's inertial unit while the robot stands still, so that other programs can compare
+//! packets with them. Each message gives the time in ns, the specific force in m/s² and the angular velocity in rad/s, as
+//! little-endian f64.
 //!
-//! `cargo run --example imu_readings -- ROBOT WORLD TOPIC MESSAGES HZ > imu.bin`: so many messages a second, from time 0 on.
+//! `cargo run --example imu_readings -- ROBOT WORLD TOPIC MESSAGES HZ > imu.bin` writes MESSAGES messages at a rate of HZ,
+//! from time 0 on.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;

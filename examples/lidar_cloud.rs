@@ -1,8 +1,9 @@
-//! What the lidar of a robot measures while that stands in a world, for other programs to hold packets against: of each
-//! point of its clouds time in s, x, y, z, ring, as f64, little-endian; then its intensity, of an Ouster's range in mm and
-//! reflectivity, and after the points of a frame those of its second returns.
+//! Writes the clouds of a robot's lidar while the robot stands still, so that other programs can compare packets with
+//! them. Each point is written as little-endian f64: time in s, x, y, z, ring, intensity. A point of an Ouster has range
+//! in mm and reflectivity instead of the intensity, and the points of a frame are followed by those of its second returns.
 //!
-//! `cargo run --example lidar_cloud -- ROBOT WORLD TOPIC FRAMES HZ > cloud.bin`: so many frames a second, from time 0 on.
+//! `cargo run --example lidar_cloud -- ROBOT WORLD TOPIC FRAMES HZ > cloud.bin` writes FRAMES frames at a rate of HZ, from
+//! time 0 on.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
@@ -18,7 +19,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let hz = rate_hz.parse::<u64>()?;
     let mut out = BufWriter::new(std::io::stdout().lock());
     let mut frame = FrameBuf::default();
-    // Ouster's have a cloud a return. Each is taken of a simulation of its own: what is asked for is always the next frame.
+    // An Ouster has one cloud for each return. Each is rendered in its own simulation, because every call of `render`
+    // renders the next frame.
     let topics = [topic.clone(), format!("{topic}2")];
     let mut simulations = Vec::new();
     for topic in topics {
@@ -65,7 +67,7 @@ fn write(frame: &FrameBuf, out: &mut impl Write) -> std::io::Result<()> {
     Ok(())
 }
 
-/// A number in a point, at a byte of it.
+/// Reads the number at a byte of a point.
 fn at<T: bytemuck::AnyBitPattern>(point: &[u8], at: usize) -> T {
     bytemuck::pod_read_unaligned(&point[at..at + size_of::<T>()])
 }

@@ -1,11 +1,14 @@
-//! What the lidar of a robot measures while that drives and turns, and where it was at each step of physics: for odometry by
-//! lidar to be held against. Numbers are f64, little-endian.
+//! Writes the clouds of a robot's lidar while the robot drives and turns, and its true poses, so that lidar odometry can be
+//! compared with them. All numbers are little-endian f64.
 //!
-//! `cargo run --example lidar_drive -- ROBOT WORLD TOPIC SPEED TURN PERIOD SECONDS > drive.bin`: the robot drives at SPEED
-//! m/s and turns to the left and to the right in PERIOD s, at up to TURN rad/s; its first second, in which it gets going, is
-//! left out. Of each frame, 10 a second, there are the number of steps since the one before and the number of points; then
-//! the steps' time, place and quaternion (x, y, z, w) of the robot; then time and place of each point, in the axes of the
-//! lidar at that time.
+//! `cargo run --example lidar_drive -- ROBOT WORLD TOPIC SPEED TURN PERIOD SECONDS > drive.bin`
+//!
+//! The robot drives at SPEED m/s. It turns alternately to the left and to the right, at up to TURN rad/s, with a period of
+//! PERIOD s. The first second, in which it accelerates, is left out. Each frame, 10 per second, has:
+//!
+//! 1. the number of physics steps since the previous frame, and the number of points;
+//! 2. for each step: its time, and position and quaternion (x, y, z, w) of the robot;
+//! 3. for each point: its time, and its position in the axes of the lidar at that time.
 
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
@@ -15,7 +18,7 @@ use std::f64::consts::TAU;
 use std::io::{BufWriter, Write};
 
 const FRAME_NS: u64 = 100_000_000;
-/// Frames until it goes evenly.
+/// The number of frames until the robot drives steadily.
 const STARTING: u64 = 10;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -31,7 +34,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let robot = simulation.spawn(&load::robot(robot)?, SpawnOptions::default())?;
     let mut out = BufWriter::new(std::io::stdout().lock());
     let (mut frame, mut steps) = (FrameBuf::default(), Vec::new());
-    // From now on physics remembers.
+    // From the first rendered frame on, physics keeps the history that later frames need.
     simulation.render(topic, &mut frame)?;
     let frames = (seconds * 1e9) as u64 / FRAME_NS;
     for number in 1..=STARTING + frames {

@@ -21,11 +21,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         simulation.render("/scan", &mut scan)?;
         let view = scan.view();
         let ranges: Vec<f32> = view.numbers(view.rows()).collect();
-        // The beam straight ahead: half of a turn behind the first, which looks back.
+        // The middle beam points straight ahead, because the first one points backwards.
         let ahead = ranges[ranges.len() / 2];
         let x = simulation.pose(robot)?.translation().x;
-        println!("{second} s: the robot is at {x:.2} m, the wall {ahead:.3} m before its lidar");
-        // The wall's face is at 1.9 m, the lidar 0.1 m before the robot's middle.
+        println!("{second} s: the robot is at {x:.2} m, the wall {ahead:.3} m in front of its lidar");
+        // The face of the wall is at 1.9 m, and the lidar 0.1 m in front of the robot's centre.
         assert!(
             (f64::from(ahead) + x - 1.8).abs() < 0.03,
             "the scan is wrong by more than the lidar's noise"

@@ -1,11 +1,11 @@
-//! Watches a stream from another process: rate, latency and gaps every second, and a picture if wanted.
+//! Watches a stream from another process: prints rate, latency and gaps every second, and can save an image.
 //!
 //! ```text
 //! Terminal 1:  cargo run --release
 //! Terminal 2:  cargo run --release --example watch -- camera/rgb/image_raw --save picture.png
 //! ```
-//! The latency is the time from the publisher's `send` to having read every byte here. Start it before the
-//! simulator, kill the simulator, start it again: it goes on by itself.
+//! The latency is the time from the publisher's `send` until this program has read every byte. The program may be started
+//! before the simulator, and continues after the simulator is killed and restarted.
 
 use std::{
     hint::black_box,
@@ -30,16 +30,16 @@ struct Args {
     /// Name of the simulation
     #[arg(long, default_value_t, env = "BELVEDERE_DOMAIN")]
     domain: Domain,
-    /// End after so many seconds
+    /// Stop after this number of seconds
     #[arg(long, value_parser = belvedere::cli::follow::seconds)]
     duration: Option<Duration>,
-    /// End after so many frames
+    /// Stop after this number of frames
     #[arg(long)]
     count: Option<u64>,
-    /// Save the last frame as a picture
+    /// Save the last frame as an image
     #[arg(long, value_name = "FILE")]
     save: Option<PathBuf>,
-    /// Print JSON, one object a line
+    /// Print one JSON object per line
     #[arg(long)]
     json: bool,
 }
@@ -72,17 +72,17 @@ fn watch(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
         && args.duration.is_none_or(|duration| started.elapsed() < duration)
         && args.count.is_none_or(|wanted| count < wanted)
     {
-        // Wakes up for a frame, or after a while to see whether it is time to end.
+        // Returns when a frame arrives, or after 50 ms to check whether the program should stop.
         if subscriber.wait(Duration::from_millis(50))? {
-            // Release the one before: a subscriber may hold two at a time.
+            // Release the previous frame, because a subscriber may hold only two at a time.
             last = None;
             if let Some(frame) = subscriber.take()? {
                 black_box(sum_of_bytes(frame.payload()));
                 let (now, latency_ns) = (Instant::now(), frame.age_ns());
                 if frame.restarted() {
-                    eprintln!("the publisher was started again");
+                    eprintln!("the publisher was restarted");
                 }
-                // The last frame before this program came is a picture, but no measurement.
+                // A frame that was sent before this program connected has an image, but its age is not the latency.
                 if !frame.is_from_history() {
                     second.add(now, latency_ns, frame.missed());
                     whole.add(now, latency_ns, frame.missed());
@@ -101,7 +101,7 @@ fn watch(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     if let (Some(output), Some(frame)) = (&mut output, &last) {
         output.save(&picture::draw(&frame.view())?)?;
     }
-    if count == 0 { Err(format!("nothing came from {}", args.topic).into()) } else { Ok(()) }
+    if count == 0 { Err(format!("no frame of {} arrived", args.topic).into()) } else { Ok(()) }
 }
 
 /// Reads every byte, eight at a time.

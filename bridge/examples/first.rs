@@ -1,4 +1,4 @@
-//! Ten pictures of a running simulator.
+//! Receives ten images of a running simulator.
 
 use belvedere_bridge::{Domain, Node};
 use std::time::Duration;
@@ -9,13 +9,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut count = 0;
     while count < 10 && camera.wait(Duration::from_secs(5))? {
         if let Some(frame) = camera.take()? {
-            let (header, pixels) = (frame.header(), frame.payload()); // where the simulator wrote them
+            let (header, pixels) = (frame.header(), frame.payload()); // in place: the memory that the simulator wrote
             println!("{} x {}, first pixel {:?}", header.width, header.height, &pixels[..3]);
             count += 1;
         }
     }
     if count < 10 {
-        return Err("no picture came for 5 s: is a simulator running (belvedere run)?".into());
+        return Err("no image for 5 s; start a simulator (belvedere run)".into());
     }
     Ok(())
 }

@@ -66,8 +66,7 @@ impl SimulationControl {
     }
 
     /// Returns when the last result was sent, on the clock of
-    /// [`FrameHeader::publish_mono_ns`](crate::FrameHeader); 0 before the first result. Frames published after this
-    /// time
+    /// [`FrameHeader::publish_mono_ns`](crate::FrameHeader); 0 before the first result. Frames published after this time
     /// show the effect of the command.
     #[must_use]
     pub fn answered_ns(&self) -> u64 {
@@ -89,11 +88,11 @@ impl SimulationControl {
         self.call_while(command, text, timeout, || true)
     }
 
-    /// Does the same as [`call`](Self::call), and stops waiting, with `None`, as soon as `go_on` returns false. It is called
-    /// at least every 100 ms, so that a program that has to end need not wait for a simulator that does not answer.
+    /// Does the same as [`call`](Self::call), but returns `None` as soon as `go_on` returns false. `go_on` is called at
+    /// least every 100 ms, so that a program can end even if the simulator does not answer.
     ///
     /// # Errors
-    /// As [`call`](Self::call).
+    /// The errors of [`call`](Self::call).
     pub fn call_while(
         &mut self,
         command: &SimulationCommand,

@@ -341,8 +341,8 @@ impl LoanedFrame {
         self.relay(session, seq)
     }
 
-    /// Sends a frame of another publisher, as one from another machine, with its session and sequence number. By them
-    /// consumers notice frames that were lost on the way. A publisher that relays sends no frames of its own.
+    /// Sends a frame of another publisher, for example from another machine, with its session and sequence number. From
+    /// these consumers can tell how many frames were lost on the way. A publisher that relays frames must not send others.
     ///
     /// # Errors
     /// The errors of [`send`](Self::send).

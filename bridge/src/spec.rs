@@ -14,7 +14,7 @@ use crate::{Encoding, Error, FrameHeader, Kind, Text, topic::canonical_topic};
 pub struct StreamSpec {
     /// The ROS topic name, with or without a leading slash.
     pub topic: String,
-    /// What it carries.
+    /// The kind of its frames.
     pub kind: Kind,
     /// The encoding of its payload.
     pub encoding: Encoding,

@@ -8,13 +8,13 @@ int main(void) {
     const bv_motor_power off = {0};
     if (bv_node_open(NULL, "motors-off", &node) != BV_STATUS_OK ||
         bv_subscribe(node, "mobile_base/sensors/core", &core) != BV_STATUS_OK ||
-        bv_subscriber_wait(core, 5000) != BV_STATUS_OK ||  // until the robot is there
+        bv_subscriber_wait(core, 5000) != BV_STATUS_OK ||  // until the robot has started
         bv_command_open(node, "mobile_base/commands/motor_power", BV_KIND_MOTOR_POWER, &motors) != BV_STATUS_OK ||
         bv_command_send(motors, &off, sizeof off) != BV_STATUS_OK) {
         fprintf(stderr, "%s\n", bv_last_error());
         return 1;
     }
-    for (int count = 0; count < 30; ++count) {  // while the command is taken, and the wheels come to rest
+    for (int count = 0; count < 30; ++count) {  // until the command has arrived and the wheels stand still
         bv_frame *frame;
         if (bv_subscriber_wait(core, 5000) != BV_STATUS_OK) return 1;
         if (bv_subscriber_take(core, &frame) != BV_STATUS_OK) continue;

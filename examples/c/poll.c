@@ -22,7 +22,7 @@ int main(void) {
                 ++count;
             }
         }
-    if (count < 20) fprintf(stderr, "nothing came for 5 s: is a simulator running (belvedere run)?\n");
+    if (count < 20) fprintf(stderr, "no frame for 5 s; start a simulator (belvedere run)\n");
     for (int i = 0; i < 2; ++i) bv_subscriber_close(subscribers[i]);
     bv_node_close(node);
     return count < 20;

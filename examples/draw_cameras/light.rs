@@ -1,4 +1,4 @@
-//! What light does, in small scenes.
+//! Small scenes that show effects of light.
 
 use belvedere_sensors::camera::{Camera, CameraConfig, Edges, Picture};
 use belvedere_sensors::optics::PinholeGrid;
@@ -14,7 +14,7 @@ use std::error::Error;
 
 const SIZE: [u32; 2] = [320, 180];
 
-/// The pictures of light, by name.
+/// Renders the images, each with its name.
 pub(crate) fn pictures() -> Result<Vec<(&'static str, RgbImage)>, Box<dyn Error>> {
     Ok(vec![
         ("light_gloss", draw(&balls(ColourSpace::AsGiven)?)?),
@@ -60,7 +60,7 @@ fn lamp(builder: &mut SceneBuilder, kind: LightKind) -> Result<(), Box<dyn Error
     Ok(())
 }
 
-/// A floor of checks.
+/// Builds a scene with a chequered floor.
 fn floor() -> Result<SceneBuilder, Box<dyn Error>> {
     let mut builder = SceneBuilder::new();
     builder.set_environment(Environment { ambient: [0.25; 3], background: [0.55, 0.65, 0.75] });
@@ -78,7 +78,7 @@ fn floor() -> Result<SceneBuilder, Box<dyn Error>> {
     Ok(builder)
 }
 
-/// Of shininess 0, 3, 12, 50 and 200, from left to right.
+/// Builds balls of shininess 0, 3, 12, 50 and 200, from left to right.
 fn balls(space: ColourSpace) -> Result<SceneBuilder, Box<dyn Error>> {
     let mut builder = floor()?;
     builder.set_colour_space(space);
@@ -93,7 +93,7 @@ fn balls(space: ColourSpace) -> Result<SceneBuilder, Box<dyn Error>> {
     Ok(builder)
 }
 
-/// Of falloff 0, 0.3, 1 and 4, from left to right.
+/// Builds spot lights of falloff 0, 0.3, 1 and 4, from left to right.
 fn spots() -> Result<SceneBuilder, Box<dyn Error>> {
     let mut builder = floor()?;
     for (index, falloff) in [0.0, 0.3, 1.0, 4.0].into_iter().enumerate() {
@@ -107,7 +107,7 @@ fn spots() -> Result<SceneBuilder, Box<dyn Error>> {
     Ok(builder)
 }
 
-/// A clear ball, a fence that is cut out, and a pane in front of balls.
+/// Builds a transparent ball, a fence with a cut-out texture, and a pane in front of balls.
 fn glass_and_fence() -> Result<SceneBuilder, Box<dyn Error>> {
     let mut builder = balls(ColourSpace::AsGiven)?;
     let glass = MaterialConfig {
@@ -135,7 +135,7 @@ fn glass_and_fence() -> Result<SceneBuilder, Box<dyn Error>> {
     Ok(builder)
 }
 
-/// Two flat walls, the left one with the normals of studs.
+/// Builds two flat walls, the left one with a normal map of studs.
 fn wall_with_normals() -> Result<SceneBuilder, Box<dyn Error>> {
     const SIDE: usize = 64;
     let mut builder = floor()?;
@@ -143,7 +143,7 @@ fn wall_with_normals() -> Result<SceneBuilder, Box<dyn Error>> {
         .map(|i| {
             let [x, y] = [i % SIDE, i / SIDE].map(|at| (at as f64 + 0.5) / 32.0 - 1.0);
             let height = (1.0 - (x * x + y * y) / 0.64).max(0.0).sqrt();
-            // Rows of the picture run down, v up.
+            // The rows of an image go downwards, but v goes upwards.
             let normal = if height > 0.0 { DVec3::new(x, -y, 0.8 * height).normalize() } else { DVec3::Z };
             let [x, y, z] = normal.to_array().map(|part| (127.5 * (part + 1.0)).round() as u8);
             [x, y, z, 255]

@@ -1,4 +1,5 @@
-//! Draws the pictures of `docs/cameras.md`: lenses, shutters, devices and channels of truth, all of one room, and light.
+//! Draws the images of `docs/cameras.md`: one room with different lenses, shutters, devices and channels of ground truth,
+//! and scenes that show effects of light.
 //!
 //! `cargo run --release --example draw_cameras -- docs/cameras`
 
@@ -26,7 +27,7 @@ use std::path::{Path, PathBuf};
 const SIZE: [u32; 2] = [320, 240];
 const PIXELS: usize = (SIZE[0] * SIZE[1]) as usize;
 
-/// The room, and a folder for its pictures.
+/// The room, and the folder for the images.
 struct Studio {
     scene: WorldScene,
     folder: PathBuf,
@@ -41,7 +42,7 @@ impl Studio {
         Ok(())
     }
 
-    /// Saves what a camera sees, by one shutter or another.
+    /// Renders the image of a camera with a shutter and saves it.
     fn draw(
         &mut self,
         name: &str,
@@ -51,7 +52,7 @@ impl Studio {
         let camera = Camera::new(*config)?;
         let poses = self.scene.poses();
         let moment = |pose| Moment { world_from_sensor: pose, world_from_instance: poses };
-        // A pose for each row, or some for the whole of the picture.
+        // A rolling shutter has a slice for each row. Otherwise every slice has all rows.
         let lines = |row: u32| if slices.len() == SIZE[1] as usize { row..row + 1 } else { 0..SIZE[1] };
         let slices: Vec<_> =
             slices.iter().map(|&(row, pose)| Slice { lines: lines(row), at: moment(pose) }).collect();
@@ -66,7 +67,7 @@ impl Studio {
         self.save(name, &picture)
     }
 
-    /// Saves what is true of each pixel.
+    /// Renders channels of ground truth and saves them.
     fn draw_truth(
         &mut self,
         config: &CameraConfig<'_>,

@@ -14,12 +14,12 @@ int main(void) {
         bv_frame *frame;
         if (bv_subscriber_take(camera, &frame) != BV_STATUS_OK) continue;
         const bv_frame_header *header = bv_frame_get_header(frame);
-        const uint8_t *pixels = bv_frame_get_payload(frame);  // where the simulator wrote them
+        const uint8_t *pixels = bv_frame_get_payload(frame);  // in place: the memory that the simulator wrote
         printf("%u x %u, first pixel %d %d %d\n", header->width, header->height, pixels[0], pixels[1], pixels[2]);
         bv_frame_release(frame);
         ++count;
     }
-    if (count < 10) fprintf(stderr, "no picture came for 5 s: is a simulator running (belvedere run)?\n");
+    if (count < 10) fprintf(stderr, "no image for 5 s; start a simulator (belvedere run)\n");
     bv_subscriber_close(camera);
     bv_node_close(node);
     return count < 10;

@@ -1,4 +1,4 @@
-//! The ceiling: a slab with a plate for each code under it, and the list of where the codes' corners are.
+//! The ceiling: a slab with a plate for each code below it, and the list of the codes' corners.
 
 use super::codes::{Code, Kind};
 use super::output::{Content, Generated};
@@ -11,7 +11,7 @@ use std::fmt::Write;
 
 /// Thickness of a plate.
 const PLATE_M: f64 = 0.001;
-/// How far a plate's printed face hangs under the ceiling.
+/// Distance of a plate's printed face below the ceiling.
 const DROP_M: f64 = 0.002;
 
 pub(crate) fn files(codes: &[Code]) -> Vec<Generated> {
@@ -71,8 +71,8 @@ fn model(codes: &[Code]) -> String {
     sdf::model("tag_ceiling", "ceiling", &content)
 }
 
-/// What the simulator is told of a code: its middle is that of the plate's lower face, read from below, where right is +x
-/// and up is −y. Half a turn about x, to the last digit.
+/// Returns the simulator's description of a code. Its centre is that of the plate's lower face. Read from below, right is
+/// +x and up is −y: exactly half a turn about x.
 fn fiducial(code: &Code) -> String {
     let (family, id) = match code.kind {
         Kind::AprilTag { id } => ("tag36h11", id),
@@ -86,7 +86,7 @@ fn fiducial(code: &Code) -> String {
     )
 }
 
-/// The plate's edge as written, without the last digits of a product.
+/// Returns the edge of the plate, rounded as in the SDF file.
 fn plate(code: &Code) -> f64 {
     super::codes::round(code.plate_m())
 }
@@ -108,7 +108,7 @@ fn materials(codes: &[Code]) -> String {
     script
 }
 
-/// Corners of a code in the world: bottom left, bottom right, top right, top left of its upright picture, which
+/// Returns the corners of a code in the world: bottom left, bottom right, top right, top left of its upright image, which
 /// is the order of `p[0..3]` in the AprilTag library. The corners are those of the square without its margin.
 fn corners(code: &Code) -> [DVec3; 4] {
     let [x, y] = code.center;

@@ -1,4 +1,4 @@
-//! The codes on the ceiling: AprilTags of family 36h11 and QR codes, what each says, and its modules.
+//! The codes on the ceiling: AprilTags of family 36h11 and QR codes, with their contents and modules.
 
 use qrcode::types::{Color, QrError};
 use qrcode::{EcLevel, QrCode, Version};
@@ -40,7 +40,7 @@ const TAG_36H11: [u64; 32] = [
     0x2_dde6_a3da,
 ];
 
-/// Pixels of a module in the texture: enough that magnification stays crisp.
+/// Pixels of a module in the texture: enough for sharp edges in magnified images.
 const PIXELS_PER_MODULE: usize = 16;
 
 /// Places along x and y.
@@ -51,10 +51,10 @@ pub(crate) const ROWS: usize = 7;
 /// in between at any angle.
 pub(crate) const PITCH_M: f64 = 0.8;
 
-/// Turns that are added to multiples of 90°, in degrees.
+/// Rotations in degrees that are added to multiples of 90°.
 const SMALL_TURNS_DEG: [f64; 9] = [0.0, 8.0, -13.0, 0.0, 21.0, -5.0, 0.0, 34.0, -27.0];
 
-/// What a code says.
+/// The content of a code.
 #[derive(Clone)]
 pub(crate) enum Kind {
     AprilTag { id: usize },
@@ -68,7 +68,7 @@ pub(crate) struct Code {
     pub(crate) kind: Kind,
     /// Centre on the ceiling in metres.
     pub(crate) center: [f64; 2],
-    /// Turn about the world's z axis in radians, as the SDF file says it.
+    /// Rotation about the world's z axis in radians, rounded as in the SDF file.
     pub(crate) yaw: f64,
     /// Edge of a module in metres.
     pub(crate) module_m: f64,
@@ -81,17 +81,17 @@ pub(crate) struct Code {
 }
 
 impl Code {
-    /// Edge of the whole plate with its margin in metres.
+    /// Returns the edge of the whole plate with its margin, in metres.
     pub(crate) fn plate_m(&self) -> f64 {
         (self.modules + 2 * self.margin) as f64 * self.module_m
     }
 
-    /// Edge of the square without the margin in metres: for an AprilTag the outer edge of its black border.
+    /// Returns the edge of the square without the margin, in metres: for an AprilTag the outer edge of its black border.
     pub(crate) fn edge_m(&self) -> f64 {
         self.modules as f64 * self.module_m
     }
 
-    /// Its texture: edge length in pixels, and grey pixels from the top left.
+    /// Returns its texture: edge length in pixels, and grey pixels from the top left.
     pub(crate) fn texture(&self) -> (u32, Vec<u8>) {
         let edge = (self.modules + 2 * self.margin) * PIXELS_PER_MODULE;
         let is_black = |column: usize, row: usize| {
@@ -109,7 +109,7 @@ impl Code {
     }
 }
 
-/// Every code: AprilTags and QR codes by turns, row by row from the corner with the smallest x and y.
+/// Returns all codes: AprilTags and QR codes alternately, row by row from the corner with the smallest x and y.
 pub(crate) fn all() -> Result<Vec<Code>, QrError> {
     let (mut tags, mut qrs) = (0, 0);
     (0..COLUMNS * ROWS)
@@ -132,7 +132,7 @@ pub(crate) fn all() -> Result<Vec<Code>, QrError> {
         .collect()
 }
 
-/// Rounded to what the SDF file shows, so that the list of corners belongs to the very numbers in it.
+/// Rounds a number as in the SDF file, so that the list of corners matches the numbers in that file exactly.
 pub(crate) fn round(value: f64) -> f64 {
     (value * 1e6).round() / 1e6
 }
@@ -158,7 +158,7 @@ fn april_tag(id: usize) -> Code {
     }
 }
 
-/// Version 1: its modules are the largest that the pitch leaves room for, 4.7 pixels in the robot's camera.
+/// Returns a QR code of version 1. Its modules are as large as the pitch allows: 4.7 pixels in the robot's camera.
 fn qr(number: usize) -> Result<Code, QrError> {
     let text = format!("BV-{number:03}");
     let qr = QrCode::with_version(&text, Version::Normal(1), EcLevel::H)?;

@@ -1,5 +1,5 @@
-//! The floor's texture: planks of wood, 2 m × 2 m, that continue at the edges. Integer arithmetic throughout, so
-//! that it is the same everywhere.
+//! The floor's texture: 2 m × 2 m of wooden planks that continue at the edges. It is computed with integers only, so that
+//! it is the same on every machine.
 
 use super::output::{Content, Generated};
 
@@ -22,7 +22,7 @@ pub(crate) fn file() -> Generated {
 
 fn pixel(x: u32, y: u32) -> [u8; 3] {
     let row = y / PLANK_WIDTH;
-    // Every row of planks is shifted by its own amount.
+    // Each row of planks has its own shift.
     let along = (x + hash(row, 7, 1) % PLANK_LENGTH) % SIZE;
     let plank = along / PLANK_LENGTH;
     let joint = y.is_multiple_of(PLANK_WIDTH) || along.is_multiple_of(PLANK_LENGTH);
@@ -36,7 +36,7 @@ fn pixel(x: u32, y: u32) -> [u8; 3] {
     [shade(176, 22), shade(128, 20), shade(84, 16)]
 }
 
-/// Value noise in 0..=255, stretched along the planks and periodic over the texture.
+/// Returns value noise in 0..=255, stretched along the planks and periodic over the texture.
 fn noise(x: u32, y: u32) -> i32 {
     let [gx, gy] = GRAIN;
     let knot = |i: u32, j: u32| (hash(i % (SIZE / gx), j % (SIZE / gy), 3) & 255) as i32;

@@ -1,4 +1,4 @@
-//! Makes the tag-ceiling room: its world, models, textures, and the list of where every code hangs.
+//! Makes the tag-ceiling room: its world, models, textures, and the list of the codes' corners.
 //!
 //! ```text
 //! cargo run --example make_tag_room              writes them into models/
@@ -39,7 +39,7 @@ fn main() -> ExitCode {
     if failed { ExitCode::FAILURE } else { ExitCode::SUCCESS }
 }
 
-/// Every file of the room, with paths relative to `models/`.
+/// Generates all files of the room, with paths relative to `models/`.
 fn generate() -> Result<Vec<Generated>, qrcode::types::QrError> {
     let codes = codes::all()?;
     let mut files = room::files();

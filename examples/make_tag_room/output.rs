@@ -1,4 +1,4 @@
-//! Generated files: written, or compared with what is there.
+//! Writes generated files, or compares them with the existing ones.
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 pub(crate) struct Generated {
     /// Relative to `models/`.
     pub(crate) path: PathBuf,
-    /// What is in it.
+    /// Its content.
     pub(crate) content: Content,
 }
 
@@ -33,7 +33,7 @@ impl Content {
         std::fs::write(file, bytes).map_err(|error| error.to_string())
     }
 
-    /// Compares text by bytes and pictures by pixels: another version of the PNG encoder may pack them otherwise.
+    /// Compares text by bytes and images by pixels, because another version of the PNG encoder may compress them differently.
     pub(crate) fn compare(&self, file: &Path) -> Result<(), String> {
         let same = match self {
             Self::Text(text) => std::fs::read_to_string(file).map_err(|error| error.to_string())? == *text,

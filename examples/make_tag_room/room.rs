@@ -1,7 +1,7 @@
 //! The room: floor, walls, furniture along them, two lamps, and the world file that puts it together.
 //!
-//! The furniture leaves the rectangle |x| < 2.5, |y| < 1.7 free to drive in, and stays low enough that from there
-//! it hides no code from a camera at a height of 0.36 m.
+//! The furniture leaves the rectangle |x| < 2.5, |y| < 1.7 free for driving. It is so low that from there it hides no
+//! code from a camera at a height of 0.36 m.
 
 use super::output::{Content, Generated};
 use super::sdf::{self, Color, HEADER, Part};
@@ -16,11 +16,11 @@ pub(crate) const HEIGHT_M: f64 = 2.5;
 /// Thickness of walls and floor.
 pub(crate) const WALL_M: f64 = 0.1;
 
-/// Floor lamps at two opposite corners. They shine from 1.2 m: from there light falls on the ceiling steeply
-/// enough to be even, which it would not from a lamp just below it.
+/// Floor lamps at two opposite corners. They are 1.2 m high, so that they illuminate the ceiling evenly. A lamp just below
+/// the ceiling would not.
 const LAMPS: [[f64; 2]; 2] = [[3.4, 2.45], [-3.4, -2.45]];
 const LAMP_HEIGHT_M: f64 = 1.2;
-/// Ambient and lamps together stay below 1 above a lamp, so that no white saturates.
+/// The sum of ambient light and lamps is below 1 even above a lamp, so that no white saturates.
 const AMBIENT: f64 = 0.45;
 const LAMP_DIFFUSE: f64 = 0.45;
 
@@ -79,7 +79,7 @@ fn world() -> String {
     )
 }
 
-/// The floor's planks repeat every 2 m.
+/// Returns the material of the floor, whose planks repeat every 2 m.
 fn material() -> String {
     let (u, v) = (2.0 / LENGTH_M, 2.0 / WIDTH_M);
     format!(
@@ -102,7 +102,7 @@ fn model() -> String {
     sdf::model("tag_room", "room", &content)
 }
 
-/// A box standing at a height, with its name, place and look.
+/// Adds a box with its name, pose and appearance.
 fn cuboid(
     parts: &mut Vec<Part>,
     name: &str,
@@ -128,7 +128,7 @@ fn cylinder(
     parts.push(Part { name: name.into(), place: [x, y, z, 0.0], shape, material, laser_retro });
 }
 
-/// Floor, walls, and what stands out from them.
+/// Adds the floor, the walls, and the parts that protrude from them.
 fn shell(parts: &mut Vec<Part>) {
     let floor = "<material><script><uri>model://tag_room/materials/scripts</uri>\
                  <uri>model://tag_room/materials/textures</uri><name>TagRoom/floor</name></script></material>";
@@ -142,12 +142,12 @@ fn shell(parts: &mut Vec<Part>) {
     let (x, y, z) = (LENGTH_M / 2.0 + WALL_M / 2.0, WIDTH_M / 2.0 + WALL_M / 2.0, HEIGHT_M / 2.0);
     let across = [WALL_M, WIDTH_M + 2.0 * WALL_M, HEIGHT_M];
     let along = [LENGTH_M, WALL_M, HEIGHT_M];
-    // Each wall its own tint, so that a picture tells where it looks.
+    // Each wall has its own tint, so that an image shows the direction of the camera.
     cuboid(parts, "wall_east", [x, 0.0, z, 0.0], across, [0.82, 0.76, 0.66], WALL_RETRO);
     cuboid(parts, "wall_west", [-x, 0.0, z, 0.0], across, [0.66, 0.75, 0.80], WALL_RETRO);
     cuboid(parts, "wall_north", [0.0, y, z, 0.0], along, [0.80, 0.80, 0.72], WALL_RETRO);
     cuboid(parts, "wall_south", [0.0, -y, z, 0.0], along, [0.72, 0.80, 0.70], WALL_RETRO);
-    // A door with its frame, standing out from the west wall.
+    // A door with its frame on the west wall.
     cuboid(parts, "door", [-3.98, 0.4, 1.0, 0.0], [0.04, 0.9, 2.0], DARK_WOOD, WOOD_RETRO);
     cuboid(parts, "door_post_left", [-3.95, -0.1, 1.05, 0.0], [0.1, 0.1, 2.1], WOOD, WOOD_RETRO);
     cuboid(parts, "door_post_right", [-3.95, 0.9, 1.05, 0.0], [0.1, 0.1, 2.1], WOOD, WOOD_RETRO);
@@ -203,7 +203,7 @@ fn lamps(parts: &mut Vec<Part>) {
         let name = |what: &str| format!("lamp_{number}_{what}");
         cylinder(parts, &name("foot"), [x, y, 0.015], [0.15, 0.03], STEEL, METAL_RETRO);
         cylinder(parts, &name("post"), [x, y, 0.54], [0.025, 1.02], STEEL, METAL_RETRO);
-        // The light itself hangs above the bowl, or the bowl would shade it.
+        // The light is above the bowl, because the bowl would shade it.
         parts.push(Part {
             name: name("bowl"),
             place: [x, y, 1.08, 0.0],

@@ -1,13 +1,13 @@
-//! Small pieces of SDF text.
+//! Functions that return pieces of SDF text.
 
 use std::fmt::Write;
 
-/// Colour of a surface under lamps and ambient light alike.
+/// Colour of a surface, both for lamps and for ambient light.
 pub(crate) type Color = [f64; 3];
 
 pub(crate) const HEADER: &str = "<?xml version=\"1.0\"?>\n<!-- Made by examples/make_tag_room -->\n";
 
-/// A `<material>` of one colour.
+/// Returns a `<material>` of one colour.
 pub(crate) fn paint([r, g, b]: Color) -> String {
     format!(
         "<material><ambient>{r} {g} {b} 1</ambient><diffuse>{r} {g} {b} 1</diffuse>\
@@ -27,14 +27,14 @@ pub(crate) fn sphere(radius: f64) -> String {
     format!("<sphere><radius>{radius}</radius></sphere>")
 }
 
-/// A shape that is seen and touched.
+/// A shape that is both `<visual>` and `<collision>`.
 pub(crate) struct Part {
     pub(crate) name: String,
-    /// x y z and yaw.
+    /// The pose: x, y, z and yaw.
     pub(crate) place: [f64; 4],
     pub(crate) shape: String,
     pub(crate) material: String,
-    /// Reflectivity that lidars report.
+    /// The reflectivity that lidars report.
     pub(crate) laser_retro: u32,
 }
 
@@ -57,7 +57,7 @@ impl Part {
     }
 }
 
-/// A static model of one link.
+/// Returns a static model with one link.
 pub(crate) fn model(name: &str, link: &str, content: &str) -> String {
     format!(
         "{HEADER}<sdf version=\"1.6\">\n  <model name=\"{name}\">\n    <static>true</static>\n    \
@@ -65,7 +65,7 @@ pub(crate) fn model(name: &str, link: &str, content: &str) -> String {
     )
 }
 
-/// `model.config` of Gazebo's model folders.
+/// Returns the `model.config` of a Gazebo model folder.
 pub(crate) fn config(name: &str, description: &str) -> String {
     format!(
         "{HEADER}<model>\n  <name>{name}</name>\n  <version>1.0</version>\n  \

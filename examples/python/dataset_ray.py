@@ -1,10 +1,11 @@
-"""Make a data set on a Ray cluster: each task makes one shard at a time, in a folder that all nodes see.
+"""Make a data set on a Ray cluster: each task makes one shard, in a folder that all nodes share.
 
     python dataset_ray.py plan.toml -o /shared/out                 (on this machine)
     python dataset_ray.py plan.toml -o /shared/out --address auto  (on the cluster that this node belongs to)
 
-`belvedere` has to be on the PATH of every node. A shard's bytes depend on the plan alone, and it is there as a whole or not
-at all. So a task that dies with its worker or node is simply started again, and the manifest is that of a single process.
+`belvedere` must be on the PATH of every node. The bytes of a shard depend only on the plan, and a shard is either complete
+or does not exist. So Ray can simply restart a task whose worker or node died, and the manifest is the same as from a single
+process.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import ray
 
 
 def belvedere(*arguments: object) -> str:
-    """What `belvedere dataset` prints; its own words when it fails."""
+    """Run `belvedere dataset` and return its output; raise an error with its message if it fails."""
     done = subprocess.run(
         ["belvedere", "dataset", *map(str, arguments)],
         capture_output=True,
@@ -25,19 +26,19 @@ def belvedere(*arguments: object) -> str:
         check=False,
     )
     if done.returncode:
-        raise RuntimeError(done.stderr.strip() or f"belvedere ended with {done.returncode}")
+        raise RuntimeError(done.stderr.strip() or f"belvedere exited with code {done.returncode}")
     return done.stdout.strip()
 
 
 @ray.remote(max_retries=-1)
 def make_shard(plan: str, out: str, shard: int) -> int:
-    """Makes a shard unless it is there. Ray starts it again, anywhere, when its worker dies."""
+    """Make a shard unless it exists. If the worker dies, Ray restarts the task on any worker."""
     belvedere(plan, "-o", out, "--shards", f"{shard}..{shard + 1}", "--workers", 1)
     return shard
 
 
 def make(plan: str, out: str, cpus: float = 1) -> str:
-    """Makes all shards of a plan on the cluster that Ray is connected to, then the manifest; gives what was said of it."""
+    """Make all shards of a plan on the connected Ray cluster, then the manifest; return the last output of belvedere."""
     shards = int(belvedere(plan, "-o", out, "--count").split()[2])
     task = make_shard.options(num_cpus=cpus)
     waiting = [task.remote(plan, out, shard) for shard in range(shards)]
@@ -50,12 +51,12 @@ def make(plan: str, out: str, cpus: float = 1) -> str:
 
 
 def main() -> None:
-    """Runs the command."""
+    """Run the command."""
     parser = argparse.ArgumentParser(description="Make a data set on a Ray cluster.")
     parser.add_argument("plan", type=pathlib.Path)
     parser.add_argument("-o", "--output", type=pathlib.Path, required=True)
-    parser.add_argument("--address", help="of the cluster; auto for the one of this node")
-    parser.add_argument("--cpus", type=float, default=1, help="of a task")
+    parser.add_argument("--address", help="address of the cluster; auto for the cluster of this node")
+    parser.add_argument("--cpus", type=float, default=1, help="number of CPUs per task")
     arguments = parser.parse_args()
     ray.init(address=arguments.address)
     print(make(str(arguments.plan.resolve()), str(arguments.output.resolve()), arguments.cpus))

@@ -1,10 +1,10 @@
-"""Learns to drive along a wall by pictures of depth, on the CPU, in about a minute.
+"""Train a policy that drives along a wall by depth images, on the CPU, in about a minute.
 
     pip install './python[gym]' cma
     python examples/python/follow_wall.py
 
-A linear policy of 33 numbers is found by CMA-ES. Each candidate drives in eight corridors, all candidates at once in one
-vector environment.
+CMA-ES searches for a linear policy with 33 parameters. Each candidate drives in eight corridors. All candidates drive at
+the same time, in one vector environment.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ def features(pictures: np.ndarray) -> np.ndarray:
 
 
 def drive(env: WallVectorEnv, policies: np.ndarray, seed: int, steps: int = 150) -> np.ndarray:
-    """Mean reward of a step, of each policy."""
+    """Return the mean reward per step of each policy."""
     weights = np.repeat(policies, CORRIDORS, axis=0)
     pictures, _ = env.reset(seed=seed)
     gained = np.zeros(len(weights))
@@ -51,7 +51,7 @@ def main() -> None:
         search.tell(candidates, (-rewards).tolist())
         print(f"generation {generation}: best {rewards.max():.3f}, mean {rewards.mean():.3f}", flush=True)
     after = drive(test, search.mean[None], seed=10_000)[0]
-    print(f"a step's reward in corridors that were not seen: {before:.3f} before, {after:.3f} after")
+    print(f"reward per step in new corridors: {before:.3f} before the training, {after:.3f} after it")
 
 
 if __name__ == "__main__":

@@ -1,12 +1,12 @@
-"""Frames for training from a Ray cluster, by `ray.data`: each actor holds the world and takes batches of frames.
+"""Render frames for training on a Ray cluster with `ray.data`: each actor loads the world and renders batches of frames.
 
     pip install belvedere 'ray[data]'
     python frames_ray.py playground 10000 -o /shared/frames                 (on this machine)
     python frames_ray.py playground 10000 -o /shared/frames --address auto  (on the cluster that this node belongs to)
 
-A frame depends on the seed and its number alone. So it has the same bytes whichever actor takes it, in whichever batch, and
-also when that actor has taken the place of one that died. A training loop need not write anything: it iterates over what
-`frames` gives.
+A frame depends only on the seed and its number. So its bytes do not depend on the actor or the batch in which it is
+rendered, even if the actor replaces one that died. A training loop need not write files: it can iterate over the data set
+that `frames` returns.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import belvedere as bv
 
 
 def poses(seed: int, numbers: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Random poses of a sensor, (n, 7): in a square of 4 m, 0.3 to 1.5 m high, any heading."""
+    """Return random poses of a sensor, (n, 7): in a square of 4 m, 0.3 to 1.5 m high, with any heading."""
     draws = np.stack([np.random.default_rng([seed, number]).random(4) for number in numbers.tolist()])
     half = np.pi * draws[:, 3]
     level = np.zeros(len(draws))
@@ -31,7 +31,7 @@ def poses(seed: int, numbers: NDArray[np.int64]) -> NDArray[np.float64]:
 
 
 class Renderer:
-    """An actor's: the world is read once."""
+    """The state of an actor, which loads the world once."""
 
     def __init__(self, source: str, seed: int) -> None:
         self.world = bv.World(source)
@@ -39,7 +39,7 @@ class Renderer:
         self.seed = seed
 
     def __call__(self, rows: dict[str, NDArray[np.int64]]) -> dict[str, NDArray[np.generic]]:
-        """Take the frames of these numbers."""
+        """Render the frames with these numbers."""
         numbers = rows["id"]
         pose = poses(self.seed, numbers)
         frames = self.camera.render(
@@ -49,10 +49,10 @@ class Renderer:
 
 
 def frames(source: str, count: int, *, seed: int = 0, actors: int = 1, batch: int = 64) -> ray.data.Dataset:
-    """Rows `id`, `pose` (7), `rgb` (120, 160, 3), `depth` (120, 160) in metres and `instance` (120, 160), in order."""
-    # Otherwise rows come as actors are done with them.
+    """Return `id`, `pose` (7), `rgb` (120, 160, 3), `depth` (120, 160) in metres and `instance` (120, 160), in order."""
+    # By default the rows are in the order in which the actors finish.
     ray.data.DataContext.get_current().execution_options.preserve_order = True
-    # An actor takes most of a processor: if all were taken, none would be left for the task that counts the rows.
+    # An actor requests less than one CPU, because the task that counts the rows needs some as well.
     return ray.data.range(count, override_num_blocks=-(-count // batch)).map_batches(
         Renderer,
         fn_constructor_args=(source, seed),
@@ -63,14 +63,14 @@ def frames(source: str, count: int, *, seed: int = 0, actors: int = 1, batch: in
 
 
 def main() -> None:
-    """Runs the command."""
+    """Run the command."""
     parser = argparse.ArgumentParser(description="Take frames at random poses on a Ray cluster, as Parquet.")
-    parser.add_argument("world", help="a name or a file, as of belvedere.World")
-    parser.add_argument("count", type=int, help="how many frames")
-    parser.add_argument("-o", "--output", type=pathlib.Path, required=True, help="a folder that all nodes see")
-    parser.add_argument("--seed", type=int, default=0, help="of poses and noise")
-    parser.add_argument("--actors", type=int, default=1, help="how many work")
-    parser.add_argument("--address", help="of the cluster; auto for the one of this node")
+    parser.add_argument("world", help="a name or a file, as for belvedere.World")
+    parser.add_argument("count", type=int, help="number of frames")
+    parser.add_argument("-o", "--output", type=pathlib.Path, required=True, help="a folder that all nodes share")
+    parser.add_argument("--seed", type=int, default=0, help="seed of poses and noise")
+    parser.add_argument("--actors", type=int, default=1, help="number of actors")
+    parser.add_argument("--address", help="address of the cluster; auto for the cluster of this node")
     arguments = parser.parse_args()
     ray.init(address=arguments.address)
     made = frames(arguments.world, arguments.count, seed=arguments.seed, actors=arguments.actors)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Logs a simulator's pictures, depths and scans for Rerun until it ends: log_to_rerun.py run.rrd.
+"""Log the images, depth images and scans of a simulator for Rerun until the simulator ends: log_to_rerun.py run.rrd.
 
 pip install rerun-sdk
 """
@@ -14,7 +14,7 @@ from belvedere import Frame, Kind, Node
 
 
 def log(topic: str, frame: Frame) -> None:
-    """Logs a frame at its sensor's pose, under its topic; times are simulated."""
+    """Log a frame under its topic, at the pose of its sensor and in simulated time."""
     rr.set_time("simulation", duration=np.timedelta64(frame.stamp_ns, "ns"))
     rr.log(topic, rr.Transform3D(translation=frame.position, quaternion=frame.orientation))
     if frame.kind == Kind.LASER_SCAN:
@@ -26,7 +26,7 @@ def log(topic: str, frame: Frame) -> None:
         return
     lens = frame.intrinsics
     matrix = [[lens.fx, 0, lens.cx], [0, lens.fy, lens.cy], [0, 0, 1]]
-    # Poses are of the sensor's own axes: x forward, y left, z up.
+    # Poses are those of the sensor's axes: x forward, y left, z up.
     size = {"width": frame.width, "height": frame.height}
     rr.log(topic, rr.Pinhole(image_from_camera=matrix, camera_xyz=rr.ViewCoordinates.FLU, **size))
     is_depth = frame.kind == Kind.DEPTH_IMAGE
@@ -41,7 +41,7 @@ with Node("rerun") as node:
     print(f"{len(followed)} streams", flush=True)
     began = ended = False
     while not ended:
-        # Asked before the last frames are taken.
+        # Checked first, so that the last frames of a publisher that ends are still taken below.
         ended = began and not any(stream.publishers for stream in followed)
         for stream in followed:
             while frame := stream.take():

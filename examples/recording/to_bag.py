@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes a rosbag 1 file of a recording: to_bag.py run.mcap run.bag (pip install mcap rosbags)."""
+"""Convert a recording to a rosbag 1 file: to_bag.py run.mcap run.bag (pip install mcap rosbags)."""
 
 import sys
 
@@ -9,7 +9,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 
 def convert(source: str, target: str) -> int:
-    """Copies every ROS message, as it is, and gives their number."""
+    """Copy every ROS message unchanged; return the number of messages."""
     store = get_typestore(Stores.EMPTY)
     connections = {}
     count = 0

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drives the robot round a square of 1 m, by odometry, and says how well it came back."""
+"""Drive the robot around a square of 1 m by odometry, and print its distance from the start at the end."""
 
 from math import atan2, cos, hypot, pi, remainder, sin
 
@@ -7,8 +7,8 @@ import rospy
 from geometry_msgs.msg import Twist
 from nav_msgs.msg import Odometry
 
-SIDE_M, SPEED, TURN = 1.0, 0.25, 0.8  # m, and at most m/s, rad/s
-NEAR_M, AHEAD = 0.03, 0.2  # a corner is reached within this; within this angle of it the robot drives
+SIDE_M, SPEED, TURN = 1.0, 0.25, 0.8  # side in m, highest speed in m/s, highest turn in rad/s
+NEAR_M, AHEAD = 0.03, 0.2  # a corner is reached at this distance; the robot drives if it faces the corner within this angle
 
 
 class Robot:
@@ -18,13 +18,13 @@ class Robot:
         rospy.Subscriber("odom", Odometry, self.keep, queue_size=1)
 
     def keep(self, odometry):
-        """Where odometry says that the robot is: x, y, yaw."""
+        """Store the pose of the robot in odometry: x, y, yaw."""
         at = odometry.pose.pose
         q = at.orientation
         self.pose = at.position.x, at.position.y, atan2(2 * (q.w * q.z + q.x * q.y), 1 - 2 * (q.y**2 + q.z**2))
 
     def drive_to(self, goal_x, goal_y):
-        """Steers by what is left, slower as it nears: odometry that comes late costs time, not accuracy."""
+        """Drive to a point, slower as the robot comes near, so that late odometry costs time but not accuracy."""
         rate = rospy.Rate(20)
         while not rospy.is_shutdown():
             x, y, yaw = self.pose

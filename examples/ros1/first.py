@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ten pictures of a running simulator with their camera_infos, in rospy."""
+"""Receive ten images of a running simulator with their camera_infos, in rospy."""
 
 import message_filters
 import rospy

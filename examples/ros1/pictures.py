@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Pictures in OpenCV, by cv_bridge: what moves is drawn green. Shows them in a window, or saves one and ends.
+"""Convert images to OpenCV with cv_bridge, and draw moving pixels green. Show them in a window, or save one image.
 
-pictures.py [FILE.png]    another camera: pictures.py image_raw:=/camera/rgb/image_raw
+pictures.py [FILE.png]    for another camera: pictures.py image_raw:=/camera/rgb/image_raw
 """
 
 import sys
@@ -23,7 +23,7 @@ def look(message):
     before = now
     if moved is None:
         return
-    shown = picture.copy()  # the message's own bytes cannot be written to
+    shown = picture.copy()  # the bytes of the message are read-only
     shown[moved] = 0, 255, 0
     if save:
         cv2.imwrite(save, shown)

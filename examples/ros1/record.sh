@@ -1,6 +1,6 @@
 #!/bin/sh
-# Records ten seconds of everything that the robot senses into run.bag, and plays it back. Stop the simulator before playing:
-# the bag brings its own clock.
+# Records all topics of the robot for ten seconds into run.bag. Stop the simulator before you play the bag, because the bag
+# has its own clock.
 set -e
 rosbag record --all --duration=10 -O "${1:-run.bag}"
 rosbag info "${1:-run.bag}"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Puts a box before the robot, looks where it is, moves it while time stands, and takes it away: as one does in Gazebo."""
+"""Use Gazebo's services to spawn a box in front of the robot, print its position, move it while paused, and delete it."""
 
 import sys
 
@@ -43,7 +43,7 @@ def main():
     rospy.init_node("spawn_box")
     pose = Pose(Point(1.5, 0, 0.5), Quaternion(0, 0, 0, 1))
     print(service("spawn_sdf_model", SpawnModel)("box", BOX, "", pose, "world").status_message)
-    rospy.sleep(1.0)  # of simulated time
+    rospy.sleep(1.0)  # in simulated time
     show("fallen")
     service("pause_physics", Empty)()
     state = ModelState(model_name="box", reference_frame="world")

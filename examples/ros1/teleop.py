@@ -15,7 +15,7 @@ KEYS = {"w": (SPEED, 0), "s": (-SPEED, 0), "a": (0, TURN), "d": (0, -TURN), " ":
 
 
 def key(seconds):
-    """The key that is pressed within a time, or None; q when there is nobody to press any."""
+    """Return the key that is pressed within this time, or None; q at the end of the input."""
     if not select.select([sys.stdin], [], [], seconds)[0]:
         return None
     return os.read(sys.stdin.fileno(), 1).decode(errors="replace") or "q"
@@ -26,7 +26,7 @@ def main():
     commands, twist = rospy.Publisher("cmd_vel", Twist, queue_size=1), Twist()
     print(__doc__.strip(), flush=True)
     while not rospy.is_shutdown():
-        pressed = key(0.1)  # a command holds for 0.6 s: it is repeated
+        pressed = key(0.1)  # commands are repeated, because the robot stops 0.6 s after the last one
         if pressed == "q":
             break
         twist.linear.x, twist.angular.z = KEYS.get(pressed, (twist.linear.x, twist.angular.z))

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Drives the robot straight on until it bumps into something or meets a cliff, then back and round, again and again.
+"""Drive the robot straight until it bumps into something or reaches a cliff; then back up, turn, and repeat.
 
     wander.py [seconds]
 """
@@ -31,7 +31,7 @@ def main():
             commands.publish(twist)
             rospy.sleep(0.05)
 
-    rospy.sleep(0.5)  # so that all are connected
+    rospy.sleep(0.5)  # wait until all subscribers are connected
     end = rospy.Time.now() + rospy.Duration.from_sec(float(rospy.myargv(sys.argv)[1]) if len(sys.argv) > 1 else 60)
     while not rospy.is_shutdown() and rospy.Time.now() < end:
         drive(SPEED, 0, (end - rospy.Time.now()).to_sec())
@@ -41,7 +41,7 @@ def main():
         print(f"{what} on the {place}" if place != "middle" else f"{what} ahead", flush=True)
         drive(-SPEED, 0, 1.0)
         drive(0, TURN if place == "right" else -TURN, 1.5)
-        while not obstacles.empty():  # those of the way back
+        while not obstacles.empty():  # discard events of the way back
             obstacles.get()
     commands.publish(Twist())
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Where a frame is in another, by tf: ten times a second, until Ctrl-C or for so many times.
+"""Print the pose of a frame in another one, from tf, ten times a second, until Ctrl-C or for a number of times.
 
 where.py [OUTER INNER [TIMES]]    where.py odom base_camera_link 10
 """
@@ -14,7 +14,7 @@ outer, inner, times = (arguments + ["odom", "base_camera_link", "0"][len(argumen
 rospy.init_node("where")
 buffer = tf2_ros.Buffer()
 listener = tf2_ros.TransformListener(buffer)
-rospy.sleep(0.5)  # the clock runs then: before, every wait would be over at once
+rospy.sleep(0.5)  # wait until the simulated clock runs, because before that every timeout would expire at once
 rate, said = rospy.Rate(10), 0
 while not rospy.is_shutdown() and (times == "0" or said < int(times)):
     try:

@@ -77,7 +77,10 @@ impl DepthCamera {
             depth_model = preset.model(focal_px);
             if !projector {
                 depth_model = depth_model.without_projector().ok_or_else(|| {
-                    of("projector", format_args!("a {name} measures by its light; leave it on"))
+                    of(
+                        "projector",
+                        format_args!("a {name} cannot measure without its projector; leave it on"),
+                    )
                 })?;
             }
         }

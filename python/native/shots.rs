@@ -178,7 +178,7 @@ impl Shots {
             if is_wanted && there.is_none() {
                 return Err(of(
                     "channels",
-                    format_args!("{flow:?} wants a moment to flow to: give {argument}=poses"),
+                    format_args!("{flow:?} needs the poses at another time: give {argument}=poses"),
                 ));
             }
         }

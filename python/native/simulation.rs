@@ -65,7 +65,7 @@ impl Simulation {
     ) -> PyResult<T> {
         if std::process::id() != self.process {
             return Err(PyRuntimeError::new_err(
-                "the simulation is another process's, of which this one was forked; make one here",
+                "the simulation belongs to the process from which this one was forked; create another one here",
             ));
         }
         py.detach(|| {

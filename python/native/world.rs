@@ -264,7 +264,7 @@ impl World {
             ("cylinder", &[radius, length]) => Shape::Cylinder { radius, length },
             ("capsule", &[radius, length]) => Shape::Capsule { radius, length },
             ("cone", &[radius, length]) => Shape::Cone { radius, length },
-            _ => return Err(of("size", format_args!("{size:?} is not that of a {kind}"))),
+            _ => return Err(of("size", format_args!("{size:?} is not the size of a {kind}"))),
         };
         self.add(py, |_| Ok(shape), look, said)
     }

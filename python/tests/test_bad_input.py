@@ -43,7 +43,7 @@ CAMERA = bv.DepthCamera(8, 6, fov=1.0)
         ({"poses": np.zeros((4, 4))}, r"poses: matrix 0 does not end in the row 0 0 0 1"),
         ({"poses": np.diag([1, 1, 2, 1])}, r"poses: matrix 0 has no rotation"),
         ({"channels": ("depht",)}, r"channels: there is no channel 'depht'; there are depth, depth_mm"),
-        ({"channels": ()}, r"channels: none is wanted"),
+        ({"channels": ()}, r"channels: none is requested"),
         (
             {"out": {"depth": np.zeros((1, 6, 8))}},
             r"out\['depth'\]: shape \(1, 6, 8\) of float64; \(6, 8\) of float32",

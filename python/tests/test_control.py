@@ -120,7 +120,7 @@ def test_models_are_spawned_moved_and_deleted(still: belvedere.Node) -> None:
         assert position("second") is None
         with pytest.raises(belvedere.RefusedError, match="'second'"):
             control.delete("second")
-        with pytest.raises(belvedere.InvalidNameError, match="64 bytes, and may have 63"):
+        with pytest.raises(belvedere.InvalidNameError, match="64 bytes, but at most 63 are possible"):
             control.delete("x" * 64)
 
 
@@ -131,7 +131,7 @@ def test_control_goes_on_with_the_next_simulator(simulator: Simulator) -> None:
             answer = threads.submit(control.step, 10**9)
             time.sleep(0.5)
             simulator.stop(signal.SIGKILL)
-            with pytest.raises(belvedere.StreamTimeoutError, match="ended, and not answered step"):
+            with pytest.raises(belvedere.StreamTimeoutError, match="ended without an answer to step"):
                 answer.result()
         simulator.start()
         assert control.pause() >= 0

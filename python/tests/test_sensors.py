@@ -159,7 +159,7 @@ def test_a_stereo_camera_without_its_projector_needs_texture() -> None:
     }
     assert found[True][:, 60:110].mean() > 0.98
     assert not found[False].any()
-    with pytest.raises(ValueError, match="projector: a xtion measures by its light"):
+    with pytest.raises(ValueError, match="projector: a xtion cannot measure without its projector"):
         bv.DepthCamera(model="xtion", projector=False)
 
 
@@ -187,7 +187,7 @@ def test_flow_is_how_far_points_move(wall: bv.World) -> None:
     # A point of the wall moves outwards as its distance falls from 3 m to 2.9 m.
     expected = (-32 / focal * 3.0) / 2.9 * focal + 32
     np.testing.assert_allclose(frames["flow"][0, 0, 0], expected, atol=1e-3)
-    with pytest.raises(ValueError, match=r"channels: 'flow' wants a moment to flow to: give after=poses"):
+    with pytest.raises(ValueError, match=r"channels: 'flow' needs the poses at another time: give after=poses"):
         camera.render(wall, before, channels=("flow",))
 
 

@@ -102,7 +102,7 @@ def test_an_image_and_its_ground_truth_are_of_one_frame() -> None:
             assert back.shape == (480, 640, 2)
             # It turns by 0.05 rad, about 30 pixels.
             assert 10 < np.nanmax(back) < 60
-    with pytest.raises(ValueError, match=r"flow has one from the second time on|has no frame now"):
+    with pytest.raises(ValueError, match=r"optical flow has one from the second call on|has no frame now"):
         bv.Simulation("tag_ceiling", robot="kobuki_hexagons_kinect").render(topics[1])
 
 
@@ -125,9 +125,7 @@ def test_a_robot_in_place_of_a_world() -> None:
     np.testing.assert_array_equal(simulation.pose(), simulation.pose(simulation.models[0]))
     assert bv.Simulation("empty").robot is None
     for given in ({"pose": (5, 5, 0)}, {"xacro": {"height": 1}}):
-        with pytest.raises(
-            ValueError, match=rf"{next(iter(given))}: it is of robot=…, which is expected beside it"
-        ):
+        with pytest.raises(ValueError, match=rf"{next(iter(given))}: it applies to robot=…, which is missing"):
             bv.Simulation("kobuki_nostack_rplidar", **given)  # type: ignore[arg-type]
 
 

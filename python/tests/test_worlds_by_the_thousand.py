@@ -133,7 +133,7 @@ def test_memory_of_a_world_of_forty_bodies() -> None:
         ({"sensor": None}, "sensor: a Camera, Lidar or other Sensor is expected, not NoneType"),
         ({"poses": [HERE] * 3}, r"poses: poses of shape \(3,\); \(2,\), one for each world"),
         ({"after": [HERE] * 3}, r"after: poses of shape \(3,\)"),
-        ({"channels": "flow"}, r"channels: 'flow' wants a moment"),
+        ({"channels": "flow"}, r"channels: 'flow' needs the poses"),
     ],
 )
 def test_arguments(arguments: dict[str, object], words: str) -> None:

@@ -41,8 +41,8 @@ pub struct CheckArgs {
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<PathBuf>,
     /// Check every robot, model and world in this folder and those below it: a line for each .urdf, .xacro, .sdf and
-    /// .world file, and their counts. Each is checked alone, robots in an empty world and worlds without a robot, unless
-    /// --world or --robot are given. The folder is among those with packages. The exit code is 1 if a file has errors
+    /// .world file, and a summary. Each is checked alone: robots in an empty world, and worlds without a robot, unless
+    /// --world or --robot is given. The folder is also searched for packages. The exit code is 1 if a file has errors
     #[arg(long, value_name = "FOLDER")]
     pub all: Option<PathBuf>,
     #[command(flatten)]
@@ -114,16 +114,16 @@ impl CheckArgs {
         if is_given && option == "--robot" && simulated.robots.is_none() {
             diagnostics.error(
                 &Source::new("the command line", 0),
-                format!("'{}' is a robot, and --robot none asks for none", file.display()),
-                "leave --robot none out: it is for worlds that have their own robot",
+                format!("'{}' is a robot, but --robot none is given", file.display()),
+                "leave out --robot none, which is for worlds that have their own robot",
             );
             return None;
         }
         if is_given {
             diagnostics.error(
                 &Source::new("the command line", 0),
-                format!("'{}' stands beside {option}", file.display()),
-                format!("leave one of them out, or give all by {option}"),
+                format!("'{}' is given together with {option}", file.display()),
+                format!("leave one of them out, or give both with {option}"),
             );
             return None;
         }
@@ -145,7 +145,7 @@ fn is_unknown_name(file_or_name: &Path, packages: &PackagePath) -> bool {
 fn report(args: &SimulatedArgs, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Vec<String> {
     let (world, robots) = args.load(packages, diagnostics);
     let (streams, numbers) = rehearse(args, world.as_ref(), &robots, diagnostics);
-    // Who asks for a robot alone does not want to read about our world.
+    // If only a robot was given, the default world is not reported.
     let world = world.filter(|_| args.world.is_some() || args.robots.are_ours());
     let mut lines =
         world.map(|world| world::report(&world, &streams, args.gazebo_compat)).unwrap_or_default();

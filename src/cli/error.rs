@@ -50,7 +50,7 @@ pub enum CliError {
     /// There is a simulator, but not this topic.
     #[error("no topic {topic} in domain \"{domain}\"; {remedy}")]
     UnknownTopic {
-        /// The topic that was asked for, with a slash.
+        /// The requested topic, with a slash.
         topic: String,
         /// Name of the domain that was searched.
         domain: String,
@@ -89,9 +89,9 @@ pub enum CliError {
         "{failed} of {files} files cannot be run; `belvedere check FILE` lists everything that is wrong with one"
     )]
     FilesFail {
-        /// How many.
+        /// The number of files that cannot be run.
         failed: usize,
-        /// Of how many.
+        /// The number of files checked.
         files: usize,
     },
     /// A file that cannot be read.

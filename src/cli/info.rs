@@ -13,7 +13,7 @@ use std::time::Duration;
 
 /// Show the contents of a recording: how it was made, its streams, and the number of frames of each.
 ///
-/// Reads every byte. Of a file that was cut off, the complete part is shown, and the exit code is 1.
+/// Reads every byte. If the file was cut off, its complete part is shown, and the exit code is 1.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  belvedere info run.mcap\n  belvedere info run.mcap.active --json\n  belvedere info run.mcap --extract description     (the robots and the world of the run)"

@@ -33,7 +33,7 @@ impl<T> Isolated<T> {
         self.caught(move || end(display))
     }
 
-    /// Runs `work`. If it panics, logs that and returns `None`: the display is not used again.
+    /// Runs `work`. If it panics, logs the panic and returns `None`; the display is then not used again.
     fn caught<R>(&self, work: impl FnOnce() -> R) -> Option<R> {
         let what = self.what;
         catch_unwind(AssertUnwindSafe(work))

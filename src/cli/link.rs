@@ -115,7 +115,7 @@ pub fn run(args: &LinkArgs) -> Result<(), CliError> {
             let options =
                 SenderOptions { endpoints: endpoints(way), topics: topics.clone(), commands: *commands };
             let mut link = LinkSender::open(node, options)?;
-            let said = format!("domain {} is offered to other machines", domain.domain);
+            let said = format!("domain {} is available to other machines", domain.domain);
             let attended = attend(way, &said, &mut link, LinkSender::tend, LinkSender::progress);
             let counts = link.by_topic();
             link.close();

@@ -30,7 +30,7 @@ pub(super) fn terminal() -> Option<(usize, usize)> {
     Some((columns.0.into(), rows.0.into()))
 }
 
-/// Shows these lines at the bottom of the terminal, in place of the previous ones.
+/// Replaces the lines at the bottom of the terminal.
 pub(super) fn show_table(lines: Vec<String>, columns: usize) {
     let mut table = table();
     write_codes(&table.draw(lines, columns));

@@ -128,7 +128,7 @@ fn command_names() -> impl Iterator<Item = &'static str> {
 }
 
 /// Runs the command line of this process and returns its exit code: 0, 1 if something went wrong, 2 if the arguments
-/// are invalid. The program carries the robots and worlds `models`.
+/// are invalid. `models` are the robots and worlds that the program contains.
 pub fn main(models: models::Files) -> ExitCode {
     models::carry(models);
     // A thread is used only if the main thread's stack is too small, because signals interrupt only the main thread's

@@ -1,4 +1,4 @@
-//! The models that the program carries: unpacked where there is no other folder of them.
+//! The models that the program contains. They are unpacked if no other folder has them.
 
 use crate::description::models;
 use rustix::process::geteuid;
@@ -14,7 +14,7 @@ pub type Files = &'static [(&'static str, &'static [u8])];
 
 static FILES: OnceLock<Files> = OnceLock::new();
 
-/// Says which models the program carries. Nothing is unpacked before they are needed.
+/// Registers the models that the program contains. They are unpacked when they are first needed.
 pub(super) fn carry(files: Files) {
     let _ = FILES.set(files);
     models::carry(unpacked);
@@ -27,7 +27,7 @@ fn unpacked() -> PathBuf {
     FOLDER.get_or_init(|| unpack(files, &caches())).clone()
 }
 
-/// Folders for files that can be made again, the best one first.
+/// Returns the folders for cached files, the preferred one first.
 fn caches() -> Vec<PathBuf> {
     let xdg = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from).filter(|folder| folder.is_absolute());
     let home = std::env::home_dir().filter(|home| home.is_absolute()).map(|home| home.join(".cache"));
@@ -36,7 +36,7 @@ fn caches() -> Vec<PathBuf> {
     cache.into_iter().chain([temporary]).collect()
 }
 
-/// Unpacks the files below the first of the folders that allows it.
+/// Unpacks the files in the first of these folders that this user can safely write to.
 fn unpack(files: Files, caches: &[PathBuf]) -> PathBuf {
     let name = folder_name(files);
     let mut refused = Vec::new();
@@ -55,7 +55,7 @@ fn unpack(files: Files, caches: &[PathBuf]) -> PathBuf {
     caches.first().map(|cache| cache.join(name)).unwrap_or_default()
 }
 
-/// A name that differs for other files, so that programs of several versions do not disturb each other.
+/// Returns a name that depends on the files' contents, so that different versions of the program use different folders.
 fn folder_name(files: Files) -> String {
     let mut hash = Xxh3Default::new();
     for (path, bytes) in files {
@@ -67,12 +67,12 @@ fn folder_name(files: Files) -> String {
     format!("models-{}-{:016x}", env!("CARGO_PKG_VERSION"), hash.digest())
 }
 
-/// Makes a folder into which no other user can write, or finds that it is one.
+/// Creates a folder that only this user can write to, or checks that an existing one is.
 fn make_private(folder: &Path) -> io::Result<()> {
     make_folder(folder)?;
     let found = fs::symlink_metadata(folder)?;
     if !found.is_dir() || found.uid() != geteuid().as_raw() || found.mode() & 0o022 != 0 {
-        return Err(io::Error::other("not a folder into which only this user can write"));
+        return Err(io::Error::other("not a folder that only this user can write to"));
     }
     Ok(())
 }
@@ -81,7 +81,8 @@ fn make_folder(folder: &Path) -> io::Result<()> {
     DirBuilder::new().recursive(true).mode(0o700).create(folder)
 }
 
-/// Writes the files that are not there or not the same, each at once: other processes may be reading them.
+/// Writes the files that are missing or different. Each is replaced atomically, because other processes may be reading
+/// it.
 fn write_missing(files: Files, folder: &Path) -> io::Result<()> {
     for (path, bytes) in files {
         let path = folder.join(path);

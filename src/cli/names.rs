@@ -7,7 +7,7 @@ use crate::description::models::package_path;
 use crate::description::package::PackagePath;
 use std::path::PathBuf;
 
-/// Where names are searched.
+/// The folders in which names are searched.
 #[derive(Clone, Debug, clap::Args)]
 pub struct NamesArgs {
     /// A folder of ROS packages, searched before `ROS_PACKAGE_PATH` and Belvedere's own; may be repeated

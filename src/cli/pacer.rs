@@ -5,7 +5,7 @@ use crate::server::Server;
 use crate::server::post::Post;
 use std::time::{Duration, Instant};
 
-/// Lag beyond which the lost time is skipped instead of being caught up in a burst.
+/// Largest lag that is caught up. Any larger lag is skipped, to avoid a burst of frames.
 const GIVE_UP: Duration = Duration::from_millis(200);
 /// Longest time by which the simulation runs ahead. Commands that arrive meanwhile take effect later by this time.
 const LONGEST_LEAD: Duration = Duration::from_millis(50);

@@ -38,7 +38,7 @@ pub struct RobotArgs {
 /// The value of `--robot` for no robot at all.
 const NONE: &str = "none";
 
-/// Commands that this program was built without. Each has the name of its feature.
+/// Commands of features that this program was built without. A command and its feature have the same name.
 const LEFT_OUT: &[&str] = if cfg!(feature = "link") { &[] } else { &["link"] };
 
 /// Parses a xacro argument. Other text may be a misspelt command, and the message suggests it.

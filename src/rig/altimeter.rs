@@ -30,7 +30,7 @@ impl Behaviour for model::Altimeter {
         say("height", instrument(&self.position, "m"));
         say("velocity", instrument(&self.velocity, "m/s"));
         let from = self.reference_m.map(|height| format!("{} m in the world", number(height)));
-        say("above", from.unwrap_or_else(|| "where it was at the start".into()));
+        say("above", from.unwrap_or_else(|| "its height at the start".into()));
     }
 }
 

@@ -87,8 +87,8 @@ impl Opening<'_> {
         self.open(&StreamSpec { history: 0, ..spec })
     }
 
-    /// Returns the frame of a sensor's messages: the plugin's, or its link. Unless `gazebo_compat` is set, images have an
-    /// optical frame next to that, and a sensor with a pose in its link has a frame of its own.
+    /// Returns the frame of a sensor's messages: the plugin's, or else the sensor's link. Unless `gazebo_compat` is
+    /// set, images have an optical frame at the same place, and a sensor with a pose in its link has its own frame.
     pub(super) fn frame_id(&self, sensor: &DescribedSensor, frame_name: &str) -> String {
         let is_of_it =
             |frame: &&SensorFrame| std::ptr::eq(&raw const self.entity.sensors()[frame.sensor], sensor);
@@ -165,7 +165,7 @@ pub(super) trait Channel {
     /// If it has no packets, or the target cannot be opened.
     fn send_packets(&mut self, _target: &PacketTarget) -> io::Result<()> {
         Err(io::Error::other(
-            "this sensor has no packets; lidars with Velodyne or Ouster presets have, and inertial units with <udp_profile_imu>",
+            "this sensor has no packets; only lidars with presets of Velodyne or Ouster have, and inertial units with <udp_profile_imu>",
         ))
     }
 }

@@ -19,7 +19,7 @@ pub enum RigError {
     Name {
         /// The link, joint or frame.
         name: String,
-        /// What is wrong with it.
+        /// The reason why it cannot be used.
         reason: String,
     },
     /// The stream of sensor settings has no room for more sensors.

@@ -200,7 +200,7 @@ impl Channel for ImuChannel {
         match &mut self.packets {
             Some(packets) => packets.open(target),
             None => Err(io::Error::other(
-                "this inertial unit has no packets; Ouster's have, with <udp_profile_imu>",
+                "this inertial unit has no packets; only that of an Ouster has, if its sensor has <udp_profile_imu>",
             )),
         }
     }

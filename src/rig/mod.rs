@@ -234,7 +234,7 @@ impl Rig {
         self.send_settings(now_ns);
     }
 
-    /// Returns what is needed about open streams to open further ones.
+    /// Collects the knowledge about open streams that is needed to open further ones.
     fn mounting(&self, stage: Stage<'_>) -> Mounting {
         Mounting {
             names: Names::of(self.outlets()),

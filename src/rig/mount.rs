@@ -19,14 +19,14 @@ pub(super) struct Mount {
 }
 
 impl Mount {
-    /// Returns the sensor's own pose.
+    /// Creates the mount at the sensor's own pose.
     pub(super) fn new(sensor: &Sensor, opening: &Opening<'_>) -> Self {
         Self { model: opening.id.index(), link: sensor.link, link_from_sensor: sensor.link_from_sensor }
     }
 
-    /// Returns the pose of a camera. If its images name the optical frame of another link that faces the same way, the
-    /// sensor is moved there, so that its images are correct in the frame that they name. Gazebo's Kinect is off by
-    /// (31, 12.5, 16) mm there, and stays so with `gazebo_compat`.
+    /// Creates the mount of a camera. If the frame of its images is the optical frame of another link that faces the
+    /// same way, the sensor is moved to that link, so that its images are correct in their frame. Gazebo leaves its
+    /// Kinect (31, 12.5, 16) mm away from it, and `gazebo_compat` does the same.
     pub(super) fn of_picture(sensor: &Sensor, opening: &Opening<'_>, frame: &str) -> Self {
         let own = Self::new(sensor, opening);
         if opening.gazebo_compat {
@@ -39,7 +39,7 @@ impl Mount {
             if offset.length() > 1e-9 {
                 let away = vector(offset);
                 let what = format!(
-                    "sensor '{}' is moved to the frame '{frame}' that its images name, {away} m from its own pose",
+                    "sensor '{}' is moved by {away} m to '{frame}', the frame of its images",
                     sensor.name
                 );
                 let remedy = "give the sensor the frame's pose; --gazebo-compat leaves it at its own pose";

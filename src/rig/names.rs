@@ -11,8 +11,8 @@ use std::collections::HashMap;
 /// The topics of a rig while streams are opened, and notes on decisions about them.
 pub(super) struct Names {
     taken: RefCell<HashMap<String, (Kind, Owner)>>,
-    /// For topics that several streams have asked for: the next number to try, so that numbers which were given are not
-    /// tried again.
+    /// For each topic that several streams requested: the next number to try, so that assigned numbers are not tried
+    /// again.
     next: RefCell<HashMap<String, u32>>,
     notes: RefCell<Vec<Problem>>,
 }
@@ -38,13 +38,16 @@ impl Names {
         self.notes.into_inner()
     }
 
-    /// Assigns a stream its topic: the one that it asks for, unless another stream has it.
+    /// Assigns a topic to a stream: the requested one, unless another stream has it.
     ///
-    /// Gazebo then publishes both, which is not possible in one stream of shared memory. So the second `CameraInfo` on
-    /// a topic gets a topic next to its image, with a warning, because gz-sim derives one topic for all cameras of a
-    /// folder. Two names of models that differ only in characters that a topic cannot have, such as `a b` and `a:b`,
-    /// give one topic for a sensor without a `<topic>`: the second is numbered, with a warning. Any other second stream
-    /// is an error, or with `gazebo_compat` is published on a numbered topic, with a warning.
+    /// Gazebo publishes both streams on one topic, which is not possible in shared memory. The second stream is treated
+    /// as follows:
+    ///
+    /// - A `CameraInfo` gets a topic next to its image, with a warning, because gz-sim derives the same topic for all
+    ///   cameras of a folder.
+    /// - A topic that was derived from names is numbered, with a warning: `a b` and `a:b` become the same word, because
+    ///   a topic cannot contain all characters.
+    /// - Any other stream is an error. With `gazebo_compat` its topic is numbered, with a warning.
     pub(super) fn settle(
         &self,
         spec: StreamSpec,

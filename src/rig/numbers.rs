@@ -6,7 +6,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 /// The numbers in use; no two sensors have the same number.
 pub(super) struct Numbers {
     taken: HashSet<u32>,
-    /// By hash of the name: number of attempts that gave numbers in use, which are not repeated for the same name.
+    /// For each hash of a name: the number of attempts that gave numbers in use. They are not repeated for that name.
     attempts: HashMap<u64, u64>,
 }
 

@@ -207,7 +207,7 @@ impl Outlet {
     }
 }
 
-/// The fate of a frame.
+/// The result of publishing a frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// It was sent; with its hash if the stream is hashed.

@@ -26,7 +26,7 @@ pub struct Owner {
     pub entity: Option<EntityId>,
     /// The part of it.
     pub part: Part,
-    /// As messages name it: `sensor 'front' of model 'car'`.
+    /// Its name in messages, such as `sensor 'front' of model 'car'`.
     pub name: String,
     /// Its place in the files.
     pub source: Source,

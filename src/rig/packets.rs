@@ -1,5 +1,5 @@
-//! Data packets as a lidar's maker sends them, over UDP and into files. The crate lidar-packets makes them; here are the
-//! presets that it knows, and where the packets go.
+//! Sends the data packets of lidars, in their makers' formats, over UDP or into files. The crate lidar-packets encodes
+//! them. This module selects the encoder of a preset and sends its packets to their targets.
 
 mod inertial;
 mod sink;
@@ -18,16 +18,16 @@ pub use sink::PacketTarget;
 use std::io;
 use std::str::FromStr;
 
-/// Whose packets go where.
+/// A sensor and the target of its packets.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Feed<T> {
-    /// Name of the sensor, or a topic that it sends.
+    /// Name of the sensor, or one of its topics.
     pub sensor: String,
-    /// Where to.
+    /// The target.
     pub to: T,
 }
 
-/// `SENSOR=ADDRESS:PORT` or `SENSOR=FILE`.
+/// Parses `SENSOR=ADDRESS:PORT` or `SENSOR=FILE`.
 impl<T: FromStr> FromStr for Feed<T> {
     type Err = String;
 
@@ -36,20 +36,21 @@ impl<T: FromStr> FromStr for Feed<T> {
             .split_once('=')
             .filter(|(sensor, _)| !sensor.is_empty())
             .ok_or_else(|| format!("\"{text}\" is not SENSOR=… with the name of a lidar or its topic"))?;
-        let to =
-            to.parse().map_err(|_| format!("\"{to}\" after = is no address and port, as 127.0.0.1:2368"))?;
+        let to = to
+            .parse()
+            .map_err(|_| format!("\"{to}\" after = is not ADDRESS:PORT, such as 127.0.0.1:2368"))?;
         Ok(Self { sensor: sensor.into(), to })
     }
 }
 
-/// What makes the packets of a lidar.
+/// The encoder of a lidar's packets.
 enum Encoder {
     Velodyne(Box<velodyne::Encoder>),
     Ouster { encoder: LidarEncoder, metadata: String },
 }
 
 impl Encoder {
-    /// Of a lidar; none if its packets are not known.
+    /// Creates the encoder of a lidar, or returns `None` if its packets are not supported.
     fn of(lidar: &model::Lidar) -> Option<Self> {
         let preset = lidar.preset?;
         match preset.maker {
@@ -74,7 +75,7 @@ impl Encoder {
         }
     }
 
-    /// The port that packets are sent to.
+    /// Returns the UDP port to which the device sends its packets.
     fn port(&self) -> u16 {
         match self {
             Self::Velodyne(_) => velodyne::PORT,
@@ -133,27 +134,27 @@ fn imu_profile(profile: ImuProfile) -> ouster::ImuProfile {
     }
 }
 
-/// A scanner's packets, and everybody who gets them.
+/// The packets of a scanner, with all their targets.
 pub(super) struct Packets {
     encoder: Encoder,
     sinks: Vec<PacketSink>,
 }
 
 impl Packets {
-    /// Of a lidar; none if its packets are not known.
+    /// Creates the packets of a lidar, or returns `None` if they are not supported.
     pub(super) fn of(lidar: &model::Lidar) -> Option<Self> {
         Some(Self { encoder: Encoder::of(lidar)?, sinks: Vec::new() })
     }
 
-    /// The error that they are not known.
+    /// Returns the error for a lidar without supported packets.
     pub(super) fn unknown() -> io::Error {
         io::Error::other(
-            "packets are known of presets of Ouster and Velodyne alone, Velodyne's of the strongest, the last or \
-             dual returns",
+            "packets are supported only for presets of Ouster and of Velodyne, and for a Velodyne only with \
+             strongest, last or dual returns",
         )
     }
 
-    /// Sends them to somebody more, or writes what a decoder has to know of the device.
+    /// Adds a target, or writes the metadata that a decoder needs.
     pub(super) fn open(&mut self, target: &PacketTarget) -> io::Result<()> {
         let metadata = match &self.encoder {
             Encoder::Velodyne(_) => None,
@@ -162,7 +163,9 @@ impl Packets {
         match (target, metadata) {
             (PacketTarget::Metadata(path), Some(metadata)) => return std::fs::write(path, metadata),
             (PacketTarget::Metadata(_), None) => {
-                return Err(io::Error::other("its packets need no metadata"));
+                return Err(io::Error::other(
+                    "packets of Velodyne have no metadata; leave out --lidar-metadata",
+                ));
             }
             (PacketTarget::Pcap(path), Some(metadata)) => {
                 std::fs::write(path.with_extension("json"), metadata)?;
@@ -177,7 +180,7 @@ impl Packets {
         !self.sinks.is_empty()
     }
 
-    /// Discards the columns that wait for their packet to be full.
+    /// Discards the columns of an incomplete packet.
     pub(super) fn restart(&mut self) {
         match &mut self.encoder {
             Encoder::Velodyne(encoder) => encoder.restart(),
@@ -185,7 +188,7 @@ impl Packets {
         }
     }
 
-    /// Puts a column into the packet, and sends the packet if it is full.
+    /// Adds a column to the packet, and sends the packet if it is full.
     pub(super) fn push(&mut self, column: &Column<'_>) {
         let port = self.encoder.port();
         match self.encoder.push(column) {
@@ -193,16 +196,16 @@ impl Packets {
                 self.sinks.iter_mut().for_each(|sink| sink.send(packet, port, column.time_ns));
             }
             Ok(None) => {}
-            Err(error) => tracing::error!(%error, "a column of a lidar is left out of its packets"),
+            Err(error) => tracing::error!(%error, "the packets of a lidar lack a column"),
         }
     }
 }
 
 impl Rig {
-    /// Sends the data packets of a lidar, named or told by a topic that it sends, to somebody as well.
+    /// Also sends the data packets of a lidar to a target. The lidar is given by its name or one of its topics.
     ///
     /// # Errors
-    /// In words: there is no such sensor, it has no packets, or they cannot go there.
+    /// A message, if there is no such sensor, if it has no packets, or if the target cannot be opened.
     pub fn send_packets(&mut self, sensor: &str, target: &PacketTarget) -> Result<(), String> {
         self.find(sensor)?
             .channel
@@ -218,7 +221,7 @@ mod tests {
     use crate::description::model::SensorKind;
     use std::net::SocketAddr;
 
-    /// A lidar with a preset and whatever else stands beside that.
+    /// Returns a lidar whose plugin has these elements.
     fn lidar(own: &str) -> model::Lidar {
         let model = format!(
             "<sdf version='1.6'><model name='m'><link name='l'><sensor name='s' type='ray'>
@@ -228,7 +231,8 @@ mod tests {
         lidar
     }
 
-    /// The length of a lidar's packets and two bytes at the end of the first one: a Velodyne's return mode and model.
+    /// Returns the length of a lidar's packets and the last two bytes of the first one: for a Velodyne, return mode and
+    /// model.
     fn first_packet(own: &str) -> Option<(usize, [u8; 2])> {
         let lidar = lidar(own);
         let mut encoder = Encoder::of(&lidar)?;
@@ -285,7 +289,7 @@ mod tests {
         for (text, says) in [
             ("127.0.0.1:2368", "is not SENSOR="),
             ("=1", "is not SENSOR="),
-            ("a=b", "\"b\" after = is no address"),
+            ("a=b", "\"b\" after = is not ADDRESS:PORT"),
         ] {
             assert!(text.parse::<Feed<SocketAddr>>().unwrap_err().contains(says), "{text}");
         }

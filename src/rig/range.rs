@@ -56,7 +56,7 @@ pub(super) struct RangeChannel {
     range: Outlet,
     message: Range,
     ranges: Vec<f32>,
-    /// Which of the ranges are in the cone; `None` for all.
+    /// For each range, whether it is in the cone; `None` if all are.
     counts: Option<Vec<bool>>,
     sensor_from_beams: Pose,
 }

@@ -8,8 +8,8 @@ pub struct Rate {
 }
 
 impl Rate {
-    /// Returns the simplest fraction within 1e-9 of the given frequency, relatively, or `None` if it is not positive,
-    /// above 1 MHz or below 1 µHz.
+    /// Returns the simplest fraction with a relative error of at most 1e-9, or `None` if the frequency is not between
+    /// 1 µHz and 1 MHz.
     pub fn from_hz(hz: f64) -> Option<Self> {
         if !(1e-6..=1e6).contains(&hz) {
             return None;

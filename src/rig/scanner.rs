@@ -266,7 +266,9 @@ impl Channel for ScannerChannel {
                 let choices = model::choices(preset);
                 let choices = match columns {
                     None => format!("a {} turns {choices} times a second", preset.name),
-                    Some(columns) => format!("a {} of {columns} columns has of {choices}", preset.name),
+                    Some(columns) => {
+                        format!("it has {columns} columns, and the modes of a {} are {choices}", preset.name)
+                    }
                 };
                 return Err(format!("update_rate is {rate_hz}; {choices}").into());
             }

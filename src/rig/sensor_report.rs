@@ -17,7 +17,7 @@ pub fn sensor_report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec
 }
 
 fn rate(sensor: &Sensor) -> String {
-    let Some(effective) = sensor.effective_rate_hz() else { return "every step of physics".into() };
+    let Some(effective) = sensor.effective_rate_hz() else { return "one frame per physics step".into() };
     match sensor.update_rate_hz {
         Some(own) if own > effective => {
             format!("{} Hz (the sensor's own {} Hz, limited by its plugin)", number(effective), number(own))

@@ -1,4 +1,4 @@
-//! Which shapes the rays of a lidar or a rangefinder see.
+//! Selects the shapes that the rays of a lidar or a rangefinder see.
 
 use crate::description::model::RaySensor;
 use belvedere_sensors::scene::visibility;

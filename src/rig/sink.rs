@@ -62,10 +62,10 @@ pub trait Port {
 /// A frame that is to be filled.
 #[derive(Debug)]
 pub enum Frame {
-    /// In shared memory.
+    /// A frame in shared memory.
     #[cfg(feature = "server")]
     Shared(LoanedFrame),
-    /// In a caller's memory.
+    /// A frame in the caller's memory.
     Owned(Box<FrameBuf>),
 }
 

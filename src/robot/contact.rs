@@ -7,9 +7,9 @@
 //!   floor the distance is 0.0316. Each casts one ray along its axis (the plugin uses the first beam of a fan of
 //!   ±2.5°).
 //! - **A wheel** has dropped if it touches nothing, and there is nothing under its axle within its radius and
-//!   [`WHEEL_TRAVEL_M`]. The plugin never reports that. The wheels of our base do not move down. No data sheet gives
-//!   their travel, so we chose a value: more than the 12 mm that a Kobuki climbs, and more than the distance at which a
-//!   cliff begins, so that at an edge the cliff sensors react first.
+//!   [`WHEEL_TRAVEL_M`]. The plugin never reports that. Wheels do not move down in the simulation, and no data sheet
+//!   gives their travel. The value is our choice: more than the 12 mm that a Kobuki climbs, and more than the distance
+//!   at which a cliff begins, so that at an edge the cliff sensors react first.
 
 use super::transforms::base_link;
 use crate::description::model::{LinkIndex, Model};

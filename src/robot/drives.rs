@@ -69,7 +69,7 @@ fn no_base(model: &Model) -> Problem {
         severity: Severity::Note,
         source: model.source.clone(),
         what: format!("robot '{}' does not drive: it has no <plugin> of a base", model.name),
-        remedy: "give it that of its base in a <gazebo>, such as <plugin name=\"kobuki\" \
+        remedy: "add the plugin of its base in a <gazebo>, such as <plugin name=\"kobuki\" \
                  filename=\"libgazebo_ros_kobuki.so\"/>, if it is to drive"
             .into(),
     }

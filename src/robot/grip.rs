@@ -7,8 +7,8 @@
 //! Instead the base is one rigid body on frictionless wheels, and their grip is computed here. In each step the base
 //! gets the force that gives its axle the commanded velocity, forward, sideways (zero) and in yaw. The force is limited
 //! by friction (μ of the wheels × weight) and by the motors, and acts only while wheels touch something. So the base
-//! drives exactly at any step size, stands on slopes, is stopped by walls, pushes light objects, slips beyond its grip,
-//! and does nothing in the air. The force acts on the centre of mass, so the base does not pitch when it brakes.
+//! drives exactly at any step size, stands on slopes, is stopped by walls, pushes light objects, slips if it exceeds its
+//! grip, and does not drive in the air. The force acts on the centre of mass, so the base does not pitch when it brakes.
 //!
 //! The wheels' joints turn at the commanded rate if the motor is stronger than the grip, or with the ground if the
 //! motor is the weaker part. Encoders count these turns, so a base that pushes against a wall loses its odometry like a

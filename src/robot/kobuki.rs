@@ -143,8 +143,8 @@ impl Base for Kobuki {
         self.command_ns = stamp_ns;
     }
 
-    /// Turns the motors' power on or off. As in the base's driver and Kobuki's plugin, off is a stop that no command
-    /// ends: the wheels hold. When power is on again, the base waits for the next command.
+    /// Turns the motors' power on or off. While it is off, the wheels hold and commands are ignored. When it is on
+    /// again, the base waits for the next command. The base's driver and Kobuki's plugin do the same.
     fn set_motor_power(&mut self, on: bool) {
         if on != self.powered {
             self.powered = on;

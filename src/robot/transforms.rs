@@ -9,11 +9,11 @@ use std::sync::Arc;
 /// A frame in its parent.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transform {
-    /// Outer frame.
+    /// The parent frame.
     pub parent: Arc<str>,
-    /// Inner frame.
+    /// The child frame.
     pub child: Arc<str>,
-    /// Pose of the inner frame in the outer one.
+    /// Pose of the child frame in the parent frame.
     pub parent_from_child: Pose,
 }
 

@@ -206,7 +206,7 @@ fn check_and_run_accept_the_same_arguments() {
     for (file, option) in [("playground", "--world"), ("kobuki_nostack_camera", "--robot")] {
         let (said, code) = checked(file, &[option, file]);
         assert_eq!(code, Some(1), "{said}");
-        assert!(said.contains(&format!("'{file}' stands beside {option}")), "{said}");
+        assert!(said.contains(&format!("'{file}' is given together with {option}")), "{said}");
     }
 }
 

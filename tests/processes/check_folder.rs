@@ -132,7 +132,7 @@ fn a_folder_without_anything_to_check_is_an_error() {
     for (arguments, words) in [
         (&["--all", at][..], "there is no .urdf, .xacro, .sdf or .world file in this folder"),
         (&["--all", nowhere.to_str().unwrap()], "cannot read"),
-        (&["playground", "--all", at], "'playground' stands beside --all"),
+        (&["playground", "--all", at], "'playground' is given together with --all"),
     ] {
         let (_, warned, code) = checked(arguments);
         assert_eq!(code, Some(1), "{arguments:?}");
@@ -149,7 +149,7 @@ fn a_robot_is_told_of_without_our_own_world_and_not_beside_no_robot() {
     assert!(said.starts_with("world "), "{said}");
     let (_, warned, code) = checked(&["kobuki_nostack_camera", "--robot", "none"]);
     assert_eq!(code, Some(1));
-    let words = "'kobuki_nostack_camera' is a robot, and --robot none asks for none; leave --robot none out";
+    let words = "'kobuki_nostack_camera' is a robot, but --robot none is given; leave out --robot none";
     assert!(warned.contains(words), "{warned}");
 }
 

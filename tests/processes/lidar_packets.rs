@@ -159,16 +159,16 @@ fn errors_of_packet_options_are_named() {
     let nowhere = format!("points={}", folder.path().join("none/a.pcap").display());
     for (flags, says) in [
         (["--udp", "nobody=127.0.0.1:2368"], "there is no sensor 'nobody'"),
-        (["--udp", "points=somewhere"], "is no address and port"),
+        (["--udp", "points=somewhere"], "is not ADDRESS:PORT"),
         (["--udp", "127.0.0.1:2368"], "is not SENSOR="),
         (["--pcap", nowhere.as_str()], "packets of points: "),
-        (["--lidar-metadata", "points=a.json"], "its packets need no metadata"),
+        (["--lidar-metadata", "points=a.json"], "packets of Velodyne have no metadata"),
     ] {
         let (succeeded, said) = run(&flags);
         assert!(!succeeded && said.contains(says), "{flags:?}: {said}");
     }
     let (succeeded, said) = run_with("<preset>rplidar_a1</preset>", &["--udp", "points=127.0.0.1:2368"]);
-    assert!(!succeeded && said.contains("of presets of Ouster and Velodyne alone"), "{said}");
+    assert!(!succeeded && said.contains("only for presets of Ouster and of Velodyne"), "{said}");
     // Nothing listens there: the run continues.
     let (succeeded, said) = run(&["--udp", "points=127.0.0.1:9"]);
     assert!(succeeded, "{said}");

@@ -1,4 +1,4 @@
-//! Which processes are alive, according to iceoryx2's nodes and to the process ids in file names.
+//! Determines which processes are alive, from iceoryx2's nodes and from the process ids in file names.
 
 use std::path::Path;
 

@@ -10,7 +10,7 @@ pub(crate) const BOOKS: u64 = MIB;
 /// Returns the free bytes of `/dev/shm`.
 pub(crate) fn free() -> Result<u64, Error> {
     let stat = rustix::fs::statvfs(SHM)
-        .map_err(|error| Error::transport(format!("asking {SHM} for its free space"), error))?;
+        .map_err(|error| Error::transport(format!("reading the free space of {SHM}"), error))?;
     Ok(stat.f_bavail * stat.f_frsize)
 }
 

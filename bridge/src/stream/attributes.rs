@@ -1,4 +1,4 @@
-//! The attributes by which a stream describes itself to processes that find it.
+//! The attributes of a stream, which describe it to processes that list or open it.
 
 use super::Frames;
 use crate::Error;
@@ -43,6 +43,6 @@ pub(super) fn attribute(attributes: &AttributeSet, key: &str) -> Option<String> 
 }
 
 /// Returns the kind that the stream's creator declared, even if this version does not know it.
-pub(super) fn kind_told(frames: &Frames) -> Option<String> {
+pub(super) fn declared_kind(frames: &Frames) -> Option<String> {
     attribute(frames.attributes(), KIND)
 }

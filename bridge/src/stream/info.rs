@@ -22,12 +22,11 @@ use iceoryx2::{
 pub struct StreamInfo {
     /// Its topic, without a leading slash.
     pub topic: String,
-    /// What it carries, if its creator declared it and this version knows it.
+    /// The kind of its frames, if its creator declared it and this version knows it.
     pub kind: Option<Kind>,
     /// The encoding of its payload, under the same conditions.
     pub encoding: Option<Encoding>,
-    /// The intended frames per second, as declared when it was created. The rate of a sensor may have changed since:
-    /// see
+    /// The intended frames per second, as declared when it was created. The rate of a sensor may have changed since: see
     /// [`StreamSpec::SENSOR_SETTINGS`](crate::StreamSpec::SENSOR_SETTINGS).
     pub rate_hz: Option<f64>,
     /// Layers of a lidar, if its creator declared them.

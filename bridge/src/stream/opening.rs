@@ -2,7 +2,7 @@
 
 use super::{
     Events, Frames,
-    attributes::{attributes, kind_told},
+    attributes::{attributes, declared_kind},
     ports, versions,
 };
 use crate::{Error, FrameHeader, Node, StreamSpec, domain::service_name, topic::canonical_topic};
@@ -110,8 +110,8 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                         return Ok((frames, events));
                     }
                     if Instant::now() >= deadline {
-                        let detail = "another process hangs while it makes them";
-                        return Err(node.keeper().failed(format!("making the events of {topic}"), detail));
+                        let detail = "another process hangs while it creates them";
+                        return Err(node.keeper().failed(format!("creating the events of {topic}"), detail));
                     }
                 }
                 Err(E::InsufficientPermissions) => {
@@ -207,18 +207,18 @@ fn check_against(spec: &StreamSpec, topic: &str, node: &Node, frames: &Frames) -
         Err(Error::KeptOpen { topic, domain, difference, holders })
     };
     if let Some((what, found, wanted)) = too_small {
-        return kept_open(format!("it was made with {found} {what}, {wanted} are asked for"));
+        return kept_open(format!("it was created with {found} {what}, but {wanted} are requested"));
     }
     if found.has_safe_overflow() == spec.lossless.is_some() {
         return kept_open(if spec.lossless.is_some() {
-            "it was made to lose frames of slow consumers, and this run is to wait for them (--wait-for, --record)"
+            "it was created to drop frames of slow consumers, but this run waits for them (--wait-for, --record)"
                 .to_owned()
         } else {
-            "it was made to wait for slow consumers (--wait-for, --record), and this run is to lose their frames"
+            "it was created to wait for slow consumers (--wait-for, --record), but this run drops their frames"
                 .to_owned()
         });
     }
-    let kind = kind_told(frames);
+    let kind = declared_kind(frames);
     if kind.as_deref().is_some_and(|kind| kind != spec.kind.as_str()) {
         tracing::warn!(topic, ?kind, "consumers keep this stream open from a publisher of another kind");
     }

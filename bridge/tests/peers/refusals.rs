@@ -85,9 +85,9 @@ fn a_consumer_that_keeps_a_stream_open_with_other_settings_is_named() {
     let lossless = StreamSpec { lossless: Some(Lossless::default()), ..image("image") };
     let deep = StreamSpec { buffer: 7, ..image("image") };
     for (first, second, difference) in [
-        (&lossless, &image("image"), "made to wait for slow consumers (--wait-for, --record)"),
-        (&image("image"), &lossless, "made to lose frames of slow consumers"),
-        (&image("image"), &deep, "made with 2 buffered frames, 7 are asked for"),
+        (&lossless, &image("image"), "created to wait for slow consumers (--wait-for, --record)"),
+        (&image("image"), &lossless, "created to drop frames of slow consumers"),
+        (&image("image"), &deep, "created with 2 buffered frames, but 7 are requested"),
     ] {
         let simulator = Node::open(&domain, "simulator").unwrap();
         let publisher = simulator.publisher(first).unwrap();

@@ -1,6 +1,6 @@
-//! The verdict on the speed of encoding, on one core: every layout takes less than four cycles a byte, which is 1 GB/s at
-//! 4 GHz. It is compared with FNV-1a in the same run, a multiplication and an exclusive or for each byte, one after the
-//! other: four cycles on every processor. Exit code 1 if a layout is slower.
+//! Checks the speed of encoding on one core: every layout must take less than four cycles per byte, which is 1 GB/s at
+//! 4 GHz. The reference, measured in the same run, is FNV-1a: its multiplication and exclusive or for each byte depend
+//! on those of the byte before, and take four cycles on every processor. The exit code is 1 if a layout is slower.
 
 #[path = "../tests/packets/columns.rs"]
 #[allow(dead_code, reason = "the tests use what the benchmark does not")]
@@ -11,7 +11,7 @@ use rustix::time::{ClockId, clock_gettime};
 use std::hint::black_box;
 use std::process::ExitCode;
 
-/// How many bytes are hashed in a round, and at least encoded.
+/// The number of bytes that are hashed in a round, and the least number that are encoded.
 const BYTES: usize = 1 << 18;
 const ROUNDS: usize = 21;
 
@@ -41,9 +41,9 @@ fn main() -> ExitCode {
     if is_fast { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-/// The bytes per second that `encode` makes, which returns how many it has made: in GB/s, and as a multiple of those that
-/// FNV-1a hashes. Both are measured in turns, in processor time of the thread. The best round counts, because other
-/// threads on the same core only slow it down.
+/// Measures the speed of `encode`, which returns the number of bytes that it has encoded. Returns the speed in GB/s, and
+/// as a multiple of the speed of FNV-1a. Both are measured alternately, in processor time of the thread. The best round
+/// counts, because other threads on the same core can only slow it down.
 fn pace(mut encode: impl FnMut() -> usize) -> [f64; 2] {
     let bytes = vec![7_u8; BYTES];
     let mut best = [0.0_f64; 2];
@@ -69,7 +69,7 @@ fn fnv_1a(bytes: &[u8]) -> u64 {
         .fold(0xCBF2_9CE4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01B3))
 }
 
-/// The processor time of a call, in seconds.
+/// Returns the processor time of a call, in seconds.
 fn timed(call: impl FnOnce()) -> f64 {
     let now_s = || {
         let now = clock_gettime(ClockId::ThreadCPUTime);

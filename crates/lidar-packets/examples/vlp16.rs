@@ -1,4 +1,5 @@
-//! A VLP-16 in the middle of a round room: ten turns as a pcap file, for Wireshark or any decoder of Velodyne's packets.
+//! Writes ten turns of a VLP-16 in the middle of a round room as a pcap file, for Wireshark or any decoder of Velodyne's
+//! packets.
 //! `cargo run -p lidar-packets --example vlp16 -- vlp16.pcap`
 
 use lidar_packets::velodyne::{Encoder, Model, PACKET_LEN, PORT, ReturnMode};
@@ -17,7 +18,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let name = std::env::args().nth(1).unwrap_or_else(|| "vlp16.pcap".into());
     let mut file = pcap::Writer::new(BufWriter::new(File::create(&name)?))?;
     let mut encoder = Encoder::new(Model::Vlp16, ReturnMode::Strongest);
-    // A wall at 5 m: the farther a beam looks up or down, the farther away it hits.
+    // The wall is at 5 m. Beams that point up or down hit it farther away.
     let ranges_m = ELEVATIONS_DEG.map(|elevation| 5.0 / elevation.to_radians().cos());
     let mut packets = 0;
     for number in 0..10 * TURN_NS / COLUMN_NS {

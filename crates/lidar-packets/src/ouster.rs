@@ -1,8 +1,8 @@
-//! Ouster's packets, as in the OS1 User Guide v1.14, the "Lidar Data" chapter of its sensor documentation, and as
-//! ouster-sdk 1.0.1 reads them.
+//! Ouster's packets, according to the OS1 User Guide v1.14, the "Lidar Data" chapter of the sensor documentation, and the
+//! decoder of ouster-sdk 1.0.1.
 //!
-//! A lidar packet has 16 columns, little-endian. Bytes of its parts, where a column is the column's header, a channel for
-//! each beam, and the column's footer:
+//! A lidar packet has a header, 16 columns and a footer, little-endian. A column has a header, a channel for each beam, and
+//! a footer. The sizes in bytes:
 //!
 //! | profile | header | column's header | channel | column's footer | footer |
 //! |---|---:|---:|---:|---:|---:|
@@ -11,8 +11,8 @@
 //! | `RNG19_RFL8_SIG16_NIR16_DUAL` | 32 | 12 | 16 | 0 | 32 |
 //! | `RNG15_RFL8_NIR8` | 32 | 12 | 4 | 0 | 32 |
 //!
-//! The footer ends with the CRC-64/XZ of all before it. Packets of the inertial unit have 48 bytes (`LEGACY`) or 452
-//! (`ACCEL32_GYRO32_NMEA`).
+//! The footer ends with the CRC-64/XZ of all bytes before the checksum. Packets of the inertial unit have 48 bytes
+//! (`LEGACY`) or 452 (`ACCEL32_GYRO32_NMEA`).
 
 mod device;
 mod imu;
@@ -30,7 +30,7 @@ pub const LIDAR_PORT: u16 = 7502;
 /// The UDP port to which packets of the inertial unit are sent.
 pub const IMU_PORT: u16 = 7503;
 
-/// The CRC-64/XZ of a packet without its last eight bytes, which are for it.
+/// Returns the CRC-64/XZ of a packet, given without its last eight bytes, which hold the checksum.
 fn checksum(text: &[u8]) -> u64 {
     let mut digest = crc64fast::Digest::new();
     digest.write(text);

@@ -1,16 +1,16 @@
-//! Packets in a classic pcap file, as Wireshark and the drivers of lidars read it. Before each packet are the headers of
-//! Ethernet, IPv4 and UDP, as a network card would have received them.
+//! [`Writer`]: packets in a classic pcap file, which Wireshark and the drivers of lidars read. Each packet has headers of
+//! Ethernet, IPv4 and UDP, as if a network card had received it.
 
 use std::io::{self, Write};
 
-/// The bytes of the headers of Ethernet, IPv4 and UDP.
+/// The sizes of the headers of Ethernet, IPv4 and UDP, in bytes.
 const ETHERNET: u16 = 14;
 const IP: u16 = 20;
 const UDP: u16 = 8;
-/// The most bytes that an IPv4 packet holds besides its own header and that of UDP.
+/// The largest payload of a UDP packet, in bytes.
 const MOST: u16 = u16::MAX - IP - UDP;
 
-/// Writes a pcap file. There is a write for each header, so give it a buffered writer.
+/// Writes a pcap file. Pass a buffered writer, because headers are written separately.
 #[derive(Debug)]
 pub struct Writer<W>(W);
 
@@ -18,7 +18,7 @@ impl<W: Write> Writer<W> {
     /// Begins a file.
     ///
     /// # Errors
-    /// When it cannot be written to.
+    /// If the file cannot be written.
     pub fn new(mut file: W) -> io::Result<Self> {
         // Times in µs, version 2.4, times of UTC, no packet longer than 65535 bytes, Ethernet.
         for word in [0xA1B2_C3D4_u32, 2 | 4 << 16, 0, 0, 65_535, 1] {
@@ -27,11 +27,11 @@ impl<W: Write> Writer<W> {
         Ok(Self(file))
     }
 
-    /// Adds a UDP packet from 192.168.1.201 to everybody, from a port to the same port. The time is in nanoseconds after
-    /// the epoch of Unix, of which the file has whole microseconds.
+    /// Adds a broadcast UDP packet from 192.168.1.201, with `port` as source and destination. The time is in nanoseconds
+    /// since the Unix epoch; the file contains whole microseconds.
     ///
     /// # Errors
-    /// When the packet has more than 65,507 bytes, or the file cannot be written to.
+    /// If the packet has more than 65,507 bytes, or the file cannot be written.
     pub fn write(&mut self, packet: &[u8], port: u16, time_ns: u64) -> io::Result<()> {
         let length = u16::try_from(packet.len()).ok().filter(|length| *length <= MOST);
         let Some(length) = length else {
@@ -43,7 +43,7 @@ impl<W: Write> Writer<W> {
         for word in [seconds as u32, micros as u32, total, total] {
             self.0.write_all(&word.to_le_bytes())?;
         }
-        // To everybody, from an address of Velodyne's.
+        // Broadcast, from a MAC address of Velodyne.
         self.0.write_all(&[0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0xFF, 0x60, 0x76, 0x88, 0, 0, 0, 8, 0])?;
         self.0.write_all(&ip_header(IP + UDP + length))?;
         // Without a checksum, which UDP over IPv4 allows.
@@ -53,13 +53,13 @@ impl<W: Write> Writer<W> {
         self.0.write_all(packet)
     }
 
-    /// Returns what it writes to. Nothing is left to be written but what that buffers itself.
+    /// Returns the underlying writer. It may still have buffered data.
     pub fn into_inner(self) -> W {
         self.0
     }
 }
 
-/// The header of an IPv4 packet of so many bytes, with its checksum.
+/// Returns the header of an IPv4 packet of this size in bytes, with its checksum.
 fn ip_header(total: u16) -> [u8; IP as usize] {
     let [high, low] = total.to_be_bytes();
     let mut header = [0x45, 0, high, low, 0, 0, 0x40, 0, 64, 17, 0, 0, 192, 168, 1, 201, 255, 255, 255, 255];

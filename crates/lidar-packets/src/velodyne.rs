@@ -1,4 +1,5 @@
-//! Velodyne's data packets, as in the VLP-16 User Manual (63-9243 Rev D, chapter 9) and the VLS-128 User Manual (63-9483).
+//! Velodyne's data packets, according to the VLP-16 User Manual (63-9243 Rev D, chapter 9) and the VLS-128 User Manual
+//! (63-9483).
 //!
 //! A packet has 1206 bytes, little-endian:
 //!
@@ -9,31 +10,32 @@
 //! | 1204 | the return mode: 0x37 strongest, 0x38 last, 0x39 dual |
 //! | 1205 | the model: 0x21 HDL-32E, 0x22 VLP-16, 0xA1 VLS-128 |
 //!
-//! A block has a mark of two bytes (FF EE), an azimuth in 0.01° clockwise, and 32 times a distance in steps of 2 or 4 mm
-//! (two bytes) with a reflectivity (one byte). It holds two columns of 16 lasers, one of 32, or a quarter of one of 128, in
-//! the order in which they fire; the azimuth is that of its first column. The quarters of 128 lasers have marks of their
-//! own. A packet continues from frame to frame: what does not fill it waits for the next columns.
+//! A block has a flag of two bytes (FF EE), an azimuth in steps of 0.01°, clockwise, and 32 channels. A channel is a
+//! distance in steps of 2 or 4 mm (two bytes) and a reflectivity (one byte). A block holds two columns of 16 lasers, one
+//! of 32, or a quarter of one of 128, in the order in which the lasers fire. Its azimuth is that of its first column. The
+//! four quarters of 128 lasers have different flags. Packets do not end with a frame: an incomplete packet is continued
+//! with the columns of the next frame.
 //!
-//! With dual returns, each block is followed by another one of the same firings. The first has the last returns. The
-//! second has the strongest, or the second strongest where the strongest is also the last. Where there is only one return,
-//! both blocks have it.
+//! With dual returns, each block is followed by a second one of the same firings. The first block has the last returns,
+//! the second one the strongest. If the strongest return is also the last, the second block has the second strongest; if
+//! there is only one return, both blocks have it.
 
 use crate::whole::nearest;
 use crate::{Column, ColumnError};
 
 /// The UDP port to which the packets are sent.
 pub const PORT: u16 = 2368;
-/// The bytes of a packet.
+/// The size of a packet, in bytes.
 pub const PACKET_LEN: usize = 1206;
-/// The bytes of a block, and the lasers in it.
+/// The size of a block in bytes, and the number of its channels.
 const BLOCK: usize = 100;
 const LASERS: usize = 32;
-/// The marks of a block of the first, second, third and fourth 32 lasers.
+/// The flags of blocks with the first, second, third and fourth 32 lasers.
 const BANKS: [u16; 4] = [0xEEFF, 0xDDFF, 0xCCFF, 0xBBFF];
-/// The nanoseconds of an hour, after which the time of packets begins again.
+/// The nanoseconds of an hour, after which the timestamps of packets restart at 0.
 const HOUR_NS: u64 = 3_600_000_000_000;
 
-/// A lidar of Velodyne.
+/// A model of Velodyne's lidars.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Model {
@@ -55,17 +57,17 @@ impl Model {
         }
     }
 
-    /// The last byte of its packets.
+    /// Returns the last byte of its packets.
     const fn product(self) -> u8 {
         match self {
             Self::Hdl32e => 0x21,
             Self::Vlp16 => 0x22,
-            // The manuals print 0x63; the devices send this, and decoders expect it.
+            // The manuals say 0x63, but the devices send 0xA1, and decoders expect it.
             Self::Vls128 => 0xA1,
         }
     }
 
-    /// Metres of a distance of 1.
+    /// Returns the unit of distances in metres.
     const fn step_m(self) -> f32 {
         match self {
             Self::Vlp16 | Self::Hdl32e => 0.002,
@@ -73,7 +75,7 @@ impl Model {
         }
     }
 
-    /// How many firings fill a packet.
+    /// Returns the number of firings in a packet.
     const fn firings(self, mode: ReturnMode) -> usize {
         match (self, mode) {
             (_, ReturnMode::Strongest | ReturnMode::Last) => 384,
@@ -83,17 +85,18 @@ impl Model {
         }
     }
 
-    /// From the first firing of a packet to the one whose time the packet has, in nanoseconds.
+    /// Returns the time from the first firing of a packet to the firing whose time is the packet's timestamp, in
+    /// nanoseconds.
     const fn ahead_ns(self) -> u64 {
         match self {
             Self::Vlp16 | Self::Hdl32e => 0,
-            // As velodyne-decoder 3.1.0 has it; it is 8.7 µs in ROS's driver.
+            // This is the value of velodyne-decoder 3.1.0. ROS's driver uses 8.7 µs.
             Self::Vls128 => 6400,
         }
     }
 }
 
-/// Which returns of a laser the lidar sends.
+/// The returns of a laser that the lidar sends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum ReturnMode {
     /// The strongest.
@@ -105,7 +108,7 @@ pub enum ReturnMode {
 }
 
 impl ReturnMode {
-    /// Returns how many returns each laser has in a [`Column`].
+    /// Returns the number of returns of each laser in a [`Column`].
     pub const fn returns(self) -> usize {
         match self {
             Self::Strongest | Self::Last => 1,
@@ -122,19 +125,19 @@ impl ReturnMode {
     }
 }
 
-/// Puts columns into packets.
+/// Encodes columns in packets.
 #[derive(Debug, Clone)]
 pub struct Encoder {
     packet: [u8; PACKET_LEN],
     model: Model,
     mode: ReturnMode,
-    /// How many firings are in the packet.
+    /// The number of firings in the packet.
     filled: usize,
-    /// The time that the packet will have.
+    /// The timestamp of the packet.
     begun_ns: u64,
 }
-/// A return's distance and, in the third byte, its reflectivity; 0 for no return, and if it is farther than the layout can
-/// say.
+/// Returns the distance and, in the third byte, the reflectivity of a return. Returns 0 for no return, and for a distance
+/// that is too large for the layout.
 #[inline]
 fn echo(range_m: f32, intensity: f32, step_m: f32) -> u32 {
     let farthest = f32::from(u16::MAX);
@@ -143,7 +146,7 @@ fn echo(range_m: f32, intensity: f32, step_m: f32) -> u32 {
     if distance == 0 { 0 } else { distance | nearest(intensity, 255.0) << 16 }
 }
 
-/// Puts the echoes of four lasers into their twelve bytes.
+/// Writes the echoes of four lasers to their twelve bytes.
 #[inline]
 fn put(place: &mut [u8; 12], [a, b, c, d]: [u32; 4]) {
     let words = [a | b << 24, b >> 8 | c << 16, c >> 16 | d << 8].map(u32::to_le_bytes);
@@ -159,13 +162,14 @@ impl Encoder {
         Self { packet, model, mode, filled: 0, begun_ns: 0 }
     }
 
-    /// Puts a column into the packet, and returns the packet if it is full now.
+    /// Adds a column to the packet, and returns the packet if it is full now.
     ///
-    /// With [`ReturnMode::Dual`], a laser's returns are the last and then the strongest or second strongest; a missing
-    /// second return has a range that is not finite.
+    /// With [`ReturnMode::Dual`], the first return of a laser is the last one, and its second return is the strongest or
+    /// second strongest. If there is no second return, its range is not finite.
     ///
     /// # Errors
-    /// When the column does not have the model's lasers with the mode's returns. The packet is as before then.
+    /// If the column does not have the number of lasers of the model, each with the number of returns of the mode. The
+    /// packet is then unchanged.
     pub fn push(&mut self, column: &Column<'_>) -> Result<Option<&[u8; PACKET_LEN]>, ColumnError> {
         let returns = self.mode.returns();
         column.check(self.model.lasers(), returns)?;
@@ -188,21 +192,21 @@ impl Encoder {
         Ok(Some(&self.packet))
     }
 
-    /// Discards the columns that wait for their packet to be full.
+    /// Discards the columns of an incomplete packet.
     pub fn restart(&mut self) {
         self.filled = 0;
     }
 
-    /// Puts a column's firings into their blocks, each return into blocks of its own. The numbers of lasers and of returns
-    /// are known to the compiler, so that the values of a block are converted together.
+    /// Writes a column's firings to their blocks; each return has its own blocks. The numbers of lasers and of returns are
+    /// constants for the compiler, so that it converts the values of a block together.
     fn write<const PART: usize, const RETURNS: usize>(&mut self, hundredths: u16, column: &Column<'_>) {
         let parts = column.ranges_m.chunks_exact(PART * RETURNS);
         let (banks, step_m) = (parts.len(), self.model.step_m());
         for (bank, ranges) in parts.enumerate() {
             let mut echoes = [0; 2 * LASERS];
             let values = ranges.iter().zip(&column.intensities[bank * PART * RETURNS..][..PART * RETURNS]);
-            for (told, (range, intensity)) in echoes.iter_mut().zip(values) {
-                *told = echo(*range, *intensity, step_m);
+            for (place, (range, intensity)) in echoes.iter_mut().zip(values) {
+                *place = echo(*range, *intensity, step_m);
             }
             let (group, place) = (self.filled / LASERS, self.filled % LASERS);
             for number in 0..RETURNS {
@@ -214,12 +218,12 @@ impl Encoder {
                 let places = block[4 + 3 * place..][..3 * PART].as_chunks_mut().0;
                 for (place, echoes) in places.iter_mut().zip(echoes.chunks_exact(4 * RETURNS)) {
                     // The only return of a firing is in both blocks.
-                    let told =
+                    let of_laser =
                         |laser: usize| match (echoes[laser * RETURNS], echoes[laser * RETURNS + number]) {
                             (only, 0) => only,
                             (_, echo) => echo,
                         };
-                    put(place, [told(0), told(1), told(2), told(3)]);
+                    put(place, [of_laser(0), of_laser(1), of_laser(2), of_laser(3)]);
                 }
             }
             self.filled += PART;

@@ -1,15 +1,15 @@
-//! Nearest whole numbers: the rounding of all values in packets. A program that writes the same values elsewhere, such as
-//! into point clouds, gets the same numbers from these functions.
+//! The rounding of all values in packets to whole numbers. Programs that write the same values elsewhere, for example to
+//! point clouds, can use these functions to get the same numbers.
 //!
-//! They consist of comparisons and a sum, which compilers vectorize for every instruction set; `round` and saturating
-//! conversions are not vectorized for SSE2. A value in the middle of two whole numbers becomes the even one.
+//! They consist of comparisons and a sum, which compilers vectorize for every instruction set. `round` and saturating
+//! conversions are not vectorized for SSE2. A value halfway between two whole numbers is rounded to the even one.
 
-/// From these values on, `f32` and `f64` have no fraction: a sum with one of them has the nearest whole number in its
-/// lower bits.
+/// From these values on, `f32` and `f64` have no fractional bits. So adding one of them to a value leaves the nearest whole
+/// number in the lower bits of the sum.
 const WHOLE_F32: f32 = (1_u32 << 23) as f32;
 const WHOLE_F64: f64 = (1_u64 << 52) as f64;
 
-/// Returns the nearest whole number from 0 to `most`, which must be below 2²³; 0 if the value is no number.
+/// Returns the nearest whole number from 0 to `most`, which must be below 2²³. Returns 0 for NaN.
 #[inline]
 #[must_use]
 pub fn nearest(value: f32, most: f32) -> u32 {
@@ -18,8 +18,8 @@ pub fn nearest(value: f32, most: f32) -> u32 {
     (value + WHOLE_F32).to_bits() & 0x7F_FFFF
 }
 
-/// Returns the nearest whole number of a value that is less than `limit`, which must be at most 2³² − 0.5. If the value is
-/// not less, or below 0, or no number, returns 0.
+/// Returns the whole number that is nearest to a value from 0 to below `limit`, which must be at most 2³² − 0.5. Returns 0
+/// for all other values and for NaN.
 #[inline]
 #[must_use]
 pub fn nearest_below(value: f64, limit: f64) -> u32 {
@@ -28,7 +28,7 @@ pub fn nearest_below(value: f64, limit: f64) -> u32 {
     (value + WHOLE_F64).to_bits() as u32
 }
 
-/// Returns the nearest whole number of a value from 0 to 2⁵¹.
+/// Returns the whole number that is nearest to a value from 0 to 2⁵¹.
 #[inline]
 #[must_use]
 pub fn rounded(value: f64) -> f64 {
@@ -54,7 +54,7 @@ mod tests {
         {
             assert_eq!(nearest_below(value, limit), expected, "{value}");
         }
-        // Every value that lies nowhere near the middle of two.
+        // All values that are not close to halfway between two whole numbers.
         for step in 0..1_000_000_u32 {
             let off = 0.49 * f64::from(step % 1999) / 999.0 - 0.49;
             let value = f64::max(0.0, f64::from(step) + off);

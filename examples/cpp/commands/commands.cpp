@@ -7,7 +7,7 @@ int main() try {
     auto power = node.commands<bv_motor_power>();
     auto zero = node.commands<bv_reset_odometry>();
     belvedere::Subscriber odometry = node.subscribe("odom");
-    const auto drive = [&] {  // for a second, as odometry comes 50 times in one
+    const auto drive = [&] {  // for one second, which is 50 odometry messages
         double x = 0;
         for (int count = 0; count < 50 && odometry.wait(std::chrono::seconds(5)); velocity.send(0.3, 0.0))
             for (; auto frame = odometry.take(); ++count) x = frame->structs<bv_odometry>().at(0).position[0];

@@ -7,8 +7,8 @@ int main() try {
     int count = 0;
     while (count < 10 && pairs.wait(std::chrono::seconds(5))) {
         if (auto pair = pairs.take()) {
-            const auto& [picture, cloud] = *pair;  // of one moment
-            const auto points = belvedere::eigen_points(cloud);  // a map: where the simulator wrote them
+            const auto& [picture, cloud] = *pair;  // captured at the same time
+            const auto points = belvedere::eigen_points(cloud);  // a map of the memory that the simulator wrote
             const auto middle = points.col(cloud.header().width * (cloud.header().height / 2) + cloud.header().width / 2);
             std::cout << picture.header().stamp_ns << " ns: " << points.cols() << " points, in the middle "
                       << (belvedere::eigen_world_from_optical(cloud) * middle.cast<double>()).transpose() << '\n';
@@ -16,7 +16,7 @@ int main() try {
         }
     }
     if (count == 10) return 0;
-    std::cerr << "no pair came for 5 s: is a simulator running with a Kinect?\n";
+    std::cerr << "no pair for 5 s; start a simulator with a Kinect (belvedere run --robot kobuki_hexagons_kinect)\n";
     return 1;
 } catch (const std::exception& error) {
     std::cerr << error.what() << '\n';

@@ -1,9 +1,9 @@
-// Two streams and a timer in one poll(), as in any program that has an event loop of its own.
+// Waits for two streams and a timer with one poll(), as a program with its own event loop does.
 //
 //   poll [--domain NAME] [--seconds N]
 //
-// A subscriber's descriptor stays the same whatever the simulator does: start this first, kill the simulator, start it
-// again. A GUI's or a robot framework's loop takes the descriptor in the same way.
+// A subscriber's descriptor remains the same even if the simulator is started later, or is killed and restarted. The event
+// loops of GUIs and robot frameworks accept such a descriptor in the same way.
 #include <poll.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@
 
 namespace {
 
-// A timer that rings every second.
+// A timer that expires every second.
 class Timer {
 public:
     Timer() : fd_(timerfd_create(CLOCK_MONOTONIC, TFD_NONBLOCK | TFD_CLOEXEC)) {
@@ -43,7 +43,7 @@ struct Stream {
     const char* topic;
     unsigned long long frames = 0;
 
-    // Everything that waits: then the descriptor is quiet until there is more.
+    // Takes all queued frames, after which the descriptor is not readable until the next one arrives.
     void drain() {
         while (const std::optional<belvedere::Frame> frame = subscriber.take()) {
             if (frame->restarted()) std::cerr << topic << ": the simulator was started again\n";

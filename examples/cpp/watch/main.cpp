@@ -1,9 +1,9 @@
-// Watches a stream from another process: rate, latency and gaps every second, and a picture if wanted.
+// Watches a stream from another process: prints rate, latency and gaps every second, and can save an image.
 //
 //   watch <topic> [--domain NAME] [--duration SECONDS | --count N] [--save FILE.ppm] [--json]
 //
-// The latency is the time from the publisher's send to having read every byte here. Start it before the simulator,
-// kill the simulator, start it again: it goes on by itself.
+// The latency is the time from the publisher's send until this program has read every byte. The program may be started
+// before the simulator, and continues after the simulator is killed and restarted.
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -28,7 +28,7 @@ volatile std::sig_atomic_t stop = 0;
 
 struct Options {
     std::string topic;
-    std::string domain;  // without one it is that of BELVEDERE_DOMAIN, else "default"
+    std::string domain;  // if empty: that of BELVEDERE_DOMAIN, or "default"
     double duration_s = std::numeric_limits<double>::infinity();
     unsigned long long count = std::numeric_limits<unsigned long long>::max();
     std::string save;
@@ -65,7 +65,7 @@ public:
         gaps_ += missed;
     }
 
-    // Keeps only the moment of the last frame, from which the next interval counts.
+    // Keeps only the time of the last frame, at which the next interval starts.
     void start_anew() {
         intervals_s_.clear();
         latencies_us_.clear();
@@ -128,7 +128,7 @@ std::uint64_t sum_of_bytes(belvedere::Span<const std::uint8_t> bytes) {
     return sum;
 }
 
-// A scan seen from above: x (forward) up, y (left) left.
+// Draws a scan seen from above: x (forward) is up, y (left) is left.
 void draw_scan(const belvedere::Frame& frame, std::ostream& out) {
     constexpr int size = 401;
     const belvedere::Header& header = frame.header();
@@ -150,7 +150,7 @@ void draw_scan(const belvedere::Frame& frame, std::ostream& out) {
     out.write(reinterpret_cast<const char*>(pixels.data()), static_cast<std::streamsize>(pixels.size()));
 }
 
-// Colour as PPM, grey as PGM, depth as PGM of 16 bits in millimetres (0: none), a scan as a plan.
+// Writes colour as PPM, grey as PGM, depth as 16-bit PGM in millimetres (0: no depth), a scan as a plan.
 void save(const belvedere::Frame& frame, std::ostream& out) {
     const belvedere::Header& header = frame.header();
     const auto magic = [&](const char* type, int max) {
@@ -201,11 +201,11 @@ void save(const belvedere::Frame& frame, std::ostream& out) {
             draw_scan(frame, out);
             break;
         default:
-            throw std::runtime_error("a frame of this kind has no picture here");
+            throw std::runtime_error("a frame of this kind cannot be saved as an image");
     }
 }
 
-// Complete or not there: written beside its place, then moved.
+// Writes to a temporary file, which is then renamed, so that the file is complete or does not exist.
 void save_as(const belvedere::Frame& frame, const std::string& path) {
     const std::string temporary = path + ".part";
     std::ofstream out(temporary, std::ios::binary);
@@ -233,15 +233,15 @@ int watch(const Options& options) {
     auto next_report = started + std::chrono::seconds(1);
     while (!stop && count < options.count &&
            std::chrono::duration<double>(SteadyClock::now() - started).count() < options.duration_s) {
-        // Wakes up for a frame, or after a while to see whether it is time to end.
+        // Returns when a frame arrives, or after 50 ms to check whether the program should stop.
         if (subscriber.wait(std::chrono::milliseconds(50))) {
-            last.reset();  // release the one before: a subscriber may hold two at a time
+            last.reset();  // release the previous frame, because a subscriber may hold only two at a time
             if (std::optional<belvedere::Frame> frame = subscriber.take()) {
                 sink = sum_of_bytes(frame->payload());
                 const auto now = SteadyClock::now();
                 const auto latency = frame->age();
-                if (frame->restarted()) std::cerr << "the publisher was started again\n";
-                // The last frame before this program came is a picture, but no measurement.
+                if (frame->restarted()) std::cerr << "the publisher was restarted\n";
+                // A frame that was sent before this program connected has an image, but its age is not the latency.
                 if (!frame->is_from_history()) {
                     second.add(now, latency, frame->missed());
                     whole.add(now, latency, frame->missed());
@@ -259,7 +259,7 @@ int watch(const Options& options) {
     static_cast<void>(sink);
     whole.report(options);
     if (last && !options.save.empty()) save_as(*last, options.save);
-    if (count == 0) throw std::runtime_error("nothing came from " + options.topic);
+    if (count == 0) throw std::runtime_error("no frame of " + options.topic + " arrived");
     return EXIT_SUCCESS;
 }
 

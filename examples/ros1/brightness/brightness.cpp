@@ -1,4 +1,4 @@
-// A nodelet that looks at pictures where the simulator wrote them, and publishes how bright each is.
+// A nodelet that reads images in the memory that the simulator wrote, without a copy, and publishes their mean brightness.
 //
 //   roslaunch examples/ros1/brightness/brightness.launch
 //   rostopic echo /brightness

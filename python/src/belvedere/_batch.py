@@ -257,7 +257,7 @@ class Batch(Unpicklable):
             )
         return given
 
-    _instead = "make it where it is used, from its world, seed and randomize"
+    _instead = "create it in the process that uses it, from its world, seed and randomize"
 
     def __repr__(self) -> str:
         """Return the numbers of worlds and bodies."""

@@ -44,7 +44,7 @@ def prepare(
         if name not in wanted:
             raise ValueError(f"out[{name!r}]: this channel is not among those requested, {', '.join(wanted)}")
     if not wanted:
-        raise ValueError("channels: none is wanted; name one at least")
+        raise ValueError("channels: none is requested; name at least one")
     outputs: dict[str, NDArray[Any]] = {}
     for name in wanted:
         dtype, rest = known[name]

@@ -149,7 +149,7 @@ class SimulationControl(Closing):
             if result is None:
                 self._sleep_until(deadline)
             if self._results.publishers == 0:
-                raise StreamTimeoutError(f"the simulator has ended, and not answered {operation.name.lower()}")
+                raise StreamTimeoutError(f"the simulator has ended without an answer to {operation.name.lower()}")
         if not result["done"]:
             raise RefusedError(result["reason"].decode(errors="replace"))
         return int(result["time_ns"])
@@ -174,5 +174,5 @@ class SimulationControl(Closing):
 def _name(text: str) -> bytes:
     name, longest = text.encode(), _COMMAND["name"].itemsize - 1
     if len(name) > longest:
-        raise InvalidNameError(f"the name {text!r} has {len(name)} bytes, and may have {longest}")
+        raise InvalidNameError(f"the name {text!r} has {len(name)} bytes, but at most {longest} are possible")
     return name

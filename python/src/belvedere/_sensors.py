@@ -164,7 +164,7 @@ class Sensor:
         """Return the poses of sensor and bodies at another time."""
         if value is None:
             if given is not None:
-                raise ValueError(f"bodies_{argument}: {argument}=poses is expected beside it")
+                raise ValueError(f"bodies_{argument}: {argument}=poses is expected as well")
             return None
         other, shape = _arrays.poses(argument, value)
         if shape != lead:
@@ -186,7 +186,7 @@ class Sensor:
         """Render frames with checked arguments."""
         for flow, there, argument in (("flow", after, "after"), ("flow_back", before, "before")):
             if flow in outputs and there is None:
-                raise ValueError(f"channels: {flow!r} wants a moment to flow to: give {argument}=poses")
+                raise ValueError(f"channels: {flow!r} needs the poses at another time: give {argument}=poses")
         workers = _arrays.threads(threads)
         if math.prod(lead):
             self._native.render(world, now, after, before, each, outputs, workers)

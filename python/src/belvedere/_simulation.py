@@ -54,7 +54,7 @@ class Simulation(Unpicklable):
         for argument, given in (("pose", pose), ("xacro", xacro)):
             if robot is None and given is not None:
                 raise ValueError(
-                    f"{argument}: it is of robot=…, which is expected beside it: Simulation('empty', robot=…)"
+                    f"{argument}: it applies to robot=…, which is missing: Simulation('empty', robot=…)"
                 )
         self._package_path = folders(package_path)
         self._native = _native.Simulation(
@@ -67,7 +67,7 @@ class Simulation(Unpicklable):
         )
         #: The default robot of the methods: the one spawned last.
         self.robot: str | None = self._native.thing
-        self._told = 0
+        self._reported = 0
         self._tell()
         if robot is not None:
             self.spawn(_arrays.described("robot", robot), pose=pose, xacro=xacro)
@@ -111,8 +111,8 @@ class Simulation(Unpicklable):
     def _tell(self) -> None:
         """Log the notes since the last call."""
         notes = self.notes
-        report(notes[self._told :])
-        self._told = len(notes)
+        report(notes[self._reported :])
+        self._reported = len(notes)
 
     @property
     def notes(self) -> list[str]:
@@ -202,9 +202,7 @@ class Simulation(Unpicklable):
         if not isinstance(topic, str):
             return arrays
         if topic not in arrays:
-            raise ValueError(
-                f"topic: {topic!r} has no frame now; flow has one from the second time on that it is asked for"
-            )
+            raise ValueError(f"topic: {topic!r} has no frame now; optical flow has one from the second call on")
         return arrays[topic]
 
     @property
@@ -212,7 +210,7 @@ class Simulation(Unpicklable):
         """A copy of the current state as a world, for any sensor."""
         return World._of(self._native.world())
 
-    _instead = "make it where it is used: the same arguments and commands give the same bytes"
+    _instead = "create it in the process that uses it: the same arguments and commands give the same bytes"
 
     def _named(self, name: str | None) -> str:
         name = self.robot if name is None else name

@@ -96,7 +96,7 @@ class Synchronizer(Closing):
         while True:
             if not self.wait(timeout):
                 topics = ", ".join(lane.subscriber.topic for lane in self._lanes)
-                raise StreamTimeoutError(f"no frames of one time of {topics} for {timeout} s")
+                raise StreamTimeoutError(f"no frames of {topics} with matching stamps for {timeout} s")
             frames = self.take()
             if frames is not None:
                 yield frames

@@ -367,7 +367,7 @@ class World(Unpicklable):
         return Frames(outputs, lead[:-2], lead[-2:])
 
     _instead = (
-        "send what it is made from, a file or arrays, and make it there; copy.copy(world) is one in this process"
+        "send its file or arrays, and create it in the other process; copy.copy(world) makes a copy in this process"
     )
 
     def _shape(self, kind: str, size: list[float], pose: ArrayLike | None, look: dict[str, Any]) -> int:

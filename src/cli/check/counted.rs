@@ -2,7 +2,7 @@
 
 use crate::description::model::Model;
 
-/// Returns the number of a model's fiducials of each family, if it has any.
+/// Counts a model's fiducials by family. Returns `None` if it has none.
 pub(super) fn fiducials(model: &Model) -> Option<String> {
     let visuals = model.links.iter().flat_map(|link| &link.visuals);
     let families: Vec<_> =

@@ -18,14 +18,14 @@ use std::sync::mpsc;
 use std::thread;
 use std::time::Duration;
 
-/// How long one file may take. The limits of the readers end nearly all that would take long, and sooner.
+/// Longest time to check one file. The readers' own limits end nearly every long check earlier.
 const PATIENCE: Duration = Duration::from_secs(60);
-/// The stack of the thread that checks a file, as that of the command.
+/// Stack size of the thread that checks a file; the command has the same.
 const STACK: usize = 8 << 20;
-/// The column that follows the names begins here at most, however long some of them are.
+/// Widest column of file names. Longer names shift the rest of their line.
 const WIDEST: usize = 80;
 
-/// What a file is.
+/// The kind of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Robot,
@@ -43,21 +43,21 @@ impl Kind {
     }
 }
 
-/// What became of a file.
+/// The result of checking a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 enum Outcome {
-    /// It can be run; how many warnings and notes there are, in words.
+    /// It can be run. The text gives the number of warnings and notes.
     Runs(String),
-    /// It has no links of its own: others include it.
+    /// It has no links of its own, because it is included by other files.
     MacrosOnly,
-    /// It cannot be run; the first error.
+    /// It cannot be run. The text is the first error.
     Fails(String),
 }
 
 /// Checks the files of a folder, and prints a line for each and their counts.
 ///
 /// # Errors
-/// When there is no such folder, or nothing in it to check; when a file has errors; failures of standard output.
+/// If there is no such folder, if it has no file to check, or if a file has errors; failures of standard output.
 pub(super) fn check_all(folder: &Path, args: &CheckArgs) -> Result<(), CliError> {
     let job = Job::of(folder, args)?;
     let files = files(folder).map_err(|source| CliError::Input { path: folder.to_owned(), source })?;
@@ -104,7 +104,7 @@ pub(super) fn check_all(folder: &Path, args: &CheckArgs) -> Result<(), CliError>
     Ok(())
 }
 
-/// What each file is checked with. The packages are looked for once.
+/// The arguments and options with which each file is checked. Packages are searched only once.
 #[derive(Clone)]
 struct Job {
     args: CheckArgs,
@@ -112,14 +112,14 @@ struct Job {
 }
 
 impl Job {
-    /// Of the files of a folder, which is among those with packages.
+    /// Creates the job for a folder, which is also searched for packages.
     fn of(folder: &Path, args: &CheckArgs) -> Result<Self, CliError> {
         let mut args = CheckArgs { all: None, ..args.clone() };
-        // An argument of xacro that stands in the place of the file.
+        // A xacro argument may be in the position of the file.
         if let Some(file) = args.file.take() {
             let argument = file.to_str().and_then(|text| xacro_argument(text).ok());
             let Some(argument) = argument else {
-                let what = format!("'{}' stands beside --all", file.display());
+                let what = format!("'{}' is given together with --all", file.display());
                 return Err(problem(Path::new("the command line"), &what, "leave one of them out"));
             };
             args.simulated.robots.add_argument(argument);
@@ -140,24 +140,24 @@ fn problem(place: &Path, what: &str, remedy: &str) -> CliError {
     CliError::Description(diagnostics.errors().cloned().collect())
 }
 
-/// How far it is, on a terminal.
+/// Returns a progress bar, which is hidden if standard error is not a terminal.
 fn progress(files: usize) -> ProgressBar {
     let bar = if std::io::stderr().is_terminal() {
         status_lines().add(ProgressBar::new(files as u64))
     } else {
         ProgressBar::with_draw_target(Some(files as u64), ProgressDrawTarget::hidden())
     };
-    let style = "{bar:30} {pos}/{len} files, {elapsed} gone, {eta} left";
+    let style = "{bar:30} {pos}/{len} files, {elapsed} elapsed, {eta} left";
     bar.with_style(ProgressStyle::with_template(style).unwrap_or_else(|_| ProgressStyle::default_bar()))
 }
 
-/// The name of a file in a folder.
+/// Returns the path of a file relative to a folder.
 fn below(folder: &Path, file: &Path) -> String {
     file.strip_prefix(folder).unwrap_or(file).display().to_string()
 }
 
-/// The files of a folder and the folders in it that are robots, models and worlds by their names, in alphabetical order.
-/// Hidden folders are passed over, and links that lead back are not followed.
+/// Returns the files below a folder whose names are those of robots, models or worlds, in alphabetical order. Hidden
+/// folders are skipped, and so are symbolic links to a folder that was already visited.
 fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut found = Vec::new();
     let mut seen = HashSet::new();
@@ -194,11 +194,11 @@ fn is_description(path: &Path) -> bool {
     let is_known = path.extension().is_some_and(|extension| {
         ["urdf", "xacro", "sdf", "world"].iter().any(|known| extension.eq_ignore_ascii_case(known))
     });
-    // The file that a model.config names has a line of its own.
+    // A model.config is listed only if it has an error: the file that it names is listed itself.
     is_known || path.file_name().is_some_and(|name| name == "model.config") && config_error(path).is_some()
 }
 
-/// What is wrong with a model.config, apart from the files that it names.
+/// Returns the error of a model.config, if it has one. The files that it names are checked on their own.
 fn config_error(path: &Path) -> Option<String> {
     let root = match Element::parse_file(path) {
         Ok(root) => root,
@@ -211,10 +211,12 @@ fn config_error(path: &Path) -> Option<String> {
         return None;
     }
     let (place, named) = (root.source, named.join(", "));
-    Some(format!("{place}: error: <sdf> names {named}, which is not beside it; correct the name of the file"))
+    Some(format!(
+        "{place}: error: <sdf> names {named}, which is not in its folder; correct the name of the file"
+    ))
 }
 
-/// Checks files on all cores, and hands on what became of each in their order.
+/// Checks files on all cores, and passes the results to `done` in the order of the files.
 fn in_order(
     files: &[PathBuf],
     job: &Job,
@@ -251,13 +253,13 @@ fn in_order(
     })
 }
 
-/// Checks a file in a thread of its own: a panic, or a file that takes too long, costs that file alone.
+/// Checks a file in a separate thread, so that a panic or a very slow file does not affect the others.
 fn check_isolated(file: &Path, job: &Job) -> (Kind, Outcome) {
     let (send, receive) = mpsc::channel();
     let (path, job) = (file.to_owned(), job.clone());
     let work = move || {
         let kind = kind_of(&path, &job);
-        // Only the first of the two is looked at: the file's kind is known even if the check never ends.
+        // Sent first, so that the kind is known even if the check never ends.
         let _ = send.send((kind, None));
         let outcome = catch_unwind(AssertUnwindSafe(|| check_file(kind, &path, &job)));
         let outcome = outcome.unwrap_or_else(|panic| {
@@ -269,7 +271,7 @@ fn check_isolated(file: &Path, job: &Job) -> (Kind, Outcome) {
     };
     let fails = |what: String| (Kind::Robot, Outcome::Fails(what));
     if let Err(error) = thread::Builder::new().stack_size(STACK).spawn(work) {
-        return fails(format!("the system gives no thread to check it: {error}; end other programs"));
+        return fails(format!("cannot start a thread to check it: {error}; end other programs"));
     }
     let mut kind = Kind::Robot;
     loop {
@@ -277,7 +279,7 @@ fn check_isolated(file: &Path, job: &Job) -> (Kind, Outcome) {
             Ok((known, None)) => kind = known,
             Ok((kind, Some(outcome))) => return (kind, outcome),
             Err(_) => {
-                let what = format!("it takes more than {} s", PATIENCE.as_secs());
+                let what = format!("checking it takes more than {} s", PATIENCE.as_secs());
                 return (kind, Outcome::Fails(what));
             }
         }
@@ -320,8 +322,9 @@ fn first_line(problem: &Problem) -> String {
     problem.to_string().lines().next().unwrap_or_default().to_owned()
 }
 
-/// Whether a xacro file has no links, but is for others to include. One that cannot be expanded by itself, because it needs
-/// what the others define, is such a file if there is nothing but directives of xacro in it.
+/// Returns true if a xacro file has no links, because it is meant to be included by other files. If it cannot be
+/// expanded by itself, because it needs their definitions, this is the case if it has only macros and other xacro
+/// directives.
 fn has_only_macros(file: &Path, options: &LoadOptions) -> bool {
     let Ok(written) = Element::parse_file(file) else { return false };
     let is_xacro = file.extension().is_some_and(|extension| extension == "xacro")

@@ -69,7 +69,7 @@ fn base_report(plugin: &BasePlugin, number: usize, streams: &Streams) -> Vec<Str
     }
     let odometry = &plugin.odometry;
     let from = match odometry.origin {
-        OdometryOrigin::Encoders => "what the wheels turn",
+        OdometryOrigin::Encoders => "the turns of the wheels",
         OdometryOrigin::World => "the true pose in the world",
     };
     say("odometry", format!("of {} in {}, from {from}", odometry.child_frame, odometry.frame));

@@ -1,4 +1,4 @@
-//! Images, scans and clouds: what is printed of payloads that are not structs.
+//! Prints images, scans and clouds, whose payloads are not structs.
 
 use super::tree::Tree::{self, Flag, List, Map, Number, Text, Whole};
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
@@ -29,7 +29,7 @@ pub(super) fn image(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
     ])
 }
 
-/// Returns the encoding's name in `sensor_msgs`: `32fc1` is `32FC1` there, `rgb8` stays `rgb8`.
+/// Returns the name of the encoding in `sensor_msgs`: `32FC1` for `32fc1`, `rgb8` for `rgb8`.
 fn ros_encoding(encoding: Encoding) -> Tree {
     let name = encoding.as_str();
     Text(if name.starts_with(|first: char| first.is_ascii_digit()) {
@@ -88,7 +88,7 @@ fn xyz_of(point: [f32; 3]) -> Tree {
     List(point.map(|value| Number(value.into())).to_vec(), 0)
 }
 
-/// A point of `Encoding::XyzRgbF32`.
+/// Converts a point of `Encoding::XyzRgbF32`.
 fn coloured([x, y, z, _, rgb]: [f32; 5]) -> Tree {
     let [blue, green, red, _] = rgb.to_bits().to_le_bytes();
     Map(vec![
@@ -102,7 +102,7 @@ fn at<T: bytemuck::AnyBitPattern>(point: &[u8], at: usize) -> T {
     bytemuck::pod_read_unaligned(&point[at..at + size_of::<T>()])
 }
 
-/// A point of `Encoding::XyzIrtF32`.
+/// Converts a point of `Encoding::XyzIrtF32`.
 fn timed(point: [u8; 22]) -> Tree {
     Map(vec![
         ("xyz", xyz_of(at(&point, 0))),
@@ -112,7 +112,7 @@ fn timed(point: [u8; 22]) -> Tree {
     ])
 }
 
-/// A point of `Encoding::OusterPoint`.
+/// Converts a point of `Encoding::OusterPoint`.
 fn ouster(point: [u8; 48]) -> Tree {
     Map(vec![
         ("xyz", xyz_of(at(&point, 0))),
@@ -125,7 +125,7 @@ fn ouster(point: [u8; 48]) -> Tree {
     ])
 }
 
-/// A point of `Encoding::LivoxPoint`.
+/// Converts a point of `Encoding::LivoxPoint`.
 fn livox(point: [u8; 26]) -> Tree {
     Map(vec![
         ("xyz", xyz_of(at(&point, 0))),

@@ -10,7 +10,7 @@ pub(super) struct Entries {
 }
 
 impl Entries {
-    /// Lists of messages are shortened to `limit`.
+    /// Creates it without values. Lists of messages are shortened to `limit`.
     pub(super) fn new(limit: usize) -> Self {
         Self { all: Vec::new(), limit }
     }
@@ -21,7 +21,7 @@ impl Fields for Entries {
         None
     }
 
-    /// The header of the frame is printed before every message.
+    /// Adds only `frame_id`, because the rest of the frame's header is printed before every message.
     fn header(&mut self, frame_id: Option<&str>) {
         if let Some(frame_id) = frame_id {
             self.value("frame_id", Value::Frame(frame_id));
@@ -76,7 +76,7 @@ fn list<T: Copy>(values: &[T], tree: impl Fn(T) -> Tree) -> Tree {
     List(values.iter().map(|&value| tree(value)).collect(), 0)
 }
 
-/// A stamp as ROS splits it, exact to the nanosecond.
+/// Splits a timestamp into seconds and nanoseconds, as ROS does.
 pub(super) fn seconds(ns: u64) -> Tree {
     Map(vec![("secs", Whole(ns / 1_000_000_000)), ("nsecs", Whole(ns % 1_000_000_000))])
 }

@@ -24,8 +24,9 @@ pub(super) fn lidar(lidar: &model::Lidar, gazebo_compat: bool, say: Say<'_>) {
         physics(&lidar.physics, say);
     }
     if let Some(layout) = lidar.plugin.as_ref().and_then(|plugin| plugin.cloud) {
-        let shape = if layout.is_organized { "a row a column of beams" } else { "what was hit" };
-        let times = if gazebo_compat { "at one moment" } else { "each beam at its own time" };
+        let shape =
+            if layout.is_organized { "organized, one row per column of beams" } else { "only returns" };
+        let times = if gazebo_compat { "all beams at the same time" } else { "each beam at its own time" };
         say("cloud", format!("{shape}, {times}"));
     }
     if let Some(preset) = lidar.preset.filter(|_| Packets::of(lidar).is_some()) {
@@ -47,8 +48,8 @@ fn beams(ray: &RaySensor, say: Say<'_>) {
     }
 }
 
-/// Describes the noise of ranges r: that of a preset beyond certain distances, and noise that is the same at all
-/// distances.
+/// Describes the noise of a range r: the noise of a preset, which depends on the distance, and noise that is the same at
+/// all distances.
 fn noise_of_ranges(same: &Noise, spreads: &[Spread]) -> String {
     let part = |spread: &Spread| {
         let terms = spread.stddev.into_iter().zip(["", "·r", "·r²"]).filter(|(factor, _)| *factor != 0.0);

@@ -1,4 +1,4 @@
-//! Packets of an Ouster's inertial unit.
+//! Sends the packets of an Ouster's inertial unit.
 
 use super::imu_profile;
 use super::sink::{PacketSink, PacketTarget};
@@ -7,7 +7,7 @@ use belvedere_sensors::imu::InertialReading;
 use lidar_packets::ouster::{IMU_PORT, Identity, ImuEncoder};
 use std::io;
 
-/// A unit's packets, and everybody who gets them.
+/// The packets of an inertial unit, with all their targets.
 pub(in crate::rig) struct ImuPackets {
     encoder: ImuEncoder,
     sinks: Vec<PacketSink>,
@@ -19,23 +19,23 @@ impl ImuPackets {
         Self { encoder, sinks: Vec::new() }
     }
 
-    /// Sends them to somebody more.
+    /// Adds a target.
     pub(in crate::rig) fn open(&mut self, target: &PacketTarget) -> io::Result<()> {
         if let PacketTarget::Metadata(_) = target {
             return Err(io::Error::other(
-                "metadata are those of its lidar, which has <udp_profile_imu>, too",
+                "an inertial unit has no metadata of its own; write those of its lidar, which include it",
             ));
         }
         self.sinks.extend(PacketSink::open(target)?);
         Ok(())
     }
 
-    /// Discards the samples that wait for their packet to be full.
+    /// Discards the samples of an incomplete packet.
     pub(in crate::rig) fn restart(&mut self) {
         self.encoder.restart();
     }
 
-    /// Puts a sample into the packet, and sends the packet if it is full. Without receivers, samples are not counted.
+    /// Adds a sample to the packet, and sends the packet if it is full. Without targets, samples are not counted.
     pub(in crate::rig) fn push(&mut self, stamp_ns: u64, read: &InertialReading) {
         if self.sinks.is_empty() {
             return;
@@ -54,7 +54,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn samples_that_nobody_gets_are_not_counted() {
+    fn samples_without_a_target_are_not_counted() {
         let receiver = UdpSocket::bind("127.0.0.1:0").unwrap();
         receiver.set_read_timeout(Some(Duration::from_secs(20))).unwrap();
         let reading = InertialReading {

@@ -1,4 +1,4 @@
-//! Where packets go.
+//! The targets of packets.
 
 use lidar_packets::pcap;
 use std::fs::File;
@@ -6,18 +6,18 @@ use std::io::{self, BufWriter};
 use std::net::{SocketAddr, UdpSocket};
 use std::path::PathBuf;
 
-/// Where packets go.
+/// A target of packets.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum PacketTarget {
-    /// To an address.
+    /// A UDP address.
     Udp(SocketAddr),
-    /// Into a file as Wireshark and drivers read it.
+    /// A pcap file, which Wireshark and drivers can read.
     Pcap(PathBuf),
-    /// Nowhere: what a decoder has to know of the device goes into this file.
+    /// A file for the device's metadata, which a decoder needs. No packets are sent.
     Metadata(PathBuf),
 }
 
-/// Somebody who gets packets.
+/// An open target.
 pub(super) struct PacketSink {
     kind: SinkKind,
     name: String,
@@ -30,7 +30,7 @@ enum SinkKind {
 }
 
 impl PacketSink {
-    /// None if packets go nowhere.
+    /// Opens a target. Returns `None` if it receives no packets.
     pub(super) fn open(target: &PacketTarget) -> io::Result<Option<Self>> {
         let (kind, name) = match target {
             PacketTarget::Udp(to) => {
@@ -46,7 +46,7 @@ impl PacketSink {
         Ok(Some(Self { kind, name, has_failed: false }))
     }
 
-    /// Whoever does not get it is told of once; the simulation goes on.
+    /// Sends a packet. A failure is logged once per target; the simulation continues.
     pub(super) fn send(&mut self, packet: &[u8], port: u16, time_ns: u64) {
         let sent = match &mut self.kind {
             SinkKind::Udp(socket, to) => socket.send_to(packet, *to).map(|_| ()),
@@ -55,7 +55,7 @@ impl PacketSink {
         if let Err(error) = sent
             && !std::mem::replace(&mut self.has_failed, true)
         {
-            tracing::warn!(to = self.name, %error, "packets of a lidar do not arrive");
+            tracing::warn!(to = self.name, %error, "packets of a lidar cannot be sent");
         }
     }
 }

@@ -11,9 +11,9 @@ use std::f64::consts::TAU;
 
 /// The directions and times of a scanner's firings.
 pub(super) enum Head {
-    /// Those of a maker's scanner.
+    /// A scanner of a maker.
     Preset(Preset),
-    /// From the horizontal and vertical angles of a `<ray>`.
+    /// A grid with the horizontal and vertical angles of a `<ray>`.
     Grid { angles: [Beams; 2], firings: Vec<Firing> },
 }
 

@@ -1,4 +1,4 @@
-//! An Ouster as its metadata describe it.
+//! [`Device`]: the configuration of an Ouster, from which its metadata are written.
 
 use super::profile::{ImuProfile, LidarProfile};
 use crate::whole::nearest_below;
@@ -12,15 +12,15 @@ pub struct Head {
     pub azimuths_deg: Vec<f64>,
     /// The columns of a frame, which is a turn: 512, 1024, 2048 or 4096.
     pub columns_per_frame: u32,
-    /// The distance from the axis of the head to where the beams begin, in metres.
+    /// The distance from the axis of the head to the origins of the beams, in metres.
     pub beam_origin_m: f64,
-    /// The height at which the beams begin above the origin of the sensor, in metres.
+    /// The height of the origins of the beams above the origin of the sensor, in metres.
     pub height_m: f64,
 }
 
 impl Head {
-    /// Returns a range from where a beam begins as Ouster sends it: from the axis of the head, in whole steps of so many
-    /// millimetres. Returns 0 for what is no range, and for one that takes more than so many bits (at most 32).
+    /// Converts a range from the origin of a beam to the number in a packet: the distance from the axis of the head, in
+    /// steps of `step_mm`. Returns 0 if the range is not a number, or if it needs more than `bits` bits (at most 32).
     #[inline]
     #[must_use]
     pub fn steps(&self, range_m: f32, step_mm: f64, bits: u32) -> u32 {
@@ -28,14 +28,14 @@ impl Head {
         nearest_below((f64::from(range_m) + self.beam_origin_m) * (1000.0 / step_mm), limit)
     }
 
-    /// Returns by how many columns each beam looks ahead of the head: Ouster's `pixel_shift_by_row`.
+    /// Returns the number of columns by which each beam is ahead of the head: Ouster's `pixel_shift_by_row`.
     pub fn pixel_shifts(&self) -> impl Iterator<Item = i32> {
         let columns = f64::from(self.columns_per_frame);
         self.azimuths_deg.iter().map(move |azimuth| (azimuth * columns / 360.0).round() as i32)
     }
 }
 
-/// A line of Ouster's products.
+/// A product line of Ouster.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum ProductLine {
@@ -56,7 +56,8 @@ impl ProductLine {
         }
     }
 
-    /// Where its inertial unit is above the origin of the sensor, in mm. The housings are alike, but an OS2's is higher.
+    /// Returns the height of its inertial unit above the origin of the sensor, in mm. It differs because the housing of
+    /// an OS2 is higher.
     pub(super) const fn imu_height_mm(self) -> f64 {
         match self {
             Self::Os0 | Self::Os1 => 7.645,
@@ -65,13 +66,13 @@ impl ProductLine {
     }
 }
 
-/// What packets and metadata say of a unit, by which decoders recognise its packets. Packets of the layouts of the first
-/// firmware do not have it.
+/// The numbers in packets and metadata by which decoders recognise the packets of a unit. Packets of the `LEGACY` layouts
+/// do not contain them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Identity {
-    /// The serial number; packets have its lowest 40 bits.
+    /// The serial number; packets contain its lowest 40 bits.
     pub serial: u64,
-    /// A number that a unit draws when it starts; packets have its lowest 24 bits.
+    /// A random number that a unit chooses when it starts; packets contain its lowest 24 bits.
     pub initialization: u32,
 }
 
@@ -82,18 +83,18 @@ impl Default for Identity {
 }
 
 impl Identity {
-    /// The eight bytes of it in the header of a packet.
+    /// Returns its eight bytes in the header of a packet.
     pub(super) fn bytes(self) -> [u8; 8] {
         (self.serial << 24 | u64::from(self.initialization & 0xFF_FFFF)).to_le_bytes()
     }
 }
 
-/// A lidar and how it is configured.
+/// A lidar with its configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Device {
-    /// The line of products that it belongs to.
+    /// Its product line.
     pub product_line: ProductLine,
-    /// Its beams. There must be 16, 32, 64 or 128.
+    /// Its head. The number of beams must be 16, 32, 64 or 128.
     pub head: Head,
     /// Turns per second: 5, 10 or 20.
     pub rate_hz: f64,
@@ -105,22 +106,22 @@ pub struct Device {
     pub identity: Identity,
 }
 
-/// A device that Ouster's packets cannot describe.
+/// The reason why Ouster's packets cannot describe a device.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum DeviceError {
-    /// The head has a number of beams that no head of Ouster has.
+    /// No head of Ouster has this number of beams.
     #[error("a head has {0} beams; those of Ouster have 16, 32, 64 or 128")]
     Beams(usize),
-    /// There is not an azimuth for each altitude.
+    /// The numbers of azimuths and altitudes differ.
     #[error("a head has {azimuths} azimuths for {altitudes} altitudes")]
     Azimuths {
-        /// How many azimuths there are.
+        /// The number of azimuths.
         azimuths: usize,
-        /// How many altitudes there are.
+        /// The number of altitudes.
         altitudes: usize,
     },
-    /// A frame has a number of columns that no mode of Ouster has.
+    /// No mode of Ouster has this number of columns in a frame.
     #[error("a frame has {0} columns; those of Ouster have 512, 1024, 2048 or 4096")]
     Columns(u32),
 }

@@ -1,13 +1,14 @@
-//! Packets of the inertial unit in an Ouster.
+//! [`ImuEncoder`]: packets of the inertial unit in an Ouster.
 
 use super::checksum;
 use super::device::Identity;
 use super::profile::ImuProfile;
 
-/// Standard gravity in m/s²: the layout of the first firmware has accelerations as multiples of it.
+/// Standard gravity in m/s², the unit of accelerations in the `LEGACY` layout.
 const G: f64 = 9.806_65;
 
-/// The samples of a packet of the newer layout, and the packets of a lidar's frame: 640 samples a second at 10 Hz.
+/// The number of samples in a packet of the newer layout. It is also the number of these packets in a frame of the lidar:
+/// 640 samples per second at 10 Hz.
 pub(super) const SAMPLES: usize = 8;
 pub(super) const PACKETS_IN_FRAME: usize = 8;
 /// The bytes before its samples (header, time and sentence of NMEA), of a sample, and after the samples.
@@ -17,13 +18,13 @@ const AFTER: usize = 32;
 /// The type of packet in the header.
 const KIND: u16 = 2;
 
-/// Puts samples of the inertial unit into packets.
+/// Encodes samples of the inertial unit in packets.
 #[derive(Debug, Clone)]
 pub struct ImuEncoder {
     profile: ImuProfile,
     identity: Identity,
     packet: Vec<u8>,
-    /// How many samples there were so far.
+    /// The number of samples so far.
     count: usize,
 }
 
@@ -35,10 +36,10 @@ impl ImuEncoder {
         Self { profile, identity, packet: Vec::new(), count: 0 }
     }
 
-    /// Puts a sample into the packet, and returns the packet if it is full now.
+    /// Adds a sample to the packet, and returns the packet if it is full now.
     ///
-    /// The time is in nanoseconds on the clock of the lidar's packets. The specific force is what an accelerometer feels in
-    /// m/s², +9.81 upwards at rest; the angular velocity is in rad/s. Both are in the axes of the unit.
+    /// The time is in nanoseconds, on the clock of the lidar's packets. The specific force, which accelerometers measure,
+    /// is in m/s²: at rest +9.81 upwards. The angular velocity is in rad/s. Both are in the axes of the unit.
     pub fn push(
         &mut self,
         time_ns: u64,
@@ -58,7 +59,7 @@ impl ImuEncoder {
         is_full.then_some(&self.packet)
     }
 
-    /// Discards the samples that wait for their packet to be full, and begins with frame 0 again.
+    /// Discards the samples of an incomplete packet, and restarts with frame 0.
     pub fn restart(&mut self) {
         self.count = 0;
     }
@@ -88,7 +89,7 @@ impl ImuEncoder {
         let start = self.packet.len();
         self.packet.extend(time_ns.to_le_bytes());
         self.packet.extend((in_frame as u16).to_le_bytes());
-        // Valid.
+        // The status of the sample: valid.
         self.packet.extend(1_u16.to_le_bytes());
         for value in force.into_iter().chain(turn) {
             self.packet.extend((value as f32).to_le_bytes());

@@ -1,4 +1,4 @@
-//! Lidar packets of an Ouster, in any of their layouts.
+//! [`LidarEncoder`]: lidar packets of an Ouster, in all layouts.
 
 use super::checksum;
 use super::device::{Device, DeviceError, Head, Identity};
@@ -6,16 +6,16 @@ use super::profile::{Layout, LidarProfile};
 use crate::whole::nearest;
 use crate::{Column, ColumnError};
 
-/// The columns of a packet.
+/// The number of columns of a packet.
 pub(super) const COLUMNS: usize = 16;
-/// The ticks of the encoder in a turn.
+/// The number of encoder ticks in a turn.
 const TICKS: u32 = 90_112;
-/// How many beams are converted at once: heads have 16, 32, 64 or 128.
+/// The number of beams that are converted together. Heads have 16, 32, 64 or 128.
 const LASERS: usize = 16;
 /// The type of packet in the header.
 const KIND: u16 = 1;
 
-/// Puts columns into packets.
+/// Encodes columns in packets.
 #[derive(Debug, Clone)]
 pub struct LidarEncoder {
     profile: LidarProfile,
@@ -23,14 +23,14 @@ pub struct LidarEncoder {
     head: Head,
     identity: Identity,
     packet: Vec<u8>,
-    /// Frame and number of the column that continues the packet.
+    /// Frame and number of the next column of the packet.
     next: Option<(u64, usize)>,
 }
 
-/// Ranges in steps of a layout, and signals, of one return of each laser; 0 for no return.
-type Told = ([u32; LASERS], [u32; LASERS]);
+/// The ranges, in steps of a layout, and the signals of one return of each laser; 0 for no return.
+type Echoes = ([u32; LASERS], [u32; LASERS]);
 
-/// Puts words into the bytes of channels, little-endian.
+/// Writes words to channels, little-endian.
 #[inline]
 fn put<const WORDS: usize>(place: &mut [u8], words: impl Fn(usize) -> [u32; WORDS]) {
     for (laser, place) in place.chunks_exact_mut(4 * WORDS).enumerate() {
@@ -42,7 +42,7 @@ impl LidarEncoder {
     /// Creates an encoder with an empty packet.
     ///
     /// # Errors
-    /// When the head has a number of beams or columns that no head of Ouster has.
+    /// If no head of Ouster has this number of beams or columns.
     pub fn new(device: &Device) -> Result<Self, DeviceError> {
         device.check()?;
         let (profile, layout) = (device.lidar_profile, device.lidar_profile.layout());
@@ -51,18 +51,17 @@ impl LidarEncoder {
         Ok(Self { profile, layout, head: device.head.clone(), identity: device.identity, packet, next: None })
     }
 
-    /// Puts a column into the packet, and returns the packet if it is full now.
+    /// Adds a column to the packet, and returns the packet if it is full now.
     ///
-    /// A packet has 16 columns in succession, the first with a number that is a multiple of 16. If the columns of a packet
-    /// are not complete, it is not sent.
+    /// A packet has 16 consecutive columns; the number of the first is a multiple of 16. If one of them is missing, the
+    /// packet is not returned.
     ///
-    /// Each laser may have any number of returns, the strongest first; layouts of one return have the first of them, those
-    /// of two the first two. There is no reflectivity apart from the intensity, so the packet has that for both, and no
-    /// near infrared, which is 0.
+    /// Each laser may have any number of returns, the strongest first. Layouts with one return use the first of them, those
+    /// with two the first two. The intensity is written both as signal and as reflectivity. Near infrared is 0.
     ///
     /// # Errors
-    /// When the column does not have a whole number of returns of each laser, or has a number that is none of its frame.
-    /// The packet is as before then.
+    /// If the number of ranges is not a multiple of the number of lasers, or if a frame has no column with this number. The
+    /// packet is then unchanged.
     pub fn push(&mut self, column: &Column<'_>) -> Result<Option<&[u8]>, ColumnError> {
         let beams = self.head.altitudes_deg.len();
         let returns = (column.ranges_m.len() / beams).max(1);
@@ -88,10 +87,10 @@ impl LidarEncoder {
             bytes[12..16].copy_from_slice(&ticks.to_le_bytes());
             bytes[length - column_footer..].fill(0xFF);
         } else {
-            // Valid.
+            // The status of the column: valid.
             bytes[10..12].copy_from_slice(&1_u16.to_le_bytes());
         }
-        // The number of returns is known to the compiler where it is one of the usual ones.
+        // For the usual numbers of returns, the number is a constant for the compiler.
         match returns {
             1 => self.write_returns(begin + column_header, column, 1),
             2 => self.write_returns(begin + column_header, column, 2),
@@ -104,12 +103,12 @@ impl LidarEncoder {
         Ok(Some(&self.packet))
     }
 
-    /// Discards the columns that wait for their packet to be full.
+    /// Discards the columns of an incomplete packet.
     pub fn restart(&mut self) {
         self.next = None;
     }
 
-    /// Puts ranges, reflectivities and signals of a column's beams into their channels.
+    /// Writes ranges, reflectivities and signals of a column's beams to their channels.
     #[expect(clippy::inline_always, reason = "so that the number of returns is a constant in it")]
     #[inline(always)]
     fn write_returns(&mut self, place: usize, column: &Column<'_>, returns: usize) {
@@ -120,7 +119,7 @@ impl LidarEncoder {
         let values = values.zip(column.intensities.chunks_exact(LASERS * returns));
         let reflectivity = |signal: u32| signal.min(255);
         for (place, (ranges, intensities)) in places.zip(values) {
-            let told = |number: usize, step_mm: f64, bits: u32| {
+            let converted = |number: usize, step_mm: f64, bits: u32| {
                 let (mut steps, mut signals) = ([0; LASERS], [0; LASERS]);
                 let ranges = ranges.chunks_exact(returns).map(|returns| returns[number]);
                 let intensities = intensities.chunks_exact(returns).map(|returns| returns[number]);
@@ -131,10 +130,10 @@ impl LidarEncoder {
                 }
                 (steps, signals)
             };
-            let echo = |(ranges, signals): &Told, laser: usize| (ranges[laser], signals[laser]);
+            let echo = |(ranges, signals): &Echoes, laser: usize| (ranges[laser], signals[laser]);
             match self.profile {
                 profile @ (LidarProfile::Legacy | LidarProfile::Rng19Rfl8Sig16Nir16) => {
-                    let only = told(0, 1.0, if profile == LidarProfile::Legacy { 20 } else { 19 });
+                    let only = converted(0, 1.0, if profile == LidarProfile::Legacy { 20 } else { 19 });
                     put(place, |laser| {
                         let (range, signal) = echo(&only, laser);
                         [range, reflectivity(signal) | signal << 16, 0]
@@ -142,7 +141,8 @@ impl LidarEncoder {
                 }
                 LidarProfile::Rng19Rfl8Sig16Nir16Dual => {
                     let none = ([0; LASERS], [0; LASERS]);
-                    let echoes = [told(0, 1.0, 19), if returns > 1 { told(1, 1.0, 19) } else { none }];
+                    let second = if returns > 1 { converted(1, 1.0, 19) } else { none };
+                    let echoes = [converted(0, 1.0, 19), second];
                     put(place, |laser| {
                         let [(first, signal), (second, second_signal)] =
                             [echo(&echoes[0], laser), echo(&echoes[1], laser)];
@@ -155,7 +155,7 @@ impl LidarEncoder {
                     });
                 }
                 LidarProfile::Rng15Rfl8Nir8 => {
-                    let only = told(0, 8.0, 15);
+                    let only = converted(0, 8.0, 15);
                     put(place, |laser| {
                         let (range, signal) = echo(&only, laser);
                         [range | reflectivity(signal) << 16]
@@ -165,7 +165,7 @@ impl LidarEncoder {
         }
     }
 
-    /// Writes what is before the columns of a packet and after them.
+    /// Writes the header and the footer of a packet.
     fn finish(&mut self, frame: u64) {
         let length = self.packet.len();
         let (text, footer) = self.packet.split_at_mut(length - self.layout.footer);

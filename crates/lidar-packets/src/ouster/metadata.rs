@@ -1,4 +1,4 @@
-//! The metadata of a device: what a decoder has to know of it besides its packets.
+//! The metadata of a device, which a decoder needs in addition to its packets.
 
 use super::device::Device;
 use super::imu::{PACKETS_IN_FRAME, SAMPLES};
@@ -7,7 +7,7 @@ use super::profile::ImuProfile;
 use super::{IMU_PORT, LIDAR_PORT};
 
 impl Device {
-    /// Returns its metadata in the JSON that ouster-sdk reads, as the device gives them over HTTP.
+    /// Returns its metadata in the JSON format that the device provides over HTTP and ouster-sdk reads.
     #[must_use]
     pub fn metadata(&self) -> String {
         of(self)

@@ -1,4 +1,4 @@
-//! The layouts of an Ouster's packets, by the names that its configuration has for them.
+//! The layouts of an Ouster's packets, with their names in its configuration.
 
 /// A layout of lidar packets: `udp_profile_lidar` of the configuration.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default)]
@@ -15,7 +15,7 @@ pub enum LidarProfile {
     Rng15Rfl8Nir8,
 }
 
-/// The bytes of the parts of a packet.
+/// The sizes of the parts of a packet, in bytes.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Layout {
     pub(super) header: usize,
@@ -26,18 +26,18 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// Of a column of so many beams.
+    /// Returns the size of a column with this number of beams.
     pub(super) const fn column(&self, beams: usize) -> usize {
         self.column_header + self.channel * beams + self.column_footer
     }
 }
 
 impl LidarProfile {
-    /// All of them.
+    /// All layouts.
     pub const ALL: [Self; 4] =
         [Self::Legacy, Self::Rng19Rfl8Sig16Nir16, Self::Rng19Rfl8Sig16Nir16Dual, Self::Rng15Rfl8Nir8];
 
-    /// Returns Ouster's name of it, such as `RNG19_RFL8_SIG16_NIR16`.
+    /// Returns Ouster's name, such as `RNG19_RFL8_SIG16_NIR16`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Legacy => "LEGACY",
@@ -67,15 +67,15 @@ pub enum ImuProfile {
     /// The layout of the first firmware: one sample of 48 bytes, in multiples of standard gravity and degrees per second.
     #[default]
     Legacy,
-    /// Eight samples in 452 bytes, in m/s² and rad/s, and a sentence of NMEA, which is left empty.
+    /// Eight samples in 452 bytes, in m/s² and rad/s, and an NMEA sentence, which is left empty.
     Accel32Gyro32Nmea,
 }
 
 impl ImuProfile {
-    /// All of them.
+    /// All layouts.
     pub const ALL: [Self; 2] = [Self::Legacy, Self::Accel32Gyro32Nmea];
 
-    /// Returns Ouster's name of it, such as `ACCEL32_GYRO32_NMEA`.
+    /// Returns Ouster's name, such as `ACCEL32_GYRO32_NMEA`.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Legacy => "LEGACY",

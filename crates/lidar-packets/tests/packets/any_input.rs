@@ -1,10 +1,10 @@
-//! Packets of values that nobody chose, each place beside its definition.
+//! Compares packets of random values with the definition of each field.
 
 use crate::columns::{BEAM_ORIGIN_M, Columns, Encoder, OUSTER, VELODYNE};
 use lidar_packets::ouster::LidarProfile;
 
-/// A whole number of so many, as the definition has it.
-fn told(value: f32, most: f32) -> u32 {
+/// Returns the nearest whole number up to `most`, by its definition.
+fn rounded(value: f32, most: f32) -> u32 {
     if value.is_nan() { 0 } else { value.clamp(0.0, most).round_ties_even() as u32 }
 }
 
@@ -14,7 +14,7 @@ fn velodynes_places_tell_any_return() {
         let (lasers, returns) = (model.lasers(), mode.returns());
         let mut encoder = Encoder::velodyne(model, mode);
         let step_m = if lasers == 128 { 0.004_f32 } else { 0.002 };
-        // A packet of pairs of 128 lasers has an empty end.
+        // The end of a packet with dual returns of 128 lasers is empty.
         let firings = if lasers == 128 && returns == 2 { 128 } else { 384 / returns };
         let columns = Columns::any(60 * firings / lasers, lasers, returns);
         let mut packets = 0;
@@ -25,8 +25,8 @@ fn velodynes_places_tell_any_return() {
                 let place = |number: usize| {
                     let (range, intensity) = columns.echo(column, laser, number);
                     let steps = range / step_m;
-                    let distance = if steps <= 65_535.0 { told(steps, 65_535.0) } else { 0 };
-                    (distance, if distance == 0 { 0 } else { told(intensity, 255.0) })
+                    let distance = if steps <= 65_535.0 { rounded(steps, 65_535.0) } else { 0 };
+                    (distance, if distance == 0 { 0 } else { rounded(intensity, 255.0) })
                 };
                 for number in 0..returns {
                     let expected = if place(number).0 == 0 { place(0) } else { place(number) };
@@ -69,7 +69,7 @@ fn ousters_channels_tell_any_return() {
                     let (range, intensity) = columns.echo(first + column, laser, number);
                     let steps = (f64::from(range) + BEAM_ORIGIN_M) * 1000.0 / step_mm;
                     let steps = if steps > 0.0 { steps.round_ties_even() } else { 0.0 };
-                    let signal = if range.is_finite() { told(intensity, 65_535.0) } else { 0 };
+                    let signal = if range.is_finite() { rounded(intensity, 65_535.0) } else { 0 };
                     (if steps < f64::from(1 << bits) { steps as u32 } else { 0 }, signal)
                 };
                 let at = header
@@ -98,7 +98,7 @@ fn ousters_channels_tell_any_return() {
     }
 }
 
-/// CRC-64/XZ bit by bit: polynomial 0x42F0E1EBA9EA3693 reflected, all ones before and after.
+/// Computes CRC-64/XZ bit by bit: reflected polynomial 0x42F0E1EBA9EA3693, initial value and final mask all ones.
 fn crc_64_xz(bytes: &[u8]) -> u64 {
     let bit = |sum: u64| if sum & 1 == 1 { sum >> 1 ^ 0xC96C_5795_D787_0F42 } else { sum >> 1 };
     !bytes.iter().fold(u64::MAX, |sum, byte| (0..8).fold(sum ^ u64::from(*byte), |sum, _| bit(sum)))

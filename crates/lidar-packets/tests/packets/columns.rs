@@ -1,10 +1,10 @@
-//! Columns of values that nobody chose, and encoders of every layout, for the tests and the benchmark of their pace.
+//! Columns of random values, and encoders of all layouts, for the tests and the benchmark of their speed.
 
 use lidar_packets::ouster::{self, Device, Head, Identity, ImuProfile, LidarProfile, ProductLine};
 use lidar_packets::velodyne::{self, Model, ReturnMode};
 use lidar_packets::{Column, ColumnError};
 
-/// Every layout of a Velodyne's packets.
+/// All layouts of Velodyne's packets.
 pub(crate) const VELODYNE: [(Model, ReturnMode); 6] = [
     (Model::Vlp16, ReturnMode::Strongest),
     (Model::Vlp16, ReturnMode::Dual),
@@ -13,7 +13,7 @@ pub(crate) const VELODYNE: [(Model, ReturnMode); 6] = [
     (Model::Vls128, ReturnMode::Strongest),
     (Model::Vls128, ReturnMode::Dual),
 ];
-/// Every layout of an Ouster's packets, and the returns that it has.
+/// All layouts of Ouster's packets, each with its number of returns.
 pub(crate) const OUSTER: [(LidarProfile, usize); 4] = [
     (LidarProfile::Legacy, 1),
     (LidarProfile::Rng19Rfl8Sig16Nir16, 1),
@@ -21,10 +21,10 @@ pub(crate) const OUSTER: [(LidarProfile, usize); 4] = [
     (LidarProfile::Rng19Rfl8Sig16Nir16Dual, 2),
 ];
 
-/// Where the beams of an OS1 begin, in metres from the axis.
+/// The distance of the origins of an OS1's beams from the axis, in metres.
 pub(crate) const BEAM_ORIGIN_M: f64 = 0.015_806;
 
-/// An OS1 of so many beams, in the mode 1024x10.
+/// Returns an OS1 with this number of beams, in the mode 1024x10.
 pub(crate) fn os1(beams: usize, lidar_profile: LidarProfile) -> Device {
     Device {
         product_line: ProductLine::Os1,
@@ -53,7 +53,7 @@ impl Encoder {
         Self::Velodyne(Box::new(velodyne::Encoder::new(model, mode)))
     }
 
-    /// Of an OS1 with 128 beams.
+    /// Creates the encoder of an OS1 with 128 beams.
     pub(crate) fn ouster(profile: LidarProfile) -> Self {
         Self::Ouster(ouster::LidarEncoder::new(&os1(128, profile)).unwrap())
     }
@@ -66,12 +66,12 @@ impl Encoder {
     }
 }
 
-/// A generator of values: most within what a sensor measures, others negative, huge or no numbers.
+/// A generator of values. Most are in the range of a sensor; others are negative, huge or NaN.
 struct Values(u64);
 
 impl Values {
     fn next(&mut self) -> u64 {
-        // Knuth's MMIX; its upper bits are good.
+        // Knuth's MMIX generator; its upper bits are the good ones.
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         self.0 >> 33
     }
@@ -94,7 +94,7 @@ impl Values {
     }
 }
 
-/// Columns that fill packets.
+/// Consecutive columns with random values.
 pub(crate) struct Columns {
     columns: Vec<[Vec<f32>; 2]>,
     returns: usize,
@@ -118,7 +118,7 @@ impl Columns {
         Column { frame: 3, number, time_ns: 55_296 * number as u64, turned, ranges_m, intensities }
     }
 
-    /// Range and intensity of a return.
+    /// Returns range and intensity of a return.
     pub(crate) fn echo(&self, column: usize, laser: usize, number: usize) -> (f32, f32) {
         let [ranges, intensities] = &self.columns[column];
         let echo = laser * self.returns + number;

@@ -1,4 +1,4 @@
-//! Each byte at the place that the makers' documents give.
+//! Checks that each byte is at the place given in the makers' documents.
 
 use crate::columns::os1;
 use lidar_packets::ouster::{DeviceError, Identity, ImuEncoder, ImuProfile, LidarEncoder, LidarProfile};
@@ -7,7 +7,7 @@ use lidar_packets::{Column, ColumnError, pcap};
 
 const HOUR_NS: u64 = 3_600_000_000_000;
 
-/// Bytes at the places that the manual gives.
+/// The places are those in the manual.
 #[test]
 fn columns_become_velodynes_packets() {
     for (model, lasers, product) in [(Model::Vlp16, 16, 0x22), (Model::Hdl32e, 32, 0x21)] {
@@ -15,7 +15,7 @@ fn columns_become_velodynes_packets() {
         let mut packet = None;
         let columns = 384 / lasers;
         for column in 0..columns {
-            // No return, and one from farther than can be told.
+            // Laser 3 has no return, and the range of laser 5 is too large for the layout.
             let ranges: Vec<f32> = (0..lasers)
                 .map(|id| match id {
                     3 => f32::INFINITY,
@@ -56,7 +56,7 @@ fn columns_become_velodynes_packets() {
     }
 }
 
-/// Bytes at the places that Ouster's documents give.
+/// The places are those in Ouster's documents.
 #[test]
 fn columns_become_the_packets_of_ousters_profiles() {
     for (profile, length, header, column_header, channel) in [
@@ -119,7 +119,7 @@ fn columns_become_the_packets_of_ousters_profiles() {
     }
 }
 
-/// Bytes at the places that ouster-sdk reads them from.
+/// The places are those from which ouster-sdk reads.
 #[test]
 fn readings_become_the_packets_of_an_ousters_inertial_unit() {
     let force = |number: u64| [1.0, 2.0, 9.806_65].map(|value| value + number as f64);
@@ -127,7 +127,7 @@ fn readings_become_the_packets_of_an_ousters_inertial_unit() {
     let stamp = |number: u64| 1_000_000_007 + 1_562_500 * number;
     for (profile, length, samples) in [(ImuProfile::Legacy, 48, 1), (ImuProfile::Accel32Gyro32Nmea, 452, 8)] {
         let mut encoder = ImuEncoder::new(profile, Identity { serial: 0xFF_0000_0001, initialization: 2 });
-        // A restart discards samples, and their number.
+        // A restart discards samples and resets their number.
         encoder.push(0, force(0), turn(0));
         encoder.restart();
         for number in 0..72 {
@@ -193,7 +193,7 @@ fn what_does_not_fit_is_an_error_and_changes_nothing() {
         let error = ouster.push(&wrong).unwrap_err().to_string();
         assert_eq!(error, format!("a column has the number {number}, and a frame only 1024 columns"));
     }
-    // Values of any size are no error, as the last numbers of a frame are not.
+    // A Velodyne's columns may have any number, and an Ouster's the last numbers of a frame.
     let full = (0..12).find_map(|_| velodyne.push(&column(usize::MAX, &values, &values)).unwrap().copied());
     assert_eq!(full.unwrap()[1204..], [0x39, 0x22]);
     let full =
@@ -225,7 +225,7 @@ fn files_have_headers_that_decoders_read() {
     assert_eq!(bytes[..4], 0xA1B2_C3D4_u32.to_le_bytes());
     let u32_at = |at: usize| u32::from_le_bytes(bytes[at..at + 4].try_into().unwrap());
     assert_eq!([24, 28, 32, 36].map(u32_at), [3, 1, 1248, 1248]);
-    // Ethernet's type is IPv4; the sum of the words of IPv4's header is all ones, as RFC 791 has it.
+    // Ethernet's type is IPv4. The sum of the words of IPv4's header is all ones, as RFC 791 requires.
     assert_eq!(bytes[52..54], [8, 0]);
     let words = bytes[54..74].chunks(2).map(|word| u32::from(word[0]) << 8 | u32::from(word[1]));
     let sum = words.sum::<u32>();

@@ -1,4 +1,4 @@
-//! Packets of every layout, byte by byte.
+//! Tests packets of all layouts byte by byte.
 
 mod any_input;
 mod columns;

@@ -16,7 +16,7 @@ const TILE: usize = 8;
 
 pub(super) struct OusterCloud {
     head: Head,
-    /// How far each row is shifted to the right.
+    /// The number of columns by which each row is shifted to the right.
     shifts: Vec<usize>,
 }
 

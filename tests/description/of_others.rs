@@ -48,7 +48,7 @@ fn a_model_around_a_missing_one_is_left_out_with_it() {
         "<sdf version='1.6'><model name='b'><include><uri>model://nobodys_shelf</uri></include></model></sdf>",
     );
     let (model, problems) = described(&folder, "b.sdf", skip_missing());
-    assert!(model.is_none() && problems[1].to_string().contains("error: nothing is left of the model 'b'"));
+    assert!(model.is_none() && problems[1].to_string().contains("error: the model 'b' has no parts left"));
 }
 
 /// A model in a folder of models, wherever that is, names its files by its own folder.

@@ -131,11 +131,11 @@ fn errors_that_gazebo_tolerates_are_warnings() {
         link(&visual, words).visuals.remove(0).geometry
     };
     assert!(matches!(
-        shape("<box/>", "<box> has no <size>: it is 1 1 1"),
+        shape("<box/>", "<box> has no <size>: 1 1 1 is assumed"),
         Geometry::Box { size: DVec3::ONE }
     ));
     assert!(matches!(
-        shape("<sphere/>", "<sphere> has no <radius>: it is 1"),
+        shape("<sphere/>", "<sphere> has no <radius>: 1 is assumed"),
         Geometry::Sphere { radius: 1.0 }
     ));
     let geometry = "<geometry><box><size>1 1 1</size></box></geometry>";

@@ -527,7 +527,7 @@ fn sensors_without_a_topic_publish_under_gz_sims_names() {
         ]
     );
     let [problem] = &problems[..] else { panic!("{problems:?}") };
-    assert!(problem.to_string().contains("warning: sensor 's' has the name of another one"), "{problem}");
+    assert!(problem.to_string().contains("sensor 's' has the same name as another one"), "{problem}");
 }
 
 #[test]

@@ -70,7 +70,7 @@ fn a_lens_fits_its_angle_of_view_into_the_picture() {
     assert_eq!((camera.lens.intrinsics, camera.lens.has_own_focal_length), (expected, true));
     let expected = LensProjection { fx: 290.0, fy: 301.0, cx: 320.5, cy: 240.5, tx: -30.0, ty: 0.0 };
     assert_eq!(camera.lens.projection, Some(expected));
-    // A pinhole's angle of view follows.
+    // A pinhole's angle of view follows from it.
     let camera = lens_of("camera", "<lens><intrinsics><fx>320</fx></intrinsics></lens>");
     assert!((camera.horizontal_fov_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     assert_eq!((camera.lens.intrinsics.fy, camera.lens.intrinsics.cx), (320.0, 319.5));

@@ -383,7 +383,7 @@ fn check_counts_tags_and_reports_ignored_lights_and_numbers() {
         assert!(said.contains(light), "{said}");
     }
     assert!(robot("tag36h11", 587).contains("<id> of a <fiducial> is 587, and tag36h11 has 587 tags"));
-    assert!(robot("tag99h1", 0).contains("'tag99h1', which is none of AprilTag's; these are: tag16h5,"));
+    assert!(robot("tag99h1", 0).contains("'tag99h1', which is not one of AprilTag's; these are: tag16h5,"));
     assert!(!robot("aruco", 9999).contains("fiducial>"));
     let model = |pose: &str| {
         let text =

@@ -19,7 +19,7 @@ pub(super) fn fiducials(visual: &Element, diagnostics: &mut Diagnostics) -> Vec<
 fn fiducial(element: &Element, diagnostics: &mut Diagnostics) -> Option<Fiducial> {
     for child in element.elements().filter(|child| !CHILDREN.contains(&child.name.as_str())) {
         let what = format!("<{}> of a <fiducial> is left out", child.name);
-        let remedy = format!("take it out: a fiducial has {}", CHILDREN.join(", "));
+        let remedy = format!("remove it: a fiducial has {}", CHILDREN.join(", "));
         diagnostics.warning(&child.source, what, remedy);
     }
     let mut missing = |name: &str, remedy: &str| {

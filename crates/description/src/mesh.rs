@@ -158,7 +158,7 @@ fn select(
         diagnostics.error(
             source,
             format!("the mesh {} has no part '{}'", path.display(), submesh.name),
-            meant.unwrap_or_else(|| "correct <submesh>, or take it out for the whole mesh".into()),
+            meant.unwrap_or_else(|| "correct <submesh>, or remove it for the whole mesh".into()),
         );
         return None;
     }

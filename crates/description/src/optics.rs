@@ -14,7 +14,7 @@ pub(super) fn optics(element: &Element, diagnostics: &mut Diagnostics) -> Option
     let optics = element.child("optics")?;
     for child in optics.elements().filter(|child| !CHILDREN.contains(&child.name.as_str())) {
         let what = format!("<{}> of an <optics> is left out", child.name);
-        let remedy = format!("take it out: an optics has {}", CHILDREN.join(", "));
+        let remedy = format!("remove it: an optics has {}", CHILDREN.join(", "));
         diagnostics.warning(&child.source, what, remedy);
     }
     let shares = CHILDREN.map(|name| child_number(optics, name, diagnostics).unwrap_or(0.0));

@@ -76,7 +76,7 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
             _ => {
                 diagnostics.warning(
                     &element.source,
-                    format!("the plugin '{file}' of model '{}' is not simulated and left out", model.name),
+                    format!("the plugin '{file}' of model '{}' is not simulated and is left out", model.name),
                     format!("these are: {SUPPORTED}"),
                 );
                 continue;

@@ -340,8 +340,8 @@ impl<'a> Parameters<'a> {
         for child in self.plugin.elements() {
             let name = child.name.as_str();
             if !OF_NO_EFFECT.contains(&name) && !asked.iter().any(|asked| asked == name) {
-                let what = format!("<{name}> of plugin '{}' is not simulated and left out", self.name());
-                self.diagnostics.warning(&child.source, what, "take it out, or correct its name");
+                let what = format!("<{name}> of plugin '{}' is not simulated and is left out", self.name());
+                self.diagnostics.warning(&child.source, what, "remove it, or correct its name");
             }
         }
     }

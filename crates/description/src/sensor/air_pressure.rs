@@ -33,7 +33,7 @@ impl Reader<'_> {
         let pressure = self.quantity(element, "pressure");
         if let Some(element) = element {
             let names = ["reference_altitude", "pressure"];
-            let remedy = "take it out: an air_pressure has reference_altitude, pressure";
+            let remedy = "remove it: an air_pressure has reference_altitude, pressure";
             self.left_out(element, |name| names.contains(&name), remedy);
         }
         let plugin = self.instrument_plugin(sensor, &KIND);

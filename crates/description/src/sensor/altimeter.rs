@@ -32,7 +32,7 @@ impl Reader<'_> {
         let names = ["vertical_position", "vertical_velocity"];
         let [position, velocity] = names.map(|name| self.quantity(element, name));
         if let Some(element) = element {
-            let remedy = format!("take it out: an altimeter has {}", names.join(", "));
+            let remedy = format!("remove it: an altimeter has {}", names.join(", "));
             self.left_out(element, |name| names.contains(&name), &remedy);
         }
         let plugin = self.instrument_plugin(sensor, &KIND);

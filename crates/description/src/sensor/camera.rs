@@ -40,7 +40,7 @@ impl Reader<'_> {
         let is_wide_angle = sensor.attribute("type").is_some_and(|kind| kind.starts_with("wide"));
         let own = extension(sensor);
         if let Some(own) = own {
-            let remedy = "take it out: the plugin of belvedere in a camera has preset";
+            let remedy = "remove it: the plugin of belvedere in a camera has preset";
             self.left_out(own, |name| name == "preset", remedy);
         }
         let camera = self.camera(sensor, FAR_M, is_wide_angle, own)?;
@@ -91,7 +91,7 @@ impl Reader<'_> {
                 self.what("anti_aliasing")
             );
             let remedy =
-                "take it out, or write <readout_time_s>0</readout_time_s> and no <motion_blur_samples>";
+                "remove it, or write <readout_time_s>0</readout_time_s> and no <motion_blur_samples>";
             self.diagnostics.warning(Self::place(image, "anti_aliasing", sensor), what, remedy);
         }
         let (near_m, far_m) = distances?;
@@ -171,12 +171,12 @@ impl Reader<'_> {
                 "topic" | "frame_id" | "gz_frame_id" | "ignition_frame_id" if is_gz => continue,
                 "camera" | "pose" | "update_rate" | "always_on" | "visualize" | "plugin" => continue,
                 "enable_metrics" if matches!(child.text().as_str(), "false" | "0") => continue,
-                "enable_metrics" => "take it out, and measure with `belvedere hz`",
+                "enable_metrics" => "remove it, and measure with `belvedere hz`",
                 "topic" => "write <imageTopicName> in the plugin",
                 "frame_id" | "gz_frame_id" | "ignition_frame_id" => "write <frameName> in the plugin",
-                _ => "take it out: a camera sensor has pose, update_rate, always_on, camera and plugin",
+                _ => "remove it: a camera sensor has pose, update_rate, always_on, camera and plugin",
             };
-            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            let what = format!("{} is not simulated and is left out", self.what(&child.name));
             self.diagnostics.warning(&child.source, what, remedy);
         }
     }
@@ -189,31 +189,31 @@ impl Reader<'_> {
             let remedy = match child.name.as_str() {
                 "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" | "device" => continue,
                 "save" => match child.attribute("enabled").unwrap_or_default() {
-                    "true" | "1" => "take it out, and keep pictures with `belvedere snapshot`",
+                    "true" | "1" => "remove it, and keep pictures with `belvedere snapshot`",
                     _ => continue,
                 },
                 "camera_info_topic" | "optical_frame_id" if is_gz => continue,
                 "triggered" if text == "false" || text == "0" => continue,
                 "visibility_mask" if text == "4294967295" => continue,
                 "pose" if text.split_whitespace().all(|number| number.parse() == Ok(0.0)) => continue,
-                "triggered" | "trigger_topic" => "take it out: pictures are sent at <update_rate>",
-                "visibility_mask" => "take it out: a camera sees every visual",
+                "triggered" | "trigger_topic" => "remove it: pictures are sent at <update_rate>",
+                "visibility_mask" => "remove it: a camera sees every visual",
                 "pose" => "write it in <sensor>, where it applies to all that the sensor measures",
                 "depth_camera" => "write <clip> in <camera>, and the limits of the depth in the plugin",
                 "camera_info_topic" => "write <cameraInfoTopicName> in the plugin",
                 "optical_frame_id" => "write <frameName> in the plugin",
                 _ => {
-                    "take it out: a camera has horizontal_fov, image, clip, noise, distortion, lens and device"
+                    "remove it: a camera has horizontal_fov, image, clip, noise, distortion, lens and device"
                 }
             };
-            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            let what = format!("{} is not simulated and is left out", self.what(&child.name));
             self.diagnostics.warning(&child.source, what, remedy);
         }
         let parts: [(&str, &[&str]); 2] =
             [("image", &["width", "height", "format", "anti_aliasing"]), ("clip", &["near", "far"])];
         for (name, read) in parts {
             if let Some(part) = camera.child(name) {
-                let remedy = format!("take it out: <{name}> has {}", read.join(", "));
+                let remedy = format!("remove it: <{name}> has {}", read.join(", "));
                 self.left_out(part, |name| read.contains(&name), &remedy);
             }
         }

@@ -41,7 +41,7 @@ impl Reader<'_> {
         let camera_name = child_text(plugin, "camera_name").unwrap_or_else(|| self.sensor.clone());
         let read =
             ["ros", "camera_name", "frame_name", "hack_baseline", "min_depth", "max_depth", "border_crop"];
-        self.left_out(plugin, |name| read.contains(&name) || READ_BY_NOBODY.contains(&name), "take it out");
+        self.left_out(plugin, |name| read.contains(&name) || READ_BY_NOBODY.contains(&name), "remove it");
         Some(CameraPlugin {
             image_topic: ros2_topic(plugin, &camera_name, "image_raw"),
             camera_info_topic: ros2_topic(plugin, &camera_name, "camera_info"),
@@ -98,7 +98,7 @@ impl Reader<'_> {
                 "replace those in <distortion> of the <camera>, in camera_info and in the picture",
                 "write the same numbers in both: with --gazebo-compat the picture has those of <distortion>",
             ),
-            _ => ("are left out: camera_info has the parameters of the <lens>", "take them out"),
+            _ => ("are left out: camera_info has the parameters of the <lens>", "remove them"),
         };
         let place = plugin.elements().find(|child| child.name.starts_with("distortion")).unwrap_or(plugin);
         let what = format!("the distortion coefficients in the plugin of sensor '{}' {what}", self.sensor);
@@ -125,9 +125,9 @@ impl Reader<'_> {
                     Some(false) | None => continue,
                 },
                 "triggerTopicName" => {
-                    ("not simulated and left out", "take it out: pictures are sent at <updateRate>")
+                    ("not simulated and is left out", "remove it: pictures are sent at <updateRate>")
                 }
-                _ => ("not simulated and left out", "take it out, or correct its name"),
+                _ => ("not simulated and is left out", "remove it, or correct its name"),
             };
             let what = format!("{} is {why}", self.what(name));
             self.diagnostics.warning(&child.source, what, remedy);

@@ -76,7 +76,7 @@ impl Reader<'_> {
                 self.left_out(
                     own,
                     |name| ["preset", "projector"].contains(&name),
-                    "take it out: the plugin of belvedere has preset and projector",
+                    "remove it: the plugin of belvedere has preset and projector",
                 );
                 Some(self.preset_name(own, &presets::NAMES)?)
             }
@@ -117,7 +117,7 @@ impl Reader<'_> {
         self.diagnostics.error(
             Self::place(Some(own), "projector", own),
             format!("{} is off, and a {} measures by its light", self.what("projector"), preset.name),
-            format!("take it out, or choose one of {}", others.collect::<Vec<_>>().join(", ")),
+            format!("remove it, or choose one of {}", others.collect::<Vec<_>>().join(", ")),
         );
         None
     }

@@ -67,7 +67,7 @@ impl Reader<'_> {
         };
         if let (Some(own), Some(second)) = (own, element.child("preset")) {
             let what = format!("the camera of sensor '{}' has two presets", self.sensor);
-            let remedy = format!("take this one or that of the plugin 'belvedere' out ({})", own.source);
+            let remedy = format!("remove this one or that of the plugin 'belvedere' ({})", own.source);
             self.diagnostics.error(&second.source, what, remedy);
             return None;
         }
@@ -77,7 +77,7 @@ impl Reader<'_> {
         }
         config.bits = self.count(Some(element), "bits", config.bits, 16)?;
         let names = || NUMBERS.iter().map(|(name, _)| *name).chain(OTHERS);
-        let remedy = format!("take it out: a device has {}", names().collect::<Vec<_>>().join(", "));
+        let remedy = format!("remove it: a device has {}", names().collect::<Vec<_>>().join(", "));
         self.left_out(element, |name| names().any(|known| known == name), &remedy);
         if let Err(error) = config.check() {
             self.refuse(element, &error, [0.0; 2]);
@@ -99,7 +99,7 @@ impl Reader<'_> {
                 self.what("motion_blur_samples"),
                 device.longest_exposure_s()
             );
-            let remedy = format!("write times of exposure of {LONGEST_WINDOW_S} s at most, or take it out");
+            let remedy = format!("write times of exposure of {LONGEST_WINDOW_S} s at most, or remove it");
             self.diagnostics.error(Self::place(Some(element), "motion_blur_samples", element), what, remedy);
             return None;
         }
@@ -121,7 +121,7 @@ impl Reader<'_> {
     ) -> Option<AutoExposed> {
         let described = AutoExposureConfig::default();
         let [shortest, longest] = described.time_range_s;
-        let remedy = format!("take it out: an auto_exposure has {}", AUTOMATIC.join(", "));
+        let remedy = format!("remove it: an auto_exposure has {}", AUTOMATIC.join(", "));
         self.left_out(element, |name| AUTOMATIC.contains(&name), &remedy);
         let mut number = |name, default| self.number(Some(element), name, default);
         let target = number("target", described.target);

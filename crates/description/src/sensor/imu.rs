@@ -101,7 +101,7 @@ impl Reader<'_> {
             "topic",
         ];
         if let Some(imu) = imu {
-            let remedy = format!("take it out: an <imu> has {}", read[..4].join(", "));
+            let remedy = format!("remove it: an <imu> has {}", read[..4].join(", "));
             self.left_out(imu, |name| read.contains(&name), &remedy);
         }
         let gyro = self.triad(imu, "angular_velocity", "rate");
@@ -190,7 +190,7 @@ impl Reader<'_> {
     }
 
     fn imu_plugin(&mut self, plugin: &Element, unit: &mut Imu) -> Option<InstrumentPlugin> {
-        self.left_out(plugin, |name| PARAMETERS.contains(&name), "take it out, or correct its name");
+        self.left_out(plugin, |name| PARAMETERS.contains(&name), "remove it, or correct its name");
         let names = ["initialOrientationAsReference", "initial_orientation_as_reference"];
         let starts = names.map(|name| child_bool(plugin, name, self.diagnostics).unwrap_or(false));
         if unit.reference.is_some() && !starts.contains(&true) {
@@ -243,7 +243,7 @@ impl Reader<'_> {
             .flat_map(|triad| FIGURES.iter().map(move |figure| format!("{triad}_{figure}")))
             .collect();
         let others = ["preset", "udp_profile_imu"];
-        let remedy = format!("take it out: there are {}, {}", others.join(", "), words.join(", "));
+        let remedy = format!("remove it: there are {}, {}", others.join(", "), words.join(", "));
         self.left_out(own, |name| others.contains(&name) || words.iter().any(|word| word == name), &remedy);
         if own.child("preset").is_some() {
             config = presets::named(self.preset_name(own, &presets::NAMES)?)?.config();

@@ -40,7 +40,7 @@ impl Reader<'_> {
             let remedy = if is_ouster {
                 format!("there are {names}")
             } else {
-                "take it out: Ouster's have one".into()
+                "remove it: only Ouster's sensors have one".into()
             };
             self.diagnostics.error(Self::place(Some(own), "udp_profile_imu", own), what, remedy);
             return None;

@@ -23,7 +23,7 @@ impl Reader<'_> {
     pub(super) fn instrument_plugin(&mut self, sensor: &Element, kind: &Kind) -> Option<InstrumentPlugin> {
         if let Some(plugin) = self.plugin(sensor, kind) {
             let read = ["ros", "frame_name", "alwaysOn", "updateRate"];
-            self.left_out(plugin, |name| read.contains(&name), "take it out, or correct its name");
+            self.left_out(plugin, |name| read.contains(&name), "remove it, or correct its name");
             return Some(ros2_names(plugin));
         }
         gz_topic(sensor).map(|topic| InstrumentPlugin { topic, frame_name: frame_name(sensor) })

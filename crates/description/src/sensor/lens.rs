@@ -61,7 +61,7 @@ impl Reader<'_> {
             let kind = lens_type(element, &model);
             let what =
                 format!("<distortion> of sensor '{}' is left out beside a lens of type {kind}", self.sensor);
-            self.diagnostics.warning(&distortion.source, what, "take one of them out");
+            self.diagnostics.warning(&distortion.source, what, "remove one of them");
             (coefficients, center) = (Vec::new(), None);
         }
         let is_distorted = coefficients.iter().any(|&value| value != 0.0);
@@ -75,7 +75,7 @@ impl Reader<'_> {
                 self.diagnostics.error(
                     &distortion.source,
                     what,
-                    "take one of them out, or write <type>gnomonical</type>",
+                    "remove one of them, or write <type>gnomonical</type>",
                 );
                 return None;
             }
@@ -119,7 +119,7 @@ impl Reader<'_> {
                 self.diagnostics.warning(
                     place,
                     format!("{} is left out: <intrinsics> gives a principal point", self.what("center")),
-                    "take it out",
+                    "remove it",
                 );
             } else {
                 resolved.cx = x * f64::from(picture.width) - 0.5;
@@ -136,7 +136,7 @@ impl Reader<'_> {
                 self.what("horizontal_fov"),
                 resolved.fx
             );
-            self.diagnostics.warning(&element.source, what, "take one of them out");
+            self.diagnostics.warning(&element.source, what, "remove one of them");
         }
         if let (LensModel::WideAngle { .. }, Some(intrinsics)) = (&model, intrinsics) {
             self.diagnostics.warning(
@@ -190,7 +190,7 @@ impl Reader<'_> {
             })
             .collect();
         if let Some(distortion) = distortion {
-            self.left_out(distortion, |name| name == "center" || COEFFICIENTS.contains(&name), "take it out");
+            self.left_out(distortion, |name| name == "center" || COEFFICIENTS.contains(&name), "remove it");
         }
         values.into_iter().collect()
     }
@@ -247,7 +247,7 @@ impl Reader<'_> {
             }
             if let Some(size) = lens.child("env_texture_size") {
                 let what = format!("{} is not needed: each pixel is traced", self.what("env_texture_size"));
-                self.diagnostics.warning(&size.source, what, "take it out");
+                self.diagnostics.warning(&size.source, what, "remove it");
             }
         }
         let mut number = |name| self.number(lens, name, 0.0);

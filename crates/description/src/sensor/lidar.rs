@@ -89,7 +89,7 @@ impl Reader<'_> {
         let names = || {
             ["preset", "columns", "udp_profile_lidar", "udp_profile_imu"].into_iter().chain(physics::NAMES)
         };
-        let remedy = format!("take it out: a lidar has {}", names().collect::<Vec<_>>().join(", "));
+        let remedy = format!("remove it: a lidar has {}", names().collect::<Vec<_>>().join(", "));
         self.left_out(own, |name| names().any(|known| known == name), &remedy);
         if child_text(own, "preset").is_none() {
             return Some(None);

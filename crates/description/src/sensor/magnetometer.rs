@@ -41,7 +41,7 @@ impl Reader<'_> {
         let names = ["x", "y", "z"];
         let [x, y, z] = names.map(|name| self.noise_in(element, name));
         if let Some(element) = element {
-            self.left_out(element, |name| names.contains(&name), "take it out: a magnetometer has x, y, z");
+            self.left_out(element, |name| names.contains(&name), "remove it: a magnetometer has x, y, z");
         }
         let plugin = self.instrument_plugin(sensor, &KIND);
         Some(Magnetometer { axes: instrument([x?, y?, z?]), field: None, plugin })

@@ -43,7 +43,7 @@ impl Reader<'_> {
             Some(instrument([horizontal, horizontal, vertical]))
         });
         if let Some(receiver) = receiver {
-            let remedy = format!("take it out: a receiver has {}", PARTS.join(", "));
+            let remedy = format!("remove it: a receiver has {}", PARTS.join(", "));
             self.left_out(receiver, |name| PARTS.contains(&name), &remedy);
         }
         let plugin = self.instrument_plugin(sensor, &KIND);

@@ -51,7 +51,7 @@ impl Reader<'_> {
             name.starts_with("dynamic_bias_") && value == Some(0.0)
         };
         let read = [&READ[..], besides].concat();
-        let remedy = format!("take it out: a noise has {}", read.join(", "));
+        let remedy = format!("remove it: a noise has {}", read.join(", "));
         self.left_out(element, |name| read.contains(&name) || is_nothing(name), &remedy);
         let element = Some(element);
         let mean = self.number(element, "mean", 0.0);

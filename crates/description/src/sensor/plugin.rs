@@ -54,7 +54,10 @@ impl Reader<'_> {
                 let plugins: Vec<String> = names.iter().map(|name| format!("lib{name}.so")).collect();
                 self.diagnostics.warning(
                     &element.source,
-                    format!("the plugin '{file}' of sensor '{}' is not simulated and left out", self.sensor),
+                    format!(
+                        "the plugin '{file}' of sensor '{}' is not simulated and is left out",
+                        self.sensor
+                    ),
                     format!("{near}these are: {}", plugins.join(", ")),
                 );
             }

@@ -109,7 +109,7 @@ impl Reader<'_> {
     /// Adds a warning for each child of an element that is not read.
     pub(super) fn left_out(&mut self, parent: &Element, is_read: impl Fn(&str) -> bool, remedy: &str) {
         for child in parent.elements().filter(|child| !is_read(&child.name)) {
-            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            let what = format!("{} is not simulated and is left out", self.what(&child.name));
             self.diagnostics.warning(&child.source, what, remedy);
         }
     }

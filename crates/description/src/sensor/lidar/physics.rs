@@ -110,7 +110,7 @@ impl Reader<'_> {
             self.diagnostics.error(
                 Self::place(own, "returns", sensor),
                 what,
-                "write <returns>dual</returns>, or take it out",
+                "write <returns>dual</returns>, or remove it",
             );
             return None;
         }
@@ -253,7 +253,7 @@ impl Reader<'_> {
     }
 
     fn weather(&mut self, own: Option<&Element>) -> Option<Weather> {
-        let fog = format!("write {DENSEST_M} or more, in metres; without fog, take it out");
+        let fog = format!("write {DENSEST_M} or more, in metres; without fog, remove it");
         let visibility = Weather::CLEAR.visibility_m;
         let visibility = self.checked(own, "fog_visibility", visibility, |metres| metres >= DENSEST_M, &fog);
         let mut rate = |name, most: f64| {

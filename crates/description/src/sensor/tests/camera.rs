@@ -37,7 +37,7 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         (
             "camera",
             "<lens><env_texture_size>512</env_texture_size></lens>",
-            "each pixel is traced; take it out",
+            "each pixel is traced; remove it",
         ),
         (
             "camera",
@@ -85,7 +85,7 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
     for (inside, expected) in [
         (
             "<topic>t</topic><plugin name='p' filename='F'/>",
-            "<topic> of sensor 'c' is not simulated and left out; write <imageTopicName>",
+            "<topic> of sensor 'c' is not simulated and is left out; write <imageTopicName>",
         ),
         ("<enable_metrics>true</enable_metrics>", "measure with `belvedere hz`"),
         ("<ray/>", "<ray> of sensor 'c' is not simulated"),

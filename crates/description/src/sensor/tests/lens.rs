@@ -149,7 +149,7 @@ fn a_wrong_lens_gives_one_error_with_its_line() {
         ),
         (
             "<distortion><k1>1</k1></distortion><lens><type>kannala_brandt</type></lens>",
-            "has a <distortion>, which is a pinhole's, and a lens of type kannala_brandt; take one",
+            "has a <distortion>, which is a pinhole's, and a lens of type kannala_brandt; remove one",
         ),
         // It folds back at 1.15 rad.
         (

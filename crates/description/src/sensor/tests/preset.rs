@@ -68,7 +68,7 @@ fn what_is_wrong_with_a_preset_is_said() {
     let none = problem("");
     assert!(none.contains("the plugin 'belvedere' of sensor 's' has no <preset>"), "{none}");
     let beside = problem("<preset>d435</preset><noise>1</noise>");
-    assert!(beside.contains("<noise> of sensor 's' is not simulated and left out"), "{beside}");
+    assert!(beside.contains("<noise> of sensor 's' is not simulated and is left out"), "{beside}");
     let kinect = KINECT.replace("</plugin>", "<pointCloudCutoffMax>0.6</pointCloudCutoffMax></plugin>");
     let (sensor, problems) =
         depth("s", &format!("{kinect}{}", ours("<preset>kinect_v1</preset>")), Rules::default());

@@ -353,7 +353,7 @@ fn errors_of_a_plan_name_their_line() {
         (
             r#""flow_back""#,
             r#""flow_forward""#,
-            "plan.toml:10: error: flow_forward is known only after the next frame; ask for flow_back",
+            "plan.toml:10: error: flow_forward is known only after the next frame; use flow_back",
         ),
         (r#"name = "kinect""#, r#"name = "rgb""#, "plan.toml:14: error: two sensors are called 'rgb'"),
         (r#"name = "kinect""#, r#"name = "a.b""#, "plan.toml:14: error: the sensor's name 'a.b'"),

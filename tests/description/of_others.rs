@@ -171,7 +171,7 @@ fn lights_wider_than_half_a_turn_and_without_direction() {
     let light = |kind: &str, inside: &str| format!("<light name='l' type='{kind}'>{inside}</light>");
     let spot = "<spot><inner_angle>4</inner_angle><outer_angle>9</outer_angle><falloff>1</falloff></spot>";
     let (world, problems) = Folder::new().load("1.6", &light("spot", spot), false);
-    warnings(&problems, &["<outer_angle> is 9: the cone is all that lies before the light"]);
+    warnings(&problems, &["<outer_angle> is 9: the cone is a half space"]);
     let pi = std::f64::consts::PI;
     let kind = LightKind::Spot { inner_angle: pi, outer_angle: pi, falloff: 1.0 };
     assert_eq!(world.unwrap().lights[0].kind, kind);

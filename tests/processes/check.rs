@@ -350,7 +350,7 @@ fn check_reports_the_settings_of_sensors() {
     let (said, _) = checked(&file, &["--gazebo-compat", "--world", "empty"]);
     assert!(line(&said, "lens ").contains("= -0.2"), "{said}");
     assert!(line(&said, "camera_info ").contains("= -0.1,"), "{said}");
-    assert!(said.contains("are those of camera_info, while the picture has those in <distortion>"), "{said}");
+    assert!(said.contains("apply to camera_info only: the picture has those in <distortion>"), "{said}");
     // A device has its own noise.
     let said = of("camera", &own("<preset>webcam</preset>"));
     assert!(line(&said, "device ").contains("read noise") && !said.contains("noise        none"), "{said}");

@@ -82,7 +82,7 @@ pub(super) fn report(model: &Model, gazebo_compat: bool, diagnostics: &mut Diagn
                     format!("{what}: the sensor sees it beyond the least range, as in Gazebo"),
                     "let the shape end at the sensor, or leave --gazebo-compat out",
                 ),
-                _ if is_rigid => diagnostics.note(&sensor.source, format!("{what}: it looks through it"), ""),
+                _ if is_rigid => diagnostics.note(&sensor.source, format!("{what} and looks through it"), ""),
                 _ => diagnostics.warning(
                     &sensor.source,
                     format!("{what}, which a joint moves: the sensor sees nothing else"),

@@ -123,7 +123,7 @@ fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnos
         _ => {
             diagnostics.error(
                 source,
-                format!("the mesh {} is of a kind that is not read", path.display()),
+                format!("the mesh {} has an unsupported format", path.display()),
                 format!("convert it to one of {MESH_FORMATS}"),
             );
             return None;

@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// The result: a world or a model.
 #[derive(Debug, Clone)]
-#[allow(clippy::large_enum_variant, reason = "one a program: nobody stores many")]
+#[allow(clippy::large_enum_variant, reason = "one per program: no collection stores many")]
 pub enum Described {
     /// The `<world>` of an SDF file.
     World(World),

@@ -75,7 +75,7 @@ impl Loader<'_> {
             "mesh" => return self.mesh(shape, scope).map(Shape::Mesh),
             "empty" => return None,
             _ => {
-                self.ignored(shape, "this shape is not read; use a mesh");
+                self.ignored(shape, "this shape is unsupported; use a mesh");
                 return None;
             }
         };
@@ -172,7 +172,7 @@ impl Loader<'_> {
                     .to_owned(),
             ),
             Resolved::UnknownScheme(scheme) => (
-                format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is not read"),
+                format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is unsupported"),
                 match what {
                     "mesh" => format!("download it and name the file (meshes: {MESH_FORMATS})"),
                     _ => "download it and name the file".to_owned(),

@@ -98,7 +98,7 @@ impl Loader<'_> {
         if outer_angle > PI {
             self.diagnostics.warning(
                 &spot.source,
-                format!("<outer_angle> is {outer_angle}: the cone is all that lies before the light"),
+                format!("<outer_angle> is {outer_angle}: the cone is a half space"),
                 "write the full angle in radians, up to 3.1416",
             );
             (inner_angle, outer_angle) = (inner_angle.min(PI), PI);

@@ -90,8 +90,8 @@ impl Loader<'_> {
                     if !is_static {
                         self.diagnostics.warning(
                             &child.source,
-                            "this light stays where it is at the start",
-                            "lights move with a link only in a later version",
+                            "this light does not move with its link",
+                            "put the light into the world, or make the model <static>",
                         );
                     }
                     parts.lights.extend(self.light(child, model_from_light));

@@ -143,7 +143,7 @@ impl Loader<'_> {
         }
         self.missing_picture(
             &element.source,
-            &format!("the texture {} is of a kind that is not read", path.display()),
+            &format!("the texture {} has an unsupported format", path.display()),
             format!("convert it to one of {}", PICTURES.join(", ")),
         );
         None

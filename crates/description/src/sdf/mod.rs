@@ -250,7 +250,7 @@ impl Loader<'_> {
 
     /// Like `missing`, but for images: always a warning, because the surface itself is still there.
     fn missing_picture(&mut self, source: &Source, what: &str, remedy: impl Into<String>) {
-        self.diagnostics.warning(source, format!("{what}; the surface is drawn in its colour alone"), remedy);
+        self.diagnostics.warning(source, format!("{what}; the surface is drawn without it"), remedy);
     }
 
     /// Adds a warning for an element that is ignored although the user may expect an effect.

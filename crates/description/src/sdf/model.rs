@@ -310,7 +310,7 @@ impl Loader<'_> {
             Resolved::UnknownScheme(scheme) => {
                 self.missing(
                     &element.source,
-                    format!("'{uri}' cannot be fetched: '{scheme}://' is not read"),
+                    format!("'{uri}' cannot be fetched: '{scheme}://' is unsupported"),
                     "download it with `gz fuel download -u`, or put its folder into GAZEBO_MODEL_PATH; write model://NAME otherwise",
                 );
                 return None;

@@ -91,7 +91,7 @@ impl Reader<'_> {
             LensModel::Pinhole => return,
             LensModel::BrownConrady { coefficients } if *coefficients == [k1, k2, t1, t2, k3] => return,
             LensModel::BrownConrady { .. } if self.rules.gazebo_compat => (
-                "are those of camera_info, while the picture has those in <distortion> of the <camera>, as in Gazebo",
+                "apply to camera_info only: the picture has those in <distortion> of the <camera>, as in Gazebo",
                 "write the same numbers in both",
             ),
             LensModel::BrownConrady { .. } => (

@@ -116,7 +116,7 @@ impl Reader<'_> {
         let others = presets::ALL.iter().filter(|preset| measures_without(preset)).map(|preset| preset.name);
         self.diagnostics.error(
             Self::place(Some(own), "projector", own),
-            format!("{} is off, and a {} measures by its light", self.what("projector"), preset.name),
+            format!("{} is off, but a {} measures with its light", self.what("projector"), preset.name),
             format!("remove it, or choose one of {}", others.collect::<Vec<_>>().join(", ")),
         );
         None

@@ -219,7 +219,7 @@ impl Reader<'_> {
             self.diagnostics.warning(
                 &plugin.source,
                 format!(
-                    "the plugin of sensor '{}' has no <frameName>: the sensor's link is named",
+                    "the plugin of sensor '{}' has no <frameName>: the sensor's link is used",
                     self.sensor
                 ),
                 "write <frameName>, without which Gazebo publishes nothing",
@@ -243,7 +243,7 @@ impl Reader<'_> {
             .flat_map(|triad| FIGURES.iter().map(move |figure| format!("{triad}_{figure}")))
             .collect();
         let others = ["preset", "udp_profile_imu"];
-        let remedy = format!("remove it: there are {}, {}", others.join(", "), words.join(", "));
+        let remedy = format!("remove it: the plugin has {}, {}", others.join(", "), words.join(", "));
         self.left_out(own, |name| others.contains(&name) || words.iter().any(|word| word == name), &remedy);
         if own.child("preset").is_some() {
             config = presets::named(self.preset_name(own, &presets::NAMES)?)?.config();

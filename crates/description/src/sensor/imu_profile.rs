@@ -38,7 +38,7 @@ impl Reader<'_> {
             let what = format!("{} is '{name}', which is not a profile of it", self.what("udp_profile_imu"));
             let names = ImuProfile::NAMES.join(", ");
             let remedy = if is_ouster {
-                format!("there are {names}")
+                format!("choose from {names}")
             } else {
                 "remove it: only Ouster's sensors have one".into()
             };

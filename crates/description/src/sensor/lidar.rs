@@ -179,7 +179,7 @@ impl Reader<'_> {
                 self.diagnostics.warning(
                     Self::place(Some(axis), "min_angle", axis),
                     format!(
-                        "{} is {min_angle_rad} and <max_angle> is {max_angle_rad} (<{name}>): they are exchanged",
+                        "{} is {min_angle_rad} and <max_angle> is {max_angle_rad} (<{name}>): they are swapped",
                         self.what("min_angle")
                     ),
                     "write <min_angle> not above <max_angle>",
@@ -295,7 +295,7 @@ pub(super) fn turn(read: &mut Sensor, sensor: &Element, diagnostics: &mut Diagno
             choices(preset),
             preset.rate_hz
         ),
-        _ => format!("there are {}", choices(preset)),
+        _ => format!("choose from {}", choices(preset)),
     };
     diagnostics.error(place, format!("{what}, which is not a mode of {}", preset.name), remedy);
     None

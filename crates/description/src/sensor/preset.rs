@@ -17,7 +17,7 @@ impl Reader<'_> {
         } else {
             format!("{} is '{written}', which does not exist", self.what("preset"))
         };
-        let there = format!("there are {}", names.join(", "));
+        let there = format!("choose from {}", names.join(", "));
         let remedy = did_you_mean_or(&written, names.iter().copied(), &there);
         self.diagnostics.error(Self::place(Some(own), "preset", own), what, remedy);
         None

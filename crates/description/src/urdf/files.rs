@@ -120,7 +120,7 @@ impl Loader<'_> {
                 (Some(path), shown)
             }
             Named::Elsewhere(scheme) => {
-                let problem = format!("the {what} '{name}' cannot be fetched: '{scheme}://' is not read");
+                let problem = format!("the {what} '{name}' cannot be fetched: '{scheme}://' is unsupported");
                 self.lacking(&element.source, what, problem, "download it and write package://PACKAGE/FILE");
                 return None;
             }
@@ -140,7 +140,7 @@ impl Loader<'_> {
     /// Reports a missing file. Without its texture, a surface is still there.
     fn lacking(&mut self, source: &Source, what: &str, problem: String, remedy: &str) {
         if what == TEXTURE {
-            let problem = format!("{problem}; the surface is drawn in its colour alone");
+            let problem = format!("{problem}; the surface is drawn without it");
             self.diagnostics.warning(source, problem, remedy);
         } else {
             self.missing(source, problem, remedy);

@@ -178,7 +178,7 @@ fn every_mistake_is_one_error_that_names_it() {
         (shape("<cone/>"), "<cone> is not a shape"),
         (shape(""), "<visual> has no shape"),
         (shape("<mesh filename='package://nowhere/x.stl'/>"), "there is no mesh 'package://nowhere/x.stl'"),
-        (shape("<mesh filename='http://x/x.stl'/>"), "'http://' is not read"),
+        (shape("<mesh filename='http://x/x.stl'/>"), "'http://' is unsupported"),
         (
             "<link name='a'><inertial><mass value='-1'/></inertial></link>".into(),
             "the mass of link 'a' is -1 kg",

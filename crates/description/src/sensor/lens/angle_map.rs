@@ -37,7 +37,7 @@ impl Reader<'_> {
                 self.diagnostics.error(
                     place,
                     format!("the lens of sensor '{}' is of type '{kind}'", self.sensor),
-                    did_you_mean_or(kind, TYPES, &format!("there are {}", TYPES.join(", "))),
+                    did_you_mean_or(kind, TYPES, &format!("choose from {}", TYPES.join(", "))),
                 );
                 None
             }

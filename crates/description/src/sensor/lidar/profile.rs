@@ -49,8 +49,11 @@ impl Reader<'_> {
             return Some(found);
         }
         let names = PacketProfile::NAMES.join(", ");
-        let remedy =
-            if is_ouster { format!("there are {names}") } else { "remove it: only Ouster's have one".into() };
+        let remedy = if is_ouster {
+            format!("choose from {names}")
+        } else {
+            "remove it: only Ouster's have one".into()
+        };
         let place = Self::place(Some(own), "udp_profile_lidar", own);
         let what = format!("{} is '{name}', which is not a profile of it", self.what("udp_profile_lidar"));
         self.diagnostics.error(place, what, remedy);

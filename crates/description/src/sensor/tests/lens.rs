@@ -120,7 +120,7 @@ fn a_wrong_lens_gives_one_error_with_its_line() {
         ("<distortion><tau_x>1.6</tau_x></distortion>", "<tau_x> of sensor 'c' is 1.6; write an angle"),
         ("<distortion><center>0.5</center></distortion>", "<center> of sensor 'c' is '0.5': too few"),
         ("<distortion><center>320 240</center></distortion>", "<center> of sensor 'c' is 320 240; write two"),
-        ("<lens><type>fisheye</type></lens>", "is of type 'fisheye'; there are gnomonical, "),
+        ("<lens><type>fisheye</type></lens>", "is of type 'fisheye'; choose from gnomonical, "),
         ("<lens><type>custom</type></lens>", "has no <custom_function>; write"),
         ("<lens><type>eucm</type><alpha>1.5</alpha><beta>1</beta></lens>", "<alpha> of sensor 'c' is 1.5"),
         (

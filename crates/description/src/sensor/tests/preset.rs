@@ -62,7 +62,7 @@ fn what_is_wrong_with_a_preset_is_said() {
     let unknown = problem("<preset>kinect_1</preset>");
     assert!(unknown.contains("<preset> of sensor 's' is 'kinect_1', which does not exist"), "{unknown}");
     assert!(
-        unknown.contains("did you mean 'kinect_v1'? there are kinect_v1, xtion, redwood, d415"),
+        unknown.contains("did you mean 'kinect_v1'? choose from kinect_v1, xtion, redwood, d415"),
         "{unknown}"
     );
     let none = problem("");
@@ -78,14 +78,17 @@ fn what_is_wrong_with_a_preset_is_said() {
     );
     let dark = problem("<projector>false</projector><preset>xtion</preset>");
     assert!(
-        dark.contains("<projector> of sensor 's' is off, and a xtion measures by its light")
+        dark.contains("<projector> of sensor 's' is off, but a xtion measures with its light")
             && dark.contains("choose one of d415, d435, d455"),
         "{dark}"
     );
     // A camera has its own presets.
     let (_, problems) =
         parse(&format!("<sensor name='c' type='camera'>{}</sensor>", ours("<preset>kinect_v1</preset>")));
-    assert!(problems[0].contains("is 'kinect_v1', which does not exist; there are webcam, "), "{problems:?}");
+    assert!(
+        problems[0].contains("is 'kinect_v1', which does not exist; choose from webcam, "),
+        "{problems:?}"
+    );
 }
 
 #[test]

@@ -27,7 +27,7 @@ fn fiducial(element: &Element, diagnostics: &mut Diagnostics) -> Option<Fiducial
             diagnostics.error(&element.source, format!("a <fiducial> has no <{name}>"), remedy);
         }
     };
-    missing("family", "write <family>tag36h11</family>, or what its kind is called");
+    missing("family", "write <family>tag36h11</family>, or the name of its family");
     missing("id", "write <id>7</id>: its number in the family");
     missing("size", "write <size>0.16</size>: the edge of its square in metres, without the white margin");
     let family = family(element, diagnostics);

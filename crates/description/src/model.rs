@@ -138,7 +138,7 @@ impl Model {
     }
 
     /// Names the topics of sensors for which the file names none, as gz-sim does:
-    /// `/world/WORLD/model/NAME/link/LINK/sensor/SENSOR/scan`. A simulation calls it when the model comes into a world.
+    /// `/world/WORLD/model/NAME/link/LINK/sensor/SENSOR/scan`. The simulation calls it when a model is added to a world.
     /// Returns a warning for each sensor that has the same name as another one.
     pub fn name_sensor_topics(&mut self, world: &str) -> Vec<Problem> {
         let link_name = |link: LinkIndex| self.links[link].name.as_str();

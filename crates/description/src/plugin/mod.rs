@@ -88,7 +88,7 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
             diagnostics.warning(
                 &element.source,
                 format!("model '{}' has a second base, '{file}', which is left out", model.name),
-                "leave one of the two",
+                "keep one of the two",
             );
             continue;
         }

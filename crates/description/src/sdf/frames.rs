@@ -1,6 +1,6 @@
 //! `<pose>`, and the frames that poses are relative to.
 //!
-//! Up to SDF 1.6 a pose is relative to the element that it stands in (a joint's to its child link). From 1.7 on
+//! Up to SDF 1.6 a pose is relative to its parent element (a joint's to its child link). From 1.7 on
 //! `relative_to` may name any frame of the same model or world: links, joints, frames and nested models.
 
 use super::{Loader, Version};

@@ -246,8 +246,7 @@ impl Reader<'_> {
             return Some(None);
         };
         let what = format!("{} needs a receiver with a reach", self.what(name));
-        let remedy =
-            "write <receiver_reach>: from how far a surface of reflectivity 0.9 is noticed, in metres";
+        let remedy = "write <receiver_reach>: the distance in metres up to which a surface of reflectivity 0.9 is detected";
         self.diagnostics.error(Self::place(Some(own), name, own), what, remedy);
         None
     }

@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(
             told(&model, "model"),
             [
-                "f:2: warning: <slip1> of <ode> is '0.5' and is not simulated: nothing slips beyond its friction \
+                "f:2: warning: <slip1> of <ode> is '0.5' and is not simulated: contacts do not slip below the friction limit \
               (2 times in this file)"
             ]
         );

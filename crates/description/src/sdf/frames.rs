@@ -68,7 +68,7 @@ struct Frame {
     parent: String,
     /// The frame that it moves with.
     attached_to: String,
-    /// Its pose in that frame's parent.
+    /// Pose in the parent frame.
     pose: Pose,
     source: Source,
 }

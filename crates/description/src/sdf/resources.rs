@@ -31,7 +31,7 @@ pub(super) enum Resolved {
 }
 
 impl<'a> Resources<'a> {
-    /// Lists the folders in order: the user's package folders, Gazebo's variables, the world file's folder and the `models`
+    /// Collects the folders in order: the user's package folders, Gazebo's variables, the world file's folder and the `models`
     /// beside it (for a model file the folder above it), Gazebo's download folder, Belvedere's own.
     pub(super) fn new(packages: &'a PackagePath, world_file: &Path) -> Self {
         let variable = |name: &str| -> Vec<PathBuf> {

@@ -233,7 +233,7 @@ mod tests {
             "f:1: warning: <inertail> of <link> is not known, and is left out; did you mean 'inertial'?"
         );
         assert!(told("<sdf version='1.9' vers='2'/>").contains("attribute 'vers' of <sdf> is not known"));
-        // Elements with a prefix belong to other programs; a plugin and a camera have readers of their own.
+        // Elements with a prefix belong to other programs; plugins and cameras have their own parsers.
         let own = "<sdf version='1.9' xmlns:gz='x'><world name='w'><gz:policies><a/></gz:policies><plugin><any/></plugin>\
                    <model name='m'><link name='l'><sensor name='s' type='camera'><camera><x/></camera></sensor></link></model>\
                    </world></sdf>";

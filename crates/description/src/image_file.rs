@@ -44,7 +44,7 @@ mod tests {
         }
         assert!(open(&folder.path().join("none.png")).is_err());
     }
-    /// The half of 16 bits is the half of 8.
+    /// Half of the 16-bit range becomes half of the 8-bit range.
     #[test]
     fn pictures_of_16_bits_are_read() {
         let folder = tempfile::tempdir().unwrap();

@@ -6,9 +6,9 @@
 //! | `joint` | `<joint>` |
 //! | `tree` | the tree of links and joints, and the poses in it |
 //! | `geometry`, `material` | shapes and their looks |
-//! | `files` | where `package://` and other names of files point to |
-//! | `plain` | the same robot for stricter readers |
-//! | `gazebo` | `<gazebo>`: sensors and what Gazebo overrides |
+//! | `files` | resolution of `package://` and other file names |
+//! | `plain` | rewrites a robot for stricter parsers |
+//! | `gazebo` | `<gazebo>`: sensors, and properties that Gazebo overrides |
 //!
 //! `<transmission>` and other elements without any effect here are ignored silently.
 

@@ -10,7 +10,7 @@ use crate::xml::Element;
 use crate::{sdf, urdf, xacro};
 use std::path::{Path, PathBuf};
 
-/// The package whose `robots` folder holds the robots that have names.
+/// The package whose `robots` folder contains the named robots.
 const PACKAGE: &str = "turtlebot_description";
 
 /// The end of the file names of these robots.

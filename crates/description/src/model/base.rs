@@ -52,7 +52,7 @@ pub struct BasePlugin {
     pub source: Source,
 }
 
-/// Ways to drive.
+/// Kinds of drive.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Drive {
     /// `libgazebo_ros_kobuki.so`: two wheels, encoders, gyro, bumpers, cliff sensors.
@@ -95,7 +95,7 @@ impl Drive {
     }
 }
 
-/// The wheels of an axle, or of several that turn alike.
+/// The wheels of one axle, or of several axles that turn alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wheels {
     /// Joints of the wheels on the left, one or more.

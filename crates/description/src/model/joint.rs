@@ -20,7 +20,7 @@ pub struct Joint {
     pub parent_from_child: Pose,
     /// Unit axis in the child's frame.
     pub axis: DVec3,
-    /// A point of the child that the axis goes through, in the child's frame: 0 in URDF, an SDF joint's `<pose>`.
+    /// A point of the child that the axis goes through, in the child's frame: 0 in URDF, the joint's `<pose>` in SDF.
     pub pivot: DVec3,
     /// Resistance, limits and mimic.
     pub dynamics: JointDynamics,
@@ -80,7 +80,7 @@ pub struct Mimic {
 pub enum JointKind {
     /// Does not move.
     Fixed,
-    /// Turns without end.
+    /// Turns without limits.
     Continuous,
     /// Turns between two angles in radians; an infinite one is no limit.
     Revolute {

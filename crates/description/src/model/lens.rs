@@ -19,46 +19,46 @@ pub struct Lens {
 /// [`LensIntrinsics`] maps to a pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LensModel {
-    /// u = x/z, v = y/z.
+    /// Pinhole: u = x/z, v = y/z.
     Pinhole,
     /// Brown–Conrady: the pinhole's u and v, distorted.
     BrownConrady {
-        /// In OpenCV's order: k1 k2 p1 p2 k3, k4 k5 k6, s1 s2 s3 s4, τx τy; 5, 8, 12 or 14 of them.
+        /// Coefficients in OpenCV's order: k1 k2 p1 p2 k3, k4 k5 k6, s1 s2 s3 s4, τx τy; 5, 8, 12 or 14 of them.
         coefficients: Vec<f64>,
     },
     /// Kannala–Brandt, OpenCV's fisheye: the radius is θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
     KannalaBrandt {
-        /// k1 k2 k3 k4.
+        /// Coefficients k1, k2, k3, k4.
         k: [f64; 4],
     },
     /// Extended unified camera model: x and y over α·√(β·(x² + y²) + z²) + (1 − α)·z.
     Eucm {
-        /// From 0 to 1.
+        /// α, from 0 to 1.
         alpha: f64,
-        /// Above 0.
+        /// β, above 0.
         beta: f64,
     },
     /// Double sphere: with w = ξ·√(x² + y² + z²) + z, x and y over α·√(x² + y² + w²) + (1 − α)·w.
     DoubleSphere {
-        /// Above −1, at most 1.
+        /// ξ, above −1, at most 1.
         xi: f64,
-        /// From 0 to 1.
+        /// α, from 0 to 1.
         alpha: f64,
     },
     /// Mei's unified model: x and y over z + ξ·√(x² + y² + z²), distorted as by Brown–Conrady.
     Mei {
-        /// 0 or more.
+        /// ξ, 0 or more.
         xi: f64,
-        /// Radial.
+        /// Radial coefficient.
         k1: f64,
-        /// Radial.
+        /// Radial coefficient.
         k2: f64,
-        /// Tangential.
+        /// Tangential coefficient.
         p1: f64,
-        /// Tangential.
+        /// Tangential coefficient.
         p2: f64,
     },
-    /// u = atan2(x, z), v = atan2(y, √(x² + z²)).
+    /// Equirectangular: u = atan2(x, z), v = atan2(y, √(x² + z²)).
     Equirectangular,
     /// SDF's `<lens>`: the radius in pixels is a function of the angle θ from the axis.
     WideAngle {
@@ -74,15 +74,15 @@ pub enum LensModel {
 /// The radius as a function of the angle: r = c1·f·fun(θ/c2 + c3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AngleMap {
-    /// Factor.
+    /// Factor c1.
     pub c1: f64,
-    /// Divisor of the angle.
+    /// Divisor c2 of the angle.
     pub c2: f64,
-    /// Added to the angle.
+    /// Offset c3 of the angle, in radians.
     pub c3: f64,
     /// f in pixels. SDF's `<f>` is in halves of the image width; with `<scale_to_hfov>` it is ignored.
     pub focal_px: f64,
-    /// fun.
+    /// The function fun.
     pub function: AngleFunction,
 }
 
@@ -136,17 +136,17 @@ pub struct LensIntrinsics {
 /// P of `CameraInfo`, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LensProjection {
-    /// P\[0\].
+    /// P\[0\], focal length along a row.
     pub fx: f64,
-    /// P\[5\].
+    /// P\[5\], focal length down a column.
     pub fy: f64,
-    /// P\[2\].
+    /// P\[2\], column of the principal point.
     pub cx: f64,
-    /// P\[6\].
+    /// P\[6\], row of the principal point.
     pub cy: f64,
-    /// P\[3\].
+    /// P\[3\], offset along a row.
     pub tx: f64,
-    /// P\[7\].
+    /// P\[7\], offset down a column.
     pub ty: f64,
 }
 

@@ -6,7 +6,7 @@
 pub struct CameraPlugin {
     /// `cameraName`.
     pub camera_name: String,
-    /// Absolute topic of the picture.
+    /// Absolute topic of the image.
     pub image_topic: String,
     /// Absolute topic of its `CameraInfo`.
     pub camera_info_topic: String,
@@ -27,9 +27,9 @@ pub struct CameraPlugin {
 /// Parameters of the Kinect plugin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthCameraPlugin {
-    /// Colour picture and info, and what both share.
+    /// Parameters of the colour image and its `CameraInfo`, and those that apply to both images.
     pub camera: CameraPlugin,
-    /// Absolute topic of the depth picture.
+    /// Absolute topic of the depth image.
     pub depth_image_topic: String,
     /// Absolute topic of its `CameraInfo`.
     pub depth_camera_info_topic: String,

@@ -108,46 +108,46 @@ pub enum Geometry {
     /// | +z | +x | +y |
     /// | −z | +x | −y |
     Box {
-        /// Full edge lengths x, y, z.
+        /// Full edge lengths x, y, z in metres.
         size: DVec3,
     },
     /// A cylinder with its axis along z.
     Cylinder {
-        /// Radius.
+        /// Radius in metres.
         radius: f64,
-        /// Full length along z.
+        /// Full length along z in metres.
         length: f64,
     },
     /// A sphere.
     Sphere {
-        /// Radius.
+        /// Radius in metres.
         radius: f64,
     },
     /// A capsule with its axis along z.
     Capsule {
-        /// Radius.
+        /// Radius in metres.
         radius: f64,
-        /// Length without the caps.
+        /// Length without the caps in metres.
         length: f64,
     },
     /// A rectangle through the origin. It collides as an infinite half space. With a normal along an axis its
-    /// texture lies as on the face of a [`Geometry::Box`] with that normal.
+    /// texture is mapped as on the face of a [`Geometry::Box`] with that normal.
     Plane {
         /// Unit normal.
         normal: DVec3,
-        /// Full edge lengths of the visible part.
+        /// Full edge lengths of the visible part in metres.
         size: [f64; 2],
     },
     /// An ellipsoid: the points with (x/a)² + (y/b)² + (z/c)² ≤ 1.
     Ellipsoid {
-        /// Semi-axes a, b, c.
+        /// Semi-axes a, b, c in metres.
         radii: DVec3,
     },
     /// A cone with its axis along z, the base at −`length`/2, the apex at +`length`/2.
     Cone {
-        /// Radius of the base.
+        /// Radius of the base in metres.
         radius: f64,
-        /// Full length.
+        /// Full length in metres.
         length: f64,
     },
     /// Triangles from a file, already in metres.

@@ -1,4 +1,4 @@
-//! `libgazebo_ros_planar_move.so`, and `libgazebo_ros_force_based_move.so`, which does the same by forces.
+//! `libgazebo_ros_planar_move.so`, and `libgazebo_ros_force_based_move.so`, which does the same with forces.
 
 use super::parameters::Parameters;
 use crate::model::{BasePlugin, Drive, ModelPlugin, OdometryOrigin};

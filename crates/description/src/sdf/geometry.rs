@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Lengths of shapes that the file does not give, in metres (sdf/1.12).
+/// Default length of shapes, in metres (sdf/1.12).
 const DEFAULT_LENGTH_M: f64 = 1.0;
 const CAPSULE_RADIUS_M: f64 = 0.5;
 

@@ -6,14 +6,14 @@
 //! | `world` | `<world>`: scene, physics, models, lights, `<state>` |
 //! | `model` | `<model>` with nested models flattened, and `<include>` |
 //! | `nested` | models inside models |
-//! | `link`, `joint`, `light` | those elements |
+//! | `link`, `joint`, `light` | `<link>`, `<joint>`, `<light>` |
 //! | `geometry`, `polyline`, `height_map`, `material` | shapes and their looks |
 //! | `frames` | `<pose>`, and `relative_to` from SDF 1.7 on |
 //! | `fuel` | models that Gazebo's tools have downloaded |
-//! | `resources` | where `model://` and other URIs point to |
+//! | `resources` | resolution of `model://` and other URIs |
 //!
-//! Elements that change neither motion nor picture here are passed over in silence (`<gui>`, `<audio>`,
-//! solver parameters); those that a user would count on give a warning.
+//! Elements without any effect here (`<gui>`, `<audio>`, solver parameters) are ignored silently. Elements from which
+//! a user may expect an effect give a warning.
 
 mod actor;
 mod frames;

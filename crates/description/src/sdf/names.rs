@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-/// The names of things of one kind in one place.
+/// The names of one kind of element in one model or world.
 #[derive(Default)]
 pub(super) struct Names {
     /// All names in the file; no number may produce one of them.

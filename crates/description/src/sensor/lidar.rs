@@ -216,7 +216,7 @@ impl Reader<'_> {
             return self.ray_sensor_plugin(plugin);
         }
         let is_velodyne = name.starts_with("gazebo_ros_velodyne");
-        // Hokuyo's plugin leaves noise to the sensor.
+        // Hokuyo's plugin adds no noise of its own.
         if !matches!(name, "gazebo_ros_laser" | "gazebo_ros_gpu_laser") {
             self.add_noise(plugin, ray)?;
         }

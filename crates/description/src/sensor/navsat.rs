@@ -7,7 +7,7 @@ use super::{Kind, SensorKind};
 use crate::xml::Element;
 use belvedere_sensors::noise::InstrumentConfig;
 
-/// A receiver.
+/// A satellite navigation receiver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NavSat {
     /// Errors of the position along the world's axes in m.

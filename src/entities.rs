@@ -20,7 +20,7 @@ pub fn model_name(name: &str) -> Result<String, String> {
     if WORLD_NAMES.contains(&name) {
         Err(format!("'{name}' is the world itself"))
     } else if name.contains("::") {
-        Err("'::' stands between a model and its link".to_owned())
+        Err("'::' separates a model from its link".to_owned())
     } else if name.len() > MAX_NAME_BYTES {
         Err(format!("it has more than {MAX_NAME_BYTES} bytes"))
     } else {

@@ -47,7 +47,7 @@ pub enum DatasetError {
     OtherPlan {
         /// The folder.
         folder: PathBuf,
-        /// What differs.
+        /// The difference.
         what: String,
     },
     /// A file of the data set is damaged.
@@ -55,13 +55,11 @@ pub enum DatasetError {
     Damaged {
         /// Path of the file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The damage.
         what: String,
     },
     /// The plan has no such shards.
-    #[error(
-        "the plan has {shards} shards, numbered from 0, and not {first}..{end}; ask for some of 0..{shards}"
-    )]
+    #[error("the plan has {shards} shards, numbered from 0, not {first}..{end}; choose some of 0..{shards}")]
     NoSuchShards {
         /// The first requested shard.
         first: u64,
@@ -73,7 +71,7 @@ pub enum DatasetError {
     /// The plan lacks something that an export needs.
     #[error("{what}")]
     NoExport {
-        /// What is missing, with a remedy.
+        /// The missing part, with a remedy.
         what: String,
     },
     /// The caller stopped it.

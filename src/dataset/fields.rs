@@ -86,7 +86,7 @@ fn png(width: u32, height: u32, colour: ExtendedColorType, pixels: &[u8]) -> Vec
     let encoder = PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive);
     if let Err(error) = encoder.write_image(pixels, width, height, colour) {
         // This does not happen: it is written to memory, and the size matches the pixels.
-        tracing::error!(%error, width, height, "a picture cannot be coded");
+        tracing::error!(%error, width, height, "an image cannot be encoded");
     }
     bytes
 }

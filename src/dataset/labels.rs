@@ -30,9 +30,9 @@ pub(super) struct Labels {
 /// A rigid motion.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(super) struct PoseJson {
-    /// Metres.
+    /// Position in metres.
     pub(super) position: [f64; 3],
-    /// x y z w.
+    /// Quaternion x y z w.
     pub(super) orientation: [f64; 4],
 }
 

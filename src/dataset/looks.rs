@@ -42,7 +42,7 @@ pub(super) struct MaterialJson {
     /// Its number in the channel `instance`.
     pub(super) instance: u32,
     pub(super) color: [f32; 3],
-    /// Whether it has a texture.
+    /// True if it has a texture.
     pub(super) textured: bool,
 }
 

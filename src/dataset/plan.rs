@@ -65,7 +65,7 @@ pub struct SensorPlan {
     pub topic: String,
     /// Truth channels that are stored with it.
     pub truth: Vec<String>,
-    /// Whether visible objects are listed, with boxes.
+    /// True if visible objects are listed, with boxes.
     pub labels: bool,
     /// Its place in the plan's file.
     pub(super) source: Source,
@@ -180,7 +180,7 @@ impl Plan {
         if samples.is_none_or(|samples| samples == 0 || samples > MOST_SAMPLES) && !diagnostics.has_errors() {
             let what =
                 samples.map_or("far too many samples".to_owned(), |samples| format!("{samples} samples"));
-            let remedy = format!("ask for 1 to {MOST_SAMPLES}, by [poses] with list, path or random");
+            let remedy = format!("request 1 to {MOST_SAMPLES}, with list, path or random in [poses]");
             diagnostics.error(&text.source(&file.poses.span()), what, remedy);
         }
         Some(plan)

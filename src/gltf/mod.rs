@@ -25,7 +25,7 @@ pub struct Thing<'a> {
     pub model: &'a Model,
     /// Pose of its frame; all joints are at zero.
     pub world_from_model: Pose,
-    /// Whether it is a robot, whose links get `extras.robot`.
+    /// True if it is a robot, whose links get `extras.robot`.
     pub is_robot: bool,
 }
 

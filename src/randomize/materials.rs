@@ -53,7 +53,7 @@ pub struct DrawnMaterial {
     pub saturation: f64,
     /// Factor of the brightness.
     pub brightness: f64,
-    /// Whether it keeps its textures.
+    /// True if it keeps its textures.
     pub is_textured: bool,
 }
 

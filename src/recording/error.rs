@@ -44,7 +44,7 @@ pub enum RecordingError {
     Frame {
         /// Its topic, without a leading slash.
         topic: String,
-        /// What is wrong with the frame.
+        /// The reason why the frame is invalid.
         error: FrameError,
     },
     /// An MCAP file that Belvedere has not written.

@@ -18,17 +18,17 @@ pub enum Pace {
 pub struct PlayerOptions {
     /// The speed.
     pub pace: Pace,
-    /// Where to start, counted from the beginning of the recording.
+    /// Start, counted from the beginning of the recording.
     pub start: Duration,
-    /// Recorded time to play; everything if there is none.
+    /// Recorded time to play; none for everything.
     pub duration: Option<Duration>,
-    /// Whether to start paused, until a command resumes or steps it.
+    /// True to start paused, until a command resumes or steps it.
     pub paused: bool,
     /// Consumers that lose no frame, and that must connect before the first frame.
     pub wait_for: Vec<Awaited>,
     /// Longest wait of a frame, and of the start, for one of these consumers; the defaults are those of a simulation.
     pub patience: Option<Duration>,
-    /// Returns true if no frame is to wait for this consumer any longer: see [`belvedere_bridge::Lossless::gives_up`].
+    /// Returns true if frames no longer wait for this consumer: see [`belvedere_bridge::Lossless::gives_up`].
     pub gives_up: fn(&Consumer) -> bool,
 }
 

@@ -36,7 +36,7 @@ pub struct RecorderOptions {
     pub topics: Vec<String>,
     /// Compression of the file.
     pub compression: Compression,
-    /// Whether an existing file is replaced.
+    /// True if an existing file is replaced.
     pub replace: bool,
     /// Describes how the recording was made.
     pub about: BTreeMap<String, String>,
@@ -268,7 +268,7 @@ fn follow(mut subscriber: Subscriber, number: usize, sender: &SyncSender<Note>, 
                 continue;
             }
             Err(error) => {
-                tracing::warn!(topic = subscriber.topic(), %error, "the stream cannot be followed");
+                tracing::warn!(topic = subscriber.topic(), %error, "the stream cannot be read");
                 std::thread::sleep(NAP);
                 if stopping {
                     break;

@@ -64,7 +64,7 @@ impl RosStream {
     }
 }
 
-/// Whether a message contains a frame's payload.
+/// The place of a frame's payload relative to its message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Payload {
     /// The message contains all of it, starting at this byte.

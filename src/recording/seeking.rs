@@ -9,7 +9,7 @@ use std::sync::Arc;
 use std::time::Duration;
 
 impl Player {
-    /// Plays a recording along a time line until `go_on` stops it. At its end it pauses, and if it is resumed there, it
+    /// Plays a recording along a timeline until `go_on` stops it. At its end it pauses, and if it is resumed there, it
     /// starts again. Wherever it continues, the last frame of each stream before that position is sent first, so that
     /// consumers see the state at that time. `open` opens the file again after each seek.
     ///

@@ -31,7 +31,7 @@ pub struct Playhead {
     pub position: Duration,
     /// Speed as a factor of real time.
     pub rate: f64,
-    /// Whether it is paused.
+    /// True if it is paused.
     pub is_paused: bool,
 }
 

@@ -138,7 +138,7 @@ impl Server<'_> {
         let until_ns = length_ns.and_then(|length_ns| self.simulation.time_ns().checked_add(length_ns));
         let until_ns = until_ns.filter(|_| command.steps > 0).ok_or_else(|| {
             format!(
-                "{} steps cannot be run; ask for 1 or more, each is {} ns",
+                "{} steps cannot be run; request 1 or more; each is {} ns long",
                 command.steps,
                 self.simulation.physics().step_ns()
             )

@@ -17,7 +17,7 @@ pub struct SpawnOptions {
     pub namespace: String,
     /// Pose of the model. Its own `<pose>` is relative to this, as when Gazebo spawns it.
     pub world_from_model: Pose,
-    /// Whether it publishes transforms and joint states like a robot; by default, models with a base or plugins do.
+    /// True if it publishes transforms and joint states like a robot; by default, models with a base or plugins do.
     /// Robots never sleep in physics, and neither do models with sensors.
     pub is_robot: Option<bool>,
 }

@@ -40,7 +40,7 @@ impl Access {
             let is_ours = authority.is_some_and(|authority| authority.eq_ignore_ascii_case(host));
             if !is_ours && !self.origins.iter().any(|known| known == origin) {
                 return Err(format!(
-                    "pages of '{origin}' may not look; start belvedere with --allow-origin {origin}"
+                    "pages of '{origin}' have no access; start belvedere with --allow-origin {origin}"
                 ));
             }
         }

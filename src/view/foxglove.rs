@@ -248,7 +248,7 @@ impl<'a> Foxglove<'a> {
                 let values = self.shared.parameters.values(&[]);
                 self.say(&json!({ "op": "parameterValues", "parameters": values, "id": id }))?;
                 return Ok(Err(
-                    "parameters cannot be set; settings of sensors can: belvedere control configure".into(),
+                    "parameters are read-only; set sensor settings with belvedere control configure".into(),
                 ));
             }
             Request::FetchAsset { uri, request_id } => {

@@ -197,7 +197,7 @@ impl<'a> Page<'a> {
             return Ok(());
         }
         if self.followed.len() >= MAX_FOLLOWED {
-            return Err(format!("a page may follow {MAX_FOLLOWED} streams; close some panels"));
+            return Err(format!("a page may subscribe to {MAX_FOLLOWED} streams; close some panels"));
         }
         let subscriber = self.shared.node.subscriber(topic).map_err(|error| error.to_string())?;
         self.followed.push(Followed { subscriber, wanted: frames.min(MAX_AHEAD), asked: now });

@@ -106,7 +106,7 @@ fn serve(mut stream: TcpStream, shared: &Shared, place: &Place) -> io::Result<()
 fn serve_frames(mut stream: TcpStream, request: &Request, shared: &Shared) -> io::Result<()> {
     let page = request.parameter("page").unwrap_or_default();
     if !shared.pipes.is_expected(page) {
-        return refuse(&mut stream, Status::NotFound, "there is no such page; its WebSocket comes first");
+        return refuse(&mut stream, Status::NotFound, "there is no such page; open its WebSocket first");
     }
     shared.pipes.bring(page, Pipe::open(stream)?);
     Ok(())

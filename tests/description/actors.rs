@@ -123,7 +123,7 @@ fn errors_of_an_actor_name_their_line() {
     let folder = Folder::new();
     let cases = [
         ("<actor>\n<link name='l'/></actor>", "w.world:1", "has no name"),
-        ("<actor name='a'>\n<pose>0 0 0 0 0 0</pose></actor>", "w.world:1", "has nothing to be seen"),
+        ("<actor name='a'>\n<pose>0 0 0 0 0 0</pose></actor>", "w.world:1", "has nothing to show"),
         ("<actor name='a'>\n<skin/></actor>", "w.world:2", "<skin> has no <filename>"),
         ("<actor name='a'><skin>\n<filename>none.dae</filename></skin></actor>", "w.world:1", "none.dae"),
         (

@@ -48,7 +48,7 @@ fn a_model_around_a_missing_one_is_left_out_with_it() {
         "<sdf version='1.6'><model name='b'><include><uri>model://nobodys_shelf</uri></include></model></sdf>",
     );
     let (model, problems) = described(&folder, "b.sdf", skip_missing());
-    assert!(model.is_none() && problems[1].to_string().contains("error: nothing is left of the model 'b'"));
+    assert!(model.is_none() && problems[1].to_string().contains("error: the model 'b' has no parts left"));
 }
 
 /// A model in a folder of models, wherever that is, names its files by its own folder.
@@ -171,7 +171,7 @@ fn lights_wider_than_half_a_turn_and_without_direction() {
     let light = |kind: &str, inside: &str| format!("<light name='l' type='{kind}'>{inside}</light>");
     let spot = "<spot><inner_angle>4</inner_angle><outer_angle>9</outer_angle><falloff>1</falloff></spot>";
     let (world, problems) = Folder::new().load("1.6", &light("spot", spot), false);
-    warnings(&problems, &["<outer_angle> is 9: the cone is all that lies before the light"]);
+    warnings(&problems, &["<outer_angle> is 9: the cone is a half space"]);
     let pi = std::f64::consts::PI;
     let kind = LightKind::Spot { inner_angle: pi, outer_angle: pi, falloff: 1.0 };
     assert_eq!(world.unwrap().lights[0].kind, kind);
@@ -193,7 +193,7 @@ fn a_robots_lights_are_left_out_with_a_warning() {
         );
         folder.write(file, text);
         let (model, problems) = described(&folder, file, Rules::default());
-        warnings(&problems, &["this light stays", "the light 'lamp' is left out"]);
+        warnings(&problems, &["this light does not move", "the light 'lamp' is left out"]);
         assert!(matches!(model, Some(Described::Model(model)) if model.links.len() == 1));
     }
 }

@@ -130,7 +130,7 @@ fn a_users_world_that_lacks_models_is_replaced_by_ours() {
     };
     let (name, fails, said) = load("playground", Rules::default());
     assert_eq!((name.as_str(), fails), ("playground", false), "{said}");
-    assert!(said.contains("our own world of its name takes its place"), "{said}");
+    assert!(said.contains("our own world of its name is used instead"), "{said}");
     let path = folder.path("turtlebot_gazebo/worlds/playground.world");
     let path = path.to_str().unwrap();
     assert!(load(path, Rules::default()).1, "who gives a path wants that file");
@@ -527,7 +527,7 @@ fn sensors_without_a_topic_publish_under_gz_sims_names() {
         ]
     );
     let [problem] = &problems[..] else { panic!("{problems:?}") };
-    assert!(problem.to_string().contains("warning: sensor 's' has the name of another one"), "{problem}");
+    assert!(problem.to_string().contains("sensor 's' has the same name as another one"), "{problem}");
 }
 
 #[test]

@@ -131,11 +131,11 @@ fn errors_that_gazebo_tolerates_are_warnings() {
         link(&visual, words).visuals.remove(0).geometry
     };
     assert!(matches!(
-        shape("<box/>", "<box> has no <size>: it is 1 1 1"),
+        shape("<box/>", "<box> has no <size>: 1 1 1 is assumed"),
         Geometry::Box { size: DVec3::ONE }
     ));
     assert!(matches!(
-        shape("<sphere/>", "<sphere> has no <radius>: it is 1"),
+        shape("<sphere/>", "<sphere> has no <radius>: 1 is assumed"),
         Geometry::Sphere { radius: 1.0 }
     ));
     let geometry = "<geometry><box><size>1 1 1</size></box></geometry>";
@@ -260,7 +260,7 @@ fn bad_materials_and_textures() {
     // Gazebo goes on without a picture; the surface is still where it is.
     for (file, words) in [
         ("nowhere.png", "no texture 'nowhere.png': looked for"),
-        ("t/b.gif", "b.gif is of a kind that is not read"),
+        ("t/b.gif", "b.gif has an unsupported format"),
         ("t", "the texture 't' is a folder"),
         ("https://example.org/a.png", "cannot be fetched"),
     ] {
@@ -268,7 +268,7 @@ fn bad_materials_and_textures() {
         let [problem] = &problems[..] else { panic!("{problems:#?}") };
         let text = problem.to_string();
         assert!(text.contains(":4: warning: ") && text.contains(words), "{text}");
-        assert!(text.contains("; the surface is drawn in its colour alone"), "{text}");
+        assert!(text.contains("; the surface is drawn without it"), "{text}");
     }
     folder.write("t/scripts/a.material", "material A {\n technique {");
     let text = load("<script><uri>model://t/scripts</uri><name>A</name></script>")[0].to_string();

@@ -350,7 +350,7 @@ fn check_reports_the_settings_of_sensors() {
     let (said, _) = checked(&file, &["--gazebo-compat", "--world", "empty"]);
     assert!(line(&said, "lens ").contains("= -0.2"), "{said}");
     assert!(line(&said, "camera_info ").contains("= -0.1,"), "{said}");
-    assert!(said.contains("are those of camera_info, while the picture has those in <distortion>"), "{said}");
+    assert!(said.contains("apply to camera_info only: the picture has those in <distortion>"), "{said}");
     // A device has its own noise.
     let said = of("camera", &own("<preset>webcam</preset>"));
     assert!(line(&said, "device ").contains("read noise") && !said.contains("noise        none"), "{said}");
@@ -383,7 +383,7 @@ fn check_counts_tags_and_reports_ignored_lights_and_numbers() {
         assert!(said.contains(light), "{said}");
     }
     assert!(robot("tag36h11", 587).contains("<id> of a <fiducial> is 587, and tag36h11 has 587 tags"));
-    assert!(robot("tag99h1", 0).contains("'tag99h1', which is none of AprilTag's; these are: tag16h5,"));
+    assert!(robot("tag99h1", 0).contains("'tag99h1', which is not one of AprilTag's; these are: tag16h5,"));
     assert!(!robot("aruco", 9999).contains("fiducial>"));
     let model = |pose: &str| {
         let text =

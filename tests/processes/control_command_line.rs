@@ -94,7 +94,7 @@ fn a_robot_can_be_given_a_name() {
     for (name, words) in [
         ("world", "is the world itself"),
         ("", "is the world itself"),
-        ("a::b", "'::' stands between"),
+        ("a::b", "'::' separates a model"),
         (&"n".repeat(64), "more than 63 bytes"),
         ("tag_room", "a model of the world is called 'tag_room'"),
     ] {

@@ -381,7 +381,7 @@ fn what_is_written_wrong_of_a_joint_or_a_surface_is_told() {
         (
             "<link name='s'><inertial auto='true'/></link>".to_owned(),
             Severity::Warning,
-            "has no collision that its mass can be worked out from",
+            "has no collision from which its mass could be computed",
         ),
     ] {
         let (found, text) = told(&parts);

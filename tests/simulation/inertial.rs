@@ -280,7 +280,7 @@ fn our_plugin_gives_figures_that_sdf_lacks() {
     for (inside, expected) in [
         (
             "<preset>adis16449</preset>",
-            "<preset> of sensor 'u' is 'adis16449', which is none; did you mean 'adis16448'?",
+            "<preset> of sensor 'u' is 'adis16449', which does not exist; did you mean 'adis16448'?",
         ),
         (
             "<gyroscope_noise_density>-1</gyroscope_noise_density>",

@@ -386,18 +386,18 @@ fn the_preset_of_a_file_selects_the_scanner() {
         assert_eq!(ray.horizontal.samples, samples);
     }
     for (text, expected) in [
-        (own("vlp-16"), "<preset> of sensor 's' is 'vlp-16', which is none; did you mean 'vlp16'?"),
+        (own("vlp-16"), "<preset> of sensor 's' is 'vlp-16', which does not exist; did you mean 'vlp16'?"),
         (format!("<update_rate>30</update_rate>{}", own("vlp16")), "<update_rate> of sensor 's' is 30"),
         (
             columns("os2_32", "2048", "20"),
-            "<columns> of sensor 's' is 2048, <update_rate> of sensor 's' is 20, and it is a os2_32; \
-             there are 1024 columns at 10 Hz, 1024 columns at 20 Hz, 512 columns at 10 Hz",
+            "<columns> of sensor 's' is 2048, <update_rate> of sensor 's' is 20, which is not a mode of os2_32; \
+             choose from 1024 columns at 10 Hz, 1024 columns at 20 Hz, 512 columns at 10 Hz",
         ),
         (columns("lms511", "1e3", "25"), "<columns> of sensor 's' is 1e3"),
         (columns("vlp16", "1800", "10"), "write a rate from 5 to 20 Hz, or none for 10 Hz, and no <columns>"),
         (
             own("os1_32").replace("</plugin>", "<udp_profile_lidar>RNG20</udp_profile_lidar></plugin>"),
-            "<udp_profile_lidar> of sensor 's' is 'RNG20', which is none of its packets'; there are LEGACY",
+            "<udp_profile_lidar> of sensor 's' is 'RNG20', which is not a profile of it; choose from LEGACY",
         ),
     ] {
         let refused = read(&text).unwrap_err().to_string();

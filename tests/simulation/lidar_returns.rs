@@ -255,7 +255,7 @@ fn invalid_beams_are_refused_with_their_line() {
         (vlp("<receiver_reach>0</receiver_reach>"), "<receiver_reach> of sensor 's' is 0"),
         (
             vlp("<receiver_background>1</receiver_background>"),
-            "is of a receiver without a reach; write <receiver_reach>",
+            "needs a receiver with a reach; write <receiver_reach>",
         ),
         (
             vlp("<beam_halo>0.6 0.01</beam_halo>"),
@@ -270,29 +270,29 @@ fn invalid_beams_are_refused_with_their_line() {
         (vlp("<snow_rate>wet</snow_rate>"), "'wet' is not a finite number"),
         (
             own("<preset>hdl32e</preset>\n<returns>dual</returns>") + &velodyne(""),
-            "<returns> of sensor 's' needs beams of some width, and these have none; write <beam_divergence>",
+            "<returns> of sensor 's' needs beams with a width, but these have none; write <beam_divergence>",
         ),
         (
             own(
                 "<preset>os1_32</preset><udp_profile_lidar>RNG19_RFL8_SIG16_NIR16_DUAL</udp_profile_lidar>\n<returns>last</returns>",
             ) + &velodyne(""),
-            "<udp_profile_lidar> of sensor 's' has two returns, and <returns> has not",
+            "<udp_profile_lidar> of sensor 's' has two returns, but <returns> has not",
         ),
         (
             own("<preset>lms111</preset>\n<returns>dual</returns>") + laser,
-            "asks for several returns, and a scan has one a ray",
+            "requests several returns, but a scan has one per ray",
         ),
         (
             own("\n<rain_rate>3</rain_rate>")
                 + "<ray><range><min>0.1</min><max>9</max></range></ray>"
                 + laser,
-            "<rain_rate> of sensor 's' is of a scanner, and this lidar is Gazebo's; write a <preset>",
+            "<rain_rate> of sensor 's' only applies to scanners, and this lidar is Gazebo's; write a <preset>",
         ),
         (
             own("\n<rain_rate>3</rain_rate>")
                 + "<ray><range><min>0.1</min><max>inf</max></range></ray>"
                 + &velodyne(""),
-            "is weather, in which no lidar reaches for ever; write <receiver_reach>",
+            "is weather, and this lidar has an infinite range; write <receiver_reach>",
         ),
     ] {
         let refused = lidar_of(&beams).unwrap_err();

@@ -103,7 +103,7 @@ fn invalid_optics_are_refused_with_their_line() {
         ),
         (
             "<optics><specular_reflectance>0.6</specular_reflectance><transmittance>0.5</transmittance></optics>",
-            "an <optics> reflects 0.6 of the light and lets 0.5 pass, more than all",
+            "an <optics> reflects 0.6 of the light and transmits 0.5, more than 1 in total",
         ),
     ] {
         let refused = load::model(&model(optics)).unwrap_err().to_string();

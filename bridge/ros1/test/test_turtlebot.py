@@ -96,7 +96,7 @@ class World(unittest.TestCase):
         self.assertAlmostEqual(place.x, 0.05, delta=0.01)
         self.assertAlmostEqual(place.y, 0.0, delta=0.01)
         self.assertAlmostEqual(yaw_of(state.pose.orientation), math.pi / 2, delta=0.01)
-        self.assertIn("our own world of its name takes its place", self.launch.output())
+        self.assertIn("our own world of its name is used instead", self.launch.output())
 
     def test_b_the_fake_laser(self):
         subscribers = lambda: subscribers_of_streams(DOMAIN)["/camera/depth/image_raw"]  # noqa: E731

@@ -1,24 +1,24 @@
-//! What becomes of every element and attribute of SDF and URDF.
+//! The support of every element and attribute of SDF and URDF.
 //!
-//! The tables `elements/sdf.txt` and `elements/urdf.txt` list what a file can hold, and what becomes of it: it is read, it
-//! is harmless, or it would change what happens and is not simulated. [`report`] compares a file with them, and says once
-//! for each kind of element what is not simulated, and what is not known at all.
+//! The tables `elements/sdf.txt` and `elements/urdf.txt` list what a file can contain, and whether it is read, is harmless,
+//! or would have an effect but is not simulated. [`report`] compares a file with them. For each kind of element it reports
+//! once what is not simulated, and what is unknown.
 //!
-//! A table is a list of contexts. A line that is not indented begins a context; the lines below are its elements, and, with
+//! A table is a list of contexts. A line without indentation begins a context; the lines below are its elements and, with
 //! a dot, its attributes:
 //!
 //! | line | meaning |
 //! |---|---|
 //! | `name` | read; the elements inside it follow, indented further |
 //! | `name = context` | read; the elements inside it are those of that context |
-//! | `name *` | its parser looks at everything in it, and says itself what it leaves out |
-//! | `name ~` | harmless: it changes neither what moves nor what is measured |
-//! | `name ! values: difference` | not simulated, with that difference, unless it has one of the values; a warning |
-//! | `name ? values: difference` | the same for what rarely matters; a note |
+//! | `name *` | the element's parser reads everything in it, and reports itself what it leaves out |
+//! | `name ~` | harmless: it changes neither motion nor measurements |
+//! | `name ! values: difference` | not simulated, with that difference, unless it has one of the values; gives a warning |
+//! | `name ? values: difference` | the same for what rarely matters; gives a note |
 //!
-//! The row `* *` stands for all other elements there, of which the parser tells itself.
+//! The row `* *` stands for all other elements of the context, which the parser reports itself.
 //!
-//! A value is a text, numbers, `*` for none, or `=NAME` for that of the element beside it.
+//! A value is a text, numbers, `*` for an empty value, or `=NAME` for the value of the sibling element of that name.
 
 use crate::diagnostics::{Diagnostics, Problem, Severity, Source};
 use crate::suggestion::did_you_mean;
@@ -33,7 +33,7 @@ static CONTEXTS: LazyLock<BTreeMap<&'static str, Vec<Row>>> = LazyLock::new(|| {
     contexts.map(|context| (context.name, context.inside)).collect()
 });
 
-/// A line of a table.
+/// A row of a table.
 struct Row {
     /// The name of an element, or of an attribute with a dot before it.
     name: &'static str,
@@ -41,11 +41,11 @@ struct Row {
     inside: Vec<Row>,
 }
 
-/// What becomes of an element or attribute.
+/// The support of an element or attribute.
 enum Fate {
     Read,
     Context(&'static str),
-    /// Nothing that is inside it is looked at here.
+    /// Its content is not compared.
     Passed,
     NotSimulated {
         severity: Severity,
@@ -54,7 +54,7 @@ enum Fate {
     },
 }
 
-/// Reads the lines that are indented to one depth, each with those below it that are indented further.
+/// Reads the lines of one indentation depth, each with the more deeply indented lines below it.
 fn rows(lines: &mut std::iter::Peekable<std::str::Lines<'static>>, depth: usize) -> Vec<Row> {
     let mut found = Vec::new();
     while let Some(line) = lines.peek() {
@@ -79,7 +79,7 @@ fn rows(lines: &mut std::iter::Peekable<std::str::Lines<'static>>, depth: usize)
     found
 }
 
-/// Adds to `diagnostics` what is not simulated or not known in the elements of one file. Each element comes with its
+/// Reports to `diagnostics` what is not simulated or unknown in the elements of one file. Each element comes with its
 /// context in the tables, such as `root` for `<sdf>`.
 pub(crate) fn report<'e>(
     elements: impl IntoIterator<Item = (&'e Element, &'e str)>,
@@ -102,7 +102,7 @@ fn inside<'t>(contexts: &'t BTreeMap<&'static str, Vec<Row>>, context: &str) -> 
     contexts.get(context).map_or(&[], Vec::as_slice)
 }
 
-/// The problems of one file: the first of each kind, and how many there are of it.
+/// The problems of one file: the first of each kind, and how often each occurs.
 #[derive(Default)]
 struct Report {
     found: BTreeMap<(String, String), (Problem, usize)>,
@@ -111,7 +111,7 @@ struct Report {
 impl Report {
     fn inside(&mut self, element: &Element, rows: &'static [Row]) {
         for (name, value) in &element.attributes {
-            // Names with a prefix belong to other programs; a value may stand in an attribute instead of the element.
+            // Names with a prefix belong to other programs; a value may be in an attribute instead of the element.
             if name.contains(':') || name == "xmlns" || name == "value" {
                 continue;
             }
@@ -175,7 +175,7 @@ impl Report {
     }
 }
 
-/// Whether a text is the value that a table names.
+/// Returns true if a text is the value in a table.
 fn is_value(text: &str, value: &str, parent: &Element) -> bool {
     if value == "*" {
         return false;
@@ -211,7 +211,7 @@ mod tests {
         assert_eq!(
             told(&model, "model"),
             [
-                "f:2: warning: <slip1> of <ode> is '0.5' and is not simulated: nothing slips beyond its friction \
+                "f:2: warning: <slip1> of <ode> is '0.5' and is not simulated: contacts do not slip below the friction limit \
               (2 times in this file)"
             ]
         );
@@ -233,7 +233,7 @@ mod tests {
             "f:1: warning: <inertail> of <link> is not known, and is left out; did you mean 'inertial'?"
         );
         assert!(told("<sdf version='1.9' vers='2'/>").contains("attribute 'vers' of <sdf> is not known"));
-        // Elements with a prefix belong to other programs; a plugin and a camera have readers of their own.
+        // Elements with a prefix belong to other programs; plugins and cameras have their own parsers.
         let own = "<sdf version='1.9' xmlns:gz='x'><world name='w'><gz:policies><a/></gz:policies><plugin><any/></plugin>\
                    <model name='m'><link name='l'><sensor name='s' type='camera'><camera><x/></camera></sensor></link></model>\
                    </world></sdf>";
@@ -267,7 +267,7 @@ mod tests {
         }
     }
 
-    /// A row that says that an element is read names one that a parser asks for.
+    /// A row that marks an element as read must name one that a parser requests.
     #[test]
     fn what_is_read_is_asked_for() {
         fn sources(folder: &Path, text: &mut String) {
@@ -284,7 +284,7 @@ mod tests {
             let name = row.name.trim_start_matches('.');
             let holds = |fate: fn(&Fate) -> bool| row.inside.iter().any(|row| fate(&row.fate));
             let is_read = |fate: &Fate| matches!(fate, Fate::Read | Fate::Context(_));
-            // What holds nothing that is read need not be asked for.
+            // An element without read content need not be requested.
             let is_asked = matches!(row.fate, Fate::Read) && (row.inside.is_empty() || holds(is_read));
             if is_asked && !sources.contains(&format!("\"{name}\"")) {
                 missing.push(name.to_owned());

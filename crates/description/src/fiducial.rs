@@ -1,4 +1,4 @@
-//! `<fiducial>` of a `<visual>`, which is ours: a tag that the visual bears, so that the simulator can tell where its corners
+//! `<fiducial>` of a `<visual>`, our extension: a tag on the visual, for which the simulator can publish where its corners
 //! are seen.
 
 use super::diagnostics::Diagnostics;
@@ -6,12 +6,12 @@ use super::model::Fiducial;
 use super::values::{child_number, child_pose, child_text};
 use super::xml::Element;
 
-/// What a fiducial has.
+/// The elements of a fiducial.
 const CHILDREN: [&str; 4] = ["family", "id", "size", "pose"];
-/// Longest name of a family in bytes, as many as a message has room for.
+/// Longest name of a family in bytes: a message has room for no more.
 const LONGEST_FAMILY: usize = 31;
 
-/// Those of a visual; one that cannot be is left out, with an error.
+/// Reads the fiducials of a visual; an invalid one is left out, with an error.
 pub(super) fn fiducials(visual: &Element, diagnostics: &mut Diagnostics) -> Vec<Fiducial> {
     visual.elements_named("fiducial").filter_map(|element| fiducial(element, diagnostics)).collect()
 }
@@ -19,7 +19,7 @@ pub(super) fn fiducials(visual: &Element, diagnostics: &mut Diagnostics) -> Vec<
 fn fiducial(element: &Element, diagnostics: &mut Diagnostics) -> Option<Fiducial> {
     for child in element.elements().filter(|child| !CHILDREN.contains(&child.name.as_str())) {
         let what = format!("<{}> of a <fiducial> is left out", child.name);
-        let remedy = format!("take it out: a fiducial has {}", CHILDREN.join(", "));
+        let remedy = format!("remove it: a fiducial has {}", CHILDREN.join(", "));
         diagnostics.warning(&child.source, what, remedy);
     }
     let mut missing = |name: &str, remedy: &str| {
@@ -27,7 +27,7 @@ fn fiducial(element: &Element, diagnostics: &mut Diagnostics) -> Option<Fiducial
             diagnostics.error(&element.source, format!("a <fiducial> has no <{name}>"), remedy);
         }
     };
-    missing("family", "write <family>tag36h11</family>, or what its kind is called");
+    missing("family", "write <family>tag36h11</family>, or the name of its family");
     missing("id", "write <id>7</id>: its number in the family");
     missing("size", "write <size>0.16</size>: the edge of its square in metres, without the white margin");
     let family = family(element, diagnostics);
@@ -61,7 +61,7 @@ fn family(element: &Element, diagnostics: &mut Diagnostics) -> Option<String> {
     None
 }
 
-/// Families of `AprilTag` and how many tags each has.
+/// Families of `AprilTag` and the number of tags in each.
 const APRIL_TAGS: [(&str, u32); 9] = [
     ("tag16h5", 30),
     ("tag25h9", 35),
@@ -74,7 +74,7 @@ const APRIL_TAGS: [(&str, u32); 9] = [
     ("tagStandard52h13", 48714),
 ];
 
-/// A warning for a tag that no detector knows. Other families than `AprilTag`'s are anybody's, and are taken as they are.
+/// Adds a warning for a tag that no detector knows. Families other than `AprilTag`'s are accepted as they are.
 fn warn_of_unknown(element: &Element, family: &str, id: f64, diagnostics: &mut Diagnostics) {
     let place = |name: &str| element.child(name).map_or(&element.source, |child| &child.source);
     match APRIL_TAGS.iter().find(|(known, _)| *known == family) {
@@ -83,7 +83,7 @@ fn warn_of_unknown(element: &Element, family: &str, id: f64, diagnostics: &mut D
             diagnostics.warning(place("id"), what, format!("write a number from 0 to {}", count - 1));
         }
         None if family.starts_with("tag") => {
-            let what = format!("<family> of a <fiducial> is '{family}', which is none of AprilTag's");
+            let what = format!("<family> of a <fiducial> is '{family}', which is not one of AprilTag's");
             let known = APRIL_TAGS.map(|(name, _)| name).join(", ");
             diagnostics.warning(place("family"), what, format!("these are: {known}"));
         }
@@ -91,7 +91,7 @@ fn warn_of_unknown(element: &Element, family: &str, id: f64, diagnostics: &mut D
     }
 }
 
-/// Whether a value is valid; an error if it is not.
+/// Returns true if a value is valid, and adds an error otherwise.
 fn check(
     is_valid: bool,
     element: &Element,

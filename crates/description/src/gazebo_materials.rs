@@ -1,11 +1,11 @@
-//! The material names that Gazebo classic has built in: `Gazebo/Grey`, `Gazebo/Wood`, …
+//! The materials that are built into Gazebo classic: `Gazebo/Grey`, `Gazebo/Wood`, …
 //!
 //! Robots name them in `<gazebo reference="…"><material>Gazebo/Grey</material>`, worlds in
-//! `<material><script><name>Gazebo/Grey</name>`. Ambient, diffuse and emissive are the numbers of Gazebo
-//! classic 11's own material script, as are the gloss and alpha of those that have them. What differs here:
+//! `<material><script><name>Gazebo/Grey</name>`. Ambient, diffuse and emissive colours, gloss and alpha are those of Gazebo
+//! classic 11's own material script. One thing differs:
 //!
-//! - The names that come with a picture (wood, bricks, …) give that surface's usual mean colour: the pictures
-//!   are Gazebo's own and are not shipped.
+//! - Materials with an image (wood, bricks, …) have a typical mean colour instead: the images belong to Gazebo
+//!   and are not shipped.
 
 use super::model::Material;
 
@@ -14,12 +14,12 @@ type Row = (&'static str, [f32; 3], [f32; 3], [f32; 3]);
 
 const BLACK: [f32; 3] = [0.0; 3];
 
-/// A surface whose ambient and diffuse colours are one, without light of its own.
+/// Returns a row whose ambient and diffuse colours are the same, without emission.
 const fn plain(name: &'static str, color: [f32; 3]) -> Row {
     (name, color, color, BLACK)
 }
 
-/// A surface that shines by itself.
+/// Returns a row of a surface that emits light.
 const fn glowing(name: &'static str, color: [f32; 3]) -> Row {
     (name, color, color, color)
 }
@@ -45,11 +45,11 @@ const MATERIALS: &[Row] = &[
     plain("Orange", [1.0, 0.5088, 0.0468]),
     plain("Indigo", [0.33, 0.0, 0.5]),
     plain("JointAnchor", [1.0; 3]),
-    // Gazebo takes the colours of vertices, which shapes do not have.
+    // Gazebo uses vertex colours, which shapes do not have.
     plain("PointCloud", [1.0; 3]),
     ("Gold", [0.4, 0.248_69, 0.020_759], [0.8, 0.648_69, 0.120_759], BLACK),
     ("Pioneer2Body", [0.481_193, 0.000_123, 0.000_123], [0.681_193, 0.000_923, 0.000_923], BLACK),
-    // Light of their own.
+    // Emissive materials.
     glowing("WhiteGlow", [1.0; 3]),
     glowing("RedGlow", [1.0, 0.0, 0.0]),
     glowing("GreenGlow", [0.0, 1.0, 0.0]),
@@ -76,7 +76,7 @@ const MATERIALS: &[Row] = &[
     plain("BlueTransparentOverlay", [0.0, 0.0, 1.0]),
     plain("OrangeTransparentOverlay", [1.0, 0.5088, 0.0468]),
     plain("DarkOrangeTransparentOverlay", [0.6, 0.305, 0.028]),
-    // Pictures in Gazebo, a mean colour of our choice here.
+    // Images in Gazebo; here a mean colour of our choice.
     plain("Wood", [0.62, 0.45, 0.28]),
     plain("WoodFloor", [0.60, 0.42, 0.25]),
     plain("WoodPallet", [0.66, 0.54, 0.38]),
@@ -108,7 +108,7 @@ const MATERIALS: &[Row] = &[
     plain("EditorPlane", [0.70, 0.70, 0.70]),
 ];
 
-/// Name, colour of highlights and shininess of those that are glossy.
+/// Name, highlight colour and shininess of a glossy material.
 type Gloss = (&'static str, [f32; 3], f32);
 
 #[rustfmt::skip]
@@ -151,14 +151,14 @@ const GLOSS: &[Gloss] = &[
     ("Footway", [0.01; 3], 2.0),
 ];
 
-/// Other names of materials. Gazebo's own script defines `Gray` and `DarkGray` by `Grey` and `DarkGrey`. `Torquoise` was its
-/// misspelling for years, and stands in many robots.
+/// Other names of materials. Gazebo's own script defines `Gray` and `DarkGray` as `Grey` and `DarkGrey`. `Torquoise` was
+/// misspelt there for years, and many robots use that name.
 const ALIASES: [(&str, &str); 3] = [("Gray", "Grey"), ("DarkGray", "DarkGrey"), ("Torquoise", "Turquoise")];
 
-/// Alphas of the lasers and of one that goes by another than [`TRANSPARENT`].
+/// Alphas of the lasers, and of one material whose alpha is not [`TRANSPARENT`].
 const ALPHAS: [(&str, f32); 3] = [("BlueLaser", 0.4), ("LightBlueLaser", 0.4), ("OrangeTransparent", 0.4)];
 
-/// Of all others whose name has "Transparent" in it.
+/// Alpha of all other materials with "Transparent" in their name.
 const TRANSPARENT: f32 = 0.5;
 
 fn alpha(name: &str) -> f32 {
@@ -166,7 +166,7 @@ fn alpha(name: &str) -> f32 {
     named.unwrap_or(if name.contains("Transparent") { TRANSPARENT } else { 1.0 })
 }
 
-/// The look of a built-in material, named with its prefix: `Gazebo/Grey`. None for a name that Gazebo lacks.
+/// Returns a built-in material by its full name, such as `Gazebo/Grey`. None if Gazebo has no such material.
 ///
 /// ```
 /// use belvedere_description::gazebo_materials::gazebo_material;
@@ -192,7 +192,7 @@ pub fn gazebo_material(name: &str) -> Option<Material> {
     })
 }
 
-/// Every built-in name with its prefix, for "did you mean".
+/// Returns all built-in names with their prefix, for "did you mean".
 pub fn gazebo_material_names() -> impl Iterator<Item = String> {
     MATERIALS.iter().map(|(name, ..)| format!("Gazebo/{name}"))
 }

@@ -1,8 +1,8 @@
-//! What a ray sensor looks through: the shapes of its own robot that it sits in.
+//! Housings: shapes of its own robot that enclose a ray sensor and that it looks through.
 //!
-//! A scanner is drawn as a box or a mesh with the mirror inside it, and its rays start there: taken at its word, it
-//! would see its housing and nothing else. So a shape that encloses the sensor, and that nothing can move against
-//! it, is not there for it: a collision shape, or a visual for those that see visuals. What stands beside the sensor, a mast or the plate above it, still is.
+//! A scanner is drawn as a box or a mesh, and its rays start inside. Without special treatment it would see only its own
+//! housing. So a ray sensor ignores a shape that encloses it and that nothing can move against it: a collision shape, or a
+//! visual for sensors that see visuals. Shapes beside the sensor, such as a mast or the plate above it, are still seen.
 
 use super::diagnostics::Diagnostics;
 use super::model::{Geometry, Link, LinkIndex, Mesh, Model, RaySensor, Sensor};
@@ -10,17 +10,17 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Directions in which a mesh is looked for.
+/// Number of directions in which a mesh is tested.
 const DIRECTIONS: usize = 256;
-/// A mesh that is met in so many of them is a housing: real ones have windows, and files leave faces out.
+/// A mesh that is hit in this many directions is a housing: real ones have windows, and files leave faces out.
 const ENCLOSED: usize = DIRECTIONS * 9 / 10;
-/// A sensor this near to a solid's surface counts as inside, in m.
+/// Distance to a solid's surface, in m, up to which a sensor counts as inside.
 const ON_SURFACE_M: f64 = 1e-6;
 
-/// A shape of a model: its link, and what it is there.
+/// A shape of a model: its link and its index there.
 pub type ShapeIndex = (LinkIndex, Part);
 
-/// A shape of a link, by its number among those of its kind.
+/// A shape of a link, by its index among those of its kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Part {
     /// One of its visuals.
@@ -29,14 +29,14 @@ pub enum Part {
     Collision(usize),
 }
 
-/// The shapes that a ray sensor looks through: they enclose it, and fixed joints hold them.
+/// Returns the shapes that a ray sensor looks through: they enclose it, and fixed joints connect them to it.
 pub fn housings(model: &Model, sensor: &Sensor) -> Vec<ShapeIndex> {
     let Some(ray) = sensor.kind.ray() else { return Vec::new() };
     let body = model.rigid_root(sensor.link);
     around(model, sensor, ray).filter(|(other, _)| model.rigid_root(*other) == body).collect()
 }
 
-/// The shapes of a model that a ray sensor can see and is in, with every joint at zero.
+/// Returns the shapes of a model that a ray sensor can see and that enclose it, with every joint at zero.
 fn around<'m>(model: &'m Model, sensor: &Sensor, ray: &RaySensor) -> impl Iterator<Item = ShapeIndex> + 'm {
     let model_from_sensor = model.links[sensor.link].model_from_link * sensor.link_from_sensor;
     let (origin, sees_visuals) = (model_from_sensor.translation(), ray.sees_visuals);
@@ -48,7 +48,7 @@ fn around<'m>(model: &'m Model, sensor: &Sensor, ray: &RaySensor) -> impl Iterat
     })
 }
 
-/// The visuals of a link, or its collision shapes, with their poses in it.
+/// Returns the visuals of a link, or its collision shapes, with their poses in it.
 fn shapes(link: &Link, visuals: bool) -> impl Iterator<Item = (Part, Pose, &Geometry)> {
     let (seen, hit) = if visuals { (&link.visuals[..], &[][..]) } else { (&[][..], &link.collisions[..]) };
     let seen = seen.iter().enumerate();
@@ -59,7 +59,7 @@ fn shapes(link: &Link, visuals: bool) -> impl Iterator<Item = (Part, Pose, &Geom
     seen.chain(hit)
 }
 
-/// Tells which ray sensors of a robot start inside a shape that they can see, and what comes of it.
+/// Reports which ray sensors of a robot start inside a shape that they can see, and the consequence.
 pub(super) fn report(model: &Model, gazebo_compat: bool, diagnostics: &mut Diagnostics) {
     for sensor in &model.sensors {
         let Some(ray) = sensor.kind.ray() else { continue };
@@ -75,17 +75,17 @@ pub(super) fn report(model: &Model, gazebo_compat: bool, diagnostics: &mut Diagn
             let is_rigid = model.rigid_root(link) == model.rigid_root(sensor.link);
             match part {
                 Part::Visual(_) if gazebo_compat || !is_rigid => {
-                    // Of what encloses it, it could see nothing but back faces, which are culled, and parts inside.
+                    // Of the enclosing mesh it could only see back faces, which are culled, and parts inside.
                 }
                 _ if gazebo_compat => diagnostics.warning(
                     &sensor.source,
-                    format!("{what}: it sees that where it is beyond the least range, as in Gazebo"),
+                    format!("{what}: the sensor sees it beyond the least range, as in Gazebo"),
                     "let the shape end at the sensor, or leave --gazebo-compat out",
                 ),
-                _ if is_rigid => diagnostics.note(&sensor.source, format!("{what}: it looks through it"), ""),
+                _ if is_rigid => diagnostics.note(&sensor.source, format!("{what} and looks through it"), ""),
                 _ => diagnostics.warning(
                     &sensor.source,
-                    format!("{what}, which a joint moves: it sees nothing else"),
+                    format!("{what}, which a joint moves: the sensor sees nothing else"),
                     "move the sensor, or fix that link to the sensor's",
                 ),
             }
@@ -93,7 +93,7 @@ pub(super) fn report(model: &Model, gazebo_compat: bool, diagnostics: &mut Diagn
     }
 }
 
-/// Whether a point in the frame of a shape is inside it.
+/// Returns true if a point in the frame of a shape is inside it.
 fn encloses(geometry: &Geometry, point: DVec3) -> bool {
     let beyond = |length: f64| point.z.abs() - 0.5 * length;
     let across = point.truncate().length();
@@ -111,13 +111,13 @@ fn encloses(geometry: &Geometry, point: DVec3) -> bool {
             let here = radius * (0.5 - point.z / length);
             beyond(*length) <= ON_SURFACE_M && across <= here + ON_SURFACE_M
         }
-        // Without an inside.
+        // These shapes have no inside.
         Geometry::Plane { .. } | Geometry::HeightMap(_) => false,
         Geometry::Mesh(mesh) => surrounds(mesh, point),
     }
 }
 
-/// Whether a mesh is met in nearly all directions from a point.
+/// Returns true if rays from a point hit a mesh in nearly all directions.
 fn surrounds(mesh: &Mesh, point: DVec3) -> bool {
     let corner =
         |vertex: u32| mesh.positions.get(vertex as usize).map(|at| DVec3::from(at.map(f64::from)) - point);
@@ -138,18 +138,18 @@ fn surrounds(mesh: &Mesh, point: DVec3) -> bool {
     })
 }
 
-/// Whether a ray from the origin meets a triangle (Möller–Trumbore).
+/// Returns true if a ray from the origin hits a triangle (Möller–Trumbore).
 fn meets(direction: DVec3, [a, b, c]: &[DVec3; 3]) -> bool {
     let (ab, ac) = (*b - *a, *c - *a);
     let across = direction.cross(ac);
     let volume = ab.dot(across);
     let (u, cross) = (-a.dot(across) / volume, (-*a).cross(ab));
     let v = direction.dot(cross) / volume;
-    // Not so of a flat one, whose numbers are not finite.
+    // False for a degenerate triangle, whose numbers are not finite.
     u >= 0.0 && v >= 0.0 && u + v <= 1.0 && ac.dot(cross) / volume > 0.0
 }
 
-/// Directions spread evenly over the sphere, along a spiral of golden angles.
+/// Returns directions that are evenly distributed over the sphere, along a spiral of golden angles.
 fn directions() -> impl Iterator<Item = DVec3> {
     (0..DIRECTIONS).map(|number| {
         let z = 1.0 - (2 * number + 1) as f64 / DIRECTIONS as f64;

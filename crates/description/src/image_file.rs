@@ -1,23 +1,23 @@
-//! Pictures in files.
+//! Image files.
 
 use crate::mesh::gltf::picture;
 use image::{DynamicImage, ImageFormat, ImageReader, ImageResult};
 use std::io::{self, Cursor};
 use std::path::Path;
 
-/// Reads the bytes of a picture's file. A picture inside of a glTF has a path of its own, `robot.glb#image0`.
+/// Reads the bytes of an image file. An image inside a glTF file has its own path, `robot.glb#image0`.
 ///
 /// # Errors
-/// A file that cannot be read, or holds no such picture.
+/// The file cannot be read, or contains no such image.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     picture::read(path)
 }
 
-/// Reads a picture. Its format is recognised by its content, since files such as a `wood.png` that is a JPEG exist; only
+/// Reads an image. Its format is recognised by its content, since files such as a `wood.png` that is a JPEG exist; only
 /// a format without a signature, such as TGA, is recognised by the file's extension.
 ///
 /// # Errors
-/// A file that cannot be read or decoded.
+/// The file cannot be read or decoded.
 pub fn open(path: &Path) -> ImageResult<DynamicImage> {
     let mut reader = ImageReader::new(Cursor::new(read(path)?));
     if let Ok(format) = ImageFormat::from_path(path) {
@@ -44,7 +44,7 @@ mod tests {
         }
         assert!(open(&folder.path().join("none.png")).is_err());
     }
-    /// The half of 16 bits is the half of 8.
+    /// Half of the 16-bit range becomes half of the 8-bit range.
     #[test]
     fn pictures_of_16_bits_are_read() {
         let folder = tempfile::tempdir().unwrap();

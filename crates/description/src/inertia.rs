@@ -1,18 +1,18 @@
-//! Whether an inertia tensor is one that a body can have, and the nearest one that is.
+//! Checks whether a body can have an inertia tensor, and finds the nearest one that it can have.
 //!
-//! A body's mass lies around its centre with the second moments Σ = ½ tr(I)·1 − I, none of which is negative: no
-//! principal moment of inertia is above the sum of the other two. Files break that by guessing (0.002, 0, 0), and a body
-//! that is so much harder to turn about one axis spins itself up: gyroscopic torques over next to no inertia.
+//! The second moments of a body's mass around its centre are Σ = ½ tr(I)·1 − I. None of them is negative, so no principal
+//! moment of inertia exceeds the sum of the other two. Guessed values in files, such as (0.002, 0, 0), violate this. Such a
+//! body would spin itself up: gyroscopic torques would act on next to no inertia.
 
 use super::diagnostics::{Diagnostics, Source};
 use glam::{DMat3, DVec3};
 
-/// Second moments down to minus this share of the moments' sum are what files round away.
+/// Negative second moments down to this share of their sum are attributed to rounding.
 const ROUNDING: f64 = 0.01;
-/// Rounds of Jacobi's method; three bring a 3×3 matrix to the last digit.
+/// Iterations of Jacobi's method; three converge to full precision for a 3×3 matrix.
 const ROUNDS: usize = 6;
 
-/// Tells what is wrong with the tensor ixx, iyy, izz, ixy, ixz, iyz in kg·m² of a link; false for one that is refused.
+/// Reports what is wrong with the inertia ixx, iyy, izz, ixy, ixz, iyz in kg·m² of a link; false if it is rejected.
 pub(super) fn check(inertia: [f64; 6], link: &str, source: &Source, diagnostics: &mut Diagnostics) -> bool {
     let [xx, yy, zz, xy, xz, yz] = inertia;
     if [xx, yy, zz].iter().any(|moment| *moment < 0.0) {
@@ -31,7 +31,7 @@ pub(super) fn check(inertia: [f64; 6], link: &str, source: &Source, diagnostics:
                 "no body has the inertia of the link '{link}': its products {xy} {xz} {yz} kg·m² are too large for its \
                  moments {xx} {yy} {zz}, so that it is not positive definite"
             ),
-            "the nearest one that a body can have is taken; write that of the centre of mass",
+            "the nearest one that a body can have is used; write that of the centre of mass",
         );
     } else if !is_of_a_body(moments) {
         diagnostics.note(
@@ -41,18 +41,18 @@ pub(super) fn check(inertia: [f64; 6], link: &str, source: &Source, diagnostics:
                  sum of the others",
                 moments.x, moments.y, moments.z
             ),
-            "the nearest one that a body can have is taken",
+            "the nearest one that a body can have is used",
         );
     }
     true
 }
 
-/// The six numbers as a matrix.
+/// Returns the six numbers as a matrix.
 pub fn tensor([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> DMat3 {
     DMat3::from_cols_array(&[xx, xy, xz, xy, yy, yz, xz, yz, zz])
 }
 
-/// The inertia itself if a body can have it, or else the nearest one: negative second moments become 0.
+/// Returns the inertia itself if a body can have it, or else the nearest one: negative second moments become 0.
 pub fn of_a_body(inertia: DMat3) -> DMat3 {
     let (axes, moments) = principal(inertia);
     if is_of_a_body(moments) {
@@ -63,7 +63,7 @@ pub fn of_a_body(inertia: DMat3) -> DMat3 {
     axes * DMat3::from_diagonal(moments) * axes.transpose()
 }
 
-/// Whether all principal moments of a symmetric matrix are above 0: by its leading minors (Sylvester).
+/// Returns true if all principal moments of a symmetric matrix are above 0: by its leading minors (Sylvester).
 pub fn is_positive_definite(matrix: DMat3) -> bool {
     let (x, y) = (matrix.x_axis, matrix.y_axis);
     x.x > 0.0 && x.x * y.y - x.y * x.y > 0.0 && matrix.determinant() > 0.0
@@ -74,7 +74,7 @@ fn is_of_a_body(moments: DVec3) -> bool {
     0.5 * sum - moments.max_element() >= -ROUNDING * sum
 }
 
-/// Principal axes, as columns, and moments of a symmetric matrix, by Jacobi's rotations.
+/// Returns the principal axes, as columns, and moments of a symmetric matrix, by Jacobi's rotations.
 fn principal(matrix: DMat3) -> (DMat3, DVec3) {
     let (mut axes, mut turned) = (DMat3::IDENTITY, matrix);
     for _ in 0..ROUNDS {
@@ -105,7 +105,7 @@ mod tests {
         let plate = DVec3::new(0.3, 0.1, 0.2);
         let turn = DMat3::from_euler(glam::EulerRot::ZYX, 0.3, -0.8, 1.1);
         let turned = |moments: DVec3| turn * DMat3::from_diagonal(moments) * turn.transpose();
-        // What a body can have stays as it is, to the bit.
+        // A valid inertia is returned unchanged, to the bit.
         assert_eq!(of_a_body(turned(plate)), turned(plate));
         for (given, expected) in [
             (DVec3::new(0.002, 0.0, 0.0), DVec3::new(0.002, 0.001, 0.001)),

@@ -1,17 +1,17 @@
-//! Classes of things, as gz-sim's system `Label` has them.
+//! Class labels, as in gz-sim's system `Label`.
 
 use super::diagnostics::Diagnostics;
 use super::values::child_number;
 use super::xml::Element;
 
-/// Whether a plugin is gz-sim's `Label`, under any of the names that it has had.
+/// Returns true if a plugin is gz-sim's `Label`, under any of its former names.
 pub(super) fn is_label(plugin: &Element) -> bool {
     let names =
         |attribute: &str, name: &str| plugin.attribute(attribute).is_some_and(|value| value.contains(name));
     names("filename", "label-system") || names("name", "systems::Label")
 }
 
-/// The label of what the element describes: of its plugin `Label`, 0 to 255 there and any number here.
+/// Reads the label of an element from its plugin `Label`: 0 to 255 in gz-sim, any number here.
 pub(super) fn label(element: &Element, diagnostics: &mut Diagnostics) -> Option<u32> {
     let plugin = element.elements_named("plugin").find(|plugin| is_label(plugin))?;
     let Some(child) = plugin.child("label") else {

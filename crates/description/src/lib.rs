@@ -26,7 +26,7 @@ mod topic;
 mod urdf;
 pub mod values;
 
-/// The crate `belvedere-xacro`, with which xacro files are expanded.
+/// The crate `belvedere-xacro`, which expands xacro files.
 pub use belvedere_xacro as xacro;
 pub use belvedere_xacro::{budget, diagnostics, package, suggestion, xml};
 

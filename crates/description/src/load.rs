@@ -1,8 +1,8 @@
 //! Loading robots, worlds and models from files, from texts, or by name.
 //!
-//! [`world`], [`robot`] and [`model`] are for programs that need no more: packages are looked for in `ROS_PACKAGE_PATH` and
-//! then among Belvedere's own, warnings are logged, and errors are the error. The other functions take [`LoadOptions`], or
-//! the parts of it that they need, and add whatever is wrong to [`Diagnostics`](crate::Diagnostics).
+//! [`world`], [`robot`] and [`model`] are for simple programs: packages are looked for in `ROS_PACKAGE_PATH` and
+//! then among Belvedere's own, warnings are logged, and errors are returned. The other functions accept [`LoadOptions`], or
+//! the parts of it that they need, and add problems to [`Diagnostics`](crate::Diagnostics).
 
 mod any;
 mod robot;

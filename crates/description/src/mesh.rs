@@ -1,7 +1,7 @@
 //! Triangle meshes from files: STL, Wavefront OBJ, PLY, Collada and glTF.
 //!
-//! STL, OBJ and PLY are taken as they are: metres, z up. Collada says its unit and its up axis, and in glTF y is up:
-//! see [`UpAxis`].
+//! STL, OBJ and PLY are read without conversion: metres, z up. Collada files state their unit and their up axis, and in glTF
+//! y is up: see [`UpAxis`].
 
 mod collada;
 mod faces;
@@ -22,34 +22,34 @@ use part::{Part, Unreadable, append, finish};
 use std::path::Path;
 use std::sync::Arc;
 
-/// The formats that are read, for error messages.
+/// The supported formats, for error messages.
 pub const MESH_FORMATS: &str = "stl, obj, dae (Collada), ply, gltf, glb";
 
-/// What becomes of Collada's `<up_axis>`, and of glTF's axes, of which y is up.
+/// How Collada's `<up_axis>` and glTF's axes, of which y is up, are handled.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub enum UpAxis {
-    /// Nothing: the numbers are taken as they stand, as Gazebo and rviz do, and as their models are made for.
+    /// Ignored: coordinates are not converted, as in Gazebo and rviz, for which their models are made.
     #[default]
     Ignored,
-    /// The mesh is turned so that the file's up is z, as the standard says.
+    /// Applied: the mesh is rotated so that the file's up is z, as the standards require.
     Applied,
 }
 
-/// A part of a file that stands for the whole: `<submesh>` of SDF.
+/// A part of a file that is used instead of the whole: `<submesh>` of SDF.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
 pub struct Submesh {
-    /// What the file calls it: a node or a geometry of Collada, a group of OBJ.
+    /// Name in the file: a node or a geometry of Collada, a group of OBJ.
     pub name: String,
-    /// Whether the middle of its box comes to the origin.
+    /// True if the centre of its bounding box is moved to the origin.
     pub is_centred: bool,
 }
 
-/// Loads a mesh and applies `up_axis` and `scale`. `source` is where the description asks for it.
+/// Loads a mesh and applies `up_axis` and `scale`. `source` is the place in the description that names it.
 ///
-/// If the file has several materials, that of most triangles stands for all: see [`load_mesh_parts`].
+/// If the file has several materials, the one of most triangles is used for all: see [`load_mesh_parts`].
 ///
 /// # Errors
-/// Adds one error to `diagnostics` and returns none if the file cannot be read, is broken, or holds no triangles.
+/// Adds one error to `diagnostics` and returns none if the file cannot be read, is damaged, or contains no triangles.
 pub fn load_mesh(
     path: &Path,
     scale: DVec3,
@@ -123,7 +123,7 @@ fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnos
         _ => {
             diagnostics.error(
                 source,
-                format!("the mesh {} is of a kind that is not read", path.display()),
+                format!("the mesh {} has an unsupported format", path.display()),
                 format!("convert it to one of {MESH_FORMATS}"),
             );
             return None;
@@ -141,7 +141,7 @@ fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnos
     }
 }
 
-/// The parts that a submesh means; none after an error.
+/// Returns the parts that a submesh refers to; none after an error.
 fn select(
     parts: Vec<Part>,
     submesh: &Submesh,
@@ -158,7 +158,7 @@ fn select(
         diagnostics.error(
             source,
             format!("the mesh {} has no part '{}'", path.display(), submesh.name),
-            meant.unwrap_or_else(|| "correct <submesh>, or take it out for the whole mesh".into()),
+            meant.unwrap_or_else(|| "correct <submesh>, or remove it for the whole mesh".into()),
         );
         return None;
     }
@@ -173,7 +173,7 @@ fn select(
     Some(chosen)
 }
 
-/// All parts as one mesh, with the material of most triangles.
+/// Merges all parts into one mesh, with the material of most triangles.
 pub fn merge_parts(parts: &[Arc<Mesh>]) -> Option<Arc<Mesh>> {
     if let [only] = parts {
         return Some(only.clone());

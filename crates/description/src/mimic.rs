@@ -3,11 +3,11 @@
 use super::diagnostics::Diagnostics;
 use super::model::Joint;
 
-/// Lets a joint move freely that follows itself, be it by way of others, with an error.
+/// Frees each joint that follows itself, directly or through others, and reports an error.
 pub(super) fn break_loops(joints: &mut [Joint], diagnostics: &mut Diagnostics) {
     for first in 0..joints.len() {
         let mut at = first;
-        // A way that does not come back ends after as many steps as there are joints.
+        // A path that does not return ends after at most as many steps as there are joints.
         for _ in 0..joints.len() {
             let Some(mimic) = joints[at].dynamics.mimic else { break };
             at = mimic.leader;

@@ -41,26 +41,26 @@ pub type LinkIndex = usize;
 /// Index of a joint in [`Model::joints`].
 pub type JointIndex = usize;
 
-/// A world file: models and light, and how physics is to run.
+/// A world file: models, lights, and the parameters of physics.
 #[derive(Debug, Clone)]
 pub struct World {
     /// Name in the file.
     pub name: String,
-    /// Everything that stands or moves in it, robots excepted.
+    /// All models in it, robots excepted.
     pub models: Vec<Model>,
-    /// Lamps and suns.
+    /// Lights.
     pub lights: Vec<Light>,
-    /// Light from everywhere, linear RGB in [0, 1].
+    /// Ambient light, linear RGB in [0, 1].
     pub ambient: [f32; 3],
-    /// Colour where nothing is hit.
+    /// Background colour, where no surface is hit.
     pub background: [f32; 3],
-    /// Whether lights cast shadows at all.
+    /// False if no light casts shadows.
     pub shadows: bool,
-    /// Whether colours are sRGB, and light is linear: ours, not Gazebo's.
+    /// True if colours are sRGB and light is linear: our extension, unlike Gazebo.
     pub linear_light: bool,
-    /// m/s², in the world frame.
+    /// Gravity in m/s², in the world frame.
     pub gravity: DVec3,
-    /// Where on the earth it is.
+    /// Place on the earth.
     pub earth: Earth,
     /// Physics step in seconds.
     pub max_step_size_s: f64,
@@ -69,7 +69,7 @@ pub struct World {
 }
 
 impl World {
-    /// Nothing but gravity and light from everywhere: what a world file says that says nothing (sdf/1.6).
+    /// Returns a world with gravity and ambient light only: the defaults of a world file (sdf/1.6).
     pub fn empty() -> Self {
         Self {
             name: "empty".into(),
@@ -87,18 +87,18 @@ impl World {
     }
 }
 
-/// A robot or a thing in the world: links joined into trees.
+/// A robot or an object in the world: links joined into trees.
 #[derive(Debug, Clone)]
 pub struct Model {
     /// Name in the file.
     pub name: String,
-    /// Pose of the model frame (for a URDF robot: of its root link).
+    /// Pose of the model frame (for a URDF robot: of its root link) in the world.
     pub world_from_model: Pose,
-    /// Never moves.
+    /// True if it never moves.
     pub is_static: bool,
-    /// May sleep where it rests: false for `<allow_auto_disable>false`.
+    /// True if it may sleep while it rests: false for `<allow_auto_disable>false`.
     pub may_sleep: bool,
-    /// Links in the order of the file. A parent may come after its child.
+    /// Links in the order of the file. A child may come before its parent.
     pub links: Vec<Link>,
     /// The link to which the model frame is attached: the pose of the model follows it.
     pub canonical_link: LinkIndex,
@@ -106,16 +106,16 @@ pub struct Model {
     pub joints: Vec<Joint>,
     /// Sensors in the order of the file.
     pub sensors: Vec<Sensor>,
-    /// What its own plugins make of it, in the order of the file.
+    /// Its own plugins, in the order of the file.
     pub plugins: Vec<ModelPlugin>,
-    /// What it follows instead of physics, if it is an actor that moves.
+    /// The trajectory that it follows instead of physics, if it is a moving actor.
     pub trajectory: Option<Trajectory>,
-    /// Where it stands.
+    /// File and line that define it.
     pub source: Source,
 }
 
 impl Model {
-    /// A model of nothing yet.
+    /// Creates a model without any parts.
     pub(crate) fn empty(name: String, source: Source) -> Self {
         Self {
             name,
@@ -132,20 +132,20 @@ impl Model {
         }
     }
 
-    /// Index of the link of that name.
+    /// Returns the index of the link of that name.
     pub fn link_named(&self, name: &str) -> Option<LinkIndex> {
         self.links.iter().position(|link| link.name == name)
     }
 
     /// Names the topics of sensors for which the file names none, as gz-sim does:
-    /// `/world/WORLD/model/NAME/link/LINK/sensor/SENSOR/scan`. A simulation calls it when the model comes into a world.
-    /// Returns a warning for each sensor that has the name of another one.
+    /// `/world/WORLD/model/NAME/link/LINK/sensor/SENSOR/scan`. The simulation calls it when a model is added to a world.
+    /// Returns a warning for each sensor that has the same name as another one.
     pub fn name_sensor_topics(&mut self, world: &str) -> Vec<Problem> {
         let link_name = |link: LinkIndex| self.links[link].name.as_str();
         super::sensor::gz::name_topics(&mut self.sensors, link_name, &self.name, world)
     }
 
-    /// What drives it, if anything does.
+    /// Returns the plugin that drives it, if there is one.
     pub fn base(&self) -> Option<&BasePlugin> {
         self.plugins.iter().find_map(|plugin| match plugin {
             ModelPlugin::Base(base) => Some(&**base),
@@ -153,14 +153,14 @@ impl Model {
         })
     }
 
-    /// The joint whose child is `link`, if it has a parent.
+    /// Returns the joint whose child is `link`, if it has a parent.
     pub fn joint_above(&self, link: LinkIndex) -> Option<&Joint> {
         self.joints.iter().find(|joint| joint.child == link)
     }
 
-    /// The link that stands for all that fixed joints join with `link`: the uppermost.
+    /// Returns the uppermost of the links that fixed joints join with `link`.
     pub fn rigid_root(&self, mut link: LinkIndex) -> LinkIndex {
-        // A tree has fewer steps to its root than links.
+        // The path to the root has fewer steps than there are links.
         for _ in 0..self.links.len() {
             match self.joint_above(link) {
                 Some(joint) if joint.kind == JointKind::Fixed => link = joint.parent,
@@ -170,16 +170,16 @@ impl Model {
         link
     }
 
-    /// Pose of each link in the model frame with every joint at zero, in the order of [`Model::links`].
+    /// Returns the pose of each link in the model frame with every joint at zero, in the order of [`Model::links`].
     ///
-    /// A URDF link's pose follows from its joints; an SDF link's from its own `<pose>`, which the loader put
-    /// into [`Link::model_from_link`]. Both are stored there, so this is a plain read.
+    /// The pose of a URDF link follows from its joints, that of an SDF link from its own `<pose>`. The loader stores both in
+    /// [`Link::model_from_link`], so this is a plain read.
     pub fn rest_poses(&self) -> Vec<Pose> {
         self.links.iter().map(|link| link.model_from_link).collect()
     }
 }
 
-/// A rigid part.
+/// A rigid part of a model.
 #[derive(Debug, Clone)]
 #[expect(clippy::struct_excessive_bools, reason = "each is an element of its own in the file")]
 pub struct Link {
@@ -187,29 +187,29 @@ pub struct Link {
     pub name: String,
     /// Pose in the model frame with every joint at zero.
     pub model_from_link: Pose,
-    /// Mass and inertia; none for a mere frame.
+    /// Mass and inertia; none for a link that is only a frame.
     pub inertial: Option<Inertial>,
-    /// What cameras see.
+    /// The shapes that cameras see.
     pub visuals: Vec<Visual>,
-    /// What touches, and what lidars hit.
+    /// The shapes that collide and that lidars hit.
     pub collisions: Vec<Collision>,
     /// False for `<turnGravityOff>true`.
     pub gravity: bool,
-    /// No force moves it: it keeps the velocity that it is given, at first none (`<kinematic>`).
+    /// True if no force moves it: it keeps the velocity that it is given, at first zero (`<kinematic>`).
     pub is_kinematic: bool,
-    /// What share of its linear and its angular velocity a link loses in each step (`<velocity_decay>`).
+    /// The shares of its linear and its angular velocity that a link loses in each step (`<velocity_decay>`).
     pub velocity_decay: [f64; 2],
-    /// Touches other links of its model that it is not joined to; two links do if one of them says so.
+    /// True if it collides with links of its model that it is not joined to; one of the two links suffices.
     pub self_collide: bool,
-    /// Stands still in a model that moves: of a static model inside it, or fixed to the world. So does what is fixed
-    /// to this link.
+    /// True if it stands still in a model that moves: it belongs to a static nested model, or is fixed to the world. What is
+    /// fixed to this link stands still, too.
     pub is_static: bool,
-    /// Where it stands.
+    /// File and line that define it.
     pub source: Source,
 }
 
 impl Link {
-    /// A mere frame, at the model's own.
+    /// Creates a link that is only a frame, at the model's own.
     pub(crate) fn empty(name: String, source: Source) -> Self {
         Self {
             name,
@@ -230,53 +230,53 @@ impl Link {
 /// Mass properties.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inertial {
-    /// Centre of mass, and the axes of the inertia.
+    /// Pose of the centre of mass and of the inertia's axes in the link.
     pub link_from_inertial: Pose,
-    /// kg.
+    /// Mass in kg.
     pub mass_kg: f64,
-    /// ixx, iyy, izz, ixy, ixz, iyz in kg·m².
+    /// Inertia ixx, iyy, izz, ixy, ixz, iyz in kg·m².
     pub inertia: [f64; 6],
 }
 
-/// A lamp or a sun.
+/// A light.
 #[derive(Debug, Clone)]
 pub struct Light {
     /// Name in the file.
     pub name: String,
-    /// Pose; a directional or spot light shines along [`Light::direction`].
+    /// Pose in the world; a directional or spot light shines along [`Light::direction`].
     pub world_from_light: Pose,
-    /// What kind.
+    /// Its kind.
     pub kind: LightKind,
     /// Colour times brightness.
     pub diffuse: [f32; 3],
-    /// The same of its highlights.
+    /// Colour times brightness of its highlights.
     pub specular: [f32; 3],
     /// Unit direction of the light's travel in its own frame (directional and spot).
     pub direction: DVec3,
-    /// Range in metres beyond which it gives nothing; infinite for a sun.
+    /// Range in metres beyond which it has no effect; infinite for a directional light.
     pub range_m: f64,
-    /// Brightness at distance d is 1 / (constant + linear·d + quadratic·d²), at most 1.
+    /// Coefficients of the attenuation: brightness at distance d is 1 / (constant + linear·d + quadratic·d²), at most 1.
     pub attenuation: [f64; 3],
-    /// Whether things in its way cast shadows.
+    /// True if objects cast shadows in it.
     pub cast_shadows: bool,
-    /// Where it stands.
+    /// File and line that define it.
     pub source: Source,
 }
 
 /// Kinds of [`Light`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum LightKind {
-    /// From one point to all sides.
+    /// Shines from one point in all directions.
     Point,
     /// Parallel light.
     Directional,
-    /// A cone; full angles in radians.
+    /// Shines in a cone; full angles in radians.
     Spot {
-        /// Full brightness inside.
+        /// Full angle inside which it has full brightness.
         inner_angle: f64,
-        /// Nothing outside.
+        /// Full angle outside which it has no effect.
         outer_angle: f64,
-        /// Exponent of the fall between the two: 1 is linear.
+        /// Exponent of the decrease between the two angles: 1 is linear.
         falloff: f64,
     },
 }

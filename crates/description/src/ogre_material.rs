@@ -1,6 +1,6 @@
-//! Ogre `.material` scripts, as far as they say how a surface looks: `ambient`, `diffuse` with its alpha, `specular`,
+//! Ogre `.material` scripts, as far as they define how a surface looks: `ambient`, `diffuse` with its alpha, `specular`,
 //! `emissive`, `scene_blend alpha_blend`, `alpha_rejection greater`, and the first texture with its `scale`, of the first
-//! technique. Shaders, other kinds of blending and further layers are passed over.
+//! technique. Shaders, other kinds of blending and further layers are ignored.
 
 mod script;
 
@@ -9,30 +9,30 @@ use belvedere_sensors::scene::TextureAlpha;
 use script::{Statement, problem, statements};
 use std::path::Path;
 
-/// One `material` of a script. None means that the script does not say.
+/// One `material` of a script. None means that the script does not define the value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OgreMaterial {
     /// Name after `material`.
     pub name: String,
-    /// Name after the colon: what this material does not say comes from there.
+    /// Name after the colon: the material from which undefined values are inherited.
     pub parent: Option<String>,
     /// Colour under ambient light.
     pub ambient: Option<[f32; 3]>,
     /// Colour under lamps.
     pub diffuse: Option<[f32; 3]>,
-    /// Own light.
+    /// Emitted colour.
     pub emissive: Option<[f32; 3]>,
     /// Colour of highlights, and shininess.
     pub specular: Option<[f32; 4]>,
     /// Alpha of the diffuse colour.
     pub alpha: Option<f32>,
-    /// What the alpha of the picture means.
+    /// How the alpha of the texture is interpreted.
     pub texture_alpha: Option<TextureAlpha>,
-    /// File name of the picture, and where it is named.
+    /// File name of the texture, and where the script names it.
     pub texture: Option<(String, Source)>,
-    /// How often the picture repeats: Ogre's `scale` enlarges it, so this is one over it.
+    /// Repetitions of the texture: the inverse of Ogre's `scale`.
     pub texture_repeat: Option<[f32; 2]>,
-    /// Where it stands.
+    /// File and line that define it.
     pub source: Source,
 }
 
@@ -73,7 +73,7 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
     Ok(materials)
 }
 
-/// The material of that name with everything it inherits. A parent that is missing or a circle of parents is an
+/// Returns the material of that name with everything it inherits. A missing parent or a circle of parents is an
 /// error.
 pub fn inherited(
     name: &str,
@@ -152,7 +152,7 @@ fn material(statement: &Statement, path: &Path) -> Result<OgreMaterial, Problem>
     Ok(material)
 }
 
-/// Takes from a pass what no earlier pass has said.
+/// Reads from a pass the values that no earlier pass has defined.
 fn read_pass(pass: &Statement, path: &Path, material: &mut OgreMaterial) -> Result<(), Problem> {
     for statement in &pass.block {
         let Some(word) = statement.words.first() else { continue };
@@ -192,7 +192,7 @@ fn set(slot: &mut Option<[f32; 3]>, value: Option<[f32; 3]>) {
     *slot = slot.or(value);
 }
 
-/// Finite numbers after the keyword.
+/// Reads the finite numbers after the keyword.
 fn values(statement: &Statement, path: &Path) -> Result<Vec<f32>, Problem> {
     statement.words[1..]
         .iter()
@@ -208,7 +208,7 @@ fn values(statement: &Statement, path: &Path) -> Result<Vec<f32>, Problem> {
         .collect()
 }
 
-/// `keyword r g b [a …]`; none for `vertexcolour`.
+/// Reads `keyword r g b [a …]`; none for `vertexcolour`.
 fn color(statement: &Statement, path: &Path) -> Result<Option<[f32; 3]>, Problem> {
     if statement.words.get(1).is_some_and(|word| word.starts_with("vertexcolo")) {
         return Ok(None);
@@ -224,7 +224,7 @@ fn color(statement: &Statement, path: &Path) -> Result<Option<[f32; 3]>, Problem
     }
 }
 
-/// Of `keyword r g b a`; none if it does not say.
+/// Reads the alpha of `keyword r g b a`; none if it is absent.
 fn alpha(statement: &Statement, path: &Path) -> Result<Option<f32>, Problem> {
     if statement.words.len() < 5 {
         return Ok(None);
@@ -232,7 +232,7 @@ fn alpha(statement: &Statement, path: &Path) -> Result<Option<f32>, Problem> {
     Ok(values(statement, path)?.get(3).copied())
 }
 
-/// `specular r g b [a] shininess`.
+/// Reads `specular r g b [a] shininess`.
 fn specular(statement: &Statement, path: &Path) -> Result<Option<[f32; 4]>, Problem> {
     if statement.words.get(1).is_some_and(|word| word.starts_with("vertexcolo")) {
         return Ok(None);
@@ -243,12 +243,12 @@ fn specular(statement: &Statement, path: &Path) -> Result<Option<[f32; 4]>, Prob
             path,
             statement.line,
             format!("'{}': a specular colour has four or five numbers", statement.words.join(" ")),
-            "write red, green and blue, alpha if you like, and the shininess",
+            "write red, green, blue, optionally alpha, and the shininess",
         )),
     }
 }
 
-/// `alpha_rejection greater N` or `greater_equal N`, N of 255; other functions are passed over.
+/// Reads `alpha_rejection greater N` or `greater_equal N`, N of 255; other functions are ignored.
 fn cut_out(statement: &Statement, path: &Path) -> Result<Option<TextureAlpha>, Problem> {
     let words: Vec<_> = statement.words.iter().map(String::as_str).collect();
     let [_, function @ ("greater" | "greater_equal"), value, ..] = words[..] else { return Ok(None) };
@@ -266,7 +266,7 @@ fn cut_out(statement: &Statement, path: &Path) -> Result<Option<TextureAlpha>, P
     }
 }
 
-/// `scale u v` as repeats.
+/// Reads `scale u v` as numbers of repetitions.
 fn repeat(statement: &Statement, path: &Path) -> Result<[f32; 2], Problem> {
     match values(statement, path)?[..] {
         [u, v, ..] if u != 0.0 && v != 0.0 => Ok([1.0 / u, 1.0 / v]),

@@ -1,20 +1,20 @@
-//! `<optics>` of a `<visual>` or `<collision>`, which is ours: which part of the light of lidars and depth cameras a mirror
-//! reflects and a pane lets pass.
+//! `<optics>` of a `<visual>` or `<collision>`, our extension: the shares of the light of lidars and depth cameras that a mirror
+//! reflects and a pane transmits.
 
 use super::diagnostics::Diagnostics;
 use super::model::Optics;
 use super::values::child_number;
 use super::xml::Element;
 
-/// What it has.
+/// The elements of `<optics>`.
 const CHILDREN: [&str; 2] = ["specular_reflectance", "transmittance"];
 
-/// That of an element; none if it says nothing, or what cannot be, which is an error.
+/// Reads the optics of an element; none if it has none, or if they are invalid, which is an error.
 pub(super) fn optics(element: &Element, diagnostics: &mut Diagnostics) -> Option<Optics> {
     let optics = element.child("optics")?;
     for child in optics.elements().filter(|child| !CHILDREN.contains(&child.name.as_str())) {
         let what = format!("<{}> of an <optics> is left out", child.name);
-        let remedy = format!("take it out: an optics has {}", CHILDREN.join(", "));
+        let remedy = format!("remove it: an optics has {}", CHILDREN.join(", "));
         diagnostics.warning(&child.source, what, remedy);
     }
     let shares = CHILDREN.map(|name| child_number(optics, name, diagnostics).unwrap_or(0.0));
@@ -31,10 +31,10 @@ pub(super) fn optics(element: &Element, diagnostics: &mut Diagnostics) -> Option
         diagnostics.error(
             &optics.source,
             format!(
-                "an <optics> reflects {} of the light and lets {} pass, more than all",
+                "an <optics> reflects {} of the light and transmits {}, more than 1 in total",
                 shares[0], shares[1]
             ),
-            "write shares of at most 1 together",
+            "write shares with a sum of at most 1",
         );
         return None;
     }

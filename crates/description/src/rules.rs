@@ -1,26 +1,26 @@
-//! By which rules a file is read where readers differ.
+//! Rules for reading a file where readers differ.
 
 use super::mesh::UpAxis;
 
-/// What loading goes by, besides the files.
+/// Rules that loading follows in addition to the files.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Rules {
-    /// Go on as Gazebo classic does where something is missing, with a warning in place of the error.
+    /// Continue as Gazebo classic does where something is missing, with a warning in place of the error.
     pub gazebo_compat: bool,
-    /// Leave out what a world names and nobody has, with a warning in place of the error.
+    /// Leave out missing files that a world names, with a warning in place of the error.
     pub skip_missing: bool,
-    /// Collada's `<up_axis>`.
+    /// How Collada's `<up_axis>` is handled.
     pub up_axis: UpAxis,
-    /// Which devices sensors are.
+    /// How sensors are matched with real devices.
     pub sensor_models: SensorModels,
 }
 
-/// Which devices sensors are where files ask for none.
+/// How sensors for which the file names no device are matched with real ones.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum SensorModels {
-    /// None: they measure as their elements say.
+    /// Not at all: they measure as their elements specify.
     #[default]
     AsWritten,
-    /// Those that they are known to stand for: what a Kinect's plugin publishes is a Kinect.
+    /// With the devices that they are known to stand for: a Kinect's plugin means a Kinect.
     Real,
 }

@@ -1,6 +1,6 @@
 //! `<sensor>` as SDF defines it, in SDF links and in URDF's `<gazebo reference>`.
 //!
-//! A kind of sensor is a file here, with a row in `KINDS` and a variant of [`SensorKind`], and one in `rig` (`rig/behaviour.rs`).
+//! A kind of sensor is a file here, with a row in `KINDS`, a variant of [`SensorKind`], and one in `rig` (`rig/behaviour.rs`).
 //! Defaults are those of sdf/1.6 and of the plugins of `gazebo_plugins` (ROS Noetic).
 
 mod air_pressure;
@@ -59,19 +59,19 @@ pub struct Sensor {
     pub link_from_sensor: Pose,
     /// `<always_on>`.
     pub always_on: bool,
-    /// Rate of the sensor itself; none means every physics step.
+    /// Rate of the sensor itself in Hz; none means every physics step.
     pub update_rate_hz: Option<f64>,
-    /// Rate of the plugin that publishes it; none if it gives none.
+    /// Rate of the plugin that publishes it, in Hz; none if it has none.
     pub plugin_rate_hz: Option<f64>,
-    /// What it measures, how, and what publishes it.
+    /// Kind and parameters, with the plugin that publishes it.
     pub kind: SensorKind,
-    /// Where it stands.
+    /// File and line that define it.
     pub source: Source,
 }
 
 impl Sensor {
-    /// The rate that holds for pictures and infos alike: the lower of the sensor's and its plugin's; none means
-    /// every physics step.
+    /// Returns the rate in Hz of images and infos: the lower of the sensor's and its plugin's; none means every
+    /// physics step.
     pub fn effective_rate_hz(&self) -> Option<f64> {
         match (self.update_rate_hz, self.plugin_rate_hz) {
             (Some(sensor), Some(plugin)) => Some(sensor.min(plugin)),
@@ -80,12 +80,12 @@ impl Sensor {
     }
 }
 
-/// What a sensor measures, how, and what publishes it.
+/// The kind of a sensor, with its parameters and the plugin that publishes it.
 #[derive(Debug, Clone)]
 pub enum SensorKind {
     /// Colour camera.
     Camera(Camera),
-    /// Depth camera with a colour camera in the same place.
+    /// Depth camera with a colour camera at the same place.
     Depth(DepthCamera),
     /// Lidar.
     Ray(Lidar),
@@ -93,7 +93,7 @@ pub enum SensorKind {
     Range(Rangefinder),
     /// Inertial measurement unit.
     Imu(Box<Imu>),
-    /// Receiver of satellite navigation.
+    /// Satellite navigation receiver.
     NavSat(Box<NavSat>),
     /// Magnetometer.
     Magnetometer(Box<Magnetometer>),
@@ -104,7 +104,7 @@ pub enum SensorKind {
 }
 
 impl SensorKind {
-    /// The rays along which it measures, if it does. They begin in it, so that it looks through a housing around it.
+    /// Returns the rays along which it measures, if it does. They start inside it, so it looks through a housing around it.
     pub fn ray(&self) -> Option<&RaySensor> {
         match self {
             Self::Ray(lidar) => Some(&lidar.ray),
@@ -114,26 +114,26 @@ impl SensorKind {
     }
 }
 
-/// How files write a kind of sensor.
+/// A kind of sensor in files.
 struct Kind {
     /// The types of its `<sensor>`, of Gazebo classic and of gz-sim.
     types: &'static [&'static str],
     /// The plugins that publish it, without `lib` and `.so`, the usual one first.
     plugins: &'static [&'static str],
-    /// Whether `<plugin filename="belvedere">` tells it more, which is ours.
+    /// True if `<plugin filename="belvedere">` has more parameters for it, our extension.
     is_extended: bool,
-    /// Reads what it measures, and the plugin that was chosen; none after an error.
+    /// Reads its parameters and the chosen plugin; none after an error.
     read: fn(&mut Reader<'_>, &Element) -> Option<SensorKind>,
 }
 
 impl Kind {
-    /// Whether a `<sensor>` is of one of its types.
+    /// Returns true if a `<sensor>` has one of its types.
     fn has_type(&self, sensor: &Element) -> bool {
         self.types.contains(&sensor.attribute("type").unwrap_or_default())
     }
 }
 
-/// All kinds. Where several have a type, a plugin tells them apart; without one it is the first.
+/// All kinds. If several have the same type, the plugin decides; without one it is the first.
 static KINDS: [Kind; 9] = [
     camera::KIND,
     depth::KIND,
@@ -146,8 +146,8 @@ static KINDS: [Kind; 9] = [
     air_pressure::KIND,
 ];
 
-/// Reads a `<sensor>` with its plugin. A sensor of a type that is not simulated gives none and a warning; one
-/// with a wrong value gives none and an error for each. `link_from_sensor` is what its `<pose>` says.
+/// Reads a `<sensor>` with its plugin. A sensor of an unsupported type gives none and a warning; a sensor
+/// with wrong values gives none and an error for each. `link_from_sensor` is its `<pose>`.
 pub fn parse_sensor(
     sensor: &Element,
     link: LinkIndex,
@@ -167,7 +167,7 @@ pub fn parse_sensor(
         diagnostics.warning(
             &sensor.source,
             format!("the sensor '{name}' has {what}, which is not simulated: it is left out"),
-            format!("these types are: {}", types.join(", ")),
+            format!("use one of these types: {}", types.join(", ")),
         );
         return None;
     };
@@ -190,13 +190,13 @@ pub fn parse_sensor(
     Some(read)
 }
 
-/// Words in their order, those of several kinds once.
+/// Returns the words in their order, without repetitions.
 fn each_once(words: impl Iterator<Item = &'static str>) -> Vec<&'static str> {
     let mut seen = HashSet::new();
     words.filter(|word| seen.insert(*word)).collect()
 }
 
-/// The kind that has the type of a `<sensor>`.
+/// Returns the kind that has the type of a `<sensor>`.
 fn kind_of(sensor: &Element) -> Option<&'static Kind> {
     let has_type = || KINDS.iter().filter(|kind| kind.has_type(sensor));
     let has_plugin = |kind: &&Kind| {

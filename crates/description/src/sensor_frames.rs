@@ -1,41 +1,41 @@
-//! The frames that the data of sensors are in where no link of the model is such a frame.
+//! Frames of sensor data for which the model has no link.
 //!
-//! Pictures are in optical frames: x right, y down, z forward (REP-103). Gazebo stamps pictures with whatever the plugin
-//! names; a program that projects with them by tf is then wrong by a turn of 120° about the diagonal.
+//! Images are in optical frames: x right, y down, z forward (REP-103). Gazebo stamps images with the frame that the plugin
+//! names, often not an optical one; programs that project with it through tf are then wrong by 120° about the diagonal.
 //!
-//! Other data are in the axes of their sensor. Where the file names no frame and the sensor has a `<pose>` in its link, the
-//! link is not that frame, so the sensor gets one of its own, by the name that gz-sim has for it: `MODEL/LINK/SENSOR`.
+//! Other data are in the axes of their sensor. If the file names no frame and the sensor has a `<pose>` in its link, the
+//! link is not that frame, so the sensor gets its own, with gz-sim's name for it: `MODEL/LINK/SENSOR`.
 
 use super::model::{LinkIndex, Model, Sensor, SensorKind};
 use belvedere_sensors::Pose;
 use glam::{DMat3, DQuat, DVec3};
 
-/// How far two poses that are the same may be apart, in metres and in the quaternion's components.
+/// Difference up to which two poses are equal, in metres and in the quaternion's components.
 const TOLERANCE: f64 = 1e-6;
 
-/// The most bytes of a frame's name in messages.
+/// The greatest length of a frame's name in messages, in bytes.
 const LONGEST: usize = 63;
 
-/// A frame in which a sensor's data are, beside the links of the model.
+/// A frame of a sensor's data, in addition to the links of the model.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SensorFrame {
     /// Index of the sensor in [`Model::sensors`].
     pub sensor: usize,
-    /// For a camera the name of what its plugin names, or of its link, with `_optical` behind it; for another sensor
+    /// For a camera, the frame that its plugin names, or its link, with the suffix `_optical`; for another sensor
     /// `MODEL/LINK/SENSOR`.
     pub name: String,
-    /// The link in which it stands still: the one that the plugin names, or the sensor's.
+    /// The link to which it is fixed: the one that the plugin names, or the sensor's.
     pub parent: LinkIndex,
-    /// Where it is there: at the sensor.
+    /// Pose in that link: the sensor's.
     pub parent_from_frame: Pose,
-    /// Whether the model has a link of that name and place already.
+    /// True if the model already has a link with that name and pose.
     pub is_link: bool,
 }
 
-/// Those that a model's sensors need, in their order, if their names are put into a namespace.
+/// Returns the frames that a model's sensors need, in the sensors' order, if their names are put into a namespace.
 ///
-/// A camera needs none if its plugin names an optical frame that looks its way, or something that is no link of the model or
-/// moves against the camera. Another sensor needs none if a frame is named for its data, or if it is at its link's origin.
+/// A camera needs none if its plugin names an optical frame in its direction, or a frame that is not a link of the model or
+/// moves relative to the camera. Another sensor needs none if a frame is named for its data, or if it is at its link's origin.
 pub fn sensor_frames(model: &Model, namespace: &str) -> Vec<SensorFrame> {
     let room = LONGEST.saturating_sub(if namespace.is_empty() { 0 } else { namespace.len() + 1 });
     let mut frames: Vec<SensorFrame> = Vec::new();
@@ -50,8 +50,8 @@ pub fn sensor_frames(model: &Model, namespace: &str) -> Vec<SensorFrame> {
     frames
 }
 
-/// The frame that a sensor's plugin names, empty if it names none, and whether the sensor takes pictures. None if the sensor
-/// has no plugin.
+/// Returns the frame that a sensor's plugin names, empty if it names none, and whether the sensor takes images. None if the
+/// sensor has no plugin.
 fn named_frame(kind: &SensorKind) -> Option<(&str, bool)> {
     let name = match kind {
         SensorKind::Camera(camera) => return Some((&camera.plugin.as_ref()?.frame_name, true)),
@@ -67,25 +67,25 @@ fn named_frame(kind: &SensorKind) -> Option<(&str, bool)> {
     Some((name, false))
 }
 
-/// The frame of a camera's pictures.
+/// Returns the frame of a camera's images.
 fn optical_frame(model: &Model, index: usize, name: &str, frames: &[SensorFrame]) -> Option<SensorFrame> {
     let sensor = &model.sensors[index];
     let parent = named_link(model, sensor, name)?;
     let parent_from_frame = link_from_optical(model, parent, sensor);
-    // Where another link is that frame, the sensor is put there (`rig/mount.rs`).
+    // If another link is that frame, the sensor is moved there (`rig/mount.rs`).
     let is_there = parent != sensor.link || parent_from_frame.translation().length() < TOLERANCE;
     if is_there && is_near(parent_from_frame.rotation().dot(DQuat::IDENTITY).abs(), 1.0) {
         return None;
     }
     let place = (parent, parent_from_frame);
     let plain = format!("{}_optical", model.links[parent].name);
-    // Two cameras of one frame that sit or look differently have two.
+    // Two cameras with the same frame but different poses get two frames.
     let own = format!("{}_{}_optical", model.links[parent].name, sensor.name);
     let name = if fits(model, frames, &plain, place) { plain } else { own };
     Some(frame(model, index, name, place))
 }
 
-/// The frame of another sensor, whose data name none.
+/// Returns the frame of another sensor, whose data name none.
 fn own_frame(model: &Model, index: usize, room: usize, frames: &[SensorFrame]) -> Option<SensorFrame> {
     let sensor = &model.sensors[index];
     let place = (sensor.link, sensor.link_from_sensor);
@@ -94,8 +94,8 @@ fn own_frame(model: &Model, index: usize, room: usize, frames: &[SensorFrame]) -
     }
     let parts =
         [&model.name, &model.links[sensor.link].name, &sensor.name].map(|part| part.replace("::", "/"));
-    // A message has no room for a long name: then without the model, and without the link. Two sensors of one name on a
-    // link have numbers.
+    // A message has no room for a long name: then the model is omitted, and then the link. Two sensors with the same name on a
+    // link get numbers.
     let names = (0..3).map(|first| parts[first..].join("/"));
     let numbered = names.flat_map(|name| {
         std::iter::once(name.clone())
@@ -115,7 +115,7 @@ fn frame(
     SensorFrame { sensor, name, parent, parent_from_frame, is_link }
 }
 
-/// Whether a link of this name is at this place in another link, if there is one, and so is each frame before.
+/// Returns true if a link of this name, if there is one, has this pose in another link, and so has each earlier frame.
 fn fits(
     model: &Model,
     frames: &[SensorFrame],
@@ -131,7 +131,7 @@ fn fits(
         && alike.all(|frame| frame.parent == parent && is_same(&frame.parent_from_frame, &parent_from_frame))
 }
 
-/// Those that no link of the model and no one before stands for.
+/// Returns the frames for which there is neither a link of the model nor an earlier frame.
 pub fn new_frames(frames: &[SensorFrame]) -> impl Iterator<Item = &SensorFrame> {
     let is_first = |index: usize| frames[..index].iter().all(|before| before.name != frames[index].name);
     frames
@@ -141,12 +141,12 @@ pub fn new_frames(frames: &[SensorFrame]) -> impl Iterator<Item = &SensorFrame> 
         .map(|(_, frame)| frame)
 }
 
-/// The sensor's pose when it sits in an optical frame: forward, left and up are z, −x and −y there.
+/// Returns the sensor's pose in an optical frame: forward, left and up are z, −x and −y there.
 pub fn optical_from_sensor() -> Pose {
     Pose::new(DVec3::ZERO, DQuat::from_mat3(&DMat3::from_cols(DVec3::Z, DVec3::NEG_X, DVec3::NEG_Y)))
 }
 
-/// The link that the pictures of a camera are said to be in, if it stands still against the camera.
+/// Returns the link that a camera's plugin names for its images, if it is fixed to the camera.
 fn named_link(model: &Model, sensor: &Sensor, name: &str) -> Option<LinkIndex> {
     let link = if name.is_empty() { Some(sensor.link) } else { model.link_named(name) };
     link.filter(|link| model.rigid_root(*link) == model.rigid_root(sensor.link))

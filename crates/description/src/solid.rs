@@ -1,4 +1,4 @@
-//! Mass and inertia of solid shapes of one density.
+//! Mass and inertia of solid shapes of uniform density.
 
 use super::model::{Geometry, Inertial, Mesh};
 use belvedere_sensors::Pose;
@@ -14,7 +14,7 @@ pub(super) struct Solid {
 }
 
 impl Solid {
-    /// What a shape weighs that is filled with so many kg/m³; none for one that has no volume, or no end.
+    /// Returns the mass properties of a shape with a density in kg/m³; none without a finite volume.
     pub(super) fn of(geometry: &Geometry, density: f64) -> Option<Self> {
         let about = |volume: f64, height: f64, moments: DVec3| Self {
             mass_kg: volume * density,
@@ -53,7 +53,7 @@ impl Solid {
         (solid.mass_kg > 0.0 && solid.mass_kg.is_finite()).then_some(solid)
     }
 
-    /// The same in an outer frame.
+    /// Returns the solid in an outer frame.
     pub(super) fn placed(self, outer_from_inner: &Pose) -> Self {
         let turn = outer_from_inner.rotation_matrix();
         Self {
@@ -63,7 +63,7 @@ impl Solid {
         }
     }
 
-    /// Several solids as one body; none without any.
+    /// Joins several solids into one body; none if there are none.
     pub(super) fn together(solids: &[Self]) -> Option<Self> {
         let mass_kg: f64 = solids.iter().map(|solid| solid.mass_kg).sum();
         if mass_kg <= 0.0 {
@@ -76,7 +76,7 @@ impl Solid {
         Some(Self { mass_kg, centre, inertia })
     }
 
-    /// The mass properties of a link in whose frame the solid is, with so many kg if another mass is given.
+    /// Returns the mass properties of a link whose frame the solid is in. A given mass in kg replaces that of the solid.
     pub(super) fn inertial(&self, mass_kg: Option<f64>) -> Inertial {
         let factor = mass_kg.map_or(1.0, |mass_kg| mass_kg / self.mass_kg);
         let [x, y, z] =
@@ -89,19 +89,19 @@ impl Solid {
     }
 }
 
-/// Moments of an ellipsoid of 1 kg.
+/// Returns the moments of inertia of an ellipsoid of 1 kg.
 fn ball(radii: DVec3) -> DVec3 {
     let squares = radii * radii;
     (DVec3::splat(squares.element_sum()) - squares) / 5.0
 }
 
-/// Moments of a cylinder of 1 kg along z.
+/// Returns the moments of inertia of a cylinder of 1 kg along z.
 fn cylinder(radius: f64, length: f64) -> DVec3 {
     let across = (3.0 * radius * radius + length * length) / 12.0;
     DVec3::new(across, across, 0.5 * radius * radius)
 }
 
-/// Inertia about the origin of 1 kg in a point: d²·1 − d·dᵀ.
+/// Returns the inertia about the origin of a point mass of 1 kg: d²·1 − d·dᵀ.
 fn of_a_point(d: DVec3) -> DMat3 {
     DMat3::from_diagonal(DVec3::splat(d.length_squared())) - outer(d, d)
 }
@@ -110,7 +110,7 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
     DMat3::from_cols(a * b.x, a * b.y, a * b.z)
 }
 
-/// What a closed mesh encloses: tetrahedra from the origin to each triangle, whose volumes have the sign of its side.
+/// Integrates the inside of a closed mesh: tetrahedra from the origin to each triangle, whose volumes have the sign of its side.
 fn inside(mesh: &Mesh, density: f64) -> Solid {
     let at = |vertex: u32| {
         mesh.positions.get(vertex as usize).map_or(DVec3::NAN, |point| DVec3::from(point.map(f64::from)))
@@ -124,7 +124,7 @@ fn inside(mesh: &Mesh, density: f64) -> Solid {
         // ∫ x·xᵀ over a tetrahedron with a corner in the origin.
         seconds += (outer(a, a) + outer(b, b) + outer(c, c) + outer(sum, sum)) * (part / 20.0);
     }
-    // Inside out.
+    // The mesh is inside out.
     let sign = if volume < 0.0 { -1.0 } else { 1.0 };
     let (volume, moment, seconds) = (volume * sign, moment * sign, seconds * sign);
     let centre = moment / volume;
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
     use std::sync::Arc;
 
-    /// A box as a mesh, away from the origin, weighs what a box does.
+    /// A box as a mesh, away from the origin, has the mass properties of a box.
     #[test]
     fn a_mesh_weighs_what_it_encloses() {
         let size = DVec3::new(1.0, 0.4, 0.2);
@@ -165,7 +165,7 @@ mod tests {
         }
     }
 
-    /// A capsule and a cone against sums over small cubes.
+    /// Compares a capsule and a cone with sums over small cubes.
     #[test]
     fn round_shapes_have_the_moments_of_their_parts() {
         const STEP: f64 = 0.01;

@@ -1,14 +1,14 @@
-//! Numbers and poses as they are printed.
+//! Formatting of numbers and poses.
 
 use belvedere_sensors::Pose;
 use glam::{DVec3, EulerRot};
 use std::f64::consts::PI;
 
-/// `xyz … rpy …`, as URDF writes it; what is zero is left out.
+/// Returns `xyz … rpy …`, as URDF writes it; parts that are zero are omitted.
 pub fn pose(pose: &Pose) -> String {
     let xyz = pose.translation();
     let (yaw, pitch, roll) = pose.rotation().to_euler(EulerRot::ZYX);
-    // Every rotation is written in two ways. Beyond a quarter turn the one that only pitches is what files say.
+    // Every rotation has two such representations. Beyond a quarter turn, files use the one that only pitches.
     let flipped = DVec3::new(roll - PI.copysign(roll), PI.copysign(pitch) - pitch, yaw - PI.copysign(yaw));
     let is_tilted = roll.abs() + yaw.abs() > PI;
     let rpy = if is_tilted { flipped } else { DVec3::new(roll, pitch, yaw) };
@@ -19,17 +19,17 @@ pub fn pose(pose: &Pose) -> String {
     parts.join(" ")
 }
 
-/// Its numbers, apart by spaces.
+/// Returns its numbers, separated by spaces.
 pub fn vector(vector: DVec3) -> String {
     vector.to_array().map(number).join(" ")
 }
 
-/// In radians and degrees.
+/// Returns an angle in radians and degrees.
 pub fn angle(radians: f64) -> String {
     format!("{} rad ({:.2}°)", number(radians), radians.to_degrees())
 }
 
-/// At most seven decimals, and none that say nothing.
+/// Returns a number with at most seven decimals and without trailing zeros.
 pub fn number(value: f64) -> String {
     if !value.is_finite() {
         return value.to_string();

@@ -3,10 +3,10 @@
 use super::diagnostics::Diagnostics;
 use super::xml::Element;
 
-/// Elements that are parts of topics, beside those whose names end in `topic`.
+/// Elements that are parts of topics, in addition to those whose names end in `topic`.
 const PARTS: [&str; 5] = ["robotnamespace", "node_namespace", "cameraname", "camera_name", "namespace"];
 
-/// An error for each topic, or part of one, in the children of an element that no stream can be called by.
+/// Adds an error for each topic, or part of one, in an element's children that is not valid as the name of a stream.
 pub(super) fn check(parent: &Element, diagnostics: &mut Diagnostics) {
     for child in parent.elements() {
         let name = child.name.to_ascii_lowercase();

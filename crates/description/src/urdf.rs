@@ -1,16 +1,16 @@
-//! URDF with Gazebo's extensions: an expanded `<robot>` in, a [`Model`] out.
+//! URDF with Gazebo's extensions: converts an expanded `<robot>` to a [`Model`].
 //!
 //! | file | reads |
 //! |---|---|
-//! | `link` | `<link>`: mass, what is seen, what is touched |
+//! | `link` | `<link>`: mass, visuals, collisions |
 //! | `joint` | `<joint>` |
-//! | `tree` | the tree that links and joints make, and the poses in it |
+//! | `tree` | the tree of links and joints, and the poses in it |
 //! | `geometry`, `material` | shapes and their looks |
-//! | `files` | where `package://` and other names of files point to |
-//! | `plain` | the same robot for stricter readers |
-//! | `gazebo` | `<gazebo>`: sensors and what Gazebo overrides |
+//! | `files` | resolution of `package://` and other file names |
+//! | `plain` | rewrites a robot for stricter parsers |
+//! | `gazebo` | `<gazebo>`: sensors, and properties that Gazebo overrides |
 //!
-//! `<transmission>` and whatever else neither moves nor shows anything here is passed over in silence.
+//! `<transmission>` and other elements without any effect here are ignored silently.
 
 mod files;
 mod gazebo;
@@ -37,7 +37,7 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What problems call the picture of a surface.
+/// The word for the image of a surface in problems.
 const TEXTURE: &str = "texture";
 
 /// Meshes already read, by file and scale: wheels share theirs.
@@ -48,13 +48,13 @@ struct Loader<'a> {
     packages: &'a PackagePath,
     rules: Rules,
     diagnostics: &'a mut Diagnostics,
-    /// Materials that have a name, wherever in the file they are defined.
+    /// Materials with a name, wherever in the file they are defined.
     materials: HashMap<String, Material>,
     meshes: MeshCache,
 }
 
-/// Reads a robot that xacro has expanded. Whatever is wrong is added to `diagnostics`; none is returned when
-/// links and joints make no tree.
+/// Reads a robot that xacro has expanded. Problems are added to `diagnostics`; none is returned if
+/// links and joints do not form a tree.
 pub(super) fn load_urdf(
     robot: &Element,
     packages: &PackagePath,
@@ -79,7 +79,7 @@ pub(super) fn load_urdf(
     is_tree.then_some(model)
 }
 
-/// Whether it is a robot's file at all; an error if not.
+/// Returns true if the file is a robot's, and adds an error otherwise.
 pub(super) fn is_robot(root: &Element, diagnostics: &mut Diagnostics) -> bool {
     if root.name != "robot" {
         diagnostics.error(
@@ -92,7 +92,7 @@ pub(super) fn is_robot(root: &Element, diagnostics: &mut Diagnostics) -> bool {
 }
 
 impl Loader<'_> {
-    /// A thing that cannot be had: an error, or a warning where Gazebo goes on without it.
+    /// Reports a missing object: an error, or a warning where Gazebo continues without it.
     fn missing(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
         if self.rules.gazebo_compat {
             self.diagnostics.warning(source, what, remedy);
@@ -101,7 +101,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Says what is not simulated or not known.
+    /// Reports what is not simulated or unknown.
     fn compare_elements(&mut self, robot: &Element, model: &Model) {
         let extensions = robot.elements_named("gazebo").map(|extension| {
             let reference = extension.attribute("reference").filter(|name| !name.is_empty());
@@ -115,7 +115,7 @@ impl Loader<'_> {
         elements::report(std::iter::once((robot, "urdf_robot")).chain(extensions), self.diagnostics);
     }
 
-    /// The name of a link or joint; an error if it has none or one that is taken.
+    /// Returns the name of a link or joint; an error if it has none or its name is taken.
     fn unique_name<'s>(
         &mut self,
         element: &Element,
@@ -142,7 +142,7 @@ impl Loader<'_> {
     }
 }
 
-/// "did you mean …" for the name of a link, empty if there are no links.
+/// Returns "did you mean …" for the name of a link, empty if there are no links.
 fn nearest_link(name: &str, links: &[Link]) -> String {
     did_you_mean(name, links.iter().map(|link| link.name.as_str())).unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! Numbers, vectors and poses out of XML text, with one clear error where they are not.
+//! Parsing of numbers, vectors and poses in XML text, with one clear error for each invalid value.
 
 use super::diagnostics::{Diagnostics, Source};
 use super::xml::Element;
@@ -47,24 +47,24 @@ pub fn numbers<const N: usize>(
     Some(values)
 }
 
-/// One finite number.
+/// Parses one finite number.
 pub fn number(text: &str, what: &str, source: &Source, diagnostics: &mut Diagnostics) -> Option<f64> {
     numbers::<1>(text, what, source, diagnostics).map(|[value]| value)
 }
 
-/// The number inside the child element `name`, or none if there is no such child. A child that is not a number
+/// Returns the number inside the child element `name`, or none if there is no such child. A child that is not a number
 /// is an error and counts as absent.
 pub fn child_number(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<f64> {
     let child = parent.child(name)?;
     number(&child.text(), &format!("<{name}>"), &child.source, diagnostics)
 }
 
-/// The text inside the child element `name`, if it is there and not empty.
+/// Returns the text inside the child element `name`, if it is there and not empty.
 pub fn child_text(parent: &Element, name: &str) -> Option<String> {
     parent.child(name).map(Element::text).filter(|text| !text.is_empty())
 }
 
-/// The boolean inside the child element `name`: `true`, `1`, `false`, `0` in any case.
+/// Returns the boolean inside the child element `name`: `true`, `1`, `false`, `0` in any case.
 pub fn child_bool(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<bool> {
     let child = parent.child(name)?;
     let text = child.text();
@@ -139,7 +139,7 @@ pub(crate) fn parse_pose(
     }
 }
 
-/// URDF `<origin xyz="…" rpy="…"/>` inside `parent`; identity if there is none.
+/// Reads URDF's `<origin xyz="…" rpy="…"/>` inside `parent`; the identity if there is none.
 pub fn child_origin(parent: &Element, diagnostics: &mut Diagnostics) -> Pose {
     let Some(origin) = parent.child("origin") else { return Pose::IDENTITY };
     let mut vector = |name: &str| {
@@ -152,10 +152,10 @@ pub fn child_origin(parent: &Element, diagnostics: &mut Diagnostics) -> Pose {
     xyz.zip(rpy).map_or(Pose::IDENTITY, |(xyz, rpy)| Pose::from_xyz_rpy(xyz, rpy))
 }
 
-/// Friction that is stronger than any force in a simulation.
+/// A coefficient of friction that is stronger than any force in a simulation.
 const UNLIMITED_FRICTION: f64 = 1e6;
 
-/// A coefficient of friction. One below 0 is unlimited, as in Gazebo, with a warning.
+/// Returns a coefficient of friction. One below 0 means unlimited, as in Gazebo, with a warning.
 pub fn friction_coefficient(mu: f64, what: &str, source: &Source, diagnostics: &mut Diagnostics) -> f64 {
     if mu >= 0.0 {
         return mu;
@@ -165,7 +165,7 @@ pub fn friction_coefficient(mu: f64, what: &str, source: &Source, diagnostics: &
     UNLIMITED_FRICTION
 }
 
-/// A number that is not below 0. One that is counts as 0, with a warning.
+/// Returns a number that is not below 0. A negative one counts as 0, with a warning.
 pub(crate) fn not_negative(value: f64, what: &str, source: &Source, diagnostics: &mut Diagnostics) -> f64 {
     if value >= 0.0 {
         return value;
@@ -174,7 +174,7 @@ pub(crate) fn not_negative(value: f64, what: &str, source: &Source, diagnostics:
     0.0
 }
 
-/// A share in [0, 1]. One outside counts as the nearer end, with a warning.
+/// Returns a share in [0, 1]. One outside counts as the nearer bound, with a warning.
 pub(crate) fn share(value: f64, what: &str, source: &Source, diagnostics: &mut Diagnostics) -> f64 {
     let within = value.clamp(0.0, 1.0);
     if within != value {

@@ -100,7 +100,7 @@ pub(super) fn randomization(
 struct Checked<'a> {
     text: &'a Text<'a>,
     diagnostics: &'a mut Diagnostics,
-    /// Whether all worlds and the robot are loaded.
+    /// True if all worlds and the robot are loaded.
     has_names: bool,
 }
 
@@ -131,7 +131,7 @@ impl Checked<'_> {
             let source = self.text.source(&colors.span());
             if table.color.is_some() {
                 let what = "a table of materials has both color and colors";
-                self.diagnostics.error(&source, what, "write the one or the other");
+                self.diagnostics.error(&source, what, "write one or the other");
             } else if colors.get_ref().is_empty() || !colors.get_ref().iter().all(is_color) {
                 let what = format!("colors = {:?}", colors.get_ref());
                 self.diagnostics.error(&source, what, "write one or more [red, green, blue] of 0 to 1");

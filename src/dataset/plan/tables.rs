@@ -99,7 +99,7 @@ pub(super) fn sensors(
         if let Some(forward) = truth.iter().find(|truth| truth.get_ref() == "flow_forward") {
             let source = text.source(&forward.span());
             let what = "flow_forward is known only after the next frame";
-            diagnostics.error(&source, what, "ask for flow_back");
+            diagnostics.error(&source, what, "use flow_back");
         }
         sensors.push(SensorPlan {
             name: name.get_ref().clone(),

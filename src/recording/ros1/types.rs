@@ -1,21 +1,21 @@
-//! The types of images, scans and clouds, and of our own message of ROS 1. Fields and constants are those of the
-//! packages in Noetic, so that the sums that readers compute from them agree; comments do not count.
+//! ROS 1 types of images, scans and clouds, and of our own message. Fields and constants are those of the
+//! packages in Noetic, so that readers compute the same MD5 sums; comments do not affect the sums.
 
 use belvedere_bridge::Ros1Message;
 
-/// A type of message.
+/// A ROS 1 message type.
 #[derive(Debug, Clone, Copy)]
 pub struct MessageType {
-    /// `package/Type`.
+    /// Name in the form `package/Type`.
     pub name: &'static str,
     definition: Definition,
 }
 
 #[derive(Debug, Clone, Copy)]
 enum Definition {
-    /// The fields of the type itself, and the types of its parts with theirs.
+    /// The fields of the type itself, and the names and fields of the types that it contains.
     Text(&'static str, &'static [(&'static str, &'static str)]),
-    /// That of a payload struct.
+    /// The definition of a payload struct.
     Struct(Ros1Message),
 }
 
@@ -28,7 +28,7 @@ impl MessageType {
         Self { name, definition: Definition::Text(fields, parts) }
     }
 
-    /// The definition with those of all parts behind it, as `ros1msg` wants it.
+    /// Returns the definition followed by those of all contained types, as `ros1msg` requires.
     pub fn definition(&self) -> String {
         match self.definition {
             Definition::Text(fields, parts) => {
@@ -76,13 +76,13 @@ pub(super) const POINT_CLOUD: MessageType = MessageType::new(
     ],
 );
 
-/// Of our own: what ROS's messages leave out.
+/// Our own message: the data that ROS's messages leave out.
 pub(super) const FRAME: MessageType = MessageType::new(
     "belvedere/Frame",
     "# A frame as it was in shared memory; the layout of its header and payload is Belvedere's wire format.\n\
      uint8[] header\n\
-     # Where payload is empty and the header tells of one: it is part of the message before this one, of the\n\
-     # stream's own topic, from this byte on.\n\
+     # If payload is empty although the header states a length: the payload is part of the previous message, on\n\
+     # the stream's own topic, starting at this byte.\n\
      uint64 payload_offset\n\
      uint8[] payload",
     &[],

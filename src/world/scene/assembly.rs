@@ -37,7 +37,7 @@ pub(super) struct Placed {
 #[derive(Debug, Default)]
 pub(super) struct Assembly {
     pub(super) builder: SceneBuilder,
-    /// Textures by path, and whether they are opaque; `None` for a picture that cannot be used.
+    /// Textures by path, and true for opaque ones; `None` for an image that cannot be used.
     textures: HashMap<PathBuf, Option<(TextureId, bool)>>,
     normal_maps: HashMap<PathBuf, Option<TextureId>>,
     /// Meshes by address, which is valid only while their models are borrowed.
@@ -47,7 +47,7 @@ pub(super) struct Assembly {
     pub(super) placed: Vec<Vec<Vec<Placed>>>,
     pub(super) fiducials: Vec<PlacedFiducial>,
     pub(super) bare: Option<MaterialId>,
-    /// Warnings about pictures that cannot be used, which nobody has taken yet.
+    /// Warnings about images that cannot be used, until they are taken.
     pub(super) notes: Vec<Problem>,
 }
 
@@ -232,7 +232,7 @@ impl Assembly {
         self.builder.add_material(&config).map_err(|error| refused(error, source))
     }
 
-    /// Returns the normal map from a picture, or `None`, after a warning, if the picture cannot be used.
+    /// Returns the normal map from an image, or `None`, after a warning, if the image cannot be used.
     fn normal_map(&mut self, path: &Path, source: &Source) -> Option<TextureId> {
         if let Some(known) = self.normal_maps.get(path) {
             return *known;
@@ -247,7 +247,7 @@ impl Assembly {
         added
     }
 
-    /// Returns the texture from a picture, and whether all of it is opaque; or `None`, after a warning, if the picture
+    /// Returns the texture from an image, and whether all of it is opaque; or `None`, after a warning, if the image
     /// cannot be used.
     fn texture(&mut self, path: &Path, source: &Source) -> Option<(TextureId, bool)> {
         if let Some(known) = self.textures.get(path) {
@@ -275,7 +275,7 @@ fn open(path: &Path, source: &Source) -> Result<image::RgbaImage, Problem> {
     Ok(rgba(picture))
 }
 
-/// Converts a picture to four channels of eight bits. The usual formats are widened directly, because the library
+/// Converts an image to four channels of eight bits. The usual formats are widened directly, because the library
 /// converts all formats via floats, which took a third of the time of loading a world.
 fn rgba(picture: DynamicImage) -> image::RgbaImage {
     let (width, height) = (picture.width(), picture.height());
@@ -298,7 +298,7 @@ fn rgba(picture: DynamicImage) -> image::RgbaImage {
     image::RgbaImage::from_raw(width, height, texels).unwrap_or_else(|| picture.into_rgba8())
 }
 
-/// Returns the warning about a picture that cannot be used. As in Gazebo, the surface is drawn without it.
+/// Returns the warning about an image that cannot be used. As in Gazebo, the surface is drawn without it.
 fn unused(path: &Path, source: &Source, error: &dyn std::error::Error) -> Problem {
     Problem {
         severity: Severity::Warning,

@@ -1,4 +1,4 @@
-//! A world, a robot or a thing, whichever a file, a name or a text stands for.
+//! Loading a world, a robot or an object from a file, a name or a text that may be any of them.
 
 use super::robot::{LoadOptions, is_bare, load_robot, not_found, robot_names};
 use super::world::{load_world, world_names};
@@ -9,9 +9,9 @@ use crate::xml::Element;
 use crate::{sdf, urdf, xacro};
 use std::path::Path;
 
-/// What was read.
+/// The result: a world or a model.
 #[derive(Debug, Clone)]
-#[allow(clippy::large_enum_variant, reason = "one a program: nobody stores many")]
+#[allow(clippy::large_enum_variant, reason = "one per program: no collection stores many")]
 pub enum Described {
     /// The `<world>` of an SDF file.
     World(World),
@@ -19,10 +19,10 @@ pub enum Described {
     Model(Model),
 }
 
-/// Loads a file, or one of ours by its name. A name that both a robot and a world have is the robot's.
+/// Loads a file, or one of our own worlds and robots by its name. If a robot and a world have the same name, it is the robot.
 ///
 /// # Errors
-/// Whatever is wrong is added to `diagnostics`; what is returned beside errors is not to be used.
+/// Problems are added to `diagnostics`; do not use what is returned if it has errors.
 pub fn load(
     file_or_name: impl AsRef<Path>,
     options: &LoadOptions,
@@ -53,8 +53,8 @@ pub fn load(
     }
 }
 
-/// Reads the text of an SDF, URDF or xacro file. `name` stands for the file in problems; names in the text that are
-/// relative refer to its folder.
+/// Reads the text of an SDF, URDF or xacro file. `name` stands for the file in problems; relative names in the text refer
+/// to its folder.
 ///
 /// # Errors
 /// As [`load`].
@@ -85,12 +85,12 @@ pub fn load_text(
     }
 }
 
-/// Whether it is a world: a file that says so in its first element, or else a name that only worlds have.
+/// Returns true if it is a world: a file with a world in its first element, or else a name that only worlds have.
 pub fn is_world(file_or_name: impl AsRef<Path>, options: &LoadOptions) -> bool {
     let path = file_or_name.as_ref();
     if path.is_file() {
         return match Element::parse_file(path) {
-            // An SDF file of one model is a robot, or a thing.
+            // An SDF file of one model is a robot, or an object.
             Ok(root) => matches!(root.name.as_str(), "sdf" | "gazebo") && root.child("model").is_none(),
             Err(_) => path.extension().is_some_and(|extension| extension == "world" || extension == "sdf"),
         };

@@ -1,4 +1,4 @@
-//! Robots: found by file or by name, expanded by xacro, loaded from URDF.
+//! Loading of robots: found by file or by name, expanded by xacro, read from URDF.
 
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::Model;
@@ -10,30 +10,30 @@ use crate::xml::Element;
 use crate::{sdf, urdf, xacro};
 use std::path::{Path, PathBuf};
 
-/// The package whose `robots` folder holds the robots that have names.
+/// The package whose `robots` folder contains the named robots.
 const PACKAGE: &str = "turtlebot_description";
 
-/// What the names' files end in.
+/// The end of the file names of these robots.
 const EXTENSION: &str = ".urdf.xacro";
 
-/// The robot of the main job.
+/// The robot of the standard scenario.
 const DEFAULT_ROBOT: &str = "kobuki_nostack_camera";
 
-/// What [`load_robot`] goes by.
+/// Options of [`load_robot`].
 #[derive(Debug, Clone)]
 pub struct LoadOptions {
-    /// Where packages are found.
+    /// Folders in which packages are found.
     pub packages: PackagePath,
-    /// How they are read.
+    /// Rules for reading files.
     pub rules: Rules,
-    /// What `$(arg name)` gives in the robot's xacro, as (name, value).
+    /// Values of `$(arg name)` in the robot's xacro, as (name, value).
     pub xacro_args: Vec<(String, String)>,
 }
 
-/// An argument of xacro as roslaunch writes it: `name:=value`.
+/// Parses a xacro argument in the form of roslaunch: `name:=value`.
 ///
 /// # Errors
-/// In words: what it should look like.
+/// A text that shows the expected form.
 pub fn xacro_argument(text: &str) -> Result<(String, String), String> {
     match text.split_once(":=") {
         Some((name, value)) if !name.is_empty() && !name.contains(char::is_whitespace) => {
@@ -43,8 +43,8 @@ pub fn xacro_argument(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// The robot that is loaded if none is asked for, as in the articles: `TURTLEBOT_BASE`, `TURTLEBOT_STACKS` and
-/// `TURTLEBOT_3D_SENSOR` choose `BASE_STACKS_SENSOR`; those that are not set are `kobuki`, `nostack`, `camera`.
+/// Returns the robot that is loaded by default, as in the articles: `TURTLEBOT_BASE`, `TURTLEBOT_STACKS` and
+/// `TURTLEBOT_3D_SENSOR` choose `BASE_STACKS_SENSOR`; unset ones default to `kobuki`, `nostack`, `camera`.
 pub fn default_robot_name() -> String {
     chosen_name(|variable| std::env::var(variable).ok())
 }
@@ -67,8 +67,8 @@ fn chosen_name(variable: impl Fn(&str) -> Option<String>) -> String {
 /// `turtlebot_description` package on the package path, the user's first.
 ///
 /// # Errors
-/// Whatever is wrong is added to `diagnostics`. None is returned when there is no robot at all; one that is
-/// returned while `diagnostics` has errors is good for showing, not for running.
+/// Problems are added to `diagnostics`. None is returned if there is no robot at all; a robot that is
+/// returned while `diagnostics` has errors can be shown but must not be run.
 pub fn load_robot(
     file_or_name: impl AsRef<Path>,
     options: &LoadOptions,
@@ -87,7 +87,7 @@ pub fn load_robot(
     }
 }
 
-/// A robot from an SDF file of one model.
+/// Loads a robot from an SDF file of one model.
 fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
     diagnostics.opened(path);
     match Element::parse_file(path) {
@@ -99,13 +99,13 @@ fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -
     }
 }
 
-/// Expands a robot as [`load_robot`] does and gives it as one plain URDF: without xacro, with meshes and textures by
-/// absolute names and each material defined once, so that ROS's programs can read it. What is meant for Gazebo stays.
+/// Expands a robot as [`load_robot`] does and returns it as one plain URDF that ROS's programs can read: without xacro, with
+/// absolute names of meshes and textures, and with each material defined once. Elements for Gazebo are kept. Links are added
+/// for the [`sensor_frames`](crate::sensor_frames::sensor_frames).
 ///
 /// # Errors
-/// Whatever is wrong is added to `diagnostics`. None is returned when the file cannot be expanded; whether its content
-/// makes a robot is not looked at. The frames that the
-/// data of sensors are in come along, as [`sensor_frames`](crate::sensor_frames::sensor_frames) has them.
+/// Problems are added to `diagnostics`. None is returned if the file cannot be expanded; whether its content is a valid
+/// robot is not checked.
 pub fn expand_robot(
     file_or_name: impl AsRef<Path>,
     packages: &PackagePath,
@@ -149,12 +149,12 @@ fn find_robot(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics
     None
 }
 
-/// Whether it is a name, or a file right here.
+/// Returns true for a name, or a file in the current folder.
 pub(super) fn is_bare(file_or_name: &Path) -> bool {
     file_or_name.components().count() == 1 && file_or_name.file_name() == Some(file_or_name.as_os_str())
 }
 
-/// Says that there is no such file, or nothing of such a name: what has an extension is a file.
+/// Reports that there is no such file, or nothing of that name. A name with an extension is a file.
 pub(super) fn not_found<'a>(
     file_or_name: &Path,
     what: &str,
@@ -172,13 +172,13 @@ pub(super) fn not_found<'a>(
     diagnostics.error(&Source::new(file_or_name, 0), what, remedy);
 }
 
-/// Which names there are and where they were looked for, as the end of a remedy.
+/// Lists the names and where they were looked for, as the end of a remedy.
 pub(super) fn one_of(names: &[String], packages: &PackagePath) -> String {
     let listed = if names.is_empty() { "none found".into() } else { names.join(", ") };
     format!("one of these names: {listed} (looked for in {})", searched(packages))
 }
 
-/// The names that [`load_robot`] knows, sorted.
+/// Returns the names that [`load_robot`] knows, sorted.
 pub fn robot_names(packages: &PackagePath) -> Vec<String> {
     let mut names: Vec<String> = packages
         .folders()

@@ -1,5 +1,5 @@
-//! Worlds, robots and models in one call, for programs that need no more than that: packages are looked for in
-//! `ROS_PACKAGE_PATH` and then among our own, what is ignored is logged, what is wrong is the error.
+//! Loading of worlds, robots and models in one call, for simple programs: packages are looked for in
+//! `ROS_PACKAGE_PATH` and then among our own, warnings are logged, and errors are returned.
 
 use super::robot::{LoadOptions, load_robot};
 use super::text::load_model_text;
@@ -11,7 +11,7 @@ use crate::package::PackagePath;
 use crate::rules::Rules;
 use std::fmt;
 
-/// What makes a description useless, all of it, one line each.
+/// All errors in a description, one per line.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Errors(pub Vec<Problem>);
 
@@ -24,7 +24,7 @@ impl fmt::Display for Errors {
 
 impl std::error::Error for Errors {}
 
-/// A world from an SDF file, or one of ours by its name.
+/// Loads a world from an SDF file, or one of ours by its name.
 ///
 /// ```
 /// let world = belvedere_description::load::world("corridor")?;
@@ -34,24 +34,24 @@ impl std::error::Error for Errors {}
 /// ```
 ///
 /// # Errors
-/// Whatever is wrong with it.
+/// All errors in the world.
 pub fn world(file_or_name: &str) -> Result<World, Errors> {
     finish(|diagnostics| load_world(file_or_name, &packages(), Rules::default(), diagnostics))
 }
 
-/// A robot from a URDF or xacro file, or one of ours by its name.
+/// Loads a robot from a URDF or xacro file, or one of ours by its name.
 ///
 /// # Errors
-/// Whatever is wrong with it.
+/// All errors in the robot.
 pub fn robot(file_or_name: &str) -> Result<Model, Errors> {
     let options = LoadOptions { packages: packages(), rules: Rules::default(), xacro_args: Vec::new() };
     finish(|diagnostics| load_robot(file_or_name, &options, diagnostics))
 }
 
-/// A model from the text of a URDF or SDF file.
+/// Loads a model from the text of a URDF or SDF file.
 ///
 /// # Errors
-/// Whatever is wrong with it.
+/// All errors in the model.
 pub fn model(text: &str) -> Result<Model, Errors> {
     finish(|diagnostics| load_model_text(text, "text", &packages(), Rules::default(), diagnostics))
 }

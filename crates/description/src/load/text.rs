@@ -1,4 +1,4 @@
-//! A single model from a text, as it is put into a running world; a world from a text, as a recording keeps it.
+//! Loading of a single model from a text, for adding it to a running world, and of a world from a text, as in a recording.
 
 use crate::diagnostics::Diagnostics;
 use crate::model::{Model, World};
@@ -11,10 +11,10 @@ use std::path::Path;
 /// Reads a model from the text of a URDF (`<robot>`, xacro already expanded) or SDF file (`<sdf>` with one `<model>`).
 /// `name` stands for the file in problems.
 ///
-/// Of an SDF model [`Model::world_from_model`] is its own `<pose>`; of a URDF one it is the identity.
+/// For an SDF model, [`Model::world_from_model`] is its own `<pose>`; for a URDF model it is the identity.
 ///
 /// # Errors
-/// Whatever is wrong is added to `diagnostics`; a model that is returned beside errors is not to be used.
+/// Problems are added to `diagnostics`; do not use a model that is returned if it has errors.
 pub fn load_model_text(
     text: &str,
     name: &str,
@@ -32,8 +32,8 @@ pub fn load_model_text(
     }
 }
 
-/// Reads the first world of the text of an SDF file. `name` stands for the file in problems, and what the world names by
-/// relative paths is looked for beside it.
+/// Reads the first world of the text of an SDF file. `name` stands for the file in problems, and relative paths in the world
+/// refer to its folder.
 ///
 /// # Errors
 /// As [`load_model_text`].

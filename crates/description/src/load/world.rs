@@ -1,4 +1,4 @@
-//! Worlds: found by file or by name, loaded from SDF.
+//! Loading of worlds: found by file or by name, read from SDF.
 
 use super::robot::{is_bare, not_found, one_of};
 use crate::diagnostics::{Diagnostics, Source};
@@ -8,13 +8,13 @@ use crate::rules::Rules;
 use crate::sdf;
 use std::path::{Path, PathBuf};
 
-/// The world of the main job.
+/// The world of the standard scenario.
 const DEFAULT_WORLD: &str = "tag_ceiling";
 
-/// Extensions that a world file may have, in the order in which a name is tried.
+/// Extensions of world files, in the order in which a name is tried.
 const EXTENSIONS: [&str; 2] = ["world", "sdf"];
 
-/// The world that is loaded if none is asked for: `TURTLEBOT_GAZEBO_WORLD_FILE` as in the articles, else our
+/// Returns the world that is loaded by default: `TURTLEBOT_GAZEBO_WORLD_FILE` as in the articles, else our
 /// tag-ceiling room.
 pub fn default_world() -> PathBuf {
     std::env::var_os("TURTLEBOT_GAZEBO_WORLD_FILE")
@@ -27,13 +27,13 @@ pub fn default_world() -> PathBuf {
 /// A name has neither a path separator nor an extension: `playground` is `worlds/playground.world` of a
 /// `turtlebot_gazebo` package on the package path, else of our own `models/`.
 ///
-/// With `gazebo_compat` or `skip_missing` it goes on as Gazebo does where a model, mesh, texture or material is missing.
-/// A world of the user's that is found by name and lacks some gives way to ours of that name, with a warning:
-/// `turtlebot_gazebo`'s own need Gazebo's database of models.
+/// With `gazebo_compat` or `skip_missing`, missing models, meshes, textures and materials are tolerated as in Gazebo.
+/// If a world of the user's that is found by name has missing files, our world of that name is used, with a warning:
+/// `turtlebot_gazebo`'s own worlds need Gazebo's model database.
 ///
 /// # Errors
-/// Whatever is wrong is added to `diagnostics`. None is returned when there is no world at all; a world that is
-/// returned while `diagnostics` has errors is good for showing, not for running.
+/// Problems are added to `diagnostics`. None is returned if there is no world at all; a world that is
+/// returned while `diagnostics` has errors can be shown but must not be run.
 pub fn load_world(
     file_or_name: impl AsRef<Path>,
     packages: &PackagePath,
@@ -51,7 +51,7 @@ pub fn load_world(
     {
         diagnostics.warning(
             &Source::new(&path, 0),
-            "the world names models, meshes or textures that are not found: our own world of its name takes its place",
+            "the world names models, meshes or textures that are not found: our own world of its name is used instead",
             "add the folder that has them with --package-path, or give the path of the world's file",
         );
         return sdf::load_world_file(&ours, packages, rules, diagnostics);
@@ -59,7 +59,7 @@ pub fn load_world(
     sdf::load_world_file(&path, packages, rules, diagnostics)
 }
 
-/// Whether nothing is wrong with a world but that files are missing which it names.
+/// Returns true if the only problem of a world is that files are missing.
 fn lacks_files(path: &Path, packages: &PackagePath, rules: Rules) -> bool {
     let has_errors = |skip_missing| {
         let mut diagnostics = Diagnostics::default();
@@ -73,7 +73,7 @@ fn find_world(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics
     if !is_bare(path) || path.exists() && path.extension().is_some() {
         return Some(path.to_path_buf());
     }
-    // `playground.world` is also taken as the name, if there is no such file here.
+    // `playground.world` also stands for the name, if there is no such file here.
     let exact = path.extension().is_some().then(|| path.to_path_buf());
     let with = |extension: &str| {
         let mut name = path.as_os_str().to_owned();
@@ -94,7 +94,7 @@ fn find_world(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics
     None
 }
 
-/// Where worlds are looked for by name.
+/// Returns the folders in which worlds are looked for by name.
 fn world_folders(packages: &PackagePath) -> Vec<PathBuf> {
     packages
         .find_package("turtlebot_gazebo")
@@ -104,7 +104,7 @@ fn world_folders(packages: &PackagePath) -> Vec<PathBuf> {
         .collect()
 }
 
-/// The names that [`load_world`] knows, sorted.
+/// Returns the names that [`load_world`] knows, sorted.
 pub fn world_names(packages: &PackagePath) -> Vec<String> {
     let mut names: Vec<String> = world_folders(packages)
         .iter()

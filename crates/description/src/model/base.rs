@@ -1,4 +1,4 @@
-//! What a model's own plugins make of it: a base that drives, and reporters of what it does.
+//! Plugins of a model: a base that drives it, and publishers of its state.
 
 use super::{JointIndex, LinkIndex};
 use crate::diagnostics::Source;
@@ -16,8 +16,8 @@ pub enum ModelPlugin {
 }
 
 impl ModelPlugin {
-    /// Returns the plugin as part of an outer model, which has `links` links and `joints` joints before its own, and
-    /// calls a joint by what `rename` makes of its name.
+    /// Returns the plugin as part of an outer model. That model has `links` links and `joints` joints before this model's own,
+    /// and `rename` converts a joint's name to its name there.
     #[must_use]
     pub fn nested(self, links: usize, joints: usize, rename: impl Fn(&str) -> String) -> Self {
         match self {
@@ -37,36 +37,36 @@ impl ModelPlugin {
     }
 }
 
-/// A base: how a model drives, what it is told and what it tells.
+/// A base: how a model drives, its commands and its odometry.
 #[derive(Debug, Clone, PartialEq)]
 pub struct BasePlugin {
-    /// What drives it.
+    /// The kind of drive.
     pub drive: Drive,
     /// Absolute topic of velocity commands.
     pub command_topic: String,
-    /// For how long a command holds, in s; none until the next one.
+    /// Seconds for which a command holds; none until the next command.
     pub command_timeout_s: Option<f64>,
-    /// What it tells of its motion.
+    /// The odometry that it publishes.
     pub odometry: OdometryPlugin,
-    /// The plugin.
+    /// File and line of the plugin.
     pub source: Source,
 }
 
-/// Ways to drive.
+/// Kinds of drive.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Drive {
     /// `libgazebo_ros_kobuki.so`: two wheels, encoders, gyro, bumpers, cliff sensors.
     Kobuki(Wheels),
-    /// Wheels on the left turn alike, and those on the right.
+    /// Differential drive: the wheels on each side turn alike.
     Differential(DifferentialDrive),
-    /// `libgazebo_ros_planar_move.so`, `libgazebo_ros_force_based_move.so`: any velocity in the plane, as if by hand.
+    /// `libgazebo_ros_planar_move.so`, `libgazebo_ros_force_based_move.so`: any velocity in the plane, without wheels.
     Planar,
-    /// Front wheels that steer.
+    /// Ackermann steering: the front wheels steer.
     Ackermann(AckermannDrive),
 }
 
 impl Drive {
-    /// What it is called in messages.
+    /// Returns its name for messages.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Kobuki(_) => "kobuki",
@@ -77,7 +77,7 @@ impl Drive {
         }
     }
 
-    /// All joints that it turns: of wheels, and of what steers them.
+    /// Returns all joints that it moves: those of wheels and of steering.
     pub fn joints(&self) -> Vec<JointIndex> {
         self.clone().joints_mut().into_iter().map(|joint| *joint).collect()
     }
@@ -95,14 +95,14 @@ impl Drive {
     }
 }
 
-/// The wheels of an axle, or of several that turn alike.
+/// The wheels of one axle, or of several axles that turn alike.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wheels {
-    /// Joints of the wheels on the left: of one or more.
+    /// Joints of the wheels on the left, one or more.
     pub left: Vec<JointIndex>,
     /// Joints of the wheels on the right.
     pub right: Vec<JointIndex>,
-    /// Radius in m by which speeds become turns of the wheels; the wheels' own if it is not given.
+    /// Radius in m that converts speeds to wheel rates; none for the wheels' own.
     pub radius_m: Option<f64>,
     /// Torque of each wheel's motor in N·m.
     pub torque_n_m: f64,
@@ -117,68 +117,68 @@ impl Wheels {
 /// `libgazebo_ros_diff_drive.so`, `libgazebo_ros_skid_steer_drive.so`, `libgazebo_ros_create.so`, gz-sim's `DiffDrive`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DifferentialDrive {
-    /// Its wheels.
+    /// The wheels.
     pub wheels: Wheels,
-    /// Distance in m between left and right wheels by which a rate of turn becomes speeds of the wheels.
+    /// Distance in m between left and right wheels that converts yaw rates to wheel speeds.
     pub separation_m: f64,
-    /// How fast the speed of a wheel's rim changes, in m/s²; none for at once.
+    /// Acceleration limit of a wheel's rim in m/s²; none for no limit.
     pub acceleration_m_s2: Option<f64>,
-    /// Its wheels slip when it turns.
+    /// True if its wheels slip when it turns.
     pub skids: bool,
 }
 
 /// `libgazebo_ros_ackermann_drive.so`, gz-sim's `AckermannSteering`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AckermannDrive {
-    /// Wheels that are driven and do not steer.
+    /// The driven wheels, which do not steer.
     pub rear: Wheels,
-    /// Wheels that roll on the steered axle, if there are any.
+    /// The wheels that roll on the steered axle, if there are any.
     pub front: Option<Wheels>,
-    /// Joints that steer: left, right.
+    /// The steering joints: left, right.
     pub steering: [JointIndex; 2],
-    /// Distance in m between the axles; by where the joints are if it is not given.
+    /// Distance in m between the axles; none to derive it from the joints.
     pub wheel_base_m: Option<f64>,
     /// Greatest mean steering angle in rad.
     pub steering_limit_rad: f64,
-    /// How fast the steering angle comes to the one that is wanted: rad/s for each rad between the two.
+    /// Gain of the steering: rad/s for each rad between the angle and its setpoint.
     pub steering_gain: f64,
     /// Greatest speed in m/s.
     pub max_speed_m_s: f64,
-    /// The command's second number is the steering angle in rad, not the rate of turn in rad/s.
+    /// True if the command's second number is the steering angle in rad, false for the yaw rate in rad/s.
     pub is_told_angle: bool,
 }
 
-/// What a base tells of its motion.
+/// The odometry that a base publishes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OdometryPlugin {
     /// Absolute topic.
     pub topic: String,
-    /// The frame of the pose.
+    /// The frame that the pose is in.
     pub frame: String,
-    /// The frame that it is the pose of, as messages name it.
+    /// The frame whose pose it is, as named in messages.
     pub child_frame: String,
-    /// The link of that name, or the model's root.
+    /// The link of that name, or else the model's root.
     pub link: LinkIndex,
-    /// Rate; none for each step.
+    /// Rate in Hz; none for every step.
     pub rate_hz: Option<f64>,
-    /// Where it comes from.
+    /// The source of the pose.
     pub origin: OdometryOrigin,
-    /// It is a transform, too.
+    /// True if it is also published as a transform.
     pub is_transform: bool,
     /// Variances of x, y, z in m², roll, pitch, yaw in rad².
     pub pose_variance: [f64; 6],
 }
 
-/// Where odometry comes from.
+/// The source of odometry.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OdometryOrigin {
-    /// What the wheels have turned.
+    /// The rotation of the wheels.
     Encoders,
     /// The true pose in the world.
     World,
 }
 
-/// True pose and velocity.
+/// A plugin that publishes true pose and velocity of a link.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosePlugin {
     /// Absolute topic.
@@ -187,25 +187,25 @@ pub struct PosePlugin {
     pub link: LinkIndex,
     /// The frame that messages name.
     pub frame: String,
-    /// What is put before the pose: `xyzOffset` and `rpyOffset`.
+    /// A pose that is applied before the link's: `xyzOffset` and `rpyOffset`.
     pub offset: Pose,
-    /// Rate; none for each step.
+    /// Rate in Hz; none for every step.
     pub rate_hz: Option<f64>,
     /// Standard deviation of the velocities.
     pub stddev: f64,
-    /// The plugin.
+    /// File and line of the plugin.
     pub source: Source,
 }
 
-/// Joint states under a name of one's own.
+/// A plugin that publishes joint states on its own topic.
 #[derive(Debug, Clone, PartialEq)]
 pub struct JointStatesPlugin {
     /// Absolute topic.
     pub topic: String,
-    /// Names of joints; all if there are none.
+    /// Names of joints; empty for all joints.
     pub joints: Vec<String>,
-    /// Rate; none for each step.
+    /// Rate in Hz; none for every step.
     pub rate_hz: Option<f64>,
-    /// The plugin.
+    /// File and line of the plugin.
     pub source: Source,
 }

@@ -2,16 +2,16 @@
 
 use belvedere_sensors::device::{AutoExposureConfig, DeviceConfig, Metering};
 
-/// `<device>` of a `<camera>`, which is ours: what becomes of the light, and when it is collected.
+/// `<device>` of a `<camera>`, our extension: how light becomes an image, and when it is collected.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CameraDevice {
     /// Sensor and electronics.
     pub config: DeviceConfig,
     /// Seconds from the reading of the first row to that of the last; 0 for a global shutter.
     pub readout_time_s: f64,
-    /// Moments of the exposure whose light is averaged; 1 for a picture of the moment in which it is read.
+    /// Samples of the exposure that are averaged; 1 for an image of the instant at which it is read.
     pub motion_blur_samples: u32,
-    /// How time of exposure and gain follow the pictures, if they do.
+    /// Automatic control of exposure time and gain, if it is on.
     pub auto_exposure: Option<AutoExposed>,
 }
 
@@ -20,23 +20,23 @@ pub struct CameraDevice {
 pub struct AutoExposed {
     /// Target and limits.
     pub config: AutoExposureConfig,
-    /// What a frame is metered by.
+    /// How the brightness of a frame is measured.
     pub metering: Metering,
 }
 
 impl CameraDevice {
-    /// Whether all of a picture is of one moment.
+    /// Returns true if all of an image shows the same instant.
     pub fn is_of_one_moment(&self) -> bool {
         self.readout_time_s == 0.0 && self.motion_blur_samples == 1
     }
 
-    /// The longest time of exposure that a picture may have, in seconds.
+    /// Returns the longest exposure time of an image, in seconds.
     pub fn longest_exposure_s(&self) -> f64 {
         let own = self.config.exposure.time_s;
         self.auto_exposure.map_or(own, |automatic| own.max(automatic.config.time_range_s[1]))
     }
 
-    /// How long before its stamp the first light of a picture may be collected, in seconds.
+    /// Returns how long before its timestamp the first light of an image may be collected, in seconds.
     pub fn window_s(&self) -> f64 {
         let exposure_s = if self.motion_blur_samples > 1 { self.longest_exposure_s() } else { 0.0 };
         self.readout_time_s + exposure_s

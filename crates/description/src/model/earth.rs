@@ -1,19 +1,19 @@
-//! Where on the earth a world is, and what air and magnetic field are there.
+//! The place of a world on the earth, and its magnetic field.
 
 use glam::DVec3;
 
-/// `<spherical_coordinates>`, on the ellipsoid WGS 84: where the world's origin is, and which way its axes point.
+/// `<spherical_coordinates>`, on the ellipsoid WGS 84: the place of the world's origin and the direction of its axes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Earth {
     /// Geodetic latitude in degrees.
     pub latitude_deg: f64,
-    /// Longitude in degrees, to the east.
+    /// Longitude in degrees, positive to the east.
     pub longitude_deg: f64,
     /// Height above the ellipsoid in metres.
     pub elevation_m: f64,
-    /// Angle from east to the world's x, to the left, in radians.
+    /// Angle from east to the world's x in radians, positive counter-clockwise.
     pub heading_rad: f64,
-    /// Whether a file says so; otherwise it is where the equator meets the prime meridian, x east, y north.
+    /// True if the file specifies it; otherwise the origin is at latitude and longitude 0, x east, y north.
     pub is_given: bool,
     /// `<magnetic_field>` in the world's axes, in teslas.
     pub magnetic_field_t: DVec3,

@@ -1,18 +1,18 @@
-//! Joints: how they move, and what resists them.
+//! Joints: how they move, and which forces act in them.
 
 use super::{JointIndex, LinkIndex};
 use crate::diagnostics::Source;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// What holds two links together.
+/// A connection of two links.
 #[derive(Debug, Clone)]
 pub struct Joint {
     /// Unique in its model.
     pub name: String,
     /// How it moves.
     pub kind: JointKind,
-    /// The link it hangs on.
+    /// The link that it is attached to.
     pub parent: LinkIndex,
     /// The link that moves.
     pub child: LinkIndex,
@@ -20,30 +20,30 @@ pub struct Joint {
     pub parent_from_child: Pose,
     /// Unit axis in the child's frame.
     pub axis: DVec3,
-    /// A point of the child that the axis goes through, in the child's frame: 0 in URDF, an SDF joint's `<pose>`.
+    /// A point of the child that the axis goes through, in the child's frame: 0 in URDF, the joint's `<pose>` in SDF.
     pub pivot: DVec3,
-    /// What resists it, and what it follows.
+    /// Resistance, limits and mimic.
     pub dynamics: JointDynamics,
-    /// Where it stands.
+    /// File and line that define it.
     pub source: Source,
 }
 
-/// What resists a joint that turns or slides, and what it follows. Units are rad and N·m, or m and N.
+/// Resistance, motor limits and mimic of a joint that turns or slides. Units are rad and N·m, or m and N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct JointDynamics {
-    /// Force for each unit of speed, against it.
+    /// Damping force per unit of speed.
     pub damping: f64,
-    /// Force of dry friction, against any motion.
+    /// Force of dry friction.
     pub friction: f64,
-    /// Force for each unit of distance from [`JointDynamics::spring_reference`].
+    /// Spring force per unit of distance from [`JointDynamics::spring_reference`].
     pub spring_stiffness: f64,
-    /// Where the spring is at ease.
+    /// Position at which the spring exerts no force.
     pub spring_reference: f64,
-    /// Where the joint begins.
+    /// Initial position of the joint.
     pub initial_position: f64,
-    /// The most that a motor can give; infinite if nothing limits it.
+    /// Greatest force or torque of its motor; infinite for no limit.
     pub max_effort: f64,
-    /// The fastest that a motor goes; infinite if nothing limits it.
+    /// Greatest speed of its motor; infinite for no limit.
     pub max_velocity: f64,
     /// The joint that it follows.
     pub mimic: Option<Mimic>,
@@ -64,23 +64,23 @@ impl Default for JointDynamics {
     }
 }
 
-/// A joint goes to `multiplier` × the position of its leader + `offset`.
+/// A joint that follows another: its position is `multiplier` × the leader's + `offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mimic {
     /// The joint that it follows.
     pub leader: JointIndex,
-    /// Its own motion for that of the leader.
+    /// Its motion per unit of the leader's.
     pub multiplier: f64,
-    /// Where it is while the leader is at 0.
+    /// Its position while the leader is at 0.
     pub offset: f64,
 }
 
 /// How a joint moves.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum JointKind {
-    /// Not at all.
+    /// Does not move.
     Fixed,
-    /// Turns without end.
+    /// Turns without limits.
     Continuous,
     /// Turns between two angles in radians; an infinite one is no limit.
     Revolute {
@@ -98,12 +98,12 @@ pub enum JointKind {
     },
     /// Turns about all axes through its pivot.
     Ball,
-    /// All six degrees of freedom.
+    /// Moves in all six degrees of freedom.
     Floating,
 }
 
 impl JointKind {
-    /// The lower and the upper limit of its position, if it has some.
+    /// Returns the lower and the upper limit of its position, if it has limits.
     pub fn limits(self) -> Option<[f64; 2]> {
         match self {
             Self::Revolute { lower, upper } | Self::Prismatic { lower, upper } => Some([lower, upper]),

@@ -1,89 +1,88 @@
-//! Lenses: which way the light goes that a pixel gets.
+//! Lenses: from which direction a pixel receives light.
 
 use std::f64::consts::PI;
 
-/// The lens of a camera, resolved: what the file does not say follows from the angle of view and the size of the
-/// picture.
+/// The lens of a camera. Parameters that the file omits are derived from the angle of view and the size of the image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lens {
-    /// How directions become positions in the picture.
+    /// Maps directions to positions in the image.
     pub model: LensModel,
-    /// How positions become pixels.
+    /// Maps positions to pixels.
     pub intrinsics: LensIntrinsics,
-    /// True if `<lens><intrinsics>` gives a focal length; false if it follows from the angle of view.
+    /// True if `<lens><intrinsics>` gives a focal length; false if it is derived from the angle of view.
     pub has_own_focal_length: bool,
-    /// `<lens><projection>`: P of `CameraInfo`, where it is not that of the intrinsics.
+    /// `<lens><projection>`: P of `CameraInfo`, if it differs from the intrinsics.
     pub projection: Option<LensProjection>,
 }
 
-/// How a direction (x, y, z) of the optical frame (x right, y down, z forward) becomes a position (u, v), which
-/// [`LensIntrinsics`] make a pixel.
+/// Maps a direction (x, y, z) of the optical frame (x right, y down, z forward) to a position (u, v), which
+/// [`LensIntrinsics`] maps to a pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub enum LensModel {
-    /// u = x/z, v = y/z.
+    /// Pinhole: u = x/z, v = y/z.
     Pinhole,
     /// Brown–Conrady: the pinhole's u and v, distorted.
     BrownConrady {
-        /// In OpenCV's order: k1 k2 p1 p2 k3, k4 k5 k6, s1 s2 s3 s4, τx τy; 5, 8, 12 or 14 of them.
+        /// Coefficients in OpenCV's order: k1 k2 p1 p2 k3, k4 k5 k6, s1 s2 s3 s4, τx τy; 5, 8, 12 or 14 of them.
         coefficients: Vec<f64>,
     },
     /// Kannala–Brandt, OpenCV's fisheye: the radius is θ + k1 θ³ + k2 θ⁵ + k3 θ⁷ + k4 θ⁹.
     KannalaBrandt {
-        /// k1 k2 k3 k4.
+        /// Coefficients k1, k2, k3, k4.
         k: [f64; 4],
     },
     /// Extended unified camera model: x and y over α·√(β·(x² + y²) + z²) + (1 − α)·z.
     Eucm {
-        /// From 0 to 1.
+        /// α, from 0 to 1.
         alpha: f64,
-        /// Above 0.
+        /// β, above 0.
         beta: f64,
     },
     /// Double sphere: with w = ξ·√(x² + y² + z²) + z, x and y over α·√(x² + y² + w²) + (1 − α)·w.
     DoubleSphere {
-        /// Above −1, at most 1.
+        /// ξ, above −1, at most 1.
         xi: f64,
-        /// From 0 to 1.
+        /// α, from 0 to 1.
         alpha: f64,
     },
     /// Mei's unified model: x and y over z + ξ·√(x² + y² + z²), distorted as by Brown–Conrady.
     Mei {
-        /// 0 or more.
+        /// ξ, 0 or more.
         xi: f64,
-        /// Radial.
+        /// Radial coefficient.
         k1: f64,
-        /// Radial.
+        /// Radial coefficient.
         k2: f64,
-        /// Tangential.
+        /// Tangential coefficient.
         p1: f64,
-        /// Tangential.
+        /// Tangential coefficient.
         p2: f64,
     },
-    /// u = atan2(x, z), v = atan2(y, √(x² + z²)).
+    /// Equirectangular: u = atan2(x, z), v = atan2(y, √(x² + z²)).
     Equirectangular,
     /// SDF's `<lens>`: the radius in pixels is a function of the angle θ from the axis.
     WideAngle {
-        /// That function.
+        /// The function.
         map: AngleMap,
-        /// Whether its focal length was made to fit the angle of view.
+        /// True if its focal length is adjusted to the angle of view.
         scale_to_hfov: bool,
-        /// Nothing is seen at a larger angle from the axis.
+        /// Angle from the axis beyond which nothing is seen.
         cutoff_angle_rad: f64,
     },
 }
 
-/// r = c1·f·fun(θ/c2 + c3).
+/// The radius as a function of the angle: r = c1·f·fun(θ/c2 + c3).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct AngleMap {
-    /// Factor.
+    /// Factor c1.
     pub c1: f64,
-    /// Divisor of the angle.
+    /// Divisor c2 of the angle.
     pub c2: f64,
-    /// Added to the angle.
+    /// Offset c3 of the angle, in radians.
     pub c3: f64,
-    /// f in pixels. SDF's `<f>` is in halves of the picture's width; with `<scale_to_hfov>` it is not looked at.
+    /// f in pixels. SDF's `<f>` is in halves of the image width; with `<scale_to_hfov>` it is ignored.
     pub focal_px: f64,
-    /// fun.
+    /// The function fun.
     pub function: AngleFunction,
 }
 
@@ -99,7 +98,7 @@ pub enum AngleFunction {
 }
 
 impl AngleFunction {
-    /// The function at an angle.
+    /// Returns the function's value at an angle.
     pub fn at(self, angle_rad: f64) -> f64 {
         match self {
             Self::Sine => libm::sin(angle_rad),
@@ -108,7 +107,7 @@ impl AngleFunction {
         }
     }
 
-    /// Its derivative there.
+    /// Returns the function's derivative at an angle.
     pub fn slope_at(self, angle_rad: f64) -> f64 {
         match self {
             Self::Sine => libm::cos(angle_rad),
@@ -118,7 +117,7 @@ impl AngleFunction {
     }
 }
 
-/// The pixel of (u, v) is (fx·u + skew·v + cx, fy·v + cy); pixel centres are integers. For [`LensModel::WideAngle`],
+/// Maps (u, v) to the pixel (fx·u + skew·v + cx, fy·v + cy); pixel centres are integers. For [`LensModel::WideAngle`],
 /// which has its own focal length, fx and fy are the pixels per radian in the middle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LensIntrinsics {
@@ -130,29 +129,29 @@ pub struct LensIntrinsics {
     pub cx: f64,
     /// Row of the principal point.
     pub cy: f64,
-    /// Pixels along a row for each unit of v.
+    /// Pixels along a row per unit of v.
     pub skew: f64,
 }
 
 /// P of `CameraInfo`, in pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LensProjection {
-    /// P\[0\].
+    /// P\[0\], focal length along a row.
     pub fx: f64,
-    /// P\[5\].
+    /// P\[5\], focal length down a column.
     pub fy: f64,
-    /// P\[2\].
+    /// P\[2\], column of the principal point.
     pub cx: f64,
-    /// P\[6\].
+    /// P\[6\], row of the principal point.
     pub cy: f64,
-    /// P\[3\].
+    /// P\[3\], offset along a row.
     pub tx: f64,
-    /// P\[7\].
+    /// P\[7\], offset down a column.
     pub ty: f64,
 }
 
 impl LensModel {
-    /// The name in `<lens><type>` and in messages.
+    /// Returns the name in `<lens><type>` and in messages.
     pub fn name(&self) -> &'static str {
         match self {
             Self::Pinhole => "pinhole",
@@ -166,8 +165,8 @@ impl LensModel {
         }
     }
 
-    /// How far from the middle, along a row, a direction at this angle from the axis is seen, for a focal length of 1.
-    /// It is that before distortion for [`LensModel::BrownConrady`], whose angle of view is the undistorted picture's.
+    /// Returns the distance from the middle, along a row, at which a direction at this angle from the axis is seen, for a focal
+    /// length of 1. For [`LensModel::BrownConrady`] it is before distortion: its angle of view is that of the undistorted image.
     pub fn radius(&self, angle_rad: f64) -> f64 {
         let (x, z) = (libm::sin(angle_rad), libm::cos(angle_rad));
         match self {
@@ -191,7 +190,7 @@ impl LensModel {
         }
     }
 
-    /// The largest angle from the axis up to which farther directions are seen farther out, at most π.
+    /// Returns the largest angle from the axis, at most π, up to which the radius increases with the angle.
     pub fn widest_rad(&self) -> f64 {
         const STEPS: u32 = 1 << 14;
         let angle = |step: u32| PI * f64::from(step) / f64::from(STEPS);
@@ -201,7 +200,7 @@ impl LensModel {
         }
         for step in 1..=STEPS {
             let next = self.radius(angle(step));
-            // Not `<=`: what is no number ends it too.
+            // Not `<=`: NaN ends it too.
             if !(next > radius && next.is_finite()) {
                 return angle(step - 1);
             }
@@ -210,7 +209,7 @@ impl LensModel {
         PI
     }
 
-    /// The largest full angle of view: below π for pinholes.
+    /// Returns the largest full angle of view: below π for pinholes.
     pub fn widest_view_rad(&self) -> f64 {
         2.0 * self.widest_rad()
     }

@@ -1,12 +1,12 @@
 //! The plugins that publish sensors: their topics, frames and rates.
 
-/// Parameters shared by the camera plugins. Topics are resolved: absolute, camera name prefixed unless the
-/// topic began with a slash.
+/// Parameters shared by the camera plugins. Topics are absolute: the camera name is a prefix unless the topic begins
+/// with a slash.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraPlugin {
     /// `cameraName`.
     pub camera_name: String,
-    /// Absolute topic of the picture.
+    /// Absolute topic of the image.
     pub image_topic: String,
     /// Absolute topic of its `CameraInfo`.
     pub camera_info_topic: String,
@@ -14,9 +14,9 @@ pub struct CameraPlugin {
     pub frame_name: String,
     /// `hackBaseline` in metres: P\[3\] = −f·baseline.
     pub hack_baseline_m: f64,
-    /// k1, k2, k3, t1, t2 as written to `CameraInfo`; all 0 for those of the lens.
+    /// k1, k2, k3, t1, t2 as written to `CameraInfo`; all 0 for the lens's own.
     pub distortion: [f64; 5],
-    /// `autoDistortion`: `CameraInfo` has the coefficients of the lens, in Gazebo as well.
+    /// `autoDistortion`: if true, `CameraInfo` has the coefficients of the lens, as in Gazebo.
     pub auto_distortion: bool,
     /// `CxPrime`, `Cx`, `Cy` if given and not 0.
     pub principal_point: [Option<f64>; 2],
@@ -27,17 +27,17 @@ pub struct CameraPlugin {
 /// Parameters of the Kinect plugin.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthCameraPlugin {
-    /// Colour picture and info, and what both share.
+    /// Parameters of the colour image and its `CameraInfo`, and those that apply to both images.
     pub camera: CameraPlugin,
-    /// Absolute topic of the depth picture.
+    /// Absolute topic of the depth image.
     pub depth_image_topic: String,
     /// Absolute topic of its `CameraInfo`.
     pub depth_camera_info_topic: String,
     /// Absolute topic of the cloud.
     pub point_cloud_topic: String,
-    /// `pointCloudCutoff`: depth at or below is invalid.
+    /// `pointCloudCutoff`: depths at or below it are invalid.
     pub cutoff_m: f64,
-    /// `pointCloudCutoffMax`: depth at or above is invalid.
+    /// `pointCloudCutoffMax`: depths at or above it are invalid.
     pub cutoff_max_m: f64,
     /// True for 16UC1 in millimetres (`useDepth16UC1MM`), false for 32FC1 in metres.
     pub depth_16uc1: bool,
@@ -52,11 +52,11 @@ pub struct RangePlugin {
     pub frame_name: String,
     /// `radiation`.
     pub radiation: Radiation,
-    /// `fov` in radians, as messages say it; the beams are the sensor's.
+    /// `fov` in radians, as published; the beams are the sensor's own.
     pub field_of_view_rad: f64,
 }
 
-/// What a rangefinder sends out.
+/// The kind of radiation of a rangefinder.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Radiation {
     /// Sound.
@@ -72,16 +72,16 @@ pub struct LaserPlugin {
     pub topic: String,
     /// `frameName`.
     pub frame_name: String,
-    /// Of the plugins that send a cloud, as a driver does: how it is laid out.
+    /// Layout of the cloud, for plugins that publish one as a driver does.
     pub cloud: Option<CloudLayout>,
 }
 
-/// Which points a cloud has, and in which order.
+/// The points in a cloud, and their order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CloudLayout {
-    /// `organize_cloud`: a row for each column of beams, NaN for those that hit nothing; otherwise what was hit alone.
+    /// `organize_cloud`: one row per column of beams, with NaN for misses; otherwise only hits.
     pub is_organized: bool,
-    /// `min_intensity`: what sends less back is left out.
+    /// `min_intensity`: weaker returns are left out.
     pub min_intensity: f64,
 }
 

@@ -1,12 +1,12 @@
-//! What sensors of several kinds share: the elements of SDF.
+//! SDF elements that several kinds of sensors share.
 
 use super::{CameraDevice, Lens, PixelFormat};
 
 /// `<camera>` of SDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraSensor {
-    /// Full horizontal angle of view in radians: of the picture before distortion, if the lens is a pinhole that
-    /// distorts. Where the lens has a focal length of its own, it is not looked at by others than pinholes.
+    /// Full horizontal angle of view in radians: of the image before distortion, if the lens is a pinhole that
+    /// distorts. If the lens has its own focal length, only pinholes use this.
     pub horizontal_fov_rad: f64,
     /// Pixels across.
     pub width: u32,
@@ -14,34 +14,34 @@ pub struct CameraSensor {
     pub height: u32,
     /// Layout of a pixel.
     pub format: PixelFormat,
-    /// `<anti_aliasing>`: samples a pixel; 0 and 1 ask for none besides its own.
+    /// `<anti_aliasing>`: samples per pixel; 0 and 1 mean no anti-aliasing.
     pub anti_aliasing: u32,
-    /// Nothing nearer is seen.
+    /// Near clip distance in metres.
     pub near_m: f64,
-    /// Nothing farther is seen.
+    /// Far clip distance in metres.
     pub far_m: f64,
     /// Noise of a colour value in [0, 1].
     pub noise: Noise,
     /// SDF `<lens>` and `<distortion>`.
     pub lens: Lens,
-    /// `<device>`, which is ours.
+    /// `<device>`, our extension.
     pub device: Option<CameraDevice>,
 }
 
 /// `<ray>` or `<lidar>` of SDF.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RaySensor {
-    /// Whether it is one of Gazebo's GPU kinds: these see the outside of visuals, the others hit collision shapes.
+    /// True for Gazebo's GPU lidars: they see the outside of visuals, the others hit collision shapes.
     pub sees_visuals: bool,
     /// Beams of a scan line.
     pub horizontal: ScanAxis,
     /// Scan lines; one at angle 0 for a 2D lidar.
     pub vertical: ScanAxis,
-    /// Nothing nearer is measured.
+    /// Smallest range that is measured, in metres.
     pub range_min_m: f64,
-    /// Nothing farther is measured.
+    /// Greatest range that is measured, in metres.
     pub range_max_m: f64,
-    /// `<range><resolution>`; Gazebo never applies it, nor do we.
+    /// `<range><resolution>`; neither Gazebo nor this simulator applies it.
     pub range_resolution_m: f64,
     /// Noise of a range in metres.
     pub noise: Noise,
@@ -52,9 +52,9 @@ pub struct RaySensor {
 pub struct ScanAxis {
     /// Number of beams, at least 1.
     pub samples: u32,
-    /// Angle of the first.
+    /// Angle of the first beam.
     pub min_angle_rad: f64,
-    /// Angle of the last.
+    /// Angle of the last beam.
     pub max_angle_rad: f64,
 }
 
@@ -65,13 +65,13 @@ pub struct Noise {
     pub mean: f64,
     /// Standard deviation of the noise.
     pub stddev: f64,
-    /// The bias is drawn once from N(`bias_mean`, `bias_stddev`), its sign flipped with probability ½.
+    /// Mean magnitude of the bias, which is drawn once from N(`bias_mean`, `bias_stddev`); its sign is flipped with probability ½.
     pub bias_mean: f64,
-    /// See `bias_mean`.
+    /// Standard deviation of the bias.
     pub bias_stddev: f64,
-    /// Step of `gaussian_quantized`; 0 for none.
+    /// Rounding step of `gaussian_quantized`; 0 for none.
     pub precision: f64,
-    /// `dynamic_bias_stddev` and `dynamic_bias_correlation_time` in s, of instruments: density of what drives a bias that
-    /// drifts, and by which time it forgets.
+    /// `dynamic_bias_stddev` and `dynamic_bias_correlation_time` in s, for instruments: the noise density that drives a drifting
+    /// bias, and its correlation time.
     pub drift: [f64; 2],
 }

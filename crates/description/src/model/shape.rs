@@ -1,4 +1,4 @@
-//! Shapes and how they look: what cameras see, what touches, and what lidars hit.
+//! Shapes and how they look: visuals, collision shapes and materials.
 
 use crate::diagnostics::Source;
 use belvedere_sensors::Pose;
@@ -10,27 +10,27 @@ use std::sync::Arc;
 /// A shape that cameras see.
 #[derive(Debug, Clone)]
 pub struct Visual {
-    /// Name, empty if it has none.
+    /// Name; empty if it has none.
     pub name: String,
     /// Pose of the shape in its link.
     pub link_from_visual: Pose,
     /// The shape.
     pub geometry: Geometry,
-    /// How it looks.
+    /// Its material.
     pub material: Material,
     /// Its class, if the file labels it or its model.
     pub label: Option<u32>,
     /// Reflectivity that a lidar which sees visuals reports as intensity (`<laser_retro>`), 0 if not given.
     pub laser_retro: f32,
-    /// What lidars that see visuals, and depth cameras, see by way of it (`<optics>`).
+    /// Its mirror reflection and transmission, for lidars that see visuals and for depth cameras (`<optics>`).
     pub optics: Optics,
-    /// The tags that it shows.
+    /// The fiducial tags on it.
     pub fiducials: Vec<Fiducial>,
-    /// Where it stands.
+    /// File and line that define it.
     pub source: Source,
 }
 
-/// Which part of the light of lidars and depth cameras a surface does not scatter: `<optics>`, which is ours.
+/// The part of the light of lidars and depth cameras that a surface does not scatter: `<optics>`, our extension.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Optics {
     /// Share that is reflected as by a mirror.
@@ -39,23 +39,23 @@ pub struct Optics {
     pub transmittance: f32,
 }
 
-/// A tag on a surface: `<fiducial>` of a `<visual>`, which is ours.
+/// A tag on a surface: `<fiducial>` of a `<visual>`, our extension.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fiducial {
-    /// What its kind is called: `tag36h11`, `qr`.
+    /// Name of the family: `tag36h11`, `qr`.
     pub family: String,
-    /// Its number in the family.
+    /// Number of the tag in its family.
     pub id: u32,
-    /// Edge of its square without the white margin: of an AprilTag's black border, of a QR code's modules.
+    /// Edge length in m without the white margin: of an AprilTag's black border, of a QR code's modules.
     pub size_m: f64,
-    /// Pose of its middle in the frame of the visual: x to the right and y up as one reads it, z towards the reader.
+    /// Pose of its centre in the frame of the visual: x to the reader's right, y up, z towards the reader.
     pub visual_from_fiducial: Pose,
 }
 
-/// A shape that touches and that lidars hit.
+/// A shape that collides and that lidars hit.
 #[derive(Debug, Clone)]
 pub struct Collision {
-    /// Name, empty if it has none.
+    /// Name; empty if it has none.
     pub name: String,
     /// Pose of the shape in its link.
     pub link_from_collision: Pose,
@@ -63,31 +63,31 @@ pub struct Collision {
     pub geometry: Geometry,
     /// Coulomb friction (`mu1` / `<mu>`), if given.
     pub friction: Option<f64>,
-    /// How it touches others.
+    /// Contact parameters.
     pub contact: Contact,
     /// Reflectivity that a lidar reports as intensity (`<laser_retro>`), 0 if not given.
     pub laser_retro: f32,
-    /// What lidars see by way of it (`<optics>`).
+    /// Its mirror reflection and transmission, for lidars (`<optics>`).
     pub optics: Optics,
-    /// Where it stands.
+    /// File and line that define it.
     pub source: Source,
 }
 
-/// What happens where a shape meets another.
+/// Contact parameters of a shape.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// Share of the speed with which it comes off (`<restitution_coefficient>`).
+    /// Ratio of the speeds after and before an impact (`<restitution_coefficient>`).
     pub restitution: f64,
-    /// It bounces from this speed on, in m/s (`<threshold>`).
+    /// Impact speed from which it bounces, in m/s (`<threshold>`).
     pub bounce_threshold_m_s: f64,
-    /// Two shapes touch that have a bit in common (`<collide_bitmask>`).
+    /// Collision mask: two shapes collide if their masks share a bit (`<collide_bitmask>`).
     pub collide_bitmask: u32,
-    /// Whether it holds what it touches; contacts are noticed anyway (`<collide_without_contact>`).
+    /// False if it only detects contacts and exerts no force (`<collide_without_contact>`).
     pub is_solid: bool,
 }
 
 impl Default for Contact {
-    /// SDF's.
+    /// Returns SDF's defaults.
     fn default() -> Self {
         Self { restitution: 0.0, bounce_threshold_m_s: 1e5, collide_bitmask: 0xFFFF, is_solid: true }
     }
@@ -96,8 +96,8 @@ impl Default for Contact {
 /// A shape, centred on its frame.
 #[derive(Debug, Clone)]
 pub enum Geometry {
-    /// Full edge lengths. Every face carries the whole texture, upright where there is an up: seen from outside,
-    /// u grows to the right and v upwards, and the picture's first row is the top (v = 1).
+    /// A box. Every face carries the whole texture, upright on the vertical faces: seen from outside,
+    /// u grows to the right and v upwards, and the image's first row is the top (v = 1).
     ///
     /// | face | right (u) | up (v) |
     /// |---|---|---|
@@ -108,46 +108,46 @@ pub enum Geometry {
     /// | +z | +x | +y |
     /// | −z | +x | −y |
     Box {
-        /// x, y, z.
+        /// Full edge lengths x, y, z in metres.
         size: DVec3,
     },
-    /// Axis along z.
+    /// A cylinder with its axis along z.
     Cylinder {
-        /// Radius.
+        /// Radius in metres.
         radius: f64,
-        /// Full length along z.
+        /// Full length along z in metres.
         length: f64,
     },
-    /// A ball.
+    /// A sphere.
     Sphere {
-        /// Radius.
+        /// Radius in metres.
         radius: f64,
     },
-    /// Axis along z; `length` is that of the cylindrical part.
+    /// A capsule with its axis along z.
     Capsule {
-        /// Radius.
+        /// Radius in metres.
         radius: f64,
-        /// Length without the caps.
+        /// Length without the caps in metres.
         length: f64,
     },
     /// A rectangle through the origin. It collides as an infinite half space. With a normal along an axis its
-    /// texture lies as on the face of a [`Geometry::Box`] with that normal.
+    /// texture is mapped as on the face of a [`Geometry::Box`] with that normal.
     Plane {
         /// Unit normal.
         normal: DVec3,
-        /// Full edge lengths of the visible part.
+        /// Full edge lengths of the visible part in metres.
         size: [f64; 2],
     },
-    /// The points with (x/a)² + (y/b)² + (z/c)² ≤ 1.
+    /// An ellipsoid: the points with (x/a)² + (y/b)² + (z/c)² ≤ 1.
     Ellipsoid {
-        /// a, b, c.
+        /// Semi-axes a, b, c in metres.
         radii: DVec3,
     },
-    /// Axis along z, the base at −`length`/2, the apex at +`length`/2.
+    /// A cone with its axis along z, the base at −`length`/2, the apex at +`length`/2.
     Cone {
-        /// Radius of the base.
+        /// Radius of the base in metres.
         radius: f64,
-        /// Full length.
+        /// Full length in metres.
         length: f64,
     },
     /// Triangles from a file, already in metres.
@@ -156,34 +156,34 @@ pub enum Geometry {
     HeightMap(HeightMap),
 }
 
-/// A terrain whose heights are a picture's.
+/// A terrain with the heights of an image.
 #[derive(Debug, Clone)]
 pub struct HeightMap {
-    /// What the file holds; that of a visual and of its collision are the same.
+    /// The heights; a visual and its collision share them.
     pub heights: Arc<Heights>,
-    /// Where its middle is at height 0.
+    /// Position of its centre at height 0.
     pub offset: DVec3,
-    /// Its own look: the first of its textures.
+    /// Its own material: the first of its textures.
     pub material: Option<Material>,
 }
 
-/// Heights at the crossings of a grid.
+/// Heights on the vertices of a grid.
 #[derive(Debug)]
 pub struct Heights {
-    /// The picture.
+    /// The image file.
     pub path: PathBuf,
-    /// Rows from +y to −y, and columns from −x to +x; two of each at least.
+    /// Numbers of rows, from +y to −y, and columns, from −x to +x; at least two of each.
     pub grid: [u32; 2],
     /// Full lengths along x and y, in metres.
     pub size: [f64; 2],
-    /// Row by row, in metres.
+    /// Heights in metres, row by row.
     pub metres: Vec<f32>,
 }
 
-/// Triangles of a file with the scale of the description applied.
+/// Triangles of a file, with the description's scale applied.
 #[derive(Debug, Clone)]
 pub struct Mesh {
-    /// The file that it is from.
+    /// The file.
     pub path: PathBuf,
     /// Vertices in metres.
     pub positions: Vec<[f32; 3]>,
@@ -191,37 +191,37 @@ pub struct Mesh {
     pub uvs: Vec<[f32; 2]>,
     /// Vertex indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// What the file itself says of its look, used where the description says nothing.
+    /// The material in the file itself, which is used if the description gives none.
     pub material: Option<Material>,
 }
 
-/// How a surface looks. Colours are RGB in [0, 1] as the file gives them (no gamma, as in Gazebo classic).
+/// Appearance of a surface. Colours are RGB in [0, 1] as in the file (no gamma, as in Gazebo classic).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Material {
-    /// Reflected light of lamps; multiplied by the texture if there is one.
+    /// Reflectance for lights; multiplied by the texture if there is one.
     pub diffuse: [f32; 3],
-    /// Reflected ambient light; multiplied by the texture if there is one.
+    /// Reflectance for ambient light; multiplied by the texture if there is one.
     pub ambient: [f32; 3],
-    /// Own light.
+    /// Emitted light.
     pub emissive: [f32; 3],
-    /// Highlights of lamps, which [`Material::shininess`] switches on.
+    /// Colour of highlights, which [`Material::shininess`] switches on.
     pub specular: [f32; 3],
-    /// Exponent of Blinn's and Phong's highlights; without one, 0, there are none, as in Gazebo.
+    /// Exponent of Blinn–Phong highlights; 0 for no highlights, as in Gazebo.
     pub shininess: f32,
-    /// How much of what is seen is the surface: 1 is opaque, 0 not there.
+    /// Opacity: 1 is opaque, 0 is invisible.
     pub alpha: f32,
-    /// What the texture's own alpha means.
+    /// How the texture's own alpha is interpreted.
     pub texture_alpha: TextureAlpha,
     /// An image file over the surface.
     pub texture: Option<PathBuf>,
-    /// An image file of normals in the axes of the surface.
+    /// An image file of normals in tangent space.
     pub normal_map: Option<PathBuf>,
-    /// How often the texture repeats over the surface (Ogre's `scale`, inverted), along u and v.
+    /// Repetitions of the texture over the surface along u and v (the inverse of Ogre's `scale`).
     pub texture_repeat: [f32; 2],
 }
 
 impl Default for Material {
-    /// Gazebo's default: white-ish grey, no texture.
+    /// Returns Gazebo's default: light grey, no texture.
     fn default() -> Self {
         Self {
             diffuse: [0.7; 3],

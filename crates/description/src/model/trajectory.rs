@@ -1,39 +1,39 @@
-//! [`Trajectory`]: where an actor is, and when.
+//! [`Trajectory`]: the pose of an actor over time.
 
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// The script of an actor: legs one after the other, each through its waypoints.
+/// The script of an actor: legs one after the other, each with its waypoints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trajectory {
     /// Seconds before it begins.
     pub delay_s: f64,
-    /// Whether it begins again at its end; otherwise the actor stays there.
+    /// True if it begins again at its end; otherwise the actor stays there.
     pub repeats: bool,
     legs: Vec<Leg>,
 }
 
-/// A run through waypoints.
+/// A path through waypoints.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Leg {
-    /// From 0, a Catmull–Rom spline, to 1: straight lines, at rest at each waypoint.
+    /// Tension from 0, a Catmull–Rom spline, to 1: straight lines, with a stop at each waypoint.
     pub tension: f64,
-    /// At least one.
+    /// The waypoints, at least one, ordered by time.
     waypoints: Vec<Waypoint>,
 }
 
-/// Where an actor is at a time of its leg.
+/// The pose of an actor at a time of its leg.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Waypoint {
     /// Seconds since the leg began; not negative.
     pub time_s: f64,
-    /// In the world.
+    /// Pose of the actor in the world.
     pub world_from_actor: Pose,
 }
 
 impl Leg {
-    /// A leg through waypoints, which are put into the order of their times; of two of one time the later one holds.
-    /// None without any.
+    /// Creates a leg through waypoints, which are sorted by time; of two with the same time the later one is used.
+    /// None without waypoints.
     pub fn new(tension: f64, mut waypoints: Vec<Waypoint>) -> Option<Self> {
         waypoints.sort_by(|one, other| one.time_s.total_cmp(&other.time_s));
         waypoints.reverse();
@@ -42,12 +42,12 @@ impl Leg {
         (!waypoints.is_empty()).then_some(Self { tension, waypoints })
     }
 
-    /// Seconds that it takes.
+    /// Returns its duration in seconds.
     pub fn length_s(&self) -> f64 {
         self.waypoints.last().map_or(0.0, |last| last.time_s)
     }
 
-    /// Before the first waypoint it is there already, as after the last.
+    /// Returns the pose at a time. Before the first waypoint it is that of the first, after the last that of the last.
     fn pose_at(&self, time_s: f64) -> Pose {
         let points = &self.waypoints;
         let next = points.partition_point(|point| point.time_s <= time_s);
@@ -60,7 +60,7 @@ impl Leg {
         Pose::new(self.place(from, fraction), turned.rotation())
     }
 
-    /// Hermite's cubic from a waypoint to the next one.
+    /// Interpolates between a waypoint and the next one with Hermite's cubic.
     fn place(&self, from: usize, fraction: f64) -> DVec3 {
         let (square, cube) = (fraction * fraction, fraction * fraction * fraction);
         self.point(from) * (2.0 * cube - 3.0 * square + 1.0)
@@ -73,8 +73,8 @@ impl Leg {
         self.waypoints[index].world_from_actor.translation()
     }
 
-    /// Half the way between the neighbours, less by the tension. Where a leg ends as it began, the neighbours are those of
-    /// the round; else an end has one.
+    /// Returns the tangent at a waypoint: half the way between its neighbours, reduced by the tension. If a leg ends where it
+    /// began, the neighbours wrap around; otherwise an end has one neighbour.
     fn tangent(&self, index: usize) -> DVec3 {
         let last = self.waypoints.len() - 1;
         let is_round = last > 1 && self.point(0).distance(self.point(last)) < 1e-6;
@@ -88,17 +88,17 @@ impl Leg {
 }
 
 impl Trajectory {
-    /// A script of legs in their order; none without any.
+    /// Creates a trajectory of legs in their order; none without legs.
     pub fn new(delay_s: f64, repeats: bool, legs: Vec<Leg>) -> Option<Self> {
         (!legs.is_empty()).then_some(Self { delay_s, repeats, legs })
     }
 
-    /// Seconds that one round takes.
+    /// Returns the duration of one round in seconds.
     pub fn length_s(&self) -> f64 {
         self.legs.iter().map(Leg::length_s).sum()
     }
 
-    /// Where the actor is at a simulated time; none before it begins.
+    /// Returns the pose of the actor at a simulated time; none before the trajectory begins.
     pub fn pose_at(&self, time_ns: u64) -> Option<Pose> {
         let nanoseconds = |seconds: f64| (seconds * 1e9).round() as u64;
         let mut time_ns = time_ns.checked_sub(nanoseconds(self.delay_s))?;
@@ -145,11 +145,11 @@ mod tests {
         assert_eq!(trajectory.pose_at(1_499_999_999), None);
         for round in [0.0, 5.0, 50.0] {
             assert_eq!(place(&trajectory, 1.5 + round), [0.0, 0.0]);
-            // In the middle of a straight line with rests at its ends, and a quarter on: 3/16 − 2/64.
+            // In the middle of a straight line with stops at its ends, and after a quarter: 3/16 − 2/64.
             assert_eq!(place(&trajectory, 2.5 + round), [1.0, 0.0]);
             assert_eq!(place(&trajectory, 2.0 + round), [2.0 * 0.15625, 0.0]);
             assert_eq!(place(&trajectory, 3.5 + round), [2.0, 0.0]);
-            // The second leg stands at its one waypoint from its beginning.
+            // The second leg stays at its one waypoint.
             assert_eq!(place(&trajectory, 5.6 + round), [7.0, 7.0]);
         }
         let angle = trajectory.pose_at(2_500_000_000).unwrap().rotation().to_axis_angle().1;
@@ -160,11 +160,11 @@ mod tests {
 
     #[test]
     fn without_tension_it_is_a_catmull_rom_spline() {
-        // On a straight line at one speed such a spline is that line.
+        // On a straight line at constant speed such a spline is the line itself.
         let points = (0..5).map(|second| waypoint(f64::from(second), f64::from(second) * 0.7, 0.0, 0.0));
         let straight = Trajectory::new(0.0, false, vec![Leg::new(0.0, points.collect()).unwrap()]).unwrap();
         assert_eq!(place(&straight, 1.25), [0.875, 0.0]);
-        // Around a square: half-way along a side it is outside by an eighth of the sides' tangents.
+        // Around a square: half-way along a side the spline is outside by an eighth of the sides' tangents.
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)];
         let points = (0..5).map(|corner| {
             waypoint(f64::from(corner), square[corner as usize].0, square[corner as usize].1, 0.0)

@@ -3,14 +3,14 @@
 use crate::diagnostics::{Problem, Severity, Source};
 use std::path::Path;
 
-/// A line of a script with the block in braces that follows it, if any.
+/// A line of a script, with the block in braces that follows it, if any.
 pub(super) struct Statement {
     pub(super) words: Vec<String>,
     pub(super) line: u32,
     pub(super) block: Vec<Statement>,
 }
 
-/// The statements of a script that came from `path`.
+/// Parses a script that came from `path` into statements.
 pub(super) fn statements(text: &str, path: &Path) -> Result<Vec<Statement>, Problem> {
     Parser { tokens: tokens(text), next: 0, path }.statements(0)
 }
@@ -23,7 +23,7 @@ enum Token {
     EndOfLine,
 }
 
-/// Splits a script into words, braces and ends of lines; each with its line.
+/// Splits a script into words, braces and ends of lines, each with its line number.
 fn tokens(text: &str) -> Vec<(Token, u32)> {
     let mut tokens = Vec::new();
     let mut in_comment = false;
@@ -62,8 +62,8 @@ fn tokens(text: &str) -> Vec<(Token, u32)> {
     tokens
 }
 
-/// Where the word that `text` begins with ends. A single `/` belongs to names such as `Gazebo/Grey`; a colon
-/// stands by itself only between spaces.
+/// Returns where the first word of `text` ends. A single `/` belongs to names such as `Gazebo/Grey`; a colon
+/// is a word of its own only between spaces.
 fn word_end(text: &str) -> usize {
     let stop = |(at, c): (usize, char)| {
         let comment = text[at..].starts_with("//") || text[at..].starts_with("/*");
@@ -72,7 +72,7 @@ fn word_end(text: &str) -> usize {
     text.char_indices().find_map(stop).filter(|end| *end > 0).unwrap_or(text.len())
 }
 
-/// Blocks within each other: each takes some of the stack.
+/// Greatest depth of nested blocks: each uses some of the stack.
 const MOST_DEPTH: usize = 64;
 
 struct Parser<'a> {
@@ -82,7 +82,7 @@ struct Parser<'a> {
 }
 
 impl Parser<'_> {
-    /// What stands in a block `depth` blocks deep; 0 is the whole script.
+    /// Parses the content of a block that is `depth` blocks deep; 0 is the whole script.
     fn statements(&mut self, depth: usize) -> Result<Vec<Statement>, Problem> {
         let mut statements: Vec<Statement> = Vec::new();
         let mut words = Vec::new();
@@ -108,7 +108,7 @@ impl Parser<'_> {
                     words.push(std::mem::take(word));
                 }
                 Token::EndOfLine => {
-                    // The brace that opens a block may come lines after its words.
+                    // The opening brace of a block may be on a later line than its words.
                     let ends =
                         self.tokens[self.next..].iter().take_while(|(token, _)| *token == Token::EndOfLine);
                     self.next += ends.count();
@@ -123,7 +123,7 @@ impl Parser<'_> {
                 Token::Open if depth == MOST_DEPTH => {
                     return Err(self.problem(
                         line,
-                        &format!("more than {MOST_DEPTH} blocks within each other"),
+                        &format!("more than {MOST_DEPTH} nested blocks"),
                         "close some first: Ogre's own scripts have four",
                     ));
                 }
@@ -149,7 +149,7 @@ impl Parser<'_> {
         }
     }
 
-    /// Whether the next token is a brace that opens the block of the words just read.
+    /// Returns true if the next token is a brace that opens the block of the words just read.
     fn opens_next(&self) -> bool {
         self.tokens.get(self.next).is_some_and(|(token, _)| *token == Token::Open)
     }

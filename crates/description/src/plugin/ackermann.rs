@@ -1,11 +1,11 @@
-//! Cars: `libgazebo_ros_ackermann_drive.so`, whose command is a speed and a steering angle, and gz-sim's `AckermannSteering`,
-//! whose command is a speed and a rate of turn.
+//! Cars: `libgazebo_ros_ackermann_drive.so`, with commands of speed and steering angle, and gz-sim's `AckermannSteering`,
+//! with commands of speed and yaw rate.
 
 use super::differential::gz_odometry;
 use super::parameters::Parameters;
 use crate::model::{AckermannDrive, BasePlugin, Drive, ModelPlugin, OdometryOrigin};
 
-/// How fast wheels steer where the file has another engine's gains, in rad/s for each rad.
+/// Steering rate in rad/s per rad of error, in place of gains for another physics engine.
 const STEERING_GAIN: f64 = 10.0;
 
 pub(super) fn ackermann(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
@@ -22,7 +22,7 @@ pub(super) fn ackermann(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
         "write an angle in radians above 0 and below π/2",
     );
     let max_speed_m_s = given.positive(&["max_speed"], 20.0);
-    // Gains of forces, which nothing here is driven by; a wheel in the driver's hands.
+    // Gains of forces, which are not used here; the steering wheel of the driver.
     given.element(&[
         "left_steering_pid_gain",
         "right_steering_pid_gain",
@@ -74,7 +74,7 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     );
     let steering_gain = given.positive(&["steer_p_gain"], 1.0);
     let max_speed_m_s = given.positive(&["max_velocity"], f64::INFINITY);
-    // Where the wheels are is read off the model.
+    // The positions of the wheels are taken from the model.
     given.element(&["kingpin_width", "wheel_separation", "min_velocity"]);
     let rate_hz = given.rate(&["odom_publish_frequency"], 50.0)?;
     let odometry = gz_odometry(given, rate_hz);
@@ -82,7 +82,7 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let command_topic = given.topic(&["topic"], &format!("model/{name}/cmd_vel"));
     given.left_out();
     let steering = [steer_left?, steer_right?];
-    // All wheels have one name there: those on what steers are the front ones.
+    // gz-sim uses one name for all wheels: those on steered links are the front ones.
     let model = given.model;
     let steers = |wheel: &usize| {
         steering.iter().any(|joint| model.joints[*joint].child == model.joints[*wheel].parent)
@@ -90,7 +90,7 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let (front_left, rear_left): (Vec<_>, Vec<_>) = left?.into_iter().partition(steers);
     let (front_right, rear_right): (Vec<_>, Vec<_>) = right?.into_iter().partition(steers);
     if rear_left.is_empty() || rear_right.is_empty() {
-        given.warning("all its wheels steer: it is left out", "name the wheels of the other axle, too");
+        given.warning("all wheels steer: it is left out", "name the wheels of the other axle, too");
         return None;
     }
     let front = given.wheels(front_left, front_right, radius_m, 0.0)?;

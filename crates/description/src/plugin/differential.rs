@@ -1,13 +1,13 @@
-//! Bases whose left wheels turn alike, and whose right ones do: `libgazebo_ros_diff_drive.so`,
+//! Bases whose wheels on each side turn alike: `libgazebo_ros_diff_drive.so`,
 //! `libgazebo_ros_skid_steer_drive.so`, `libgazebo_ros_create.so`, gz-sim's `DiffDrive`.
 
 use super::parameters::Parameters;
 use crate::model::{BasePlugin, DifferentialDrive, Drive, ModelPlugin, OdometryOrigin, OdometryPlugin};
 
-/// The variance of what odometry does not know, as Gazebo's plugins have it.
+/// The variance of quantities that odometry does not measure, as in Gazebo's plugins.
 const UNKNOWN: f64 = 1e12;
 
-/// That of the pose, as Gazebo's plugins have it.
+/// The variance of the pose, as in Gazebo's plugins.
 const POSE_VARIANCE: [f64; 6] = [1e-5, 1e-5, UNKNOWN, UNKNOWN, UNKNOWN, 1e-3];
 
 pub(super) fn differential(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
@@ -18,7 +18,7 @@ pub(super) fn differential(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let torque_n_m = given.not_negative(&["wheelTorque", "max_wheel_torque"], 5.0);
     let acceleration = given.not_negative(&["wheelAcceleration", "max_wheel_acceleration"], 0.0);
     let rate_hz = given.rate(&["updateRate", "update_rate"], 100.0)?;
-    // The plugin's word is "world", and so is whatever is not "encoder".
+    // The plugin treats every value except "encoder" as "world".
     let origin = match given.text(&["odometrySource", "odometry_source"]).as_deref() {
         Some("encoder" | "ENCODER" | "0") => OdometryOrigin::Encoders,
         _ => OdometryOrigin::World,
@@ -56,7 +56,7 @@ pub(super) fn skid_steer(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     Some(plugin)
 }
 
-/// The base of the first TurtleBot. Its driver stops when commands stop.
+/// Reads the base of the first TurtleBot. Its driver stops when no commands arrive.
 pub(super) fn create(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let left = given.joints(&["left_wheel_joint"], "left_wheel_joint");
     let right = given.joints(&["right_wheel_joint"], "right_wheel_joint");
@@ -83,7 +83,7 @@ pub(super) fn create(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     Some(plugin)
 }
 
-/// gz-sim's, whose topics are under the name of the model.
+/// Reads gz-sim's plugin, whose topics are under the model's name.
 pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let left = given.joints(&["left_joint"], "left_joint");
     let right = given.joints(&["right_joint"], "right_joint");
@@ -110,12 +110,12 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     })))
 }
 
-/// Odometry as gz-sim's bases tell it.
+/// Reads the odometry of gz-sim's bases.
 pub(super) fn gz_odometry(given: &mut Parameters<'_>, rate_hz: Option<f64>) -> OdometryPlugin {
     let name = given.model.name.clone();
     let link = given.link(&[], "base_footprint");
     let link_name = given.model.links.get(link).map(|link| link.name.clone()).unwrap_or_default();
-    // What publishes the transform has a topic of its own there.
+    // gz-sim publishes the transform on a topic of its own.
     given.element(&["tf_topic"]);
     OdometryPlugin {
         topic: given.topic(&["odom_topic"], &format!("model/{name}/odometry")),
@@ -129,7 +129,7 @@ pub(super) fn gz_odometry(given: &mut Parameters<'_>, rate_hz: Option<f64>) -> O
     }
 }
 
-/// What was read, each none after an error.
+/// The values that were read; each is none after an error.
 struct Wanted {
     left: Option<Vec<usize>>,
     right: Option<Vec<usize>>,
@@ -137,7 +137,7 @@ struct Wanted {
     diameter_m: Option<f64>,
     torque_n_m: Option<f64>,
     acceleration: Option<f64>,
-    /// None for each step.
+    /// None for every step.
     rate_hz: Option<f64>,
     origin: OdometryOrigin,
 }

@@ -1,4 +1,4 @@
-//! Inertial units by a model's plugin: `libgazebo_ros_imu.so`, `libhector_gazebo_ros_imu.so`,
+//! Inertial units as plugins of a model: `libgazebo_ros_imu.so`, `libhector_gazebo_ros_imu.so`,
 //! `librotors_gazebo_imu_plugin.so`.
 
 use super::parameters::Parameters;
@@ -6,7 +6,7 @@ use crate::model::{Imu, InstrumentPlugin, Sensor, SensorKind};
 use belvedere_sensors::imu::{ImuConfig, presets};
 use belvedere_sensors::noise::InstrumentConfig;
 
-/// What names the link.
+/// Names of the parameter that names the link.
 const BODY: [&str; 2] = ["bodyName", "body_name"];
 
 pub(super) fn imu(given: &mut Parameters<'_>) -> Option<Sensor> {
@@ -16,7 +16,7 @@ pub(super) fn imu(given: &mut Parameters<'_>) -> Option<Sensor> {
     unit(given, &BODY, config.as_ref())
 }
 
-/// Team Hector's, which many robots carry: each triad, and the heading, with a mean, a bias that drifts and white noise.
+/// Reads Team Hector's plugin, which many robots have. Each triad and the heading has a mean, a drifting bias and white noise.
 pub(super) fn hector(given: &mut Parameters<'_>) -> Option<Sensor> {
     let (gyro, accelerometer) = (given.hector_noise("rate"), given.hector_noise("accel"));
     let heading = given.hector_noise("yaw");
@@ -34,7 +34,7 @@ pub(super) fn hector(given: &mut Parameters<'_>) -> Option<Sensor> {
     Some(sensor)
 }
 
-/// That of the simulator `RotorS`, whose own figures are those of an ADIS16448.
+/// Reads the plugin of the simulator `RotorS`, whose default figures are those of an ADIS16448.
 pub(super) fn rotors(given: &mut Parameters<'_>) -> Option<Sensor> {
     let preset = presets::adis16448();
     let gyro = densities(given, "gyroscope", &preset.gyro);
@@ -45,7 +45,7 @@ pub(super) fn rotors(given: &mut Parameters<'_>) -> Option<Sensor> {
     unit(given, &["linkName"], config.as_ref())
 }
 
-/// The figures of a triad.
+/// Reads the noise densities of a triad.
 fn densities(
     given: &mut Parameters<'_>,
     triad: &str,

@@ -1,4 +1,4 @@
-//! Instruments by a model's plugin: Team Hector's receiver, magnetometer and barometer, `RotorS`'s barometer.
+//! Instruments as plugins of a model: Team Hector's receiver, magnetometer and barometer, `RotorS`'s barometer.
 
 use super::parameters::Parameters;
 use crate::model::{
@@ -8,7 +8,7 @@ use belvedere_sensors::Pose;
 use belvedere_sensors::noise::InstrumentConfig;
 use glam::DVec3;
 
-/// `libhector_gazebo_ros_gps.so`. Its headings are a compass's: 0 has the world's x to the north, 90 to the east.
+/// Reads `libhector_gazebo_ros_gps.so`. Its headings are a compass's: 0 has the world's x to the north, 90 to the east.
 pub(super) fn gps(given: &mut Parameters<'_>) -> Option<Sensor> {
     let (position, velocity) = (given.hector_noise::<3>(""), given.hector_noise::<3>("velocity"));
     let is_of_world = given.flag(&["useWorldSphericalCoordinates"], false);
@@ -21,7 +21,7 @@ pub(super) fn gps(given: &mut Parameters<'_>) -> Option<Sensor> {
     let velocity_topic = given.topic(&["velocityTopicName"], "fix_velocity");
     let topic = given.topic(&["topicName"], "fix");
     let frame_name = given.text(&["frameId"]).unwrap_or_else(|| "/world".into());
-    // What a message says of the fix; ours is one.
+    // Status and service of the fix, which are fixed here.
     let _ = given.element(&["status", "service"]);
     let link = given.link(&["bodyName"], "base_link");
     given.left_out();
@@ -37,7 +37,7 @@ pub(super) fn gps(given: &mut Parameters<'_>) -> Option<Sensor> {
     Some(given.sensor(link, Pose::IDENTITY, rate_hz?, SensorKind::NavSat(receiver.into())))
 }
 
-/// `libhector_gazebo_ros_magnetic.so`: a field of its own, of length 1 if it does not say what.
+/// Reads `libhector_gazebo_ros_magnetic.so`, which has its own field, of length 1 by default.
 pub(super) fn magnetic(given: &mut Parameters<'_>) -> Option<Sensor> {
     let axes = given.hector_noise::<3>("");
     let magnitude = given.not_negative(&["magnitude"], 1.0);
@@ -65,10 +65,10 @@ pub(super) fn magnetic(given: &mut Parameters<'_>) -> Option<Sensor> {
     Some(given.sensor(link, Pose::IDENTITY, rate_hz?, SensorKind::Magnetometer(magnetometer.into())))
 }
 
-/// `libhector_gazebo_ros_baro.so`: the height in the world that its pressure tells.
+/// Reads `libhector_gazebo_ros_baro.so`, which publishes a height computed from the pressure.
 pub(super) fn baro(given: &mut Parameters<'_>) -> Option<Sensor> {
     let position = given.hector_noise::<1>("");
-    // Of a message that Debian has not.
+    // Parameters of a message type that Debian does not package.
     let _ = given.element(&["altimeterTopicName", "elevation", "qnh"]);
     let rate_hz = given.rate(&["updateRate"], 0.0);
     let topic = given.topic(&["topicName"], "pressure_height");
@@ -84,7 +84,7 @@ pub(super) fn baro(given: &mut Parameters<'_>) -> Option<Sensor> {
     Some(given.sensor(link, Pose::IDENTITY, rate_hz?, SensorKind::Altimeter(altimeter.into())))
 }
 
-/// `librotors_gazebo_pressure_plugin.so`.
+/// Reads `librotors_gazebo_pressure_plugin.so`.
 pub(super) fn pressure(given: &mut Parameters<'_>) -> Option<Sensor> {
     let variance = given.not_negative(&["pressureVariance"], 0.0);
     let is_height = |height: f64| (-10_000.0..=80_000.0).contains(&height);

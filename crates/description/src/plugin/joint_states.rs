@@ -8,7 +8,7 @@ pub(super) fn joint_states(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     reporter(given, topic)
 }
 
-/// gz-sim's, whose topic is under the name of the model; that it puts the world's before it is left out.
+/// Reads gz-sim's plugin, whose topic is under the model's name; gz-sim's prefix with the world's name is omitted.
 pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let name = given.model.name.clone();
     let topic = given.topic(&["topic"], &format!("model/{name}/joint_state"));
@@ -16,7 +16,7 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
 }
 
 fn reporter(given: &mut Parameters<'_>, topic: String) -> Option<ModelPlugin> {
-    // One element with names between commas, or one element for each.
+    // Either one element with names separated by commas, or one element for each name.
     given.element(&["jointName", "joint_name"]);
     let is_name = |name: &str| name == "jointName" || name == "joint_name";
     let texts: Vec<String> = given

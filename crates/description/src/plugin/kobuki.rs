@@ -3,21 +3,21 @@
 use super::parameters::Parameters;
 use crate::model::{BasePlugin, Drive, ModelPlugin, OdometryOrigin, OdometryPlugin};
 
-/// The variance of what a Kobuki's odometry does not know: z, roll, pitch.
+/// The variance of quantities that a Kobuki's odometry does not measure: z, roll, pitch.
 const UNKNOWN: f64 = 1e6;
 
-/// Rate of all that a Kobuki reports, in Hz.
+/// Rate of everything that a Kobuki publishes, in Hz.
 const RATE_HZ: f64 = 50.0;
 
 pub(super) fn kobuki(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let left = given.joints(&["left_wheel_joint_name"], "wheel_left_joint");
     let right = given.joints(&["right_wheel_joint_name"], "wheel_right_joint");
     let torque_n_m = given.positive(&["torque"], 1.0);
-    // What the wheels are is read off their shapes and places, which these repeat.
+    // Both repeat the shapes and positions of the wheels, which are taken from the model.
     given.element(&["wheel_separation", "wheel_diameter"]);
     let timeout_s = given.positive(&["velocity_command_timeout"], 0.6);
     let is_transform = given.flag(&["publish_tf"], true);
-    // Sensors of the base that are found by what they are.
+    // Sensors of the base, which are found by their kind.
     given.element(&[
         "cliff_sensor_left_name",
         "cliff_sensor_center_name",

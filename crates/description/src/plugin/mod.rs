@@ -1,4 +1,4 @@
-//! `<plugin>` of a model: bases that drive it, sensors, and what else reports of it. A plugin is a file here and a row in
+//! `<plugin>` of a model: bases that drive it, sensors, and publishers of its state. A plugin is a file here and a row in
 //! [`read`].
 
 mod ackermann;
@@ -18,12 +18,12 @@ use super::model::{Model, ModelPlugin};
 use super::xml::Element;
 use parameters::Parameters;
 
-/// What is understood, for messages.
+/// The supported plugins, for messages.
 const SUPPORTED: &str = "libgazebo_ros_kobuki.so, libgazebo_ros_create.so, libgazebo_ros_diff_drive.so, \
     libgazebo_ros_skid_steer_drive.so, libgazebo_ros_planar_move.so, libgazebo_ros_force_based_move.so, libgazebo_ros_ackermann_drive.so, gz-sim's DiffDrive, \
     AckermannSteering and JointStatePublisher, libgazebo_ros_imu.so, libhector_gazebo_ros_imu.so, librotors_gazebo_imu_plugin.so, libhector_gazebo_ros_gps.so, libhector_gazebo_ros_magnetic.so, libhector_gazebo_ros_baro.so, librotors_gazebo_pressure_plugin.so, libgazebo_ros_p3d.so and libgazebo_ros_joint_state_publisher.so";
 
-/// The plugin of that file name as it is written, `lib` and `.so` taken off, gz-sim's old names brought to its new one.
+/// Returns the plugin's file name without `lib` and `.so`, with gz-sim's old names converted to its new one.
 fn plain_name(file: &str) -> String {
     let name = file.rsplit('/').next().unwrap_or(file);
     let name = name.strip_prefix("lib").unwrap_or(name);
@@ -41,7 +41,7 @@ fn plain_name(file: &str) -> String {
     name.to_owned()
 }
 
-/// Reads the plugins in an element into a model whose links and joints are all there.
+/// Reads the plugins in an element into a model whose links and joints have been read.
 pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostics: &mut Diagnostics) {
     for element in parent.elements_named("plugin").filter(|plugin| !is_label(plugin)) {
         let file = element.attribute("filename").unwrap_or_default();
@@ -76,7 +76,7 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
             _ => {
                 diagnostics.warning(
                     &element.source,
-                    format!("the plugin '{file}' of model '{}' is not simulated and left out", model.name),
+                    format!("the plugin '{file}' of model '{}' is not simulated and is left out", model.name),
                     format!("these are: {SUPPORTED}"),
                 );
                 continue;
@@ -88,7 +88,7 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
             diagnostics.warning(
                 &element.source,
                 format!("model '{}' has a second base, '{file}', which is left out", model.name),
-                "leave one of the two",
+                "keep one of the two",
             );
             continue;
         }

@@ -1,4 +1,4 @@
-//! Checked values out of a plugin's elements.
+//! Reading and checking of the values in a plugin's elements.
 
 use crate::Rules;
 use crate::diagnostics::Diagnostics;
@@ -14,7 +14,7 @@ use belvedere_sensors::noise::InstrumentConfig;
 use glam::DVec3;
 use std::cell::RefCell;
 
-/// What files tell plugins that has no effect, in Gazebo either or on what is simulated.
+/// Parameters in many files that have no effect in Gazebo, or none on what is simulated here.
 const OF_NO_EFFECT: [&str; 8] = [
     "alwaysOn",
     "rosDebugLevel",
@@ -26,13 +26,13 @@ const OF_NO_EFFECT: [&str; 8] = [
     "serviceName",
 ];
 
-/// The parameters of one plugin. A value may be written under several names: Gazebo's plugins were renamed.
+/// The parameters of one plugin. A value may have several names because Gazebo's plugins were renamed.
 pub(super) struct Parameters<'a> {
     pub(super) plugin: &'a Element,
     pub(super) model: &'a Model,
     rules: Rules,
     diagnostics: &'a mut Diagnostics,
-    /// Names that were asked for.
+    /// Names of the parameters that were read.
     asked: RefCell<Vec<String>>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> Parameters<'a> {
         Self { plugin, model, rules, diagnostics, asked: RefCell::default() }
     }
 
-    /// The first element of one of these names.
+    /// Returns the first element that has one of these names.
     pub(super) fn element(&self, names: &[&str]) -> Option<&'a Element> {
         self.asked.borrow_mut().extend(names.iter().map(|name| (*name).to_owned()));
         let plugin: &'a Element = self.plugin;
@@ -58,7 +58,7 @@ impl<'a> Parameters<'a> {
         self.element(names).map(Element::text)
     }
 
-    /// A finite number that fulfils a condition; `remedy` says which. Outer none: an error was told.
+    /// Reads a finite number that fulfils a condition; `remedy` states the condition. None after an error.
     pub(super) fn number(
         &mut self,
         names: &[&str],
@@ -80,13 +80,13 @@ impl<'a> Parameters<'a> {
         self.number(names, default, |value| value > 0.0, "write a number above 0")
     }
 
-    /// A length in m that a wheel or a base can have.
+    /// Reads a length in m that a wheel or a base can have.
     pub(super) fn length(&mut self, names: &[&str], default: f64) -> Option<f64> {
         let is_length = |value: f64| (1e-4..=1e4).contains(&value);
         self.number(names, default, is_length, "write metres, from 0.0001 to 10000")
     }
 
-    /// One number for all axes, or one for each.
+    /// Reads one number for all axes, or one for each.
     fn axes<const N: usize>(
         &mut self,
         name: &str,
@@ -112,8 +112,8 @@ impl<'a> Parameters<'a> {
         None
     }
 
-    /// The error model of Team Hector's plugins: a mean, white noise, and a bias of a deviation that forgets with a frequency.
-    /// Parameters are behind the prefix, or in small letters without one.
+    /// Reads the error model of Team Hector's plugins: a mean, white noise, and a bias with a deviation and a frequency with
+    /// which it is forgotten. Parameter names have the prefix, or are in lower case without one.
     pub(super) fn hector_noise<const N: usize>(&mut self, prefix: &str) -> Option<InstrumentConfig<N>> {
         let name = |what: &str| match (prefix, what.split_at(1)) {
             ("", (first, rest)) => format!("{}{rest}", first.to_ascii_lowercase()),
@@ -125,14 +125,14 @@ impl<'a> Parameters<'a> {
         let frequency = self.axes::<N>(&name("DriftFrequency"), 1.0 / 3600.0, not_negative);
         let white = self.axes(&name("GaussianNoise"), 0.0, not_negative);
         let (drift, frequency) = (drift?, frequency?);
-        // Such a process has this deviation at last. Theirs, which steps by the time and not by its root, gets there at 1 Hz.
+        // The process converges to this deviation. Hector's plugin steps by the time instead of its root, and agrees at 1 Hz.
         let driven = std::array::from_fn(|axis| drift[axis] * libm::sqrt(2.0 * frequency[axis]));
         let time_s = frequency.map(|hz| if hz > 0.0 { 1.0 / hz } else { f64::INFINITY });
         let config = InstrumentConfig::default().mean(offset?).stddev(white?);
         Some(config.drift(driven).drift_time_s(time_s))
     }
 
-    /// A sensor that the plugin makes, called as the plugin is.
+    /// Creates a sensor that has the plugin's name.
     pub(super) fn sensor(
         &self,
         link: LinkIndex,
@@ -162,7 +162,7 @@ impl<'a> Parameters<'a> {
             .unwrap_or(default)
     }
 
-    /// A rate in hertz; the inner none means each step.
+    /// Reads a rate in hertz; the inner none means every step.
     #[expect(clippy::option_option, reason = "outer: readable; inner: limited")]
     pub(super) fn rate(&mut self, names: &[&str], default: f64) -> Option<Option<f64>> {
         let is_rate = |hz: f64| hz == 0.0 || (1e-6..=1e6).contains(&hz);
@@ -171,32 +171,32 @@ impl<'a> Parameters<'a> {
         Some((hz > 0.0).then_some(hz))
     }
 
-    /// An absolute topic: under `<robotNamespace>` unless it begins with a slash.
+    /// Returns an absolute topic: under `<robotNamespace>` unless it begins with a slash.
     pub(super) fn topic(&self, names: &[&str], default: &str) -> String {
         let topic = self.text(names).unwrap_or_else(|| default.to_owned());
         if topic.starts_with('/') {
             return topic;
         }
         let namespace = self.element(&["robotNamespace", "node_namespace"]).map(Element::text);
-        // ROS 2 writes it into <ros>.
+        // ROS 2 has it in <ros>.
         let of_ros = || self.element(&["ros"])?.child("namespace").map(Element::text);
         let namespace = namespace.or_else(of_ros).unwrap_or_default();
         let namespace = namespace.trim_matches('/');
         if namespace.is_empty() { format!("/{topic}") } else { format!("/{namespace}/{topic}") }
     }
 
-    /// What the plugin is called.
+    /// Returns the name of the plugin.
     pub(super) fn name(&self) -> &'a str {
         let plugin: &'a Element = self.plugin;
         plugin.attribute("name").or(plugin.attribute("filename")).unwrap_or_default()
     }
 
-    /// The joint that an element names, or the default's. If there is none the plugin cannot be used.
+    /// Returns the joint that an element names, or the default's. Without such a joint the plugin cannot be used.
     pub(super) fn joint(&mut self, names: &[&str], default: &str) -> Option<JointIndex> {
         self.joints(names, default)?.first().copied()
     }
 
-    /// The joints that all elements of these names name.
+    /// Returns the joints that all elements of these names name.
     pub(super) fn joints(&mut self, names: &[&str], default: &str) -> Option<Vec<JointIndex>> {
         let first = self.element(names);
         let plugin: &'a Element = self.plugin;
@@ -210,7 +210,7 @@ impl<'a> Parameters<'a> {
         }
         let mut joints = Vec::new();
         for (name, element) in written {
-            // SDF names what is nested with its model.
+            // SDF prefixes the names of nested joints with their model.
             let found = self.model.joints.iter().position(|joint| joint.name == name);
             let Some(found) = found else {
                 let joints = self.model.joints.iter().map(|joint| joint.name.as_str());
@@ -225,7 +225,7 @@ impl<'a> Parameters<'a> {
         Some(joints)
     }
 
-    /// Left and right wheels. They are told apart by where they are: Gazebo's plugins have exchanged them once.
+    /// Returns the left and right wheels. Their positions decide which is which, because Gazebo's plugins once swapped them.
     pub(super) fn wheels(
         &mut self,
         left: Vec<JointIndex>,
@@ -248,7 +248,7 @@ impl<'a> Parameters<'a> {
         Some(Wheels { left, right, radius_m, torque_n_m })
     }
 
-    /// The plugin cannot be used: an error, or a warning where Gazebo goes on without it, as gz-sim does.
+    /// Reports that the plugin cannot be used: an error, or a warning where Gazebo continues without it, as gz-sim does.
     fn unusable(&mut self, element: &Element, what: String, remedy: &str) {
         let file = self.plugin.attribute("filename").unwrap_or_default();
         if self.rules.gazebo_compat || super::plain_name(file).starts_with("gz-sim") {
@@ -267,8 +267,8 @@ impl<'a> Parameters<'a> {
         self.diagnostics.warning(&self.plugin.source, what, remedy);
     }
 
-    /// The link that an element names, or the default's; the root if there is none of that name, with a warning if it was
-    /// written.
+    /// Returns the link that an element names, or the default's. If there is no such link it returns the root, with a warning if
+    /// the name was given.
     pub(super) fn link(&mut self, names: &[&str], default: &str) -> LinkIndex {
         let element = self.element(names);
         let name = element.map_or_else(|| default.to_owned(), Element::text);
@@ -281,7 +281,7 @@ impl<'a> Parameters<'a> {
             self.diagnostics.warning(
                 &element.source,
                 format!(
-                    "<{}> of plugin '{}' is '{name}', and there is no such link: the root is taken",
+                    "<{}> of plugin '{}' is '{name}', and there is no such link: the root link is used",
                     element.name,
                     self.name()
                 ),
@@ -291,7 +291,7 @@ impl<'a> Parameters<'a> {
         found.unwrap_or_else(|| root(model))
     }
 
-    /// `xyzOffset` and `rpyOffset`.
+    /// Reads `xyzOffset` and `rpyOffset`.
     pub(super) fn offset(&mut self) -> Option<Pose> {
         let mut three = |names: &[&str]| {
             let Some(element) = self.element(names) else { return Some(DVec3::ZERO) };
@@ -305,7 +305,7 @@ impl<'a> Parameters<'a> {
         Some(Pose::from_xyz_rpy(xyz?, rpy?))
     }
 
-    /// The usual parameters of odometry.
+    /// Reads the usual parameters of odometry.
     pub(super) fn odometry(
         &mut self,
         rate_hz: Option<f64>,
@@ -334,20 +334,20 @@ impl<'a> Parameters<'a> {
         }
     }
 
-    /// A warning for each element that nobody has asked for.
+    /// Adds a warning for each element that was not read.
     pub(super) fn left_out(&mut self) {
         let asked = self.asked.take();
         for child in self.plugin.elements() {
             let name = child.name.as_str();
             if !OF_NO_EFFECT.contains(&name) && !asked.iter().any(|asked| asked == name) {
-                let what = format!("<{name}> of plugin '{}' is not simulated and left out", self.name());
-                self.diagnostics.warning(&child.source, what, "take it out, or correct its name");
+                let what = format!("<{name}> of plugin '{}' is not simulated and is left out", self.name());
+                self.diagnostics.warning(&child.source, what, "remove it, or correct its name");
             }
         }
     }
 }
 
-/// The uppermost link.
+/// Returns the uppermost link.
 fn root(model: &Model) -> LinkIndex {
     (0..model.links.len()).find(|link| model.joint_above(*link).is_none()).unwrap_or(0)
 }

@@ -1,9 +1,9 @@
-//! `libgazebo_ros_planar_move.so`, and `libgazebo_ros_force_based_move.so`, which does the same by forces.
+//! `libgazebo_ros_planar_move.so`, and `libgazebo_ros_force_based_move.so`, which does the same with forces.
 
 use super::parameters::Parameters;
 use crate::model::{BasePlugin, Drive, ModelPlugin, OdometryOrigin};
 
-/// Its gains are those of another engine's forces.
+/// Reads the force-based plugin. Its gains are for the forces of another physics engine and are ignored.
 pub(super) fn force_based(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     given.element(&[
         "yaw_velocity_p_gain",
@@ -18,7 +18,7 @@ pub(super) fn force_based(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
 
 pub(super) fn planar(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let rate_hz = given.rate(&["odometryRate", "publish_rate"], 20.0)?;
-    // Below 0 a command holds until the next one.
+    // If negative, a command holds until the next one.
     let timeout_s = given.number(&["cmdTimeout", "cmd_timeout"], -1.0, |_| true, "")?;
     given.element(&["ros", "update_rate", "publish_odom"]);
     let odometry = given.odometry(rate_hz, OdometryOrigin::World, [1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3]);

@@ -1,4 +1,4 @@
-//! `libgazebo_ros_p3d.so`: the truth of where a link is.
+//! `libgazebo_ros_p3d.so`: the true pose of a link.
 
 use super::parameters::Parameters;
 use crate::model::{ModelPlugin, PosePlugin};

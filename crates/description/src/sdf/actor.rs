@@ -9,11 +9,11 @@ use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// The link that bears an actor's skin.
+/// The name of the link that carries an actor's skin.
 const SKIN: &str = "skin";
 
 impl Loader<'_> {
-    /// An actor: a model whose links follow its trajectory together; it stands where it has none.
+    /// Reads an actor: a model whose links follow its trajectory together. Without a trajectory it stands still.
     pub(super) fn actor(&mut self, element: &Element, scope: Scope<'_>) -> Option<ParsedModel> {
         let has_links =
             element.elements().any(|child| matches!(child.name.as_str(), "link" | "include" | "model"));
@@ -24,7 +24,7 @@ impl Loader<'_> {
         if parsed.model.links.is_empty() {
             self.diagnostics.warning(
                 &element.source,
-                format!("the actor '{}' has nothing to be seen, and is left out", parsed.model.name),
+                format!("the actor '{}' has nothing to show and is left out", parsed.model.name),
                 "give it a <skin> or a <link> with a <visual>",
             );
             return None;
@@ -38,12 +38,12 @@ impl Loader<'_> {
         }
         let script = element.child("script");
         parsed.model.trajectory = script.and_then(|script| self.trajectory(script, scope));
-        // Nothing of it falls or is pushed.
+        // Physics does not move it.
         parsed.model.is_static = parsed.model.trajectory.is_none();
         Some(parsed)
     }
 
-    /// An actor that has a skin alone.
+    /// Reads an actor that has only a skin.
     fn bare(&mut self, element: &Element, scope: Scope<'_>) -> Option<ParsedModel> {
         let name = name_of(element);
         if name.is_empty() {
@@ -88,12 +88,12 @@ impl Loader<'_> {
 
     fn trajectory(&mut self, script: &Element, scope: Scope<'_>) -> Option<Trajectory> {
         if child_bool(script, "auto_start", self.diagnostics) == Some(false) {
-            self.ignored(script, "the actor stands: nothing starts it");
+            self.ignored(script, "the actor stands still: nothing starts it");
             return None;
         }
         let delay_s = child_number(script, "delay_start", self.diagnostics).unwrap_or(0.0);
         let repeats = child_bool(script, "loop", self.diagnostics).unwrap_or(true);
-        // In the order of their numbers, whatever that of the file.
+        // Sorted by their ids, whatever their order in the file.
         let mut legs: Vec<(i64, Leg)> = Vec::new();
         for (place, element) in (0..).zip(script.elements_named("trajectory")) {
             let id = element.attribute("id").and_then(|id| id.trim().parse().ok()).unwrap_or(place);

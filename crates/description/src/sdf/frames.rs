@@ -1,6 +1,6 @@
 //! `<pose>`, and the frames that poses are relative to.
 //!
-//! Up to SDF 1.6 a pose is relative to the element that it stands in (a joint's to its child link). From 1.7 on
+//! Up to SDF 1.6 a pose is relative to its parent element (a joint's to its child link). From 1.7 on
 //! `relative_to` may name any frame of the same model or world: links, joints, frames and nested models.
 
 use super::{Loader, Version};
@@ -11,16 +11,16 @@ use crate::xml::Element;
 use belvedere_sensors::Pose;
 use std::collections::HashMap;
 
-/// A pose as written.
+/// A pose as the file writes it.
 pub(super) struct WrittenPose {
     pub(super) pose: Pose,
-    /// None: relative to what the element's kind says.
+    /// The frame that the pose is relative to; none for the default of the element's kind.
     pub(super) relative_to: Option<String>,
     pub(super) source: Source,
 }
 
 impl Loader<'_> {
-    /// The `<pose>` inside `parent`; identity if there is none.
+    /// Reads the `<pose>` inside `parent`; the identity if there is none.
     pub(super) fn pose(&mut self, parent: &Element, version: Version) -> WrittenPose {
         let Some(element) = parent.child("pose") else {
             return WrittenPose { pose: Pose::IDENTITY, relative_to: None, source: parent.source.clone() };
@@ -43,7 +43,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The pose of a part of a link (visual, collision, sensor, …) in that link.
+    /// Reads the pose of a part of a link (visual, collision, sensor, …) in that link.
     pub(super) fn pose_in_link(
         &mut self,
         part: &Element,
@@ -66,14 +66,14 @@ impl Loader<'_> {
 
 struct Frame {
     parent: String,
-    /// What it moves with.
+    /// The frame that it moves with.
     attached_to: String,
-    /// Pose in the parent.
+    /// Pose in the parent frame.
     pose: Pose,
     source: Source,
 }
 
-/// Begins the names under which joints' frames are kept; no name in XML can hold it.
+/// Prefix of the names under which the frames of joints are stored; no XML name can contain it.
 const JOINT: char = '\0';
 
 fn joint_key(name: &str) -> String {
@@ -84,17 +84,17 @@ fn joint_key(name: &str) -> String {
 pub(super) struct Frames {
     root: &'static str,
     own: HashMap<String, Frame>,
-    /// Those of nested models, by the models' names.
+    /// The frames of nested models, by the models' names.
     nested: HashMap<String, Frames>,
 }
 
 impl Frames {
-    /// `root` is the name of the frame that everything hangs on: `__model__` or `world`.
+    /// Creates the frames of a model or world; `root` is the frame that all others hang on: `__model__` or `world`.
     pub(super) fn new(root: &'static str) -> Self {
         Self { root, own: HashMap::new(), nested: HashMap::new() }
     }
 
-    /// Adds a frame whose pose was written in `written`, relative to `default_parent` if it does not say.
+    /// Adds a frame with the pose `written`, which is relative to `default_parent` if it names no frame.
     pub(super) fn add(&mut self, name: &str, written: &WrittenPose, default_parent: Option<&str>) {
         let attached_to = default_parent.unwrap_or(self.root).to_owned();
         let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
@@ -102,19 +102,19 @@ impl Frames {
         self.own.insert(name.to_owned(), frame);
     }
 
-    /// Adds the frames of a nested model, which `model::frame` names.
+    /// Adds the frames of a nested model, to be named as `model::frame`.
     pub(super) fn add_nested(&mut self, model: &str, frames: Frames) {
         self.nested.insert(model.to_owned(), frames);
     }
 
-    /// The frames of the nested model that a name begins with, its name, and the rest of the name.
+    /// Finds the nested model that a name begins with; returns its frames, its name and the rest of the name.
     fn nested<'n>(&self, name: &'n str) -> Option<(&Frames, &'n str, &'n str)> {
         let (model, rest) = name.split_once("::")?;
         Some((self.nested.get(model)?, model, rest))
     }
 
-    /// Adds a joint's frame. A name that a link or frame has already means that one, as in libsdformat; the joint's own
-    /// place is still found by [`Frames::resolve_joint`].
+    /// Adds a joint's frame. If a link or frame has the same name, the name means that one, as in libsdformat;
+    /// [`Frames::resolve_joint`] still finds the joint's own frame.
     pub(super) fn add_joint(&mut self, name: &str, written: &WrittenPose, child: Option<&str>) {
         if !self.own.contains_key(name) {
             self.add_known(name.to_owned(), &joint_key(name), Pose::IDENTITY, &written.source);
@@ -122,7 +122,7 @@ impl Frames {
         self.add(&joint_key(name), written, child);
     }
 
-    /// The pose of a joint's frame in the root.
+    /// Returns the pose of a joint's frame in the root.
     pub(super) fn resolve_joint(
         &self,
         name: &str,
@@ -132,7 +132,7 @@ impl Frames {
         self.resolve(&joint_key(name), source, diagnostics)
     }
 
-    /// The pose in the root of what was written in the world or model itself.
+    /// Returns the pose in the root of a pose that was written in the world or model itself.
     pub(super) fn place(&self, written: &WrittenPose, diagnostics: &mut Diagnostics) -> Pose {
         let outer = written
             .relative_to
@@ -141,15 +141,15 @@ impl Frames {
         outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
     }
 
-    /// Whether there is a frame of that name already.
+    /// Returns true if there is a frame of that name.
     pub(super) fn has(&self, name: &str) -> bool {
         self.own.contains_key(name)
     }
 
-    /// The link that a frame moves with: the first of what it is attached to that `link` knows as one.
+    /// Returns the link that a frame moves with: the first frame in its chain of attachments that `link` knows as a link.
     pub(super) fn link_of<T>(&self, name: &str, link: &dyn Fn(&str) -> Option<T>) -> Option<T> {
         let mut name = name;
-        // A chain longer than there are frames goes in a circle.
+        // A chain that is longer than the number of frames is a circle.
         for _ in 0..=self.own.len() {
             if let Some(found) = link(name) {
                 return Some(found);
@@ -164,17 +164,17 @@ impl Frames {
         None
     }
 
-    /// Adds a frame of known pose in another.
+    /// Adds a frame whose pose in another frame is known.
     pub(super) fn add_known(&mut self, name: String, parent: &str, pose: Pose, source: &Source) {
         let frame = Frame { parent: parent.into(), attached_to: parent.into(), pose, source: source.clone() };
         self.own.insert(name, frame);
     }
 
-    /// The pose of a frame in the root. `source` is where it is asked for.
+    /// Returns the pose of a frame in the root. `source` is the place that refers to the frame.
     pub(super) fn resolve(&self, name: &str, source: &Source, diagnostics: &mut Diagnostics) -> Option<Pose> {
         let mut root_from_frame = Pose::IDENTITY;
         let (mut name, mut source) = (name, source);
-        // A chain longer than there are frames goes in a circle.
+        // A chain that is longer than the number of frames is a circle.
         for _ in 0..=self.own.len() {
             if name == self.root {
                 return Some(root_from_frame);
@@ -211,8 +211,8 @@ impl Frames {
         None
     }
 
-    /// The frame of a circle that is written first, and its place: the same wherever one enters the circle, so that the
-    /// problem is told once for all frames that depend on it.
+    /// Returns the first frame of a circle in the order of the file, and its place. It is the same wherever the circle is
+    /// entered, so the problem is reported once for all frames that depend on it.
     fn first_of_circle<'f>(&'f self, name: &'f str, source: &'f Source) -> (&'f str, &'f Source) {
         let mut first = (name, source);
         let mut next = name;

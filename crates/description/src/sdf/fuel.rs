@@ -1,14 +1,14 @@
 //! Models of Gazebo's library Fuel that its own tools have downloaded: `https://fuel.gazebosim.org/1.0/OWNER/models/NAME`.
 //!
-//! They lie in `~/.gz/fuel` or `~/.ignition/fuel` as `HOST/OWNER/models/NAME/VERSION`, in small letters or as written.
+//! They are in `~/.gz/fuel` or `~/.ignition/fuel` as `HOST/OWNER/models/NAME/VERSION`, in lower case or as written.
 //! Nothing is downloaded here.
 
 use std::path::{Path, PathBuf};
 
-/// Environment variables with a folder of downloads.
+/// Environment variables that name a folder of downloads.
 const VARIABLES: [&str; 2] = ["GZ_FUEL_CACHE_PATH", "IGN_FUEL_CACHE_PATH"];
 
-/// Where else downloads lie, in the user's folder.
+/// Other folders of downloads, in the user's home.
 const FOLDERS: [&str; 2] = [".gz/fuel", ".ignition/fuel"];
 
 /// A model, or a file of one, on a server.
@@ -17,14 +17,14 @@ pub(super) struct FuelUri {
     host: String,
     owner: String,
     pub(super) name: String,
-    /// None: the newest there is.
+    /// None for the newest version.
     version: Option<u32>,
-    /// Within the model; empty for the model itself.
+    /// Path within the model; empty for the model itself.
     pub(super) file: String,
 }
 
 impl FuelUri {
-    /// Reads `HOST[/1.0]/OWNER/models/NAME[/VERSION|tip][/files/FILE]`, which is what stands behind `https://`.
+    /// Reads `HOST[/1.0]/OWNER/models/NAME[/VERSION|tip][/files/FILE]`, the part after `https://`.
     pub(super) fn parse(rest: &str) -> Option<Self> {
         let rest = rest.replace("%20", " ");
         let mut parts = rest.split('/').filter(|part| !part.is_empty());
@@ -47,7 +47,7 @@ impl FuelUri {
         is_inside.then(|| Self { owner: owner.to_owned(), version, file: rest.join("/"), host, name })
     }
 
-    /// The model or file among what was downloaded.
+    /// Returns the path of the model or file if it was downloaded.
     pub(super) fn downloaded(&self) -> Option<PathBuf> {
         let variables = VARIABLES.iter().filter_map(std::env::var_os).map(PathBuf::from);
         let home = std::env::home_dir();
@@ -55,8 +55,8 @@ impl FuelUri {
         variables.chain(folders).find_map(|cache| self.below(&cache))
     }
 
-    /// The place of it among models that were made for Gazebo classic, as ours are: what Fuel calls `OpenRobotics/models/Ground
-    /// Plane` has the folder `ground_plane` there. None if it is somebody else's.
+    /// Returns its path among models made for Gazebo classic, such as Belvedere's own: Fuel's `OpenRobotics/models/Ground
+    /// Plane` has the folder `ground_plane` there. None if the owner is not `OpenRobotics`.
     pub(super) fn classic_place(&self) -> Option<String> {
         if !self.owner.eq_ignore_ascii_case("openrobotics") {
             return None;
@@ -65,7 +65,7 @@ impl FuelUri {
         Some(if self.file.is_empty() { name } else { format!("{name}/{}", self.file) })
     }
 
-    /// The same in one folder of downloads.
+    /// Finds the model or file in one folder of downloads.
     fn below(&self, cache: &Path) -> Option<PathBuf> {
         let server = named(cache, &self.host)?;
         let model = named(&named(&named(&server, &self.owner)?, "models")?, &self.name)?;
@@ -79,7 +79,7 @@ impl FuelUri {
     }
 }
 
-/// What a folder has under this name, whatever the size of its letters.
+/// Returns the entry of a folder that has this name in upper or lower case.
 fn named(folder: &Path, name: &str) -> Option<PathBuf> {
     let mut entries = std::fs::read_dir(folder).ok()?.filter_map(Result::ok);
     let is_it = |found: &str| found.to_lowercase() == name.to_lowercase();

@@ -10,12 +10,12 @@ use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Lengths of shapes that the file does not give, in metres (sdf/1.12).
+/// Default length of shapes, in metres (sdf/1.12).
 const DEFAULT_LENGTH_M: f64 = 1.0;
 const CAPSULE_RADIUS_M: f64 = 0.5;
 
 impl Geometry {
-    /// What the geometry's own file says of its look.
+    /// Returns the material that the geometry's own file gives it.
     pub(super) fn own_material(&self) -> Option<Material> {
         match self {
             Self::Mesh(mesh) => mesh.material.clone(),
@@ -26,7 +26,7 @@ impl Geometry {
 }
 
 impl Loader<'_> {
-    /// The geometry of a `<visual>`: several for a mesh of several materials, none after an error.
+    /// Reads the geometry of a `<visual>`: several for a mesh of several materials, none after an error.
     pub(super) fn visual_geometry(&mut self, parent: &Element, scope: Scope<'_>) -> Vec<Geometry> {
         match self.shape(parent, scope) {
             Some(Shape::Primitive(geometry)) => vec![geometry],
@@ -35,7 +35,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The geometry of a `<collision>`.
+    /// Reads the geometry of a `<collision>`.
     pub(super) fn collision_geometry(&mut self, parent: &Element, scope: Scope<'_>) -> Option<Geometry> {
         match self.shape(parent, scope)? {
             Shape::Primitive(geometry) => Some(geometry),
@@ -75,7 +75,7 @@ impl Loader<'_> {
             "mesh" => return self.mesh(shape, scope).map(Shape::Mesh),
             "empty" => return None,
             _ => {
-                self.ignored(shape, "this shape is not read; use a mesh");
+                self.ignored(shape, "this shape is unsupported; use a mesh");
                 return None;
             }
         };
@@ -119,13 +119,13 @@ impl Loader<'_> {
         self.mesh_file(shape, &uri, part.as_ref(), scale, scope)
     }
 
-    /// Which part of a file `<submesh>` asks for.
+    /// Reads the part of a file that `<submesh>` names.
     fn submesh(&mut self, element: &Element) -> Option<Submesh> {
         let Some(name) = child_text(element, "name") else {
             self.diagnostics.error(
                 &element.source,
                 "<submesh> has no <name>",
-                "write the name of a part of the mesh, or take <submesh> out for the whole of it",
+                "write the name of a part of the mesh, or remove <submesh> for the whole mesh",
             );
             return None;
         };
@@ -133,7 +133,7 @@ impl Loader<'_> {
         Some(Submesh { name, is_centred })
     }
 
-    /// The parts of a mesh's file, each of one material; none after an error.
+    /// Reads the parts of a mesh's file, each of one material; none after an error.
     pub(super) fn mesh_file(
         &mut self,
         shape: &Element,
@@ -153,7 +153,7 @@ impl Loader<'_> {
         parts
     }
 
-    /// The existing file that a URI means; `what` names it in the problem.
+    /// Returns the existing file that a URI refers to; `what` names the kind of file in problems.
     pub(super) fn existing_file(
         &mut self,
         element: &Element,
@@ -172,7 +172,7 @@ impl Loader<'_> {
                     .to_owned(),
             ),
             Resolved::UnknownScheme(scheme) => (
-                format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is not read"),
+                format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is unsupported"),
                 match what {
                     "mesh" => format!("download it and name the file (meshes: {MESH_FORMATS})"),
                     _ => "download it and name the file".to_owned(),
@@ -191,7 +191,7 @@ impl Loader<'_> {
         self.length_or(shape, name, DEFAULT_LENGTH_M)
     }
 
-    /// A length above 0, or the default of the format if it is absent.
+    /// Reads a length above 0; the format's default if it is absent.
     fn length_or(&mut self, shape: &Element, name: &str, default: f64) -> Option<f64> {
         self.lengths_or(shape, name, [default]).map(|[length]| length)
     }
@@ -210,7 +210,7 @@ impl Loader<'_> {
             let taken = defaults.map(|length| length.to_string()).join(" ");
             self.diagnostics.warning(
                 &shape.source,
-                format!("<{}> has no <{name}>: it is {taken}", shape.name),
+                format!("<{}> has no <{name}>: {taken} is assumed", shape.name),
                 format!("write <{name}> in metres"),
             );
             return Some(defaults);
@@ -231,7 +231,7 @@ impl Loader<'_> {
         let child = shape.child(name).unwrap_or(shape);
         let article = if shape.name.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" };
         let what = format!("<{name}> of {article} {} is '{}'", shape.name, child.text());
-        // Gazebo goes on with 0, of which nothing is seen or met.
+        // Gazebo accepts 0 and continues; nothing can see or touch such a shape.
         if values.iter().all(|value| *value >= 0.0) {
             let what = format!("{what}, so the shape is left out");
             self.diagnostics.warning(&child.source, what, "lengths must be above 0");

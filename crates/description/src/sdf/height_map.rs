@@ -1,5 +1,5 @@
-//! `<heightmap>`: a terrain whose heights are a picture's, as Gazebo takes them. The picture's top is +y, and its
-//! brightest pixel as high as `<size>` says; a negative height turns it upside down.
+//! `<heightmap>`: a terrain with the heights of an image, as in Gazebo. The image's top edge is +y. Its brightest pixel has
+//! the height in `<size>`; a negative height turns the terrain upside down.
 
 use super::{Loader, Scope};
 use crate::image_file;
@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::path::Path;
 use std::sync::Arc;
 
-/// Gazebo's length of a texture's side, in metres.
+/// Gazebo's default size of a texture, in metres.
 const TILE_M: f64 = 10.0;
 
 impl Loader<'_> {
@@ -45,7 +45,7 @@ impl Loader<'_> {
                 self.missing(
                     &shape.source,
                     format!("the height map {} cannot be read: {why}", path.display()),
-                    "write it as a PNG, with 16 bits if heights are to be fine",
+                    "write it as a PNG, with 16 bits for fine heights",
                 );
             }
             self.heights.insert(key.clone(), read.ok().map(Arc::new));
@@ -55,12 +55,12 @@ impl Loader<'_> {
         Some(Geometry::HeightMap(HeightMap { heights, offset, material }))
     }
 
-    /// The first of its textures; Gazebo blends all of them by height.
+    /// Reads the first of its textures; Gazebo blends all of them by height.
     fn ground(&mut self, shape: &Element, size: [f64; 2], scope: Scope<'_>) -> Option<Material> {
         let mut textures = shape.elements_named("texture");
         let texture = textures.next()?;
         if let Some(more) = textures.next() {
-            self.ignored(more, "a height map has its first texture alone");
+            self.ignored(more, "only the first texture of a height map is drawn");
         }
         let diffuse = texture.child("diffuse")?;
         let picture = self.map(diffuse, texture, scope)?;
@@ -76,7 +76,7 @@ impl Loader<'_> {
     }
 }
 
-/// Reads the picture. Its red counts, which of a grey one is its brightness.
+/// Reads the image. Its red channel is the height; in a grey image that is the brightness.
 fn read(path: &Path, [x, y, z]: [f64; 3]) -> Result<Heights, String> {
     let picture = image_file::open(path).map_err(|error| error.to_string())?.into_rgb16();
     let grid = [picture.height(), picture.width()];

@@ -11,18 +11,18 @@ use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// Limits at or beyond this mean none (SDF's default is 1e16).
+/// A limit at or beyond this value means no limit (SDF's default is 1e16).
 const NO_LIMIT: f64 = 1e15;
 
-/// What a joint's `<parent>` calls the world.
+/// The name of the world in a joint's `<parent>`.
 const WORLD: &str = "world";
 
-/// The world as a link: what a joint moves against.
+/// Returns a link that stands for the world, for joints whose parent is the world.
 fn world_link(source: &Source) -> Link {
     Link { is_static: true, ..Link::empty(WORLD.into(), source.clone()) }
 }
 
-/// The link of that name, or the first of the model of that name.
+/// Returns the link of that name, or the first link of the model of that name.
 fn link_called(name: &str, links: &[Link]) -> Option<LinkIndex> {
     let inside = |link: &Link| link.name.strip_prefix(name).is_some_and(|rest| rest.starts_with("::"));
     let exact = links.iter().position(|link| link.name == name);
@@ -71,7 +71,7 @@ impl Loader<'_> {
         });
     }
 
-    /// What resists the joint: `<dynamics>`, the limits of its motor, and where it begins.
+    /// Reads damping, friction and spring from `<dynamics>`, the limits of the motor, and the initial position.
     fn dynamics(&mut self, joint: &Element) -> JointDynamics {
         let mut dynamics = JointDynamics::default();
         let Some(axis) = joint.child("axis") else { return dynamics };
@@ -87,7 +87,7 @@ impl Loader<'_> {
                 child_number(written, "spring_reference", self.diagnostics).unwrap_or(0.0);
         }
         if let Some(limit) = axis.child("limit") {
-            // Below 0, and 1e16, are no limit.
+            // A value below 0, or 1e16, means no limit.
             let mut most = |name| match child_text(limit, name).as_deref().map(str::parse) {
                 None | Some(Ok(f64::INFINITY)) => f64::INFINITY,
                 Some(_) => child_number(limit, name, self.diagnostics)
@@ -100,7 +100,7 @@ impl Loader<'_> {
         dynamics
     }
 
-    /// Lets the joints of a model follow those that their `<mimic>` names.
+    /// Resolves `<mimic>`: makes each such joint of a model follow the joint that it names.
     pub(super) fn follow(&mut self, parts: &mut Parts) {
         for (follower, mimic) in std::mem::take(&mut parts.mimics) {
             let name = mimic.attribute("joint").unwrap_or_default();
@@ -126,7 +126,7 @@ impl Loader<'_> {
         crate::mimic::break_loops(&mut parts.joints, self.diagnostics);
     }
 
-    /// The link named in `<parent>` or `<child>`, or that of the frame named there.
+    /// Returns the link that `<parent>` or `<child>` names, or the link of the frame named there.
     fn joint_end(&mut self, joint: &Element, end: &str, frames: &Frames, parts: &Parts) -> Option<LinkIndex> {
         let links = &parts.links;
         let Some(name) = child_text(joint, end) else {
@@ -203,7 +203,7 @@ impl Loader<'_> {
         }
     }
 
-    /// A warning for a joint of a kind that is not simulated as such.
+    /// Adds a warning for a joint of a kind that is not simulated as such.
     fn other_kind(&mut self, joint: &Element, difference: &str) {
         let kind = joint.attribute("type").unwrap_or_default();
         let what = format!(
@@ -213,8 +213,8 @@ impl Loader<'_> {
         self.diagnostics.warning(&joint.source, what, "");
     }
 
-    /// The unit axis of a joint in the model frame. It is written in the joint's frame, up to SDF 1.4 in the
-    /// model's; `use_parent_model_frame` (1.5, 1.6) and `expressed_in` (1.7 on) say otherwise.
+    /// Returns the unit axis of a joint in the model frame. The file writes it in the joint's frame, up to SDF 1.4 in the
+    /// model's, unless `use_parent_model_frame` (1.5, 1.6) or `expressed_in` (from 1.7) names another.
     fn axis_in_model(
         &mut self,
         element: &Element,

@@ -9,14 +9,14 @@ use belvedere_sensors::scene::MAX_FALLOFF;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// `<attenuation><range>` where none is given (sdf/1.6), in metres.
+/// Default of `<attenuation><range>` in metres (sdf/1.6).
 const DEFAULT_RANGE_M: f64 = 10.0;
 
-/// `<specular>` where none is given (sdf/1.6).
+/// Default of `<specular>` (sdf/1.6).
 const DEFAULT_SPECULAR: [f32; 3] = [0.1; 3];
 
 impl Loader<'_> {
-    /// Reads a lamp that stands at `outer_from_light`; none if it is switched off.
+    /// Reads a light with the pose `outer_from_light`; none if it is switched off.
     pub(super) fn light(&mut self, element: &Element, outer_from_light: Pose) -> Option<Light> {
         if child_bool(element, "light_on", self.diagnostics) == Some(false) {
             return None;
@@ -77,7 +77,7 @@ impl Loader<'_> {
             self.missing(
                 &child.source,
                 format!("<direction> is '{text}': it has no length"),
-                "write the direction in which the light travels, such as 0 0 -1, which is taken otherwise",
+                "write the direction in which the light travels, such as 0 0 -1, which is the default",
             );
         }
         unit.or(self.rules.gazebo_compat.then_some(DVec3::NEG_Z))
@@ -98,7 +98,7 @@ impl Loader<'_> {
         if outer_angle > PI {
             self.diagnostics.warning(
                 &spot.source,
-                format!("<outer_angle> is {outer_angle}: the cone is all that lies before the light"),
+                format!("<outer_angle> is {outer_angle}: the cone is a half space"),
                 "write the full angle in radians, up to 3.1416",
             );
             (inner_angle, outer_angle) = (inner_angle.min(PI), PI);

@@ -1,4 +1,4 @@
-//! `<link>`: mass, what is seen, what is touched, what senses, what shines.
+//! `<link>`: mass, visuals, collisions, sensors and lights.
 
 use super::frames::Frames;
 use super::model::Parts;
@@ -16,11 +16,11 @@ use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// What a link without `<inertial>` weighs (sdf/1.6): 1 kg, and 1 kg·m² about each axis.
+/// Mass properties of a link without `<inertial>` (sdf/1.6): 1 kg, and 1 kg·m² about each axis.
 const DEFAULT_INERTIAL: Inertial =
     Inertial { link_from_inertial: Pose::IDENTITY, mass_kg: 1.0, inertia: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] };
 
-/// Whether mass and inertia are to be worked out from the collisions.
+/// Returns true if mass and inertia are to be computed from the collisions.
 fn is_automatic(inertial: &Element) -> bool {
     matches!(inertial.attribute("auto"), Some("true" | "1"))
 }
@@ -48,7 +48,7 @@ impl Loader<'_> {
             }
             let what = format!("{what}: this one becomes '{unique}'");
             self.diagnostics.warning(&element.source, what, "rename one");
-            // Files that Gazebo saved have such links. Joints and frames mean the first.
+            // Files that Gazebo saved contain such links. Joints and frames refer to the first.
             name = unique;
             let pose = self.pose(element, scope.version);
             frames.add(&name, &pose, None);
@@ -90,8 +90,8 @@ impl Loader<'_> {
                     if !is_static {
                         self.diagnostics.warning(
                             &child.source,
-                            "this light stays where it is at the start",
-                            "lights move with a link only in a later version",
+                            "this light does not move with its link",
+                            "put the light into the world, or make the model <static>",
                         );
                     }
                     parts.lights.extend(self.light(child, model_from_light));
@@ -150,10 +150,10 @@ impl Loader<'_> {
         Some(Inertial { link_from_inertial, mass_kg, inertia })
     }
 
-    /// Gives a link the mass and inertia of its collisions, filled with their densities; with the mass that is written, if
-    /// one is.
+    /// Gives a link the mass and inertia of its collisions, filled with their densities. A mass in the file takes
+    /// precedence.
     fn weigh(&mut self, inertial: &Element, densities: &[Option<f64>], link: &mut Link) {
-        /// Water, SDF's default.
+        /// The density of water, SDF's default.
         const DENSITY: f64 = 1000.0;
         let usual = child_number(inertial, "density", self.diagnostics).unwrap_or(DENSITY);
         let mut solids = Vec::new();
@@ -178,7 +178,7 @@ impl Loader<'_> {
             None => self.diagnostics.warning(
                 &inertial.source,
                 format!(
-                    "the link '{}' has no collision that its mass can be worked out from: it counts as {} kg",
+                    "the link '{}' has no collision from which its mass could be computed: it counts as {} kg",
                     link.name, DEFAULT_INERTIAL.mass_kg
                 ),
                 "give it a <collision>, or write <mass> and <inertia>",
@@ -194,7 +194,7 @@ impl Loader<'_> {
         let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
         let optics = optics(element, self.diagnostics).unwrap_or_default();
         let mut fiducials = fiducials(element, self.diagnostics);
-        // A mesh whose triangles have several materials becomes one visual for each; the first has the tags.
+        // A mesh of several materials becomes one visual for each; the first visual has the tags.
         for geometry in self.visual_geometry(element, scope) {
             let own = geometry.own_material();
             let mut material = material.clone().or(own).unwrap_or_default();
@@ -239,7 +239,7 @@ impl Loader<'_> {
         }
     }
 
-    /// `<velocity_decay>`: linear, angular.
+    /// Reads `<velocity_decay>`: linear, angular.
     fn velocity_decay(&mut self, link: &Element) -> [f64; 2] {
         let Some(decay) = link.child("velocity_decay") else { return [0.0; 2] };
         ["linear", "angular"].map(|name| {
@@ -248,7 +248,7 @@ impl Loader<'_> {
         })
     }
 
-    /// `<surface>`: what bounces, and what collides at all.
+    /// Reads `<surface>`: restitution, and which shapes collide.
     fn contact(&mut self, collision: &Element) -> Contact {
         let mut read = Contact::default();
         let Some(surface) = collision.child("surface") else { return read };
@@ -282,7 +282,7 @@ impl Loader<'_> {
         read
     }
 
-    /// The vector of three numbers in the child element `name`.
+    /// Reads the vector of three numbers in the child element `name`.
     pub(super) fn vector(&mut self, parent: &Element, name: &str) -> Option<DVec3> {
         let child = parent.child(name)?;
         let text = child_text(parent, name).unwrap_or_default();

@@ -12,20 +12,20 @@ use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Picture formats that are decoded.
+/// File extensions of the images that can be decoded.
 const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "tga", "bmp", "dds"];
 
-/// What the names of Gazebo's own materials begin with.
+/// Prefix of the names of Gazebo's own materials.
 const GAZEBO: &str = "Gazebo/";
 
-/// What the alpha of an albedo map means to gz-sim.
+/// How gz-sim interprets the alpha of an albedo map.
 const PBR_ALPHA: TextureAlpha = TextureAlpha::CutOut { least: 0.5 };
 
 impl Loader<'_> {
-    /// The look of a `<visual>`; none if it says nothing, so that a mesh keeps its own.
+    /// Reads the material of a `<visual>`; none if the file gives none, so that a mesh keeps its own.
     ///
-    /// As in Gazebo, colours override the script's. The albedo map counts where the script brings no picture,
-    /// so that a world can carry a script for Gazebo classic and `<pbr>` for its successors.
+    /// As in Gazebo, colours override the script's. The albedo map is used if the script has no image, so that a world can
+    /// have a script for Gazebo classic and `<pbr>` for its successors.
     pub(super) fn material(&mut self, visual: &Element, scope: Scope<'_>) -> Option<Material> {
         let element = visual.child("material")?;
         let script = element.child("script").and_then(|script| self.script(script, scope));
@@ -43,7 +43,7 @@ impl Loader<'_> {
             return None;
         }
         let mut material = script.unwrap_or_else(|| {
-            // One colour alone stands for both kinds of light. A picture is shown as it is.
+            // A single colour is used for both ambient and diffuse light. A texture without a colour is not tinted.
             let plain = if texture.is_some() { [1.0; 3] } else { Material::default().diffuse };
             let color = diffuse.or(ambient).unwrap_or(plain);
             Material { diffuse: color, ambient: color, ..Material::default() }
@@ -51,7 +51,7 @@ impl Loader<'_> {
         material.diffuse = diffuse.unwrap_or(material.diffuse);
         material.ambient = ambient.unwrap_or(material.ambient);
         material.emissive = emissive.unwrap_or(material.emissive);
-        // Gazebo sets both at once: without a shininess of its own, a specular colour switches the script's off.
+        // Gazebo sets both together: a specular colour without a shininess switches the script's shininess off.
         material.shininess = shininess.unwrap_or(if specular.is_some() { 0.0 } else { material.shininess });
         material.specular = specular.unwrap_or(material.specular);
         material.normal_map = normal_map;
@@ -63,21 +63,21 @@ impl Loader<'_> {
         Some(material)
     }
 
-    /// What else a `<material>` may say, and is not drawn.
+    /// Adds a warning for each child of a `<material>` that is not drawn.
     fn tell_what_is_ignored(&mut self, material: &Element) {
         let lit = "surfaces are lit by <diffuse>, <specular> and <shininess>";
         if child_bool(material, "lighting", self.diagnostics) == Some(false) {
             self.ignored(material.child("lighting").unwrap_or(material), "every surface is lit");
         }
         if child_bool(material, "double_sided", self.diagnostics) == Some(true) {
-            self.ignored(material.child("double_sided").unwrap_or(material), "cameras see outsides alone");
+            self.ignored(material.child("double_sided").unwrap_or(material), "cameras see only outsides");
         }
         let Some(workflow) = workflow(material) else { return };
         for child in workflow.elements() {
             let text = child.text();
             let is_drawn = match child.name.as_str() {
                 "albedo_map" | "normal_map" => true,
-                // What is as dull as can be is drawn so.
+                // Surfaces are drawn fully dull, which is the value 0.
                 "metalness" | "glossiness" => text.parse() == Ok(0.0),
                 "roughness" => text.parse() == Ok(1.0),
                 _ => text.is_empty(),
@@ -93,25 +93,25 @@ impl Loader<'_> {
         self.map(map, material, scope)
     }
 
-    /// Normals in the axes of the surface: of a `<shader>`, as Gazebo classic has them, or of `<pbr>`.
+    /// Reads the normal map in tangent space: from a `<shader>`, as in Gazebo classic, or from `<pbr>`.
     fn normal_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
         let shader = material.child("shader").filter(|shader| shader.child("normal_map").is_some());
         let map = match shader.map(|shader| (shader, shader.attribute("type"))) {
             Some((shader, Some("normal_map_tangent_space"))) => shader.child("normal_map"),
             Some((shader, Some("normal_map_object_space"))) => {
-                self.ignored(shader, "normals are read in the axes of the surface, normal_map_tangent_space");
+                self.ignored(shader, "only normals in tangent space are read: normal_map_tangent_space");
                 None
             }
             _ => workflow(material).and_then(|workflow| workflow.child("normal_map")),
         }?;
         if map.attribute("type") == Some("object") {
-            self.ignored(map, "normals are read in the axes of the surface, type=\"tangent\"");
+            self.ignored(map, "only normals in tangent space are read: type=\"tangent\"");
             return None;
         }
         self.map(map, material, scope)
     }
 
-    /// The picture that an element names.
+    /// Returns the image that an element names.
     pub(super) fn map(&mut self, map: &Element, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
         let uri = map.text();
         if uri.is_empty() || uri == "__default__" {
@@ -119,7 +119,7 @@ impl Loader<'_> {
         }
         let mut folder = scope.folder.to_path_buf();
         if !uri.contains("://") && !folder.join(&uri).exists() {
-            // Gazebo also looks where the script is, its successors in the model's materials/textures.
+            // Gazebo also searches the folders of the script, and its successors the model's materials/textures.
             let uris = material.child("script").into_iter().flat_map(|script| script.elements_named("uri"));
             let mut places = vec![folder.join("materials/textures")];
             for uri in uris {
@@ -135,7 +135,7 @@ impl Loader<'_> {
         self.picture(map, path)
     }
 
-    /// Passes a path on if it names a picture that can be decoded.
+    /// Returns the path if it names an image that can be decoded.
     fn picture(&mut self, element: &Element, path: PathBuf) -> Option<PathBuf> {
         let extension = path.extension().and_then(|extension| extension.to_str()).unwrap_or_default();
         if PICTURES.contains(&extension.to_ascii_lowercase().as_str()) {
@@ -143,7 +143,7 @@ impl Loader<'_> {
         }
         self.missing_picture(
             &element.source,
-            &format!("the texture {} is of a kind that is not read", path.display()),
+            &format!("the texture {} has an unsupported format", path.display()),
             format!("convert it to one of {}", PICTURES.join(", ")),
         );
         None
@@ -151,7 +151,7 @@ impl Loader<'_> {
 
     fn script(&mut self, script: &Element, scope: Scope<'_>) -> Option<Material> {
         let name = child_text(script, "name").filter(|name| name != "__default__")?;
-        // Gazebo's own names go by themselves; a script of the user's may still define them.
+        // Gazebo's own names need no script, but a script of the user's may redefine them.
         let uris: Vec<&Element> = script.elements_named("uri").collect();
         let mut folders = Vec::new();
         let mut materials: Vec<OgreMaterial> = Vec::new();
@@ -175,7 +175,7 @@ impl Loader<'_> {
             return Some(material);
         }
         if name.starts_with(GAZEBO) {
-            // As for the links of a URDF: Gazebo's own names only say a colour, without which a world can run.
+            // As for links in URDF: Gazebo's own names only give a colour, and a world can run without it.
             let names: Vec<String> = gazebo_material_names().collect();
             let known = names.iter().map(String::as_str).chain(materials.iter().map(|it| it.name.as_str()));
             let what = format!("Gazebo has no material '{name}': the shape keeps its own look");
@@ -211,8 +211,8 @@ impl Loader<'_> {
         materials
     }
 
-    /// An Ogre material with its picture found: in the folders of the `<uri>`s, and in `textures` beside the
-    /// folder of the script.
+    /// Converts an Ogre material and finds its texture: in the folders of the `<uri>`s, and in `textures` beside the
+    /// script's folder.
     fn convert(&mut self, ogre: &OgreMaterial, uris: &[PathBuf], script: &Element) -> Material {
         let mut folders: Vec<PathBuf> = Vec::new();
         for path in uris.iter().map(PathBuf::as_path).chain([&*ogre.source.file]) {
@@ -237,7 +237,7 @@ impl Loader<'_> {
             self.picture(script, tidy)
         });
         Material {
-            // Ogre's own defaults: white to both kinds of light.
+            // Ogre's own default is white for both ambient and diffuse light.
             diffuse: ogre.diffuse.unwrap_or([1.0; 3]),
             ambient: ogre.ambient.unwrap_or([1.0; 3]),
             emissive: ogre.emissive.unwrap_or([0.0; 3]),
@@ -252,13 +252,13 @@ impl Loader<'_> {
     }
 }
 
-/// The workflow of `<pbr>` that is read.
+/// Returns the workflow of `<pbr>` that is read.
 fn workflow(material: &Element) -> Option<&Element> {
     let pbr = material.child("pbr")?;
     pbr.child("metal").or_else(|| pbr.child("specular"))
 }
 
-/// The script itself, or every script of a folder by name.
+/// Returns the script itself, or all scripts of a folder, sorted by name.
 fn script_files(path: &Path) -> Vec<PathBuf> {
     if path.is_file() {
         return vec![path.to_path_buf()];

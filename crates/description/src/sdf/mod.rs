@@ -1,19 +1,19 @@
-//! SDF world files, versions 1.4 to 1.12: the part of the format that says what stands where, what it looks
-//! like, and how it is lit.
+//! SDF world files, versions 1.4 to 1.12: the part of the format that describes where things stand, how they look
+//! and how they are lit.
 //!
 //! | file | reads |
 //! |---|---|
 //! | `world` | `<world>`: scene, physics, models, lights, `<state>` |
 //! | `model` | `<model>` with nested models flattened, and `<include>` |
-//! | `nested` | models inside of models |
-//! | `link`, `joint`, `light` | those elements |
+//! | `nested` | models inside models |
+//! | `link`, `joint`, `light` | `<link>`, `<joint>`, `<light>` |
 //! | `geometry`, `polyline`, `height_map`, `material` | shapes and their looks |
 //! | `frames` | `<pose>`, and `relative_to` from SDF 1.7 on |
 //! | `fuel` | models that Gazebo's tools have downloaded |
-//! | `resources` | where `model://` and other URIs point to |
+//! | `resources` | resolution of `model://` and other URIs |
 //!
-//! Elements that change neither motion nor picture here are passed over in silence (`<gui>`, `<audio>`,
-//! solver parameters); those that a user would count on give a warning.
+//! Elements without any effect here (`<gui>`, `<audio>`, solver parameters) are ignored silently. Elements from which
+//! a user may expect an effect give a warning.
 
 mod actor;
 mod frames;
@@ -49,10 +49,10 @@ use std::sync::Arc;
 /// SDF version as (major, minor): `frame` semantics came with 1.7, joint axes in the joint's frame with 1.5.
 type Version = (u32, u32);
 
-/// What problems call the picture of a surface.
+/// The word for the image of a surface in problems.
 const TEXTURE: &str = "texture";
 
-/// What is taken for a file that names no version.
+/// The version that is assumed for a file that names none.
 const ASSUMED_VERSION: Version = (1, 6);
 
 /// Meshes already read, by file, part and scale.
@@ -63,7 +63,7 @@ struct Loader<'a> {
     resources: Resources<'a>,
     rules: Rules,
     diagnostics: &'a mut Diagnostics,
-    /// What included files have come to.
+    /// Limit on the size of included files.
     budget: Budget,
     /// Files being read, outermost first: a file in here that is included again is a cycle.
     open_files: Vec<PathBuf>,
@@ -71,11 +71,11 @@ struct Loader<'a> {
     /// Height maps already read, by file and size.
     heights: HashMap<(PathBuf, [u64; 3]), Option<Arc<Heights>>>,
     material_scripts: HashMap<PathBuf, Arc<Vec<OgreMaterial>>>,
-    /// Files whose elements were compared with the table.
+    /// Files whose elements have been compared with the table.
     compared: HashSet<PathBuf>,
 }
 
-/// What an element needs to know of the file it stands in.
+/// The context in which an element is read.
 #[derive(Clone, Copy)]
 struct Scope<'a> {
     /// Folder of the file, to which relative URIs refer.
@@ -100,7 +100,7 @@ pub(super) fn load_world_file(
     }
 }
 
-/// Reads the first `<world>` of an SDF text that was parsed already.
+/// Reads the first `<world>` of parsed SDF.
 pub(super) fn load_world(
     root: &Element,
     packages: &PackagePath,
@@ -125,7 +125,7 @@ pub(super) fn load_world(
     Some(loader.world(world, Scope { folder, version }))
 }
 
-/// Reads the `<model>` of an SDF text that was parsed already, its `<pose>` as its place in the world.
+/// Reads the `<model>` of parsed SDF; its `<pose>` is its pose in the world.
 pub(super) fn load_model(
     root: &Element,
     packages: &PackagePath,
@@ -149,8 +149,8 @@ pub(super) fn load_model(
         if !diagnostics.has_errors() {
             diagnostics.error(
                 &element.source,
-                format!("nothing is left of the model '{}'", name_of(element)),
-                "get the models that it includes",
+                format!("the model '{}' has no parts left", name_of(element)),
+                "install the models that it includes",
             );
         }
         return None;
@@ -196,9 +196,9 @@ impl Loader<'_> {
         Some((root, version))
     }
 
-    /// The version of an `<sdf>` element, if it is one.
+    /// Reads the version of an `<sdf>` element; none for another element.
     fn version(&mut self, root: &Element) -> Option<Version> {
-        // Gazebo's files from before SDF had its name begin with <gazebo>.
+        // Gazebo's files from before SDF had its own name begin with <gazebo>.
         if root.name != "sdf" && root.name != "gazebo" {
             self.diagnostics.error(
                 &root.source,
@@ -234,12 +234,12 @@ impl Loader<'_> {
         Some(version)
     }
 
-    /// An error if more was included than the budget has.
+    /// Adds an error if the budget for included files is spent.
     fn afford(&mut self, spent: Result<(), Spent>, source: &Source) -> Option<()> {
         spent.map_err(|spent| self.diagnostics.error(source, spent.to_string(), Spent::REMEDY)).ok()
     }
 
-    /// What Gazebo goes on without: an error here, a warning with `--gazebo-compat` or `--skip-missing`.
+    /// Adds a problem that Gazebo tolerates: an error here, a warning with `--gazebo-compat` or `--skip-missing`.
     fn missing(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
         if self.rules.gazebo_compat || self.rules.skip_missing {
             self.diagnostics.warning(source, what, remedy);
@@ -248,17 +248,17 @@ impl Loader<'_> {
         }
     }
 
-    /// As `missing`, but for pictures: a warning, because the surface is still where it is.
+    /// Like `missing`, but for images: always a warning, because the surface itself is still there.
     fn missing_picture(&mut self, source: &Source, what: &str, remedy: impl Into<String>) {
-        self.diagnostics.warning(source, format!("{what}; the surface is drawn in its colour alone"), remedy);
+        self.diagnostics.warning(source, format!("{what}; the surface is drawn without it"), remedy);
     }
 
-    /// A warning for an element that is ignored although the user may count on it.
+    /// Adds a warning for an element that is ignored although the user may expect an effect.
     fn ignored(&mut self, element: &Element, why: &str) {
         self.diagnostics.warning(&element.source, format!("<{}> is ignored: {why}", element.name), "");
     }
 
-    /// The number from 0 to `most` in the child element `name`.
+    /// Reads the number from 0 to `most` in the child element `name`.
     fn within(&mut self, parent: &Element, name: &str, most: f32) -> Option<f32> {
         let value = child_number(parent, name, self.diagnostics)?;
         if (0.0..=f64::from(most)).contains(&value) {
@@ -275,13 +275,13 @@ impl Loader<'_> {
         None
     }
 
-    /// The colour `r g b` or `r g b a` in the child element `name`; alpha is dropped.
+    /// Reads the colour `r g b` or `r g b a` in the child element `name`; alpha is dropped.
     fn color(&mut self, parent: &Element, name: &str) -> Option<[f32; 3]> {
         let [r, g, b, _] = self.rgba(parent, name)?;
         Some([r, g, b])
     }
 
-    /// The colour `r g b` or `r g b a` in the child element `name`; opaque if it does not say.
+    /// Reads the colour `r g b` or `r g b a` in the child element `name`; opaque if alpha is absent.
     fn rgba(&mut self, parent: &Element, name: &str) -> Option<[f32; 4]> {
         let element = parent.child(name)?;
         let text = element.text();
@@ -304,12 +304,12 @@ impl Loader<'_> {
     }
 }
 
-/// For telling whether two paths are one file.
+/// Returns the canonical path, for comparing files.
 fn canonical(path: &Path) -> PathBuf {
     path.canonicalize().unwrap_or_else(|_| path.to_path_buf())
 }
 
-/// The `name` attribute, or an empty name.
+/// Returns the `name` attribute, or an empty name.
 fn name_of(element: &Element) -> String {
     element.attribute("name").unwrap_or_default().to_owned()
 }

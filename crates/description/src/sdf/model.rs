@@ -1,5 +1,5 @@
-//! `<model>` and `<include>`. A model inside a model is dissolved into its outer one: its links and joints go by
-//! `inner::name`, as Gazebo calls them.
+//! `<model>` and `<include>`. A nested model is merged into the outer one: its links and joints are named
+//! `inner::name`, as in Gazebo.
 
 use super::frames::{Frames, WrittenPose};
 use super::names::Names;
@@ -14,7 +14,7 @@ use crate::values::{child_bool, child_text};
 use crate::xml::{Element, Weight};
 use std::path::{Path, PathBuf};
 
-/// A model whose place in what it stands in is not resolved yet.
+/// A model whose pose in its parent is not resolved yet.
 pub(super) struct ParsedModel {
     pub(super) model: Model,
     pub(super) pose: WrittenPose,
@@ -22,34 +22,34 @@ pub(super) struct ParsedModel {
     pub(super) lights: Vec<Light>,
     /// `<include merge="true">`: its links and joints become the outer model's own, and keep their names.
     pub(super) is_merged: bool,
-    /// What poses in the model, and of what it stands in, can be relative to.
+    /// The frames that poses in the model, and in its parent, can be relative to.
     pub(super) frames: Frames,
 }
 
-/// What an `<include>` brought.
+/// The models and lights that an `<include>` brings in.
 #[derive(Default)]
 pub(super) struct Included {
     pub(super) models: Vec<ParsedModel>,
-    /// Each with its place in what includes it.
+    /// Each light with its pose in the including model or world.
     pub(super) lights: Vec<(Light, WrittenPose)>,
 }
 
-/// Opening a file takes as long as so many elements.
+/// Cost of opening a file, in elements.
 const A_FILE: usize = 20;
 
 /// The parts of a model while it is put together.
 #[derive(Default)]
 pub(super) struct Parts {
     pub(super) links: Vec<Link>,
-    /// Of its own links.
+    /// The names of its own links.
     pub(super) link_names: Names,
     pub(super) joints: Vec<Joint>,
-    /// `<mimic>` of joints, which may name later ones.
+    /// Joints with `<mimic>`, resolved last because it may name later joints.
     pub(super) mimics: Vec<(JointIndex, Element)>,
     pub(super) sensors: Vec<Sensor>,
     pub(super) plugins: Vec<ModelPlugin>,
     pub(super) lights: Vec<Light>,
-    /// Whether something that it includes was left out.
+    /// True if an included model was left out.
     pub(super) lacks: bool,
 }
 
@@ -104,7 +104,7 @@ impl Loader<'_> {
             frames.add_nested(&name, inner_frames);
         }
         if parts.links.is_empty() && parts.lacks {
-            // What it would consist of was left out, and that was told.
+            // All its parts were left out, which has been reported already.
             return None;
         }
         if parts.links.is_empty() {
@@ -147,7 +147,7 @@ impl Loader<'_> {
         Some(ParsedModel { model, pose, lights: parts.lights, is_merged: false, frames })
     }
 
-    /// The link that `canonical_link` names, or the first one.
+    /// Returns the link that `canonical_link` names, or the first one.
     fn canonical_link(&mut self, element: &Element, links: &[Link]) -> LinkIndex {
         let Some(name) = element.attribute("canonical_link").filter(|name| !name.is_empty()) else {
             return 0;
@@ -164,7 +164,7 @@ impl Loader<'_> {
         found.unwrap_or(0)
     }
 
-    /// `placement_frame`: the pose is that of this frame of the model, not of the model's own.
+    /// Applies `placement_frame`: the pose is that of this frame of the model, not of the model's own.
     fn place_by(&mut self, frame: Option<&str>, frames: &Frames, pose: &mut WrittenPose, source: &Source) {
         if let Some(frame) = frame
             && let Some(model_from_frame) = frames.resolve(frame, source, self.diagnostics)
@@ -173,7 +173,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The frames that poses of this model can be relative to.
+    /// Collects the frames that poses of this model can be relative to.
     fn model_frames(&mut self, element: &Element, nested: &[ParsedModel], version: Version) -> Frames {
         let mut frames = Frames::new("__model__");
         for inner in nested {
@@ -190,7 +190,7 @@ impl Loader<'_> {
                 _ => continue,
             };
             let pose = self.pose(child, version);
-            // Of two that have one name, it is the first's.
+            // If two have the same name, it means the first.
             if !frames.has(&name_of(child)) {
                 frames.add(&name_of(child), &pose, parent);
             }
@@ -202,7 +202,7 @@ impl Loader<'_> {
         frames
     }
 
-    /// `<include>`: the models and lights of another file, with name, pose and static overridden.
+    /// Reads `<include>`: the models and lights of another file, with name, pose and static overridden.
     pub(super) fn include(&mut self, element: &Element, scope: Scope<'_>) -> Option<Included> {
         let spent = self.budget.take(1, 0);
         self.afford(spent, &element.source)?;
@@ -258,7 +258,7 @@ impl Loader<'_> {
                 _ => {}
             }
         }
-        // The format allows one model or light a file.
+        // The format allows one model or light per file.
         if let Some(parsed) = included.models.first_mut() {
             plugin::read(element, &mut parsed.model, self.rules, self.diagnostics);
             if let Some(name) = &name {
@@ -289,8 +289,8 @@ impl Loader<'_> {
         Some(included)
     }
 
-    /// The SDF file that a URI of an `<include>` means: the file itself, or what the folder's `model.config`
-    /// names, or its `model.sdf`.
+    /// Returns the SDF file that the URI of an `<include>` refers to: the file itself, or in a folder the file that
+    /// `model.config` names, else `model.sdf`.
     fn included_file(&mut self, element: &Element, uri: &str, folder: &Path) -> Option<PathBuf> {
         let uri = uri.trim_end_matches('/');
         let path = match self.resources.resolve(uri, folder) {
@@ -310,7 +310,7 @@ impl Loader<'_> {
             Resolved::UnknownScheme(scheme) => {
                 self.missing(
                     &element.source,
-                    format!("'{uri}' cannot be fetched: '{scheme}://' is not read"),
+                    format!("'{uri}' cannot be fetched: '{scheme}://' is unsupported"),
                     "download it with `gz fuel download -u`, or put its folder into GAZEBO_MODEL_PATH; write model://NAME otherwise",
                 );
                 return None;
@@ -335,7 +335,7 @@ impl Loader<'_> {
         None
     }
 
-    /// The `<sdf>` of the highest version that a `model.config` names.
+    /// Returns the `<sdf>` file of the highest version that a `model.config` names.
     fn file_of_config(&mut self, config: &Path) -> Option<PathBuf> {
         self.diagnostics.opened(config);
         let root = match Element::parse_file(config) {
@@ -363,7 +363,7 @@ impl Loader<'_> {
     }
 }
 
-/// Whether all links hang together, or all stand still by themselves.
+/// Returns true if each group of links that joints connect contains a static link.
 fn is_one_body(parts: &Parts) -> bool {
     let mut body: Vec<usize> = (0..parts.links.len()).collect();
     for joint in &parts.joints {

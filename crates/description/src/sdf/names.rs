@@ -1,37 +1,37 @@
-//! Names that may come again, as Gazebo takes them: the later ones get numbers.
+//! Repeated names: as in Gazebo, the later ones get a number.
 
 use std::collections::{HashMap, HashSet};
 
-/// The names of things of one kind in one place.
+/// The names of one kind of element in one model or world.
 #[derive(Default)]
 pub(super) struct Names {
-    /// All that are written, which no number may make again.
+    /// All names in the file; no number may produce one of them.
     written: HashSet<String>,
     taken: HashMap<String, Taken>,
 }
 
 struct Taken {
-    /// Who has it.
+    /// The index of the thing that has it.
     first: usize,
-    /// The number that is tried next: the smaller ones are taken, and looking at them again would cost squares.
+    /// The next number to try: smaller ones are taken, and trying them again would take quadratic time.
     next: usize,
 }
 
-/// A name that somebody has.
+/// The result of taking a name that is already taken.
 pub(super) struct Again {
-    /// Who has it.
+    /// The index of the thing that has it.
     pub(super) first: usize,
-    /// The same with a number, which is taken now.
+    /// The same name with a number, which is now taken.
     pub(super) unique: String,
 }
 
 impl Names {
-    /// None is taken yet of those that are `written`.
+    /// Creates the names; those in `written` are not taken yet.
     pub(super) fn of(written: impl IntoIterator<Item = String>) -> Self {
         Self { written: written.into_iter().collect(), taken: HashMap::new() }
     }
 
-    /// Takes a name for the thing of this index.
+    /// Takes a name for the thing with this index.
     pub(super) fn take(&mut self, name: &str, index: usize) -> Result<(), Again> {
         let Some(&Taken { first, mut next }) = self.taken.get(name) else {
             self.taken.insert(name.to_owned(), Taken { first: index, next: 0 });

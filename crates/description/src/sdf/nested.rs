@@ -1,4 +1,4 @@
-//! Models inside of a model: their names, and how their parts become those of the outer one.
+//! Nested models: their names, and how their parts are merged into the outer model.
 
 use super::Loader;
 use super::frames::Frames;
@@ -7,7 +7,7 @@ use super::names::{Again, Names};
 use crate::model::{Model, ModelPlugin};
 
 impl ParsedModel {
-    /// What the outer model calls a link or joint of this one.
+    /// Returns a function that names a link or joint of this model in the outer one.
     pub(super) fn naming(&self) -> impl Fn(&str) -> String + use<> {
         let before = if self.is_merged { String::new() } else { format!("{}::", self.model.name) };
         move |name| format!("{before}{name}")
@@ -15,7 +15,7 @@ impl ParsedModel {
 }
 
 impl Loader<'_> {
-    /// Two models of one name cannot be told apart: the later one gets a number.
+    /// Renames nested models with equal names: the later ones get a number, so that they can be distinguished.
     pub(super) fn make_names_unique(&mut self, models: &mut [ParsedModel]) {
         let mut names = Names::of(models.iter().map(|parsed| parsed.model.name.clone()));
         for (index, Model { name, source, .. }) in
@@ -32,8 +32,8 @@ impl Loader<'_> {
         }
     }
 
-    /// Makes the links, joints and sensors of a nested model those of the outer one.
-    /// Returns its name and its frames.
+    /// Merges the links, joints and sensors of a nested model into the outer one.
+    /// Returns the nested model's name and frames.
     pub(super) fn dissolve(
         &mut self,
         inner: ParsedModel,
@@ -50,7 +50,7 @@ impl Loader<'_> {
         parts.links.extend(model.links.into_iter().map(|mut link| {
             link.name = outer_name(&link.name);
             link.model_from_link = outer_from_inner * link.model_from_link;
-            // Gazebo keeps what a nested model says of itself.
+            // As in Gazebo, a nested model keeps its own <static>.
             link.is_static |= model.is_static;
             link
         }));

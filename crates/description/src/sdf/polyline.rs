@@ -1,4 +1,4 @@
-//! `<polyline>`: outlines that are drawn up to a height, from z = 0. What lies in another's outline is a hole in it.
+//! `<polyline>`: outlines that are extruded from z = 0 to a height. An outline inside another one is a hole in it.
 
 use super::Loader;
 use crate::model::Mesh;
@@ -11,7 +11,7 @@ use std::sync::Arc;
 type Outline = Vec<[f64; 2]>;
 
 impl Loader<'_> {
-    /// All `<polyline>` of a `<geometry>` as one body.
+    /// Converts all `<polyline>` elements of a `<geometry>` to one mesh.
     pub(super) fn polylines(&mut self, geometry: &Element) -> Option<Arc<Mesh>> {
         let mut outlines: Vec<Outline> = Vec::new();
         let mut height = None;
@@ -29,7 +29,7 @@ impl Loader<'_> {
             for point in polyline.elements_named("point") {
                 outline.push(numbers(&point.text(), "<point>", &point.source, self.diagnostics)?);
             }
-            // Some are closed by their first point.
+            // Some outlines repeat the first point at their end.
             if outline.len() > 1 && outline.first() == outline.last() {
                 outline.pop();
             }
@@ -51,13 +51,13 @@ impl Loader<'_> {
     }
 }
 
-/// Twice the area: positive counter-clockwise.
+/// Returns twice the area: positive if counter-clockwise.
 fn area(outline: &[[f64; 2]]) -> f64 {
     let next = outline.iter().cycle().skip(1);
     outline.iter().zip(next).map(|([x, y], [u, v])| x * v - u * y).sum()
 }
 
-/// Whether a point is inside: an odd number of edges lie to its right.
+/// Returns true if a point is inside: an odd number of edges lie to its right.
 fn encloses(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
     let next = outline.iter().cycle().skip(1);
     let edges = outline.iter().zip(next);
@@ -65,7 +65,7 @@ fn encloses(outline: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
         == 1
 }
 
-/// The outlines that one lies in.
+/// Returns the outlines that contain another one.
 fn around(outlines: &[Outline], inner: usize) -> Vec<usize> {
     let others = (0..outlines.len()).filter(|other| *other != inner);
     others.filter(|other| encloses(&outlines[*other], outlines[inner][0])).collect()
@@ -73,7 +73,7 @@ fn around(outlines: &[Outline], inner: usize) -> Vec<usize> {
 
 fn extrude(mut outlines: Vec<Outline>, height: f32, path: std::path::PathBuf) -> Mesh {
     let around: Vec<Vec<usize>> = (0..outlines.len()).map(|inner| around(&outlines, inner)).collect();
-    // Solid in an even number of others, a hole of the innermost around it in an odd one.
+    // Solid inside an even number of others, a hole in the innermost of an odd number.
     let depth: Vec<usize> = around.iter().map(Vec::len).collect();
     let is_solid = |one: usize| depth[one].is_multiple_of(2);
     for (one, outline) in outlines.iter_mut().enumerate() {
@@ -101,7 +101,7 @@ fn extrude(mut outlines: Vec<Outline>, height: f32, path: std::path::PathBuf) ->
         }
         for corners in cut.chunks_exact(3) {
             let [a, b, c] = [corners[0], corners[1], corners[2]];
-            // The triangles' own sense does not matter: the top is to look up, the bottom down.
+            // The winding of the triangles does not matter: the top must face up, the bottom down.
             let [p, q, r] = [a, b, c].map(|corner| points[corner as usize]);
             let [a, b, c] = if area(&[p, q, r]) > 0.0 { [a, b, c] } else { [a, c, b] };
             mesh.triangles.push([a, b, c].map(|corner| first + count + corner));

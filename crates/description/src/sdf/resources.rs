@@ -1,38 +1,38 @@
-//! Where the URIs of a world point to.
+//! Resolution of the URIs in a world.
 
 use super::fuel::FuelUri;
 use crate::package::PackagePath;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
 
-/// Environment variables with folders of models: Gazebo classic's, then those of its successors.
+/// Environment variables that name folders of models: Gazebo classic's, then those of its successors.
 const MODEL_VARIABLES: [&str; 4] =
     ["GAZEBO_MODEL_PATH", "GZ_SIM_RESOURCE_PATH", "IGN_GAZEBO_RESOURCE_PATH", "SDF_PATH"];
 
-/// Folders to search.
+/// The folders that are searched.
 pub(super) struct Resources<'a> {
     packages: &'a PackagePath,
-    /// Folders that contain models, ours last.
+    /// Folders that contain models, Belvedere's own last.
     model_folders: Vec<PathBuf>,
-    /// Folders that `file://media/…` may lie in.
+    /// Folders that `file://media/…` may refer to.
     media_folders: Vec<PathBuf>,
-    /// What packages export: models, then media. Looked for when nothing else helps.
+    /// Folders exported by packages: models, then media. Searched only if nothing else helps.
     exported: OnceCell<[Vec<PathBuf>; 2]>,
 }
 
-/// What a URI resolves to.
+/// The result of resolving a URI.
 pub(super) enum Resolved {
     /// An existing file or folder, absolute.
     Found(PathBuf),
-    /// Nothing; the places that were looked at.
+    /// Nothing was found in these places.
     NotFound(Vec<PathBuf>),
-    /// A scheme that is not read.
+    /// The URI has a scheme that is not supported.
     UnknownScheme(String),
 }
 
 impl<'a> Resources<'a> {
-    /// The user's package folders, then Gazebo's variables, the world file's own folder and the `models` beside
-    /// it, or that around a model's, Gazebo's download folder, and ours.
+    /// Collects the folders in order: the user's package folders, Gazebo's variables, the world file's folder and the `models`
+    /// beside it (for a model file the folder above it), Gazebo's download folder, Belvedere's own.
     pub(super) fn new(packages: &'a PackagePath, world_file: &Path) -> Self {
         let variable = |name: &str| -> Vec<PathBuf> {
             std::env::var_os(name)
@@ -46,7 +46,7 @@ impl<'a> Resources<'a> {
         let world_folder = world_file.parent().unwrap_or(Path::new(""));
         let beside =
             [world_folder.to_path_buf(), world_folder.join("models"), world_folder.join("../models")];
-        // Of a model's own file, the folder that its models lie in, by whose name it calls what it has.
+        // For a model's own file, the folder that contains the model: its URIs begin with the model's name.
         let around = world_folder.join("model.config").exists().then(|| world_folder.join(".."));
         let downloads = std::env::home_dir().map(|home| home.join(".gazebo/models"));
         let model_folders = user
@@ -64,7 +64,7 @@ impl<'a> Resources<'a> {
         }
     }
 
-    /// Looks a URI up; `folder` is that of the file it stands in.
+    /// Resolves a URI; `folder` is the folder of the file that contains it.
     pub(super) fn resolve(&self, uri: &str, folder: &Path) -> Resolved {
         let candidates: Vec<PathBuf> = match uri.split_once("://") {
             Some(("model", rest)) => self.in_models(rest.trim_start_matches('/')).collect(),
@@ -83,7 +83,7 @@ impl<'a> Resources<'a> {
             Some((scheme, rest)) => {
                 let fuel = FuelUri::parse(rest).filter(|_| matches!(scheme, "https" | "http" | "fuel"));
                 let Some(fuel) = fuel else { return Resolved::UnknownScheme(scheme.to_owned()) };
-                // A copy among the models has the folder's name alone.
+                // A copy among the models has only the folder's name.
                 let place = if fuel.file.is_empty() {
                     fuel.name.clone()
                 } else {
@@ -106,20 +106,20 @@ impl<'a> Resources<'a> {
         }
     }
 
-    /// The places of a relative name among the models.
+    /// Returns the paths that a relative name may have among the models.
     fn in_models(&self, name: &str) -> impl Iterator<Item = PathBuf> {
         let is_relative = Path::new(name).is_relative() && !name.is_empty();
         let folders = self.model_folders.iter().filter(move |_| is_relative);
         folders.map(move |models| models.join(name))
     }
 
-    /// As libsdformat has it, a name that is not in its own folder may be one among the models.
+    /// As in libsdformat, a name that is not found in its own folder is looked for among the models.
     fn among_models(&self, uri: &str) -> Option<PathBuf> {
         let name = uri.strip_prefix("file://").unwrap_or(uri);
         self.in_models(name).find(|place| place.exists())
     }
 
-    /// What a URI means in the folders that the user's packages export to Gazebo.
+    /// Resolves a URI in the folders that the user's packages export to Gazebo.
     fn exported(&self, uri: &str) -> Option<PathBuf> {
         let (kind, rest) = match uri.split_once("://")? {
             ("model", rest) => (0, rest),
@@ -131,7 +131,7 @@ impl<'a> Resources<'a> {
         exported[kind].iter().map(|folder| folder.join(rest)).find(|place| place.exists())
     }
 
-    /// Names of the models that `model://` can reach, for "did you mean".
+    /// Returns the names of the models that `model://` can reach, for "did you mean".
     pub(super) fn model_names(&self) -> Vec<String> {
         self.model_folders
             .iter()
@@ -146,7 +146,7 @@ impl<'a> Resources<'a> {
     }
 }
 
-/// The places looked at, for an error's text.
+/// Lists the places that were searched, for an error message.
 pub(super) fn list(places: &[PathBuf]) -> String {
     let mut shown: Vec<String> = Vec::new();
     for place in places {

@@ -1,4 +1,4 @@
-//! `<world>`: scene, physics, what stands in it, and `<state>`.
+//! `<world>`: scene, physics, models, and `<state>`.
 
 use super::frames::{Frames, WrittenPose};
 use super::model::ParsedModel;
@@ -9,7 +9,7 @@ use crate::values::{child_bool, child_number, numbers};
 use crate::xml::Element;
 use glam::DVec3;
 
-/// A physics step beyond this is a mistake: contacts of a robot at walking speed are missed altogether.
+/// The longest accepted physics step: beyond it, the contacts of a robot at walking speed are missed.
 const MAX_STEP_S: f64 = 0.1;
 
 impl Loader<'_> {
@@ -42,7 +42,7 @@ impl Loader<'_> {
         }
 
         self.make_names_unique(&mut models);
-        // Poses in the world: models may stand relative to one another.
+        // Models may be posed relative to one another.
         let mut frames = Frames::new("world");
         for parsed in &models {
             frames.add(&parsed.model.name, &parsed.pose, None);
@@ -115,7 +115,7 @@ impl Loader<'_> {
         }
     }
 
-    /// `<spherical_coordinates>` and `<magnetic_field>`.
+    /// Reads `<spherical_coordinates>` and `<magnetic_field>`.
     fn earth(&mut self, element: &Element, earth: &mut Earth) {
         if let Some(field) = element.child("magnetic_field")
             && let Some(tesla) = numbers(&field.text(), "<magnetic_field>", &field.source, self.diagnostics)
@@ -143,7 +143,7 @@ impl Loader<'_> {
             if !matches!(child.text().as_str(), "ENU" | "EARTH_WGS84" | "") {
                 self.ignored(
                     child,
-                    "the world is taken to lie on EARTH_WGS84, its axes as ENU and <heading_deg> say",
+                    "EARTH_WGS84 is used instead, with ENU axes that are turned by <heading_deg>",
                 );
             }
         }
@@ -174,8 +174,8 @@ impl Loader<'_> {
         }
     }
 
-    /// Puts models where a saved `<state>` says they stood. Gazebo applies the models' poses; those of their
-    /// links follow from them.
+    /// Moves models to the poses of a saved `<state>`. Gazebo applies the poses of models; those of their links follow
+    /// from them.
     fn state<T>(
         &mut self,
         state: &Element,

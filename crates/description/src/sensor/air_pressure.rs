@@ -9,11 +9,11 @@ use belvedere_sensors::noise::InstrumentConfig;
 /// A barometer in the standard atmosphere.
 #[derive(Debug, Clone, PartialEq)]
 pub struct AirPressure {
-    /// Its errors in Pa.
+    /// Errors of the pressure in Pa.
     pub pressure: InstrumentConfig<1>,
-    /// Height above sea level of the world's origin in m.
+    /// Height of the world's origin above sea level in m.
     pub reference_altitude_m: f64,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<InstrumentPlugin>,
 }
 
@@ -33,7 +33,7 @@ impl Reader<'_> {
         let pressure = self.quantity(element, "pressure");
         if let Some(element) = element {
             let names = ["reference_altitude", "pressure"];
-            let remedy = "take it out: an air_pressure has reference_altitude, pressure";
+            let remedy = "remove it: an air_pressure has reference_altitude, pressure";
             self.left_out(element, |name| names.contains(&name), remedy);
         }
         let plugin = self.instrument_plugin(sensor, &KIND);

@@ -1,4 +1,4 @@
-//! Altimeters: `<altimeter>`, height above the place of the start.
+//! Altimeters: `<altimeter>`, the height above the start.
 
 use super::instrument::InstrumentPlugin;
 use super::reader::Reader;
@@ -13,9 +13,9 @@ pub struct Altimeter {
     pub position: InstrumentConfig<1>,
     /// Errors of the vertical velocity in m/s.
     pub velocity: InstrumentConfig<1>,
-    /// What it measures heights from: the height of the start if there is none.
+    /// The height that is subtracted, in m; none for the height at the start.
     pub reference_m: Option<f64>,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<InstrumentPlugin>,
 }
 
@@ -32,7 +32,7 @@ impl Reader<'_> {
         let names = ["vertical_position", "vertical_velocity"];
         let [position, velocity] = names.map(|name| self.quantity(element, name));
         if let Some(element) = element {
-            let remedy = format!("take it out: an altimeter has {}", names.join(", "));
+            let remedy = format!("remove it: an altimeter has {}", names.join(", "));
             self.left_out(element, |name| names.contains(&name), &remedy);
         }
         let plugin = self.instrument_plugin(sensor, &KIND);

@@ -1,4 +1,4 @@
-//! `<camera>`: angle of view, picture, clip distances, noise; its lens is in `lens.rs`.
+//! `<camera>`: angle of view, image, clip distances, noise; the lens is in `lens.rs`.
 
 use super::camera_plugin::{CameraTopics, gz_camera, is_ros2_camera};
 use super::gz::{gz_topic, is_gz};
@@ -11,20 +11,20 @@ use crate::model::{CameraPlugin, CameraSensor, Mosaic, PixelFormat};
 use crate::values::child_text;
 use crate::xml::Element;
 
-/// Most pixels along a side.
+/// The largest width and height of an image, in pixels.
 const MAX_IMAGE_SIZE: u32 = 16384;
-/// Most samples a pixel that a file may ask for.
+/// The most samples per pixel that a file may request.
 const MAX_ANTI_ALIASING: u32 = 64;
 
-/// Far clip distance in metres if none is given.
+/// Default far clip distance in metres.
 const FAR_M: f64 = 100.0;
 
 /// A colour camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Camera {
-    /// What it sees.
+    /// The optics and the image.
     pub camera: CameraSensor,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<CameraPlugin>,
 }
 
@@ -40,7 +40,7 @@ impl Reader<'_> {
         let is_wide_angle = sensor.attribute("type").is_some_and(|kind| kind.starts_with("wide"));
         let own = extension(sensor);
         if let Some(own) = own {
-            let remedy = "take it out: the plugin of belvedere in a camera has preset";
+            let remedy = "remove it: the plugin of belvedere in a camera has preset";
             self.left_out(own, |name| name == "preset", remedy);
         }
         let camera = self.camera(sensor, FAR_M, is_wide_angle, own)?;
@@ -59,7 +59,7 @@ impl Reader<'_> {
         Some(Camera { camera, plugin })
     }
 
-    /// The `<camera>` of a sensor; `far_m` is the far clip distance if none is given, `device` our plugin that names its
+    /// Reads the `<camera>` of a sensor. `far_m` is the default far clip distance, `device` our plugin that names the
     /// device.
     pub(super) fn camera(
         &mut self,
@@ -87,11 +87,11 @@ impl Reader<'_> {
             && device.flatten().is_some_and(|device| !device.is_of_one_moment())
         {
             let what = format!(
-                "{} is left out: pictures of a rolling shutter or with motion blur keep sharp edges",
+                "{} is left out: images with a rolling shutter or motion blur are not anti-aliased",
                 self.what("anti_aliasing")
             );
             let remedy =
-                "take it out, or write <readout_time_s>0</readout_time_s> and no <motion_blur_samples>";
+                "remove it, or write <readout_time_s>0</readout_time_s> and no <motion_blur_samples>";
             self.diagnostics.warning(Self::place(image, "anti_aliasing", sensor), what, remedy);
         }
         let (near_m, far_m) = distances?;
@@ -110,7 +110,7 @@ impl Reader<'_> {
         })
     }
 
-    /// Samples a pixel: none besides its own if the file does not say, as in Gazebo classic.
+    /// Reads the samples per pixel. By default there is no anti-aliasing, as in Gazebo classic.
     fn anti_aliasing(&mut self, image: Option<&Element>) -> Option<u32> {
         let is_valid =
             |value: f64| value.fract() == 0.0 && (0.0..=f64::from(MAX_ANTI_ALIASING)).contains(&value);
@@ -129,7 +129,7 @@ impl Reader<'_> {
             "L16" | "L_INT16" | "L_UINT16" | "MONO16" => Some(PixelFormat::Mono16),
             "R8G8B8A8" | "RGBA_INT8" => Some(PixelFormat::Rgba8),
             text if mosaic(text).is_some() => mosaic(text),
-            // Depths are floats in any case; what colours a depth camera has are bytes.
+            // Depths are always floats; the colours of a depth camera are always bytes.
             "R_FLOAT32" | "R_FLOAT16" if measures_depth => Some(PixelFormat::Rgb8),
             _ => {
                 let what = self.what("format");
@@ -162,8 +162,8 @@ impl Reader<'_> {
         None
     }
 
-    /// A warning for each element beside the `<camera>` that has no effect here and would have one elsewhere. There is no
-    /// window that `<visualize>` could show a picture in.
+    /// Adds a warning for each element next to the `<camera>` that would have an effect in Gazebo and has none here.
+    /// `<visualize>` is not one: there is no window to show images in.
     fn not_simulated_by_sensor(&mut self, sensor: &Element) {
         let is_gz = is_gz(sensor);
         for child in sensor.elements() {
@@ -171,17 +171,17 @@ impl Reader<'_> {
                 "topic" | "frame_id" | "gz_frame_id" | "ignition_frame_id" if is_gz => continue,
                 "camera" | "pose" | "update_rate" | "always_on" | "visualize" | "plugin" => continue,
                 "enable_metrics" if matches!(child.text().as_str(), "false" | "0") => continue,
-                "enable_metrics" => "take it out, and measure with `belvedere hz`",
+                "enable_metrics" => "remove it, and measure with `belvedere hz`",
                 "topic" => "write <imageTopicName> in the plugin",
                 "frame_id" | "gz_frame_id" | "ignition_frame_id" => "write <frameName> in the plugin",
-                _ => "take it out: a camera sensor has pose, update_rate, always_on, camera and plugin",
+                _ => "remove it: a camera sensor has pose, update_rate, always_on, camera and plugin",
             };
-            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            let what = format!("{} is not simulated and is left out", self.what(&child.name));
             self.diagnostics.warning(&child.source, what, remedy);
         }
     }
 
-    /// A warning for each element that has no effect here and would have one elsewhere.
+    /// Adds a warning for each element that would have an effect in Gazebo and has none here.
     fn not_simulated(&mut self, camera: Option<&Element>, is_gz: bool) {
         let Some(camera) = camera else { return };
         for child in camera.elements() {
@@ -189,38 +189,38 @@ impl Reader<'_> {
             let remedy = match child.name.as_str() {
                 "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" | "device" => continue,
                 "save" => match child.attribute("enabled").unwrap_or_default() {
-                    "true" | "1" => "take it out, and keep pictures with `belvedere snapshot`",
+                    "true" | "1" => "remove it, and keep pictures with `belvedere snapshot`",
                     _ => continue,
                 },
                 "camera_info_topic" | "optical_frame_id" if is_gz => continue,
                 "triggered" if text == "false" || text == "0" => continue,
                 "visibility_mask" if text == "4294967295" => continue,
                 "pose" if text.split_whitespace().all(|number| number.parse() == Ok(0.0)) => continue,
-                "triggered" | "trigger_topic" => "take it out: pictures are sent at <update_rate>",
-                "visibility_mask" => "take it out: a camera sees every visual",
-                "pose" => "write it in <sensor>, for all that it measures",
+                "triggered" | "trigger_topic" => "remove it: pictures are sent at <update_rate>",
+                "visibility_mask" => "remove it: a camera sees every visual",
+                "pose" => "write it in <sensor>, where it applies to all that the sensor measures",
                 "depth_camera" => "write <clip> in <camera>, and the limits of the depth in the plugin",
                 "camera_info_topic" => "write <cameraInfoTopicName> in the plugin",
                 "optical_frame_id" => "write <frameName> in the plugin",
                 _ => {
-                    "take it out: a camera has horizontal_fov, image, clip, noise, distortion, lens and device"
+                    "remove it: a camera has horizontal_fov, image, clip, noise, distortion, lens and device"
                 }
             };
-            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            let what = format!("{} is not simulated and is left out", self.what(&child.name));
             self.diagnostics.warning(&child.source, what, remedy);
         }
         let parts: [(&str, &[&str]); 2] =
             [("image", &["width", "height", "format", "anti_aliasing"]), ("clip", &["near", "far"])];
         for (name, read) in parts {
             if let Some(part) = camera.child(name) {
-                let remedy = format!("take it out: <{name}> has {}", read.join(", "));
+                let remedy = format!("remove it: <{name}> has {}", read.join(", "));
                 self.left_out(part, |name| read.contains(&name), &remedy);
             }
         }
     }
 }
 
-/// The mosaic of a name like `BAYER_RGGB8`.
+/// Returns the Bayer pattern of a name like `BAYER_RGGB8`.
 fn mosaic(name: &str) -> Option<PixelFormat> {
     let name = name.strip_prefix("BAYER_")?;
     let (pattern, bits) = name.split_at_checked(4)?;
@@ -238,7 +238,7 @@ fn mosaic(name: &str) -> Option<PixelFormat> {
     }
 }
 
-/// A sensor cannot begin with a picture before it has read the one before.
+/// Warns if the readout takes longer than the time between images: real sensors read one image after the other.
 pub(super) fn warn_of_long_readout(sensor: &Sensor, element: &Element, diagnostics: &mut Diagnostics) {
     let (SensorKind::Camera(Camera { camera, .. }) | SensorKind::Depth(DepthCamera { camera, .. })) =
         &sensor.kind
@@ -254,8 +254,8 @@ pub(super) fn warn_of_long_readout(sensor: &Sensor, element: &Element, diagnosti
     diagnostics.warning(
         &readout.unwrap_or(element).source,
         format!(
-            "<readout_time_s> of sensor '{}' is {} s, longer than the time between pictures at {rate_hz} Hz: no such \
-             sensor can be built, and its rows are read while those of the picture before still are",
+            "<readout_time_s> of sensor '{}' is {} s, longer than the time between pictures at {rate_hz} Hz: no \
+             real sensor does this, and its rows are read while those of the previous picture still are",
             sensor.name, device.readout_time_s
         ),
         "write a shorter <readout_time_s>, or a lower <update_rate>",

@@ -1,4 +1,5 @@
-//! What publishes the pictures of cameras and depth cameras: `libgazebo_ros_camera.so` and what the Kinect's shares with it.
+//! The plugins that publish the images of cameras and depth cameras: `libgazebo_ros_camera.so`, and the parameters that the
+//! Kinect's plugin shares with it.
 
 use super::gz::frame_name;
 use super::plugin::{absolute, topic};
@@ -8,7 +9,7 @@ use crate::model::{CameraPlugin, Lens, LensModel};
 use crate::values::{child_bool, child_text};
 use crate::xml::Element;
 
-/// What all camera plugins are told, without the coefficients of the distortion.
+/// Parameters of all camera plugins, without the distortion coefficients.
 const CAMERA_PARAMETERS: [&str; 12] = [
     "robotNamespace",
     "cameraName",
@@ -23,9 +24,9 @@ const CAMERA_PARAMETERS: [&str; 12] = [
     "Cy",
     "focalLength",
 ];
-/// What many files tell them, and no plugin reads.
+/// Parameters that many files set but that no plugin reads.
 const READ_BY_NOBODY: [&str; 2] = ["alwaysOn", "baseline"];
-/// Coefficients of the distortion, behind `distortion`, or in small letters behind `distortion_`.
+/// Names of the distortion coefficients, after `distortion`, or in lower case after `distortion_`.
 const COEFFICIENTS: [&str; 5] = ["K1", "K2", "K3", "T1", "T2"];
 
 /// The defaults of `<imageTopicName>` and `<cameraInfoTopicName>`.
@@ -35,12 +36,12 @@ pub(super) struct CameraTopics {
 }
 
 impl Reader<'_> {
-    /// That of ROS 2: names in small letters, the rate and the coefficients of the sensor itself.
+    /// Reads the camera plugin of ROS 2: names in lower case; rate and coefficients come from the sensor itself.
     pub(super) fn ros2_camera(&mut self, plugin: &Element) -> Option<CameraPlugin> {
         let camera_name = child_text(plugin, "camera_name").unwrap_or_else(|| self.sensor.clone());
         let read =
             ["ros", "camera_name", "frame_name", "hack_baseline", "min_depth", "max_depth", "border_crop"];
-        self.left_out(plugin, |name| read.contains(&name) || READ_BY_NOBODY.contains(&name), "take it out");
+        self.left_out(plugin, |name| read.contains(&name) || READ_BY_NOBODY.contains(&name), "remove it");
         Some(CameraPlugin {
             image_topic: ros2_topic(plugin, &camera_name, "image_raw"),
             camera_info_topic: ros2_topic(plugin, &camera_name, "camera_info"),
@@ -80,7 +81,7 @@ impl Reader<'_> {
         })
     }
 
-    /// A warning where the plugin's coefficients contradict the lens of the `<camera>`.
+    /// Adds a warning if the plugin's coefficients contradict the lens of the `<camera>`.
     pub(super) fn compare_lenses(&mut self, plugin: &Element, parameters: &CameraPlugin, lens: &Lens) {
         let [k1, k2, k3, t1, t2] = parameters.distortion;
         if parameters.distortion == [0.0; 5] || parameters.auto_distortion {
@@ -90,21 +91,21 @@ impl Reader<'_> {
             LensModel::Pinhole => return,
             LensModel::BrownConrady { coefficients } if *coefficients == [k1, k2, t1, t2, k3] => return,
             LensModel::BrownConrady { .. } if self.rules.gazebo_compat => (
-                "are those of camera_info, while the picture has those in <distortion> of the <camera>, as in Gazebo",
+                "apply to camera_info only: the picture has those in <distortion> of the <camera>, as in Gazebo",
                 "write the same numbers in both",
             ),
             LensModel::BrownConrady { .. } => (
-                "hold instead of those in <distortion> of the <camera>, in camera_info and in the picture",
+                "replace those in <distortion> of the <camera>, in camera_info and in the picture",
                 "write the same numbers in both: with --gazebo-compat the picture has those of <distortion>",
             ),
-            _ => ("are left out: camera_info has the parameters of the <lens>", "take them out"),
+            _ => ("are left out: camera_info has the parameters of the <lens>", "remove them"),
         };
         let place = plugin.elements().find(|child| child.name.starts_with("distortion")).unwrap_or(plugin);
         let what = format!("the distortion coefficients in the plugin of sensor '{}' {what}", self.sensor);
         self.diagnostics.warning(&place.source, what, remedy);
     }
 
-    /// A warning for each parameter of a camera's plugin that has no effect here and would have one elsewhere.
+    /// Adds a warning for each parameter of a camera plugin that would have an effect in Gazebo and has none here.
     pub(super) fn not_simulated_by_plugin(&mut self, plugin: &Element, of_depth: &[&str]) {
         for child in plugin.elements() {
             let name = child.name.as_str();
@@ -115,7 +116,7 @@ impl Reader<'_> {
                 continue;
             }
             let (why, remedy) = match name {
-                // Nothing is cropped here.
+                // Images are not cropped.
                 "borderCrop" => match child_bool(plugin, name, self.diagnostics) {
                     Some(true) => (
                         "not simulated: the picture keeps what the lens does not map, in black",
@@ -124,16 +125,16 @@ impl Reader<'_> {
                     Some(false) | None => continue,
                 },
                 "triggerTopicName" => {
-                    ("not simulated and left out", "take it out: pictures are sent at <updateRate>")
+                    ("not simulated and is left out", "remove it: pictures are sent at <updateRate>")
                 }
-                _ => ("not simulated and left out", "take it out, or correct its name"),
+                _ => ("not simulated and is left out", "remove it, or correct its name"),
             };
             let what = format!("{} is {why}", self.what(name));
             self.diagnostics.warning(&child.source, what, remedy);
         }
     }
 
-    /// `distortionK1`, or `distortion_k1` as the Kinect's files write it.
+    /// Reads `distortionK1`, or `distortion_k1` as the Kinect's files write it.
     fn distortion_value(&mut self, plugin: &Element, name: &str) -> Option<f64> {
         let names = distortion_names(name);
         let written = names.iter().find(|name| plugin.child(name).is_some()).unwrap_or(&names[0]);
@@ -141,7 +142,7 @@ impl Reader<'_> {
     }
 }
 
-/// As a camera of gz-sim publishes: the info lies beside the picture, if nothing else is written.
+/// Returns the parameters with which gz-sim publishes a camera: unless given, the info topic is next to the image topic.
 pub(super) fn gz_camera(sensor: &Element, image_topic: String) -> CameraPlugin {
     let folder = image_topic.rsplit_once('/').map_or("", |(folder, _)| folder);
     let camera = sensor.child("camera");
@@ -164,19 +165,19 @@ pub(super) fn gz_camera(sensor: &Element, image_topic: String) -> CameraPlugin {
     }
 }
 
-/// A camera's topic in ROS 2. Files name it with the camera's name before it, or without.
+/// Returns a camera's topic in ROS 2. Files write it with or without the camera's name in front.
 pub(super) fn ros2_topic(plugin: &Element, camera_name: &str, name: &str) -> String {
     let full = format!("{camera_name}/{name}");
     ros2::topic(plugin, &full, &[name, &format!("~/{name}")])
 }
 
-/// Whether a camera's plugin is that of ROS 2, which has another's file name.
+/// Returns true for the camera plugin of ROS 2, which shares the file name with that of ROS 1.
 pub(super) fn is_ros2_camera(plugin: &Element) -> bool {
     let of_ros1 = |child: &Element| CAMERA_PARAMETERS.contains(&child.name.as_str());
     ros2::is_ros2(plugin) && !plugin.elements().any(of_ros1)
 }
 
-/// The two ways in which files write a coefficient.
+/// Returns the two names that files use for a coefficient.
 fn distortion_names(name: &str) -> [String; 2] {
     [format!("distortion{name}"), format!("distortion_{}", name.to_ascii_lowercase())]
 }

@@ -1,4 +1,4 @@
-//! Depth cameras: a `<camera>` that measures depth, too, and `libgazebo_ros_openni_kinect.so`.
+//! Depth cameras: a `<camera>` that also measures depth, and `libgazebo_ros_openni_kinect.so`.
 
 use super::camera_plugin::{CameraTopics, gz_camera, ros2_topic};
 use super::gz::gz_topic;
@@ -11,10 +11,10 @@ use crate::values::child_bool;
 use crate::xml::Element;
 use belvedere_sensors::device::depth_model::presets::{self, DepthPreset};
 
-/// Far clip distance in metres if none is given.
+/// Default far clip distance in metres.
 const FAR_M: f64 = 100.0;
 
-/// What the Kinect's is told besides.
+/// Additional parameters of the Kinect's plugin.
 const DEPTH_PARAMETERS: [&str; 6] = [
     "depthImageTopicName",
     "depthImageCameraInfoTopicName",
@@ -24,21 +24,21 @@ const DEPTH_PARAMETERS: [&str; 6] = [
     "useDepth16UC1MM",
 ];
 
-/// A depth camera with a colour camera in the same place.
+/// A depth camera with a colour camera at the same place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthCamera {
-    /// What it sees.
+    /// The optics and the image.
     pub camera: CameraSensor,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<DepthCameraPlugin>,
-    /// Which device it is; without one its depths are true.
+    /// The device that it is; without one, depths have no errors.
     pub preset: Option<DepthPreset>,
-    /// Whether the device's projector is on.
+    /// True if the device's projector is on.
     pub has_projector_on: bool,
 }
 
 impl DepthCamera {
-    /// Least and greatest valid depth in metres: those of the plugin, and no more than the device measures.
+    /// Returns the least and greatest valid depth in metres: the plugin's limits, within the device's range.
     pub fn range_m(&self) -> [f64; 2] {
         let [least, most] = self
             .plugin
@@ -53,7 +53,7 @@ const ROS2_PLUGIN: &str = "gazebo_ros_camera";
 
 pub(super) const KIND: Kind = Kind {
     types: &["depth", "depth_camera", "rgbd", "rgbd_camera"],
-    // In ROS 2 that of cameras publishes all of them.
+    // In ROS 2 the camera plugin publishes all of them.
     plugins: &["gazebo_ros_openni_kinect", ROS2_PLUGIN],
     is_extended: true,
     read: |reader, sensor| reader.depth_camera(sensor).map(SensorKind::Depth),
@@ -76,7 +76,7 @@ impl Reader<'_> {
                 self.left_out(
                     own,
                     |name| ["preset", "projector"].contains(&name),
-                    "take it out: the plugin of belvedere has preset and projector",
+                    "remove it: the plugin of belvedere has preset and projector",
                 );
                 Some(self.preset_name(own, &presets::NAMES)?)
             }
@@ -105,7 +105,7 @@ impl Reader<'_> {
         Some(depth)
     }
 
-    /// Whether the projector is on: the `<projector>` of our plugin. A device that measures by its light cannot be without.
+    /// Reads the `<projector>` of our plugin: true if it is on. A device that measures with its light cannot do without.
     fn projector(&mut self, own: &Element, preset: &DepthPreset) -> Option<bool> {
         let is_on = child_bool(own, "projector", self.diagnostics).unwrap_or(true);
         let measures_without =
@@ -116,14 +116,14 @@ impl Reader<'_> {
         let others = presets::ALL.iter().filter(|preset| measures_without(preset)).map(|preset| preset.name);
         self.diagnostics.error(
             Self::place(Some(own), "projector", own),
-            format!("{} is off, and a {} measures by its light", self.what("projector"), preset.name),
-            format!("take it out, or choose one of {}", others.collect::<Vec<_>>().join(", ")),
+            format!("{} is off, but a {} measures with its light", self.what("projector"), preset.name),
+            format!("remove it, or choose one of {}", others.collect::<Vec<_>>().join(", ")),
         );
         None
     }
 
-    /// The device that a sensor is known to be, if real ones are asked for: that of which its name, or its camera's,
-    /// has the preset's name in it, and else the Kinect that the plugin is made for.
+    /// Returns the device that a sensor is known to be, if real devices are requested: the preset whose name is part of the
+    /// sensor's or its camera's name, else the Kinect that the plugin is made for.
     fn known(&self, sensor: &Element, plugin: &DepthCameraPlugin) -> Option<&'static str> {
         if self.rules.sensor_models != SensorModels::Real {
             return None;

@@ -1,5 +1,5 @@
-//! `<device>` of a `<camera>`, and the preset of our plugin in a camera's sensor, which are ours: sensor and electronics, shutter, automatic exposure; docs/cameras.md has the
-//! elements in words.
+//! `<device>` of a `<camera>`, and the preset of our plugin in a camera's sensor, which are our extensions: sensor and
+//! electronics, shutter, automatic exposure. docs/cameras.md describes the elements.
 
 use super::reader::Reader;
 use crate::model::{AutoExposed, CameraDevice};
@@ -8,10 +8,10 @@ use crate::xml::Element;
 use belvedere_sensors::device::{AutoExposure, AutoExposureConfig, DeviceConfig, Metering, presets};
 use belvedere_sensors::{ParameterError, Rule};
 
-/// A number of the device, by the name of its element.
+/// Name and accessor of a number of the device.
 type Number = (&'static str, fn(&mut DeviceConfig) -> &mut f64);
 
-/// Elements are called as the fields of [`DeviceConfig`], time and gain of the exposure as these.
+/// Elements have the names of the fields of [`DeviceConfig`], except exposure time and gain.
 const NUMBERS: [Number; 14] = [
     ("exposure_time_s", |device| &mut device.exposure.time_s),
     ("gain", |device| &mut device.exposure.gain),
@@ -28,18 +28,18 @@ const NUMBERS: [Number; 14] = [
     ("dn_per_electron", |device| &mut device.dn_per_electron),
     ("black_level_dn", |device| &mut device.black_level_dn),
 ];
-/// What a device has besides.
+/// The other elements of a device.
 const OTHERS: [&str; 5] = ["preset", "bits", "readout_time_s", "motion_blur_samples", "auto_exposure"];
-/// What `<auto_exposure>` has.
+/// The elements of `<auto_exposure>`.
 const AUTOMATIC: [&str; 6] =
     ["target", "tolerance", "shortest_time_s", "longest_time_s", "most_gain", "metering"];
-/// Longest readout, and longest exposure with motion blur: for so long the poses of everything are kept.
+/// Longest readout, and longest exposure with motion blur, in seconds: the poses of everything are stored for so long.
 const LONGEST_WINDOW_S: f64 = 10.0;
-/// Most moments of an exposure: each costs a frame.
+/// Most samples of an exposure: each costs a frame.
 const MOST_SAMPLES: u32 = 64;
 
-/// Seconds from the reading of the first row to that of the last, of the presets with a rolling shutter. That of
-/// machine vision is global.
+/// Seconds from the reading of the first row to that of the last, for the presets with a rolling shutter. The machine
+/// vision preset has a global shutter.
 ///
 /// OV5647: 1079 rows of 2416 clocks at 87.5 MHz, its mode of 1920 × 1080 pixels and 30 Hz in Linux's driver. IMX477: 1519 rows of
 /// 12740 pixels at 840 MHz, its mode of 2028 × 1520 pixels in Raspberry Pi's driver.
@@ -47,8 +47,8 @@ const READOUT_TIMES_S: [(&str, f64); 2] =
     [("webcam", 1079.0 * 2416.0 / 87.5e6), ("raspberry_pi_hq", 1519.0 * 12740.0 / 840e6)];
 
 impl Reader<'_> {
-    /// The device of a camera: its `<device>`, or the preset of our plugin `own`, or that with what `<device>` changes. The
-    /// inner none means that it has none.
+    /// Reads the device of a camera: its `<device>`, the preset of our plugin `own`, or that preset with the changes of
+    /// `<device>`. The inner none means that the camera has no device.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     pub(super) fn device(
         &mut self,
@@ -67,7 +67,7 @@ impl Reader<'_> {
         };
         if let (Some(own), Some(second)) = (own, element.child("preset")) {
             let what = format!("the camera of sensor '{}' has two presets", self.sensor);
-            let remedy = format!("take this one or that of the plugin 'belvedere' out ({})", own.source);
+            let remedy = format!("remove this one or that of the plugin 'belvedere' ({})", own.source);
             self.diagnostics.error(&second.source, what, remedy);
             return None;
         }
@@ -77,7 +77,7 @@ impl Reader<'_> {
         }
         config.bits = self.count(Some(element), "bits", config.bits, 16)?;
         let names = || NUMBERS.iter().map(|(name, _)| *name).chain(OTHERS);
-        let remedy = format!("take it out: a device has {}", names().collect::<Vec<_>>().join(", "));
+        let remedy = format!("remove it: a device has {}", names().collect::<Vec<_>>().join(", "));
         self.left_out(element, |name| names().any(|known| known == name), &remedy);
         if let Err(error) = config.check() {
             self.refuse(element, &error, [0.0; 2]);
@@ -95,18 +95,18 @@ impl Reader<'_> {
         let device = CameraDevice { config, readout_time_s, motion_blur_samples, auto_exposure };
         if motion_blur_samples > 1 && !is_window(device.longest_exposure_s()) {
             let what = format!(
-                "{} asks for exposures of up to {} s, which are too long for it",
+                "{} is set for exposures of up to {} s, which are too long for it",
                 self.what("motion_blur_samples"),
                 device.longest_exposure_s()
             );
-            let remedy = format!("write times of exposure of {LONGEST_WINDOW_S} s at most, or take it out");
+            let remedy = format!("write times of exposure of {LONGEST_WINDOW_S} s at most, or remove it");
             self.diagnostics.error(Self::place(Some(element), "motion_blur_samples", element), what, remedy);
             return None;
         }
         Some(Some(device))
     }
 
-    /// The figures of the preset that an element names, and the time of its readout.
+    /// Returns the preset that an element names, and its readout time in seconds.
     fn preset(&mut self, element: &Element) -> Option<(DeviceConfig, f64)> {
         let name = self.preset_name(element, &presets::NAMES)?;
         let readout = READOUT_TIMES_S.iter().find(|(preset, _)| *preset == name);
@@ -121,7 +121,7 @@ impl Reader<'_> {
     ) -> Option<AutoExposed> {
         let described = AutoExposureConfig::default();
         let [shortest, longest] = described.time_range_s;
-        let remedy = format!("take it out: an auto_exposure has {}", AUTOMATIC.join(", "));
+        let remedy = format!("remove it: an auto_exposure has {}", AUTOMATIC.join(", "));
         self.left_out(element, |name| AUTOMATIC.contains(&name), &remedy);
         let mut number = |name, default| self.number(Some(element), name, default);
         let target = number("target", described.target);
@@ -152,7 +152,7 @@ impl Reader<'_> {
         Some(AutoExposed { config, metering })
     }
 
-    /// An error for a parameter that is out of its range, at its element.
+    /// Adds an error for a parameter that is out of its range, at its element.
     fn refuse(&mut self, element: &Element, error: &ParameterError, time_range_s: [f64; 2]) {
         let (least, remedy) = match error.rule {
             Rule::Range([least, most]) => (Some(least), format!("write a number from {least} to {most}")),

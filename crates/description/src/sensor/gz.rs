@@ -1,4 +1,4 @@
-//! Sensors without a plugin that is simulated: they publish as gz-sim's do, under the names that its bridge to ROS sees.
+//! Sensors without a simulated plugin: they publish as gz-sim's sensors do, under the names that its bridge to ROS uses.
 
 use super::plugin::{absolute, is_ours, plain_name};
 use super::{KINDS, LinkIndex, Sensor, SensorKind};
@@ -7,11 +7,11 @@ use crate::values::child_text;
 use crate::xml::Element;
 use std::collections::HashMap;
 
-/// Begins the topics of sensors without a `<topic>` until it is known in which world and model they are. No topic of a file
-/// can hold it.
+/// Prefix of the topics of sensors without a `<topic>`, until their world and model are known. No topic in a file can
+/// contain it.
 const SCOPE: &str = "/{sensor}";
 
-/// Returns true if a sensor publishes as those of gz-sim do: it has no plugin that publishes it.
+/// Returns true if a sensor publishes as those of gz-sim do: no plugin publishes it.
 pub(super) fn is_gz(sensor: &Element) -> bool {
     let publishes = |plugin: &Element| KINDS.iter().any(|kind| kind.plugins.contains(&plain_name(plugin)));
     sensor.elements_named("plugin").all(|plugin| is_ours(plugin) || !publishes(plugin))
@@ -42,8 +42,8 @@ pub(super) fn frame_name(sensor: &Element) -> String {
     names.into_iter().find_map(|name| child_text(sensor, name)).unwrap_or_default()
 }
 
-/// Names the topics of sensors without a `<topic>` as gz-sim does: `/world/W/model/M/link/L/sensor/S/…`, where a nested
-/// model `M::N` is `M/model/N`. Two sensors of one name get different topics, and the second a warning.
+/// Names the topics of sensors without a `<topic>` as gz-sim does: `/world/W/model/M/link/L/sensor/S/…`. A nested model
+/// `M::N` becomes `M/model/N`. If two sensors have the same name, the second gets different topics and a warning.
 pub(crate) fn name_topics<'l>(
     sensors: &mut [Sensor],
     link_name: impl Fn(LinkIndex) -> &'l str,
@@ -73,7 +73,7 @@ pub(crate) fn name_topics<'l>(
                 severity: Severity::Warning,
                 source: sensor.source.clone(),
                 what: format!(
-                    "sensor '{}' has the name of another one: its topics begin with {scope}",
+                    "sensor '{}' has the same name as another one: its topics begin with {scope}",
                     sensor.name
                 ),
                 remedy: "give each sensor of a link its own name, or a <topic>".into(),
@@ -88,14 +88,14 @@ pub(crate) fn name_topics<'l>(
     problems
 }
 
-/// A name as part of a topic: whatever a topic cannot hold becomes an underscore.
+/// Converts a name to a part of a topic: characters that a topic cannot contain become underscores.
 fn part(name: &str) -> String {
     let part: String =
         name.chars().map(|c| if c.is_ascii_alphanumeric() || c == '-' { c } else { '_' }).collect();
     if part.is_empty() { "_".into() } else { part }
 }
 
-/// Returns the topics of whatever publishes a sensor.
+/// Returns the topics of the plugin that publishes a sensor.
 fn topics(kind: &mut SensorKind) -> Vec<&mut String> {
     match kind {
         SensorKind::Camera(camera) => camera

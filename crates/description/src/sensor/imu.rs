@@ -19,28 +19,28 @@ use glam::{DMat3, DQuat, DVec3};
 pub struct Imu {
     /// Errors of its gyros and accelerometers.
     pub config: ImuConfig,
-    /// What its orientation is told against; none if it tells none.
+    /// The axes that its orientation is relative to; none if it reports no orientation.
     pub reference: Option<OrientationReference>,
-    /// A turn that is put before the orientation that is told, and nothing else: `rpyOffset`.
+    /// A rotation that is applied before the reported orientation and to nothing else: `rpyOffset`.
     pub orientation_offset: DQuat,
     /// Standard deviation of each part of the orientation's quaternion.
     pub orientation_stddev: f64,
-    /// Errors of the heading that is told, in rad about the world's z.
+    /// Errors of the reported heading, in rad about the world's z.
     pub heading: InstrumentConfig<1>,
-    /// How its packets are laid out, if it is an Ouster's and sends any.
+    /// The layout of its packets, if it is an Ouster's and sends any.
     pub packets: Option<ImuProfile>,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<InstrumentPlugin>,
 }
 
-/// What an orientation is told against.
+/// The axes that an orientation is relative to.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum OrientationReference {
-    /// Axes that are turned so in the world.
+    /// Axes rotated by this relative to the world's.
     World(DQuat),
-    /// Axes that are turned so in those of east, north and up.
+    /// Axes rotated by this relative to east, north and up.
     East(DQuat),
-    /// Axes that are turned so in those that the unit had at the start.
+    /// Axes rotated by this relative to those of the unit at the start.
     Start(DQuat),
 }
 
@@ -63,7 +63,7 @@ const PARAMETERS: [&str; 15] = [
     "ros",
     "frame_name",
     "initial_orientation_as_reference",
-    // Read by no plugin, or of no effect in it.
+    // Read by no plugin, or without effect in it.
     "xyzOffset",
     "bodyName",
     "serviceName",
@@ -75,7 +75,7 @@ const PARAMETERS: [&str; 15] = [
 const AXES: [&str; 3] = ["x", "y", "z"];
 
 impl Imu {
-    /// One that a model's plugin makes: orientation in the world.
+    /// Returns the unit that a model's plugin creates: its orientation is in the world.
     pub(crate) fn of_plugin(config: &ImuConfig, plugin: InstrumentPlugin) -> Self {
         Self {
             config: *config,
@@ -101,7 +101,7 @@ impl Reader<'_> {
             "topic",
         ];
         if let Some(imu) = imu {
-            let remedy = format!("take it out: an <imu> has {}", read[..4].join(", "));
+            let remedy = format!("remove it: an <imu> has {}", read[..4].join(", "));
             self.left_out(imu, |name| read.contains(&name), &remedy);
         }
         let gyro = self.triad(imu, "angular_velocity", "rate");
@@ -129,7 +129,7 @@ impl Reader<'_> {
         Some(unit)
     }
 
-    /// The noise of three axes, each for itself, or all alike in the `<noise>` of files before SDF 1.6.
+    /// Reads the noise of three axes: one for each, or one for all in the `<noise>` of files before SDF 1.6.
     fn triad(&mut self, imu: Option<&Element>, name: &str, old_name: &str) -> Option<InstrumentConfig<3>> {
         let old = imu.and_then(|imu| imu.child("noise")).and_then(|noise| noise.child(old_name));
         let triad = imu.and_then(|imu| imu.child(name));
@@ -167,7 +167,7 @@ impl Reader<'_> {
                         self.diagnostics.warning(
                             &custom.source,
                             format!(
-                                "{what} is told against '{other}', which is not simulated: the world is taken"
+                                "{what} is relative to '{other}', which is not simulated: the world is used"
                             ),
                             "write parent_frame=\"world\", or none for the unit's own axes at the start",
                         );
@@ -190,11 +190,11 @@ impl Reader<'_> {
     }
 
     fn imu_plugin(&mut self, plugin: &Element, unit: &mut Imu) -> Option<InstrumentPlugin> {
-        self.left_out(plugin, |name| PARAMETERS.contains(&name), "take it out, or correct its name");
+        self.left_out(plugin, |name| PARAMETERS.contains(&name), "remove it, or correct its name");
         let names = ["initialOrientationAsReference", "initial_orientation_as_reference"];
         let starts = names.map(|name| child_bool(plugin, name, self.diagnostics).unwrap_or(false));
         if unit.reference.is_some() && !starts.contains(&true) {
-            // The plugin takes the world, whatever the sensor says (REP-145).
+            // The plugin always uses the world, whatever the sensor specifies (REP-145).
             unit.reference = Some(OrientationReference::World(DQuat::IDENTITY));
         }
         if plugin.child("ros").is_some() || plugin.child("frame_name").is_some() {
@@ -210,7 +210,7 @@ impl Reader<'_> {
                 numbers::<3>(&offset.text(), &self.what("rpyOffset"), &offset.source, self.diagnostics)?;
             unit.orientation_offset = Pose::from_xyz_rpy(DVec3::ZERO, DVec3::from(rpy)).rotation();
         }
-        // Once a second, unless it says something else.
+        // Once a second by default.
         self.plugin_rate_hz = match plugin.child("updateRateHZ") {
             Some(_) => self.rate(plugin, "updateRateHZ")?,
             None => Some(1.0),
@@ -219,7 +219,7 @@ impl Reader<'_> {
             self.diagnostics.warning(
                 &plugin.source,
                 format!(
-                    "the plugin of sensor '{}' has no <frameName>: the sensor's link is named",
+                    "the plugin of sensor '{}' has no <frameName>: the sensor's link is used",
                     self.sensor
                 ),
                 "write <frameName>, without which Gazebo publishes nothing",
@@ -235,7 +235,7 @@ impl Reader<'_> {
         })
     }
 
-    /// `<plugin filename="belvedere">`: a preset, or figures in Kalibr's words, for what SDF has no element.
+    /// Reads `<plugin filename="belvedere">`: a preset, or figures with Kalibr's names, for which SDF has no elements.
     fn inertial_extension(&mut self, sensor: &Element, mut config: ImuConfig) -> Option<ImuConfig> {
         let Some(own) = extension(sensor) else { return Some(config) };
         let words: Vec<String> = ["gyroscope", "accelerometer"]
@@ -243,7 +243,7 @@ impl Reader<'_> {
             .flat_map(|triad| FIGURES.iter().map(move |figure| format!("{triad}_{figure}")))
             .collect();
         let others = ["preset", "udp_profile_imu"];
-        let remedy = format!("take it out: there are {}, {}", others.join(", "), words.join(", "));
+        let remedy = format!("remove it: the plugin has {}, {}", others.join(", "), words.join(", "));
         self.left_out(own, |name| others.contains(&name) || words.iter().any(|word| word == name), &remedy);
         if own.child("preset").is_some() {
             config = presets::named(self.preset_name(own, &presets::NAMES)?)?.config();
@@ -262,7 +262,7 @@ impl Reader<'_> {
         let mut axes = |figure: &str, to: &mut [f64; 3], least: f64| {
             let Some(child) = own.child(&format!("{triad}_{figure}")) else { return Some(()) };
             let (what, text) = (self.what(&child.name), child.text());
-            // One number for all axes, or one for each.
+            // Either one number for all axes, or one for each.
             *to = if text.split_whitespace().count() == 1 {
                 [numbers::<1>(&text, &what, &child.source, self.diagnostics)?[0]; 3]
             } else {
@@ -296,7 +296,7 @@ impl Reader<'_> {
     }
 }
 
-/// What the extension has for each triad.
+/// The figures of each triad in the extension.
 const FIGURES: [&str; 7] = [
     "noise_density",
     "random_walk",

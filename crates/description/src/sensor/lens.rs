@@ -1,4 +1,4 @@
-//! `<lens>` and `<distortion>` of a `<camera>`; docs/lenses.md has the elements in words.
+//! `<lens>` and `<distortion>` of a `<camera>`; docs/lenses.md describes the elements.
 
 mod angle_map;
 
@@ -8,15 +8,15 @@ use crate::values::{child_text, numbers};
 use crate::xml::Element;
 use std::f64::consts::{FRAC_PI_2, PI};
 
-/// How much farther than a lens can see an angle of view may be written, for a rounded π: SDF allows 6.283186.
+/// Tolerance by which an angle of view may exceed the lens's limit, for a rounded π: SDF allows 6.283186.
 const ROUNDED_ANGLE_RAD: f64 = 1e-5;
-/// How far apart, as a share, two focal lengths may be that both are written: an angle has few digits.
+/// Relative difference up to which two given focal lengths agree: angles are written with few digits.
 const CONTRADICTION: f64 = 0.01;
-/// Coefficients of `<distortion>` in OpenCV's order, and how many a model may have.
+/// Coefficients of `<distortion>` in OpenCV's order.
 const COEFFICIENTS: [&str; 14] =
     ["k1", "k2", "p1", "p2", "k3", "k4", "k5", "k6", "s1", "s2", "s3", "s4", "tau_x", "tau_y"];
 const COEFFICIENT_COUNTS: [usize; 4] = [5, 8, 12, 14];
-/// Types of `<lens>`: SDF's own, then ours.
+/// The types of `<lens>`: SDF's own, then ours.
 const TYPES: [&str; 11] = [
     "gnomonical",
     "stereographic",
@@ -30,21 +30,21 @@ const TYPES: [&str; 11] = [
     "mei",
     "equirectangular",
 ];
-/// What every `<lens>` may have.
+/// Elements that every `<lens>` may have.
 const COMMON: [&str; 4] = ["type", "intrinsics", "projection", "env_texture_size"];
-/// What those of SDF's own types may have besides.
+/// Additional elements of SDF's own types.
 const OF_ANGLE_MAPS: [&str; 3] = ["scale_to_hfov", "cutoff_angle", "custom_function"];
 
-/// What a lens is resolved with.
+/// The properties of the camera that a lens depends on.
 pub(super) struct Picture {
     pub(super) width: u32,
     pub(super) height: u32,
-    /// True for SDF's wide-angle camera, false for all others.
+    /// True for SDF's wide-angle camera, false for all other cameras.
     pub(super) is_wide_angle: bool,
 }
 
 impl Reader<'_> {
-    /// The lens of a camera, and its horizontal angle of view.
+    /// Reads the lens of a camera, and its horizontal angle of view.
     pub(super) fn lens(&mut self, camera: Option<&Element>, picture: &Picture) -> Option<(Lens, f64)> {
         let element = camera.and_then(|camera| camera.child("lens"));
         let distortion = camera.and_then(|camera| camera.child("distortion"));
@@ -57,11 +57,11 @@ impl Reader<'_> {
         if let (LensModel::WideAngle { .. }, Some(distortion)) = (&model, distortion)
             && coefficients.iter().any(|&value| value != 0.0)
         {
-            // Gazebo looks at one of them alone, by the type of the camera.
+            // Gazebo reads only one of the two, depending on the type of the camera.
             let kind = lens_type(element, &model);
             let what =
                 format!("<distortion> of sensor '{}' is left out beside a lens of type {kind}", self.sensor);
-            self.diagnostics.warning(&distortion.source, what, "take one of them out");
+            self.diagnostics.warning(&distortion.source, what, "remove one of them");
             (coefficients, center) = (Vec::new(), None);
         }
         let is_distorted = coefficients.iter().any(|&value| value != 0.0);
@@ -75,7 +75,7 @@ impl Reader<'_> {
                 self.diagnostics.error(
                     &distortion.source,
                     what,
-                    "take one of them out, or write <type>gnomonical</type>",
+                    "remove one of them, or write <type>gnomonical</type>",
                 );
                 return None;
             }
@@ -94,7 +94,7 @@ impl Reader<'_> {
 
         let middle = |size: u32| 0.5 * (f64::from(size) - 1.0);
         let mut resolved = LensIntrinsics {
-            // As the pinhole without a distortion has it, bit by bit.
+            // The same formula as for a pinhole without distortion, for identical bits.
             fx: f64::from(picture.width) / (2.0 * model.radius(0.5 * fov)),
             fy: 0.0,
             cx: middle(picture.width),
@@ -119,7 +119,7 @@ impl Reader<'_> {
                 self.diagnostics.warning(
                     place,
                     format!("{} is left out: <intrinsics> gives a principal point", self.what("center")),
-                    "take it out",
+                    "remove it",
                 );
             } else {
                 resolved.cx = x * f64::from(picture.width) - 0.5;
@@ -136,7 +136,7 @@ impl Reader<'_> {
                 self.what("horizontal_fov"),
                 resolved.fx
             );
-            self.diagnostics.warning(&element.source, what, "take one of them out");
+            self.diagnostics.warning(&element.source, what, "remove one of them");
         }
         if let (LensModel::WideAngle { .. }, Some(intrinsics)) = (&model, intrinsics) {
             self.diagnostics.warning(
@@ -173,7 +173,7 @@ impl Reader<'_> {
         Some((Lens { model, intrinsics: resolved, has_own_focal_length, projection }, fov))
     }
 
-    /// As many coefficients as the longest model has of which one is written.
+    /// Reads the coefficients: as many as the longest model has that uses one of the given ones.
     fn coefficients(&mut self, distortion: Option<&Element>) -> Option<Vec<f64>> {
         let written = |name: &&str| distortion.is_some_and(|distortion| distortion.child(name).is_some());
         let last = COEFFICIENTS.iter().rposition(written).map_or(0, |index| index + 1);
@@ -190,12 +190,12 @@ impl Reader<'_> {
             })
             .collect();
         if let Some(distortion) = distortion {
-            self.left_out(distortion, |name| name == "center" || COEFFICIENTS.contains(&name), "take it out");
+            self.left_out(distortion, |name| name == "center" || COEFFICIENTS.contains(&name), "remove it");
         }
         values.into_iter().collect()
     }
 
-    /// `<center>` in fractions of the picture; the inner none if it is the middle.
+    /// Reads `<center>` in fractions of the image; the inner none means the middle.
     #[expect(clippy::option_option, reason = "outer: readable; inner: written")]
     fn center(&mut self, distortion: Option<&Element>) -> Option<Option<[f64; 2]>> {
         let Some(child) = distortion.and_then(|distortion| distortion.child("center")) else {
@@ -247,7 +247,7 @@ impl Reader<'_> {
             }
             if let Some(size) = lens.child("env_texture_size") {
                 let what = format!("{} is not needed: each pixel is traced", self.what("env_texture_size"));
-                self.diagnostics.warning(&size.source, what, "take it out");
+                self.diagnostics.warning(&size.source, what, "remove it");
             }
         }
         let mut number = |name| self.number(lens, name, 0.0);
@@ -278,8 +278,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Gazebo looks at SDF's types in wide-angle cameras alone, and its files have one wherever there is a `<lens>`.
-    /// `<intrinsics>` say that a pinhole is meant.
+    /// Returns true if a pinhole is meant despite the lens type. Gazebo reads SDF's types only in wide-angle cameras, and
+    /// many of its files have one wherever there is a `<lens>`. `<intrinsics>` mean a pinhole.
     fn is_pinhole_after_all(&self, lens: &Element, kind: &str, picture: &Picture) -> bool {
         let of_sdf = ["stereographic", "equidistant", "equisolid_angle", "orthographic", "custom"];
         let is_meant = self.rules.gazebo_compat || lens.child("intrinsics").is_some();
@@ -291,7 +291,7 @@ impl Reader<'_> {
         self.needed(lens, "alpha", is_share, "write a number from 0 to 1")
     }
 
-    /// A parameter that has no default.
+    /// Reads a parameter that has no default.
     fn needed(
         &mut self,
         lens: &Element,
@@ -306,7 +306,7 @@ impl Reader<'_> {
         self.checked(Some(lens), name, 0.0, is_valid, remedy)
     }
 
-    /// The full horizontal angle of view, as far as the lens goes.
+    /// Reads the full horizontal angle of view, up to the limit of the lens.
     fn angle_of_view(
         &mut self,
         camera: Option<&Element>,
@@ -314,7 +314,7 @@ impl Reader<'_> {
         model: &LensModel,
     ) -> Option<f64> {
         let widest = match model {
-            // Whatever is not scaled to it may have any.
+            // A lens that is not scaled to the angle may have any.
             LensModel::WideAngle { scale_to_hfov: false, .. } => 2.0 * PI,
             _ => model.widest_view_rad(),
         };
@@ -378,7 +378,7 @@ impl Reader<'_> {
     }
 }
 
-/// What the file calls it.
+/// Returns the name of the type as the file writes it.
 fn lens_type(lens: Option<&Element>, model: &LensModel) -> String {
     lens.and_then(|lens| child_text(lens, "type")).unwrap_or_else(|| match model {
         LensModel::WideAngle { .. } => "stereographic".into(),

@@ -24,22 +24,22 @@ use std::f64::consts::{PI, TAU};
 /// A lidar.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Lidar {
-    /// Its beams; of a preset, as near to that as an even grid comes, but with its ranges and noise.
+    /// Its beams. For a preset, the even grid that is nearest to its beams, with the preset's ranges and noise.
     pub ray: RaySensor,
-    /// The scanner of a maker that it is, if it is one.
+    /// The device that it is, if it has a preset.
     pub preset: Option<Preset>,
-    /// What its beams are, meet and bring back, if each has a time of its own.
+    /// Beam width, returns and receiver, if each beam has its own time.
     pub physics: BeamPhysics,
-    /// How its packets are laid out, if its maker has several ways.
+    /// The layout of its packets, if its maker has several.
     pub profile: PacketProfile,
-    /// How the packets of its inertial unit are laid out, as its metadata tell.
+    /// The layout of its inertial unit's packets, which its metadata names.
     pub imu_profile: ImuProfile,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<LaserPlugin>,
 }
 
 impl Lidar {
-    /// Whether its beams each have a time of their own.
+    /// Returns true if each beam has its own time.
     pub fn is_scanner(&self) -> bool {
         self.preset.is_some() || self.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_some())
     }
@@ -82,14 +82,14 @@ impl Reader<'_> {
         Some(lidar)
     }
 
-    /// `<plugin filename="belvedere"><preset>`; the inner none means that there is none.
+    /// Reads `<plugin filename="belvedere"><preset>`; the inner none means that there is none.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     fn scanner_preset(&mut self, sensor: &Element) -> Option<Option<Preset>> {
         let Some(own) = extension(sensor) else { return Some(None) };
         let names = || {
             ["preset", "columns", "udp_profile_lidar", "udp_profile_imu"].into_iter().chain(physics::NAMES)
         };
-        let remedy = format!("take it out: a lidar has {}", names().collect::<Vec<_>>().join(", "));
+        let remedy = format!("remove it: a lidar has {}", names().collect::<Vec<_>>().join(", "));
         self.left_out(own, |name| names().any(|known| known == name), &remedy);
         if child_text(own, "preset").is_none() {
             return Some(None);
@@ -97,7 +97,7 @@ impl Reader<'_> {
         self.preset_name(own, &presets::NAMES).map(presets::named)
     }
 
-    /// That what is written of its beams can be, as the rest of it is.
+    /// Checks that the beam parameters fit the rest of the lidar.
     fn check_physics(&mut self, sensor: &Element, lidar: &Lidar) -> Option<()> {
         let Some(own) = extension(sensor) else { return Some(()) };
         let wrong = |reader: &mut Self, name: &str, what: &str, remedy: &str| {
@@ -108,13 +108,13 @@ impl Reader<'_> {
         let written = physics::NAMES.into_iter().find(|name| own.child(name).is_some());
         if let (Some(name), false) = (written, lidar.is_scanner()) {
             let remedy = "write a <preset>, or publish it by libgazebo_ros_velodyne_laser.so";
-            return wrong(self, name, "is of a scanner, and this lidar is Gazebo's", remedy);
+            return wrong(self, name, "only applies to scanners, and this lidar is Gazebo's", remedy);
         }
         let is_scan = lidar.plugin.as_ref().is_some_and(|plugin| plugin.cloud.is_none());
         if is_scan && lidar.physics.returns.count() > 1 {
             let remedy =
                 "write strongest, first, last or mean, or publish clouds by libgazebo_ros_velodyne_laser.so";
-            return wrong(self, "returns", "asks for several returns, and a scan has one a ray", remedy);
+            return wrong(self, "returns", "requests several returns, but a scan has one per ray", remedy);
         }
         let BeamPhysics { receiver, weather, .. } = lidar.physics;
         if weather != Weather::CLEAR && receiver.is_none() && lidar.ray.range_max_m == f64::INFINITY {
@@ -125,14 +125,14 @@ impl Reader<'_> {
             return wrong(
                 self,
                 name.unwrap_or_default(),
-                "is weather, in which no lidar reaches for ever",
+                "is weather, and this lidar has an infinite range",
                 remedy,
             );
         }
         Some(())
     }
 
-    /// The `<ray>` or `<lidar>` of a sensor.
+    /// Reads the `<ray>` or `<lidar>` of a sensor.
     pub(super) fn ray(&mut self, sensor: &Element) -> Option<RaySensor> {
         let ray = sensor.child("ray").or_else(|| sensor.child("lidar"));
         let scan = ray.and_then(|ray| ray.child("scan"));
@@ -179,7 +179,7 @@ impl Reader<'_> {
                 self.diagnostics.warning(
                     Self::place(Some(axis), "min_angle", axis),
                     format!(
-                        "{} is {min_angle_rad} and <max_angle> is {max_angle_rad} (<{name}>): they are exchanged",
+                        "{} is {min_angle_rad} and <max_angle> is {max_angle_rad} (<{name}>): they are swapped",
                         self.what("min_angle")
                     ),
                     "write <min_angle> not above <max_angle>",
@@ -190,7 +190,7 @@ impl Reader<'_> {
         Some(ScanAxis { samples, min_angle_rad, max_angle_rad })
     }
 
-    /// Smallest and largest range; the largest may be `inf`.
+    /// Reads the smallest and largest range; the largest may be `inf`.
     fn range(&mut self, range: Option<&Element>, sensor: &Element) -> Option<(f64, f64)> {
         let min = self.not_negative(range, "min");
         let is_infinite = range
@@ -209,14 +209,14 @@ impl Reader<'_> {
         None
     }
 
-    /// What it does to what the sensor measures becomes the sensor's.
+    /// Reads the plugin that publishes a lidar. Its changes to the measurement are applied to the sensor.
     fn laser_plugin(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<LaserPlugin> {
         let name = plain_name(plugin);
         if name == "gazebo_ros_ray_sensor" {
             return self.ray_sensor_plugin(plugin);
         }
         let is_velodyne = name.starts_with("gazebo_ros_velodyne");
-        // Hokuyo's plugin leaves noise to the sensor.
+        // Hokuyo's plugin adds no noise of its own.
         if !matches!(name, "gazebo_ros_laser" | "gazebo_ros_gpu_laser") {
             self.add_noise(plugin, ray)?;
         }
@@ -262,13 +262,13 @@ impl Reader<'_> {
     }
 }
 
-/// That a preset has the columns and the rate that the file says; as it comes, if it says none.
+/// Checks that a preset has the columns and the rate in the file, and selects that mode; without them the default mode.
 pub(super) fn turn(read: &mut Sensor, sensor: &Element, diagnostics: &mut Diagnostics) -> Option<()> {
     let rate_hz = read.effective_rate_hz();
     let SensorKind::Ray(Lidar { preset: Some(preset), ray, .. }) = &mut read.kind else { return Some(()) };
     let own = extension(sensor);
     let columns = own.and_then(|own| child_text(own, "columns"));
-    // There are never 0.
+    // 0 columns do not exist.
     let count = columns.as_ref().map(|columns| columns.parse().unwrap_or(0));
     if let Some(chosen) = preset.in_mode(count, rate_hz) {
         ray.horizontal = horizontal_of(&chosen);
@@ -295,13 +295,13 @@ pub(super) fn turn(read: &mut Sensor, sensor: &Element, diagnostics: &mut Diagno
             choices(preset),
             preset.rate_hz
         ),
-        _ => format!("there are {}", choices(preset)),
+        _ => format!("choose from {}", choices(preset)),
     };
-    diagnostics.error(place, format!("{what}, and it is a {}", preset.name), remedy);
+    diagnostics.error(place, format!("{what}, which is not a mode of {}", preset.name), remedy);
     None
 }
 
-/// How many turns a second a preset may make, with how many columns.
+/// Returns the rates and numbers of columns that a preset supports.
 pub fn choices(preset: &Preset) -> String {
     let [slowest, fastest] = preset.rates_hz;
     if preset.modes.is_empty() {
@@ -311,24 +311,24 @@ pub fn choices(preset: &Preset) -> String {
     preset.modes.iter().map(mode).collect::<Vec<_>>().join(", ")
 }
 
-/// Whether it is one of Gazebo's GPU kinds.
+/// Returns true for Gazebo's GPU lidars.
 fn sees_visuals(sensor: &Element) -> bool {
     matches!(sensor.attribute("type"), Some("gpu_ray" | "gpu_lidar"))
 }
 
-/// What publishes a sensor of gz-sim: its cloud has a topic of its own there.
+/// Returns the plugin that stands for gz-sim's publishing, where the cloud has a topic of its own.
 fn gz_plugin(sensor: &Element, is_cloud: bool) -> Option<LaserPlugin> {
     let topic = gz_topic(sensor)?;
     let topic = if is_cloud { format!("{topic}/points") } else { topic };
     Some(LaserPlugin { topic, frame_name: frame_name(sensor), cloud: None })
 }
 
-/// Whether a preset measures in space, not in a plane.
+/// Returns true if a preset measures in space rather than in a plane.
 fn is_cloud(preset: &Preset) -> bool {
     !matches!(preset.pattern, Pattern::Spinning(head) if head.lasers.len() == 1)
 }
 
-/// Where a preset measures in a turn.
+/// Returns the azimuths at which a preset measures.
 fn horizontal_of(preset: &Preset) -> ScanAxis {
     let whole = |samples| ScanAxis { samples, min_angle_rad: -PI, max_angle_rad: PI };
     let head = match preset.pattern {
@@ -361,13 +361,13 @@ fn horizontal_of(preset: &Preset) -> ScanAxis {
     }
 }
 
-/// The middles of pixels, across or up.
+/// Returns the angles of the pixel centres, across or up.
 fn pixels_of(raster: &Raster, axis: usize) -> ScanAxis {
     let [most, _] = raster.angles(axis);
     ScanAxis { samples: raster.pixels[axis], min_angle_rad: -most, max_angle_rad: most }
 }
 
-/// The beams, ranges and noise of a preset.
+/// Returns the beams, ranges and noise of a preset.
 fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
     let mut vertical = ScanAxis { samples: 1, min_angle_rad: 0.0, max_angle_rad: 0.0 };
     if let Pattern::Spinning(head) = preset.pattern {

@@ -8,23 +8,23 @@ use crate::xml::Element;
 use belvedere_sensors::noise::InstrumentConfig;
 use glam::DVec3;
 
-/// A magnetometer of three axes.
+/// A three-axis magnetometer.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Magnetometer {
-    /// Its errors, in the unit of the field.
+    /// Errors of its axes, in the unit of the field.
     pub axes: InstrumentConfig<3>,
-    /// The field, if the plugin has one of its own, in a unit of its own.
+    /// The field, if the plugin has its own, in the plugin's unit.
     pub field: Option<PluginField>,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<InstrumentPlugin>,
 }
 
-/// The field that Team Hector's plugin is told.
+/// The field that Team Hector's plugin specifies.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PluginField {
-    /// Along the world's axes.
+    /// The field along the world's axes.
     pub in_world: DVec3,
-    /// It is sent as a vector, and not as a magnetic field, of which it need not have the unit.
+    /// True if it is published as a plain vector, whose unit need not be tesla.
     pub is_vector: bool,
 }
 
@@ -41,7 +41,7 @@ impl Reader<'_> {
         let names = ["x", "y", "z"];
         let [x, y, z] = names.map(|name| self.noise_in(element, name));
         if let Some(element) = element {
-            self.left_out(element, |name| names.contains(&name), "take it out: a magnetometer has x, y, z");
+            self.left_out(element, |name| names.contains(&name), "remove it: a magnetometer has x, y, z");
         }
         let plugin = self.instrument_plugin(sensor, &KIND);
         Some(Magnetometer { axes: instrument([x?, y?, z?]), field: None, plugin })

@@ -1,4 +1,4 @@
-//! Receivers of satellite navigation: `<gps>`, `<navsat>`.
+//! Satellite navigation receivers: `<gps>`, `<navsat>`.
 
 use super::instrument::InstrumentPlugin;
 use super::noise::instrument;
@@ -7,19 +7,19 @@ use super::{Kind, SensorKind};
 use crate::xml::Element;
 use belvedere_sensors::noise::InstrumentConfig;
 
-/// A receiver.
+/// A satellite navigation receiver.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NavSat {
     /// Errors of the position along the world's axes in m.
     pub position: InstrumentConfig<3>,
-    /// Errors of the velocity, likewise, in m/s.
+    /// Errors of the velocity along the world's axes in m/s.
     pub velocity: InstrumentConfig<3>,
-    /// Where the world's origin is, and which way its x points, if the plugin says so for itself: latitude and longitude in
-    /// degrees, height in m, angle from east to x in rad.
+    /// Origin of the world, if the plugin has its own: latitude and longitude in degrees, height in m, angle from east to the
+    /// world's x in rad.
     pub origin: Option<[f64; 4]>,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<InstrumentPlugin>,
-    /// Topic of its velocity alone, as Team Hector's plugin tells it: along x north, y west, z up.
+    /// Topic of the velocity alone, as Team Hector's plugin publishes it: x to the north, y to the west, z up.
     pub velocity_topic: Option<String>,
 }
 
@@ -30,7 +30,7 @@ pub(super) const KIND: Kind = Kind {
     read: |reader, sensor| Some(SensorKind::NavSat(reader.navsat(sensor)?.into())),
 };
 
-/// Its two quantities.
+/// The elements of its two quantities.
 const PARTS: [&str; 2] = ["position_sensing", "velocity_sensing"];
 
 impl Reader<'_> {
@@ -43,7 +43,7 @@ impl Reader<'_> {
             Some(instrument([horizontal, horizontal, vertical]))
         });
         if let Some(receiver) = receiver {
-            let remedy = format!("take it out: a receiver has {}", PARTS.join(", "));
+            let remedy = format!("remove it: a receiver has {}", PARTS.join(", "));
             self.left_out(receiver, |name| PARTS.contains(&name), &remedy);
         }
         let plugin = self.instrument_plugin(sensor, &KIND);

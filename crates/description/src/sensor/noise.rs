@@ -6,13 +6,13 @@ use crate::values::child_text;
 use crate::xml::Element;
 use belvedere_sensors::noise::InstrumentConfig;
 
-/// What of it is simulated.
+/// The elements that are simulated.
 const READ: [&str; 6] = ["type", "mean", "stddev", "bias_mean", "bias_stddev", "precision"];
-/// What besides, of instruments.
+/// Additional elements for instruments.
 const DRIFT: [&str; 2] = ["dynamic_bias_stddev", "dynamic_bias_correlation_time"];
 
 impl Reader<'_> {
-    /// The noise in a `<camera>` or a `<ray>`; none at all if it is not there.
+    /// Reads the noise in a `<camera>` or a `<ray>`; none means no noise.
     pub(super) fn noise(&mut self, parent: Option<&Element>) -> Option<Noise> {
         let Some(element) = parent.and_then(|parent| parent.child("noise")) else {
             return Some(Noise::default());
@@ -20,15 +20,15 @@ impl Reader<'_> {
         self.noise_of(element, &[])
     }
 
-    /// That of a quantity of an instrument, whose bias may drift.
+    /// Reads the noise of an instrument's quantity, whose bias may drift.
     pub(super) fn drifting_noise(&mut self, parent: &Element) -> Option<Noise> {
         let Some(element) = parent.child("noise") else { return Some(Noise::default()) };
         self.noise_of(element, &DRIFT)
     }
 
-    /// A `<noise>`, of which so much is simulated besides.
+    /// Reads a `<noise>` element; `besides` are the additional elements that are simulated.
     pub(super) fn noise_of(&mut self, element: &Element, besides: &[&str]) -> Option<Noise> {
-        // SDF 1.7 writes the type as an attribute.
+        // From SDF 1.7 on the type is an attribute.
         let kind = child_text(element, "type")
             .or_else(|| element.attribute("type").map(str::to_owned))
             .unwrap_or_else(|| "gaussian".into());
@@ -51,7 +51,7 @@ impl Reader<'_> {
             name.starts_with("dynamic_bias_") && value == Some(0.0)
         };
         let read = [&READ[..], besides].concat();
-        let remedy = format!("take it out: a noise has {}", read.join(", "));
+        let remedy = format!("remove it: a noise has {}", read.join(", "));
         self.left_out(element, |name| read.contains(&name) || is_nothing(name), &remedy);
         let element = Some(element);
         let mean = self.number(element, "mean", 0.0);
@@ -65,13 +65,13 @@ impl Reader<'_> {
             stddev: stddev?,
             bias_mean: bias_mean?,
             bias_stddev: bias_stddev?,
-            // Plain gaussian noise is not rounded, whatever <precision> says.
+            // Plain Gaussian noise is not rounded, even with a <precision>.
             precision: if is_quantized { precision? } else { precision.map(|_| 0.0)? },
             drift: drift?,
         })
     }
 
-    /// Density and correlation time of a bias that drifts: none unless both are given, as in Gazebo.
+    /// Reads density and correlation time of a bias that drifts: no drift unless both are given, as in Gazebo.
     fn drift(&mut self, element: Option<&Element>) -> Option<[f64; 2]> {
         let [drift, time_s] = DRIFT.map(|name| self.not_negative(element, name));
         let (drift, time_s) = (drift?, time_s?);
@@ -90,7 +90,7 @@ impl Reader<'_> {
     }
 }
 
-/// The instrument whose axes have these noises.
+/// Returns the instrument whose axes have these noises.
 pub(super) fn instrument<const N: usize>(noises: [Noise; N]) -> InstrumentConfig<N> {
     let drifts = |noise: Noise| noise.drift[0] > 0.0;
     InstrumentConfig::default()

@@ -1,4 +1,4 @@
-//! `<plugin>` of a sensor: which of them publishes it, and under which names.
+//! `<plugin>` of a sensor: the plugin that publishes it, and its names.
 
 use super::reader::Reader;
 use super::{KINDS, Kind, each_once};
@@ -7,11 +7,11 @@ use crate::topic as topics;
 use crate::values::child_text;
 use crate::xml::Element;
 
-/// Its name.
+/// The file name of our own plugin.
 const OWN: &str = "belvedere";
 
 impl Reader<'_> {
-    /// The first plugin of a sensor that publishes its kind; warnings for the others.
+    /// Returns the first plugin of a sensor that can publish its kind, with warnings for the others.
     pub(super) fn plugin<'e>(&mut self, sensor: &'e Element, kind: &Kind) -> Option<&'e Element> {
         topics::check(sensor, self.diagnostics);
         let mut chosen = None;
@@ -48,13 +48,16 @@ impl Reader<'_> {
             } else {
                 let names = each_once(KINDS.iter().flat_map(|kind| kind.plugins).copied());
                 let near = nearest(name, names.iter().copied());
-                // What is like none of them is not a misspelt one.
+                // A name unlike all known ones is not a misspelling.
                 let near = near.filter(|near| strsim::damerau_levenshtein(name, near) <= near.len() / 4);
                 let near = near.map(|near| format!("did you mean lib{near}.so? ")).unwrap_or_default();
                 let plugins: Vec<String> = names.iter().map(|name| format!("lib{name}.so")).collect();
                 self.diagnostics.warning(
                     &element.source,
-                    format!("the plugin '{file}' of sensor '{}' is not simulated and left out", self.sensor),
+                    format!(
+                        "the plugin '{file}' of sensor '{}' is not simulated and is left out",
+                        self.sensor
+                    ),
                     format!("{near}these are: {}", plugins.join(", ")),
                 );
             }
@@ -63,17 +66,17 @@ impl Reader<'_> {
     }
 }
 
-/// Our own, which tells a sensor what SDF has no element for.
+/// Returns our own plugin, which holds parameters for which SDF has no elements.
 pub(super) fn extension(sensor: &Element) -> Option<&Element> {
     sensor.elements_named("plugin").find(|plugin| is_ours(plugin))
 }
 
-/// Whether a plugin is our own.
+/// Returns true if a plugin is our own.
 pub(super) fn is_ours(plugin: &Element) -> bool {
     plain_name(plugin) == OWN
 }
 
-/// A plugin's file without its folder, `lib` and `.so`, which Gazebo itself adds where they are missing.
+/// Returns a plugin's file name without folder, `lib` and `.so`, which Gazebo itself adds if they are missing.
 pub(super) fn plain_name(plugin: &Element) -> &str {
     let file = plugin.attribute("filename").unwrap_or_default();
     let name = file.rsplit('/').next().unwrap_or(file);
@@ -81,7 +84,7 @@ pub(super) fn plain_name(plugin: &Element) -> &str {
     name.strip_suffix(".so").unwrap_or(name)
 }
 
-/// The absolute topic in the child element `name`: as it stands if it begins with a slash, else under
+/// Returns the absolute topic in the child element `name`: unchanged if it begins with a slash, else under
 /// `<robotNamespace>` and the camera's name.
 pub(super) fn topic(plugin: &Element, camera_name: &str, name: &str, default: &str) -> String {
     let topic = child_text(plugin, name).unwrap_or_else(|| default.into());
@@ -92,7 +95,7 @@ pub(super) fn topic(plugin: &Element, camera_name: &str, name: &str, default: &s
     absolute(&[&namespace, camera_name, &topic])
 }
 
-/// The absolute topic of these parts.
+/// Joins parts to an absolute topic.
 pub(super) fn absolute(parts: &[&str]) -> String {
     let mut absolute = String::new();
     for part in parts {

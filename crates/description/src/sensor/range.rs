@@ -1,5 +1,5 @@
-//! Rangefinders: a cone of beams, of which the nearest counts: rays with `libgazebo_ros_range.so` or Team Hector's plugin, and
-//! `<sonar>`.
+//! Rangefinders, which report the nearest hit of a cone of beams: `<ray>` with `libgazebo_ros_range.so` or Team Hector's plugin,
+//! and `<sonar>`.
 
 use super::gz::{frame_name, gz_topic};
 use super::plugin::{plain_name, topic};
@@ -11,7 +11,7 @@ use crate::xml::Element;
 use glam::DQuat;
 use std::f64::consts::FRAC_PI_2;
 
-/// Beams across a sonar's cone: a twentieth of it apart.
+/// Beams across a sonar's cone: the spacing is a twentieth of the cone.
 const SONAR_BEAMS: u32 = 21;
 
 /// A sonar or infrared rangefinder.
@@ -19,11 +19,11 @@ const SONAR_BEAMS: u32 = 21;
 pub struct Rangefinder {
     /// The beams that fill its cone.
     pub ray: RaySensor,
-    /// Half the angle of a round cone, beyond which beams do not count; none if all do.
+    /// Half the angle of a round cone outside which beams are ignored; none if all count.
     pub cone_rad: Option<f64>,
-    /// How the beams are turned in the sensor: those of a sonar look along its −z.
+    /// Orientation of the beams in the sensor: those of a sonar point along its −z.
     pub sensor_from_beams: DQuat,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<RangePlugin>,
 }
 
@@ -52,7 +52,7 @@ impl Reader<'_> {
         }
     }
 
-    /// `<sonar>`: a cone from the sensor along its −z, which is so wide at its end.
+    /// Reads `<sonar>`: a cone from the sensor along its −z with the given radius at its end.
     fn sonar(&mut self, sensor: &Element) -> Option<Rangefinder> {
         let sonar = sensor.child("sonar");
         let min = self.not_negative(sonar, "min");
@@ -61,7 +61,7 @@ impl Reader<'_> {
         if let Some(geometry) = sonar.and_then(|sonar| sonar.child("geometry"))
             && geometry.text() != "cone"
         {
-            let what = format!("{} is '{}': it is taken for a cone", self.what("geometry"), geometry.text());
+            let what = format!("{} is '{}': a cone is simulated", self.what("geometry"), geometry.text());
             self.diagnostics.warning(&geometry.source, what, "write cone");
         }
         let (range_min_m, range_max_m, radius) = (min?, max?, radius?);
@@ -103,7 +103,7 @@ impl Reader<'_> {
 
     fn hector_sonar(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<RangePlugin> {
         let read = ["robotNamespace", "topicName", "frameId", "updateRate", "gaussianNoise", "offset"];
-        self.left_out(plugin, |name| read.contains(&name), "take it out, or correct its name");
+        self.left_out(plugin, |name| read.contains(&name), "remove it, or correct its name");
         self.add_noise(plugin, ray)?;
         ray.noise.mean += self.number(Some(plugin), "offset", 0.0)?;
         self.plugin_rate_hz = match plugin.child("updateRate") {
@@ -126,7 +126,7 @@ impl Reader<'_> {
         Some(RangePlugin {
             topic: topic(plugin, "", "topicName", "/range"),
             frame_name: child_text(plugin, "frameName").unwrap_or_else(|| "/world".into()),
-            // Whatever is not the one is the other there.
+            // As in the plugin, every other value means the other kind.
             radiation: match child_text(plugin, "radiation").as_deref() {
                 None | Some("ultrasound") => Radiation::Ultrasound,
                 Some(_) => Radiation::Infrared,

@@ -1,29 +1,29 @@
-//! Checked values out of a sensor's elements.
+//! Reading and checking of the values in a sensor's elements.
 
 use crate::diagnostics::{Diagnostics, Source};
 use crate::rules::Rules;
 use crate::values::number;
 use crate::xml::Element;
 
-/// Least rate that stamps are counted by: once in twelve days.
+/// The lowest rate that timestamps support: once in twelve days.
 const MIN_RATE_HZ: f64 = 1e-6;
-/// Greatest: beyond it no physics steps.
+/// The highest rate: physics never steps faster.
 const MAX_RATE_HZ: f64 = 1e6;
 
-/// Reads values of one sensor; its errors name the sensor.
+/// Reads the values of one sensor; its errors name the sensor.
 ///
-/// A value that is absent, or whose parent is, gives its default; one that is wrong gives none and an error.
+/// A value that is absent, or whose parent is, gives its default; a wrong value gives none and an error.
 pub(super) struct Reader<'a> {
     /// Name of the sensor.
     pub(super) sensor: String,
-    /// Rate of its plugin, when that has been read.
+    /// Rate of its plugin, once that has been read.
     pub(super) plugin_rate_hz: Option<f64>,
     pub(super) rules: Rules,
     pub(super) diagnostics: &'a mut Diagnostics,
 }
 
 impl Reader<'_> {
-    /// A finite number in the child element `name` that fulfils a condition; `remedy` says which.
+    /// Reads a finite number in the child element `name` that fulfils a condition; `remedy` states the condition.
     pub(super) fn checked(
         &mut self,
         parent: Option<&Element>,
@@ -42,17 +42,17 @@ impl Reader<'_> {
         None
     }
 
-    /// Any finite number.
+    /// Reads a finite number.
     pub(super) fn number(&mut self, parent: Option<&Element>, name: &str, default: f64) -> Option<f64> {
         self.checked(parent, name, default, |_| true, "")
     }
 
-    /// A number of 0 or more, 0 if absent.
+    /// Reads a number of 0 or more; 0 if absent.
     pub(super) fn not_negative(&mut self, parent: Option<&Element>, name: &str) -> Option<f64> {
         self.checked(parent, name, 0.0, |value| value >= 0.0, "write 0 or more")
     }
 
-    /// A whole number from 1 to `max`. `640.0` counts as one: xacro's arithmetic writes it so.
+    /// Reads a whole number from 1 to `max`. `640.0` is accepted because xacro's arithmetic writes numbers so.
     pub(super) fn count(
         &mut self,
         parent: Option<&Element>,
@@ -65,7 +65,7 @@ impl Reader<'_> {
         self.checked(parent, name, f64::from(default), is_valid, &remedy).map(|value| value as u32)
     }
 
-    /// As [`Reader::count`], without its fraction if it has one, as in Gazebo.
+    /// Like [`Reader::count`], but drops a fraction, as Gazebo does.
     pub(super) fn truncated(
         &mut self,
         parent: Option<&Element>,
@@ -85,7 +85,7 @@ impl Reader<'_> {
         Some(value as u32)
     }
 
-    /// A rate in hertz; the inner none means "as often as it can", written as 0.
+    /// Reads a rate in hertz; the inner none means every step, written as 0.
     #[expect(clippy::option_option, reason = "outer: readable; inner: limited")]
     pub(super) fn rate(&mut self, parent: &Element, name: &str) -> Option<Option<f64>> {
         let remedy = "write a rate in hertz, or 0 for every step";
@@ -106,20 +106,20 @@ impl Reader<'_> {
         Some((rate <= MAX_RATE_HZ).then_some(kept))
     }
 
-    /// A warning for each child of an element that is not looked at.
+    /// Adds a warning for each child of an element that is not read.
     pub(super) fn left_out(&mut self, parent: &Element, is_read: impl Fn(&str) -> bool, remedy: &str) {
         for child in parent.elements().filter(|child| !is_read(&child.name)) {
-            let what = format!("{} is not simulated and left out", self.what(&child.name));
+            let what = format!("{} is not simulated and is left out", self.what(&child.name));
             self.diagnostics.warning(&child.source, what, remedy);
         }
     }
 
-    /// What errors call the value in the child element `name`.
+    /// Returns the name of the value in the child element `name` for errors.
     pub(super) fn what(&self, name: &str) -> String {
         format!("<{name}> of sensor '{}'", self.sensor)
     }
 
-    /// The place of the child element `name`, or that of its parent or of what holds that.
+    /// Returns the place of the child element `name`, of its parent, or of the element that contains the parent.
     pub(super) fn place<'e>(parent: Option<&'e Element>, name: &str, outer: &'e Element) -> &'e Source {
         let parent = parent.unwrap_or(outer);
         parent.child(name).map_or(&parent.source, |child| &child.source)

@@ -1,20 +1,20 @@
-//! How plugins of ROS 2 are told names: `<ros>` with a namespace and remappings, `<frame_name>`, `<camera_name>`.
+//! Names in plugins of ROS 2: `<ros>` with a namespace and remappings, `<frame_name>`, `<camera_name>`.
 //!
-//! Names without a slash before them lie under the namespace, those with `~/` under the plugin's own name as well.
+//! Names without a leading slash are under the namespace; names with `~/` are also under the plugin's own name.
 
 use super::plugin::{absolute, plain_name};
 use crate::values::child_text;
 use crate::xml::Element;
 
-/// What only plugins of ROS 2 are told.
+/// Elements that only plugins of ROS 2 have.
 const MARKS: [&str; 4] = ["ros", "frame_name", "camera_name", "output_type"];
 
-/// Whether a plugin is written for ROS 2.
+/// Returns true if a plugin is written for ROS 2.
 pub(super) fn is_ros2(plugin: &Element) -> bool {
     MARKS.iter().any(|mark| plugin.child(mark).is_some())
 }
 
-/// The absolute topic that a plugin calls `name`, and files may call one of `aliases`, remapped if they say so.
+/// Returns the absolute topic that a plugin calls `name`, and files may call one of `aliases`, after remapping.
 pub(super) fn topic(plugin: &Element, name: &str, aliases: &[&str]) -> String {
     let ros = plugin.child("ros");
     let namespace = ros.and_then(|ros| child_text(ros, "namespace")).unwrap_or_default();
@@ -25,7 +25,7 @@ pub(super) fn topic(plugin: &Element, name: &str, aliases: &[&str]) -> String {
         None => absolute(&[&namespace, name]),
     };
     let named: Vec<String> = aliases.iter().chain([&name]).map(|name| full(name)).collect();
-    // Before Foxy, a remapping was an <argument>.
+    // Before Foxy, a remapping was written as <argument>.
     let rules = ros.iter().flat_map(|ros| ros.elements());
     let rules =
         rules.filter(|rule| matches!(rule.name.as_str(), "remapping" | "argument")).map(Element::text);
@@ -36,7 +36,7 @@ pub(super) fn topic(plugin: &Element, name: &str, aliases: &[&str]) -> String {
     remapped.next().unwrap_or_else(|| full(name))
 }
 
-/// `<frame_name>`; the sensor's link if this is empty.
+/// Returns `<frame_name>`; an empty name means the sensor's link.
 pub(super) fn frame_name(plugin: &Element) -> String {
     child_text(plugin, "frame_name").unwrap_or_default()
 }

@@ -138,7 +138,7 @@ fn a_rangefinder_has_the_plugins_defaults() {
     assert_eq!((plugin.topic.as_str(), plugin.frame_name.as_str()), ("/range", "/world"));
     assert_eq!((plugin.radiation, plugin.field_of_view_rad), (Radiation::Ultrasound, 0.05));
     assert_eq!((stddev, rate), (0.03, Some(20.0)));
-    // The noise of both.
+    // The noises of both add up.
     let (plugin, stddev, rate) = range(
         "<topicName>sonar</topicName><radiation>infrared</radiation><fov>0.3</fov>\
          <gaussianNoise>0.04</gaussianNoise><updateRate>5</updateRate>",
@@ -236,7 +236,7 @@ fn what_gazebo_goes_on_with_is_a_warning() {
             camera(&image(&format!("<format>{odd}</format>")), &format!("'{odd}', which no colour")).2;
         assert_eq!(format, PixelFormat::Rgb8);
     }
-    // What a depth camera's colours are is not said by the format of its depths.
+    // The format of a depth camera's depths does not set that of its colours.
     accepted(
         "<sensor name='d' type='depth'><camera><image><format>R_FLOAT32</format></image></camera></sensor>",
     );
@@ -282,7 +282,7 @@ fn what_is_not_simulated_gives_a_warning() {
     assert_eq!(problems[0].matches(" gpu_ray").count(), 1, "{problems:?}");
 }
 
-/// A camera of 640 × 480 with this inside, and what was warned of.
+/// Returns a camera of 640 × 480 with this content, and its warnings.
 fn camera_of(kind: &str, inside: &str) -> (Option<CameraSensor>, Vec<String>) {
     let (sensor, problems) = parse(&format!(
         "<sensor name='c' type='{kind}'><camera><image><width>640</width><height>480</height></image>\n{inside}\

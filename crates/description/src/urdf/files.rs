@@ -7,7 +7,7 @@ use crate::xml::{Element, Node};
 use percent_encoding::{AsciiSet, CONTROLS, percent_decode_str, utf8_percent_encode};
 use std::path::{Path, PathBuf};
 
-/// What cannot stand in the path of a URL as it is.
+/// Characters that must be escaped in the path of a URL.
 const NOT_IN_PATHS: &AsciiSet = &CONTROLS
     .add(b' ')
     .add(b'"')
@@ -25,13 +25,13 @@ const NOT_IN_PATHS: &AsciiSet = &CONTROLS
     .add(b'|')
     .add(b'}');
 
-/// What the name of a file means.
+/// The form of a file name.
 enum Named<'n> {
     /// `package://PACKAGE/…` and `model://PACKAGE/…`.
     InPackage { package: &'n str, relative: &'n str },
-    /// `file:///…`, or relative to the file that names it.
+    /// `file:///…`, or a path relative to the file that contains it.
     At(PathBuf),
-    /// A scheme that is not read.
+    /// An unsupported scheme.
     Elsewhere(&'n str),
 }
 
@@ -51,8 +51,8 @@ impl<'n> Named<'n> {
     }
 }
 
-/// Has every mesh and texture of an expanded robot named by a `file:///` URL, which ROS finds without knowing of our
-/// package path and of the files that the robot was made of. Those that do not exist keep their names, with a warning.
+/// Replaces the names of all meshes and textures of an expanded robot by `file:///` URLs, which ROS finds without our
+/// package path and without the robot's source files. Names of missing files are kept, with a warning.
 pub(super) fn name_files_absolutely(
     robot: &mut Element,
     packages: &PackagePath,
@@ -74,12 +74,12 @@ pub(super) fn name_files_absolutely(
             None => diagnostics.warning(
                 &robot.source,
                 format!("there is no {} '{name}'", robot.name),
-                "the name is left as it is; correct it, or add the folder that holds the package with --package-path or ROS_PACKAGE_PATH",
+                "the name is kept; correct it, or add the folder that holds the package with --package-path or ROS_PACKAGE_PATH",
             ),
         }
     }
     for child in &mut robot.children {
-        // What is meant for Gazebo names no files of the robot.
+        // Extensions for Gazebo name no files of the robot.
         if let Node::Element(child) = child
             && child.name != "gazebo"
         {
@@ -94,9 +94,9 @@ fn file_url(path: &Path) -> Option<String> {
 }
 
 impl Loader<'_> {
-    /// The existing file that `name` means: `package://PACKAGE/…` and `model://PACKAGE/…` in a package,
-    /// `file:///…` as it stands, everything else relative to the file that `element` was written in. `what`
-    /// names it in errors.
+    /// Returns the existing file that `name` refers to: `package://PACKAGE/…` and `model://PACKAGE/…` in a package,
+    /// `file:///…` as an absolute path, everything else relative to the file that contains `element`. `what` names the
+    /// kind of file in errors.
     pub(super) fn file(&mut self, element: &Element, name: &str, what: &str) -> Option<PathBuf> {
         let (path, looked_for) = match Named::of(name, element) {
             Named::InPackage { package, relative } => {
@@ -104,7 +104,7 @@ impl Loader<'_> {
                 if let Some(Found { missing_in: Some(lacking), .. }) = &found {
                     self.diagnostics.note(
                         &element.source,
-                        format!("{} has no {relative}: it is taken from our package", lacking.display()),
+                        format!("{} has no {relative}: the file of our package is used", lacking.display()),
                         "",
                     );
                 }
@@ -120,7 +120,7 @@ impl Loader<'_> {
                 (Some(path), shown)
             }
             Named::Elsewhere(scheme) => {
-                let problem = format!("the {what} '{name}' cannot be fetched: '{scheme}://' is not read");
+                let problem = format!("the {what} '{name}' cannot be fetched: '{scheme}://' is unsupported");
                 self.lacking(&element.source, what, problem, "download it and write package://PACKAGE/FILE");
                 return None;
             }
@@ -137,10 +137,10 @@ impl Loader<'_> {
         found
     }
 
-    /// Says that a file is missing. A texture costs only itself: the surface is still where it is.
+    /// Reports a missing file. Without its texture, a surface is still there.
     fn lacking(&mut self, source: &Source, what: &str, problem: String, remedy: &str) {
         if what == TEXTURE {
-            let problem = format!("{problem}; the surface is drawn in its colour alone");
+            let problem = format!("{problem}; the surface is drawn without it");
             self.diagnostics.warning(source, problem, remedy);
         } else {
             self.missing(source, problem, remedy);

@@ -1,9 +1,9 @@
-//! `<gazebo>`: sensors, and what Gazebo overrides of a link.
+//! `<gazebo>`: sensors, and the properties of a link that Gazebo overrides.
 //!
-//! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, `kinematic`, `dampingFactor`,
-//! the plugin `Label` and our own `<visual><fiducial>`; for a joint: `springStiffness` and `springReference`; for the whole
-//! robot: `static`, `self_collide` and its plugins. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`,
-//! `minDepth`, `maxVel`, …), which another physics engine does not have.
+//! For a link, these are read: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, `kinematic`,
+//! `dampingFactor`, the plugin `Label` and our own `<visual><fiducial>`; for a joint: `springStiffness` and `springReference`;
+//! for the whole robot: `static`, `self_collide` and its plugins. The rest is accepted and ignored: contact parameters of ODE
+//! (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which other physics engines do not have.
 
 use super::{Loader, nearest_link};
 use crate::diagnostics::Diagnostics;
@@ -18,12 +18,12 @@ use crate::suggestion::{closest, did_you_mean_or};
 use crate::values::{child_bool, child_pose, child_text, friction_coefficient, not_negative, number, share};
 use crate::xml::Element;
 
-/// What an extension is set to: its attribute `value`, or else its text, as libsdformat reads it.
+/// Returns the value of an extension: its attribute `value`, or else its text, as libsdformat reads it.
 fn value(extension: &Element) -> String {
     extension.attribute("value").map_or_else(|| extension.text(), |value| value.trim().to_owned())
 }
 
-/// The number that an extension is set to, if it is there.
+/// Returns the number in an extension, if the extension is there.
 fn number_of(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<f64> {
     let child = parent.child(name)?;
     number(&value(child), &format!("<{name}>"), &child.source, diagnostics)
@@ -57,7 +57,7 @@ impl Loader<'_> {
                 },
             }
         }
-        // A link's own label holds, wherever in the file it stands.
+        // A link's own label takes precedence, wherever in the file it is.
         if let Some(label) = of_robot {
             for visual in model.links.iter_mut().flat_map(|link| &mut link.visuals) {
                 visual.label.get_or_insert(label);
@@ -71,7 +71,7 @@ impl Loader<'_> {
             model.sensors.extend(parse_sensor(sensor, index, pose, self.rules, self.diagnostics));
         }
         let link = &mut model.links[index];
-        // Gazebo puts what stands in <visual> into each visual of the link.
+        // Gazebo copies the content of <visual> into each visual of the link.
         for element in std::iter::once(element).chain(element.elements_named("visual")) {
             if let Some(label) = label(element, self.diagnostics) {
                 link.visuals.iter_mut().for_each(|visual| visual.label = Some(label));
@@ -79,7 +79,7 @@ impl Loader<'_> {
         }
         for element in element.elements_named("visual") {
             let tags = fiducials(element, self.diagnostics);
-            // Those of a mesh of several materials are one.
+            // The visuals of a mesh of several materials count as one.
             let mut places = link.visuals.iter().map(|visual| visual.link_from_visual);
             let first = places.next();
             let is_one = first.is_some() && places.all(|place| Some(place) == first);
@@ -88,16 +88,16 @@ impl Loader<'_> {
             } else if !tags.is_empty() {
                 self.diagnostics.error(
                     &element.source,
-                    format!("a <fiducial> is on the link '{}', which has not one visual", link.name),
+                    format!("a <fiducial> is on the link '{}', which needs exactly one visual", link.name),
                     "give the tag a link of its own, with one <visual>",
                 );
             }
         }
-        // As libsdformat: whatever does not say no says yes.
+        // As in libsdformat, every value that does not mean false means true.
         if let Some(off) = element.child("turnGravityOff").map(value) {
             link.gravity = matches!(off.to_ascii_lowercase().as_str(), "false" | "no" | "0");
         }
-        // As libsdformat: only these say yes.
+        // As in libsdformat, only these values mean true.
         if let Some(collides) = element.child("selfCollide").map(value) {
             link.self_collide = matches!(collides.to_ascii_lowercase().as_str(), "true" | "yes" | "1");
         }
@@ -153,7 +153,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The spring of a joint.
+    /// Reads the spring of a joint.
     fn extend_joint(&mut self, element: &Element, dynamics: &mut JointDynamics) {
         if let Some(stiffness) = number_of(element, "springStiffness", self.diagnostics) {
             dynamics.spring_stiffness =
@@ -164,7 +164,7 @@ impl Loader<'_> {
         }
     }
 
-    /// A reference to something that is no link: a joint, or a mistake.
+    /// Handles a reference that is not the name of a link: a joint, or a mistake.
     fn unknown_reference(&mut self, element: &Element, name: &str, model: &mut Model) {
         let near = nearest_link(name, &model.links);
         if let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == name) {
@@ -209,7 +209,7 @@ impl Loader<'_> {
     }
 }
 
-/// "did you mean …" for a sensor: the likeliest of the links that are called as what carries such a sensor is.
+/// Returns "did you mean …" for a sensor: the closest name among the links that are named like mounts of such a sensor.
 fn mount_for(sensor: &Element, name: &str, model: &Model) -> Option<String> {
     let words: &[&str] = match sensor.attribute("type").unwrap_or_default() {
         "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => &["laser", "lidar", "scan", "hokuyo", "velodyne"],

@@ -14,7 +14,7 @@ enum Shape {
 }
 
 impl Loader<'_> {
-    /// The geometry of a `<visual>` with what its own file says of its look: several for a mesh of several
+    /// Reads the geometry of a `<visual>` with the material from its own file: several for a mesh of several
     /// materials, none after an error.
     pub(super) fn visual_geometry(&mut self, visual: &Element) -> Vec<(Geometry, Option<Material>)> {
         match self.shape(visual) {
@@ -30,7 +30,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The geometry of a `<collision>`.
+    /// Reads the geometry of a `<collision>`.
     pub(super) fn collision_geometry(&mut self, collision: &Element) -> Option<Geometry> {
         match self.shape(collision)? {
             Shape::Primitive(geometry) => Some(geometry),
@@ -66,7 +66,7 @@ impl Loader<'_> {
             other => {
                 self.diagnostics.error(
                     &shape.source,
-                    format!("<{other}> is no shape"),
+                    format!("<{other}> is not a shape"),
                     "use a box, cylinder, sphere, capsule or mesh",
                 );
                 return None;
@@ -79,7 +79,7 @@ impl Loader<'_> {
         (length("radius"), length("length"))
     }
 
-    /// N lengths above 0 in a required attribute. Gazebo goes on with 0, of which nothing is seen or met.
+    /// Reads N lengths above 0 in a required attribute. Gazebo accepts 0; nothing can see or touch such a shape.
     fn lengths<const N: usize>(&mut self, shape: &Element, name: &str) -> Option<[f64; N]> {
         let text = self.required(shape, name)?;
         let what = format!("attribute '{name}' of <{}>", shape.name);

@@ -42,7 +42,7 @@ impl Loader<'_> {
         mimic::break_loops(&mut model.joints, self.diagnostics);
     }
 
-    /// `<dynamics>`, and what limits the joint's motor.
+    /// Reads `<dynamics>`, and the limits of the joint's motor.
     fn dynamics(&mut self, element: &Element, joint: &str) -> JointDynamics {
         let mut dynamics = JointDynamics::default();
         if let Some(written) = element.child("dynamics") {
@@ -57,7 +57,7 @@ impl Loader<'_> {
             (dynamics.damping, dynamics.friction) = (resistance("damping"), resistance("friction"));
         }
         if let Some(limit) = element.child("limit") {
-            // Below 0 is no limit, as in Gazebo.
+            // A value below 0 means no limit, as in Gazebo.
             let mut most = |name: &str| match limit.attribute(name).map(|text| text.trim().parse()) {
                 None | Some(Ok(f64::INFINITY)) => f64::INFINITY,
                 Some(_) => {
@@ -69,7 +69,7 @@ impl Loader<'_> {
         dynamics
     }
 
-    /// `<mimic joint multiplier offset>`.
+    /// Resolves `<mimic joint multiplier offset>`.
     fn follow(&mut self, element: &Element, joints: &mut [Joint]) {
         let name = element.attribute("name").unwrap_or_default();
         let Some(mimic) = element.child("mimic") else { return };
@@ -89,7 +89,7 @@ impl Loader<'_> {
         joints[follower].dynamics.mimic = Some(Mimic { leader, multiplier, offset });
     }
 
-    /// The link named in `<parent link>` or `<child link>`.
+    /// Returns the link named in `<parent link>` or `<child link>`.
     fn joint_end(&mut self, element: &Element, joint: &str, end: &str, model: &Model) -> Option<LinkIndex> {
         let Some(child) = element.child(end) else {
             self.diagnostics.error(
@@ -133,7 +133,7 @@ impl Loader<'_> {
         }
     }
 
-    /// `<limit lower upper>`, each 0 if not given.
+    /// Reads `<limit lower upper>`; each defaults to 0.
     fn limits(&mut self, element: &Element, joint: &str) -> Option<[f64; 2]> {
         let Some(limit) = element.child("limit") else {
             self.diagnostics.error(
@@ -159,7 +159,7 @@ impl Loader<'_> {
         None
     }
 
-    /// The unit axis in the joint's frame, which is the child's; x if none is given.
+    /// Reads the unit axis in the joint's frame, which is the child's; x if none is given.
     fn axis(&mut self, element: &Element, joint: &str) -> Option<DVec3> {
         let Some((axis, text)) = element.child("axis").and_then(|axis| Some((axis, axis.attribute("xyz")?)))
         else {
@@ -167,7 +167,7 @@ impl Loader<'_> {
         };
         let xyz = numbers::<3>(text, "attribute 'xyz' of <axis>", &axis.source, self.diagnostics)?;
         let unit = DVec3::from_array(xyz).try_normalize();
-        // Files give a fixed joint an axis of 0 0 0.
+        // Some files give a fixed joint an axis of 0 0 0.
         if unit.is_none() && element.attribute("type") == Some("fixed") {
             return Some(DVec3::X);
         }

@@ -20,7 +20,7 @@ impl Loader<'_> {
                 .collect();
             model.links.push(Link {
                 name,
-                // Follows from the joints.
+                // Set later, from the joints.
                 model_from_link: Pose::IDENTITY,
                 inertial,
                 visuals,
@@ -116,14 +116,14 @@ impl Loader<'_> {
         })
     }
 
-    /// The number in a required attribute.
+    /// Reads the number in a required attribute.
     pub(super) fn attribute_number(&mut self, element: &Element, name: &str) -> Option<f64> {
         let text = self.required(element, name)?;
         let what = format!("attribute '{name}' of <{}>", element.name);
         number(text, &what, &element.source, self.diagnostics)
     }
 
-    /// The text of a required attribute.
+    /// Returns the text of a required attribute.
     pub(super) fn required<'e>(&mut self, element: &'e Element, name: &str) -> Option<&'e str> {
         let text = element.attribute(name);
         if text.is_none() {

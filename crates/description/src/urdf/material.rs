@@ -1,4 +1,4 @@
-//! `<material>`: by name or in place.
+//! `<material>`, by name or defined in place.
 
 use super::{Loader, TEXTURE};
 use crate::gazebo_materials::gazebo_material;
@@ -8,8 +8,8 @@ use crate::values::numbers;
 use crate::xml::Element;
 
 impl Loader<'_> {
-    /// Collects the materials that have a name: those of the robot, then those that are defined inside a
-    /// visual, which others may name as well. The first of a name holds.
+    /// Collects the materials that have a name: those of the robot, then those defined inside a visual, which others may
+    /// refer to as well. If a name is defined twice, the first definition is used.
     pub(super) fn define_materials(&mut self, robot: &Element) {
         let visuals = robot.elements_named("link").flat_map(|link| link.elements_named("visual"));
         let materials = robot
@@ -26,7 +26,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The look of a visual; none if it says nothing, so that a mesh keeps its own.
+    /// Reads the material of a visual; none if the file gives none, so that a mesh keeps its own.
     pub(super) fn material(&mut self, visual: &Element) -> Option<Material> {
         let element = visual.child("material")?;
         let name = element.attribute("name").unwrap_or_default();
@@ -45,7 +45,7 @@ impl Loader<'_> {
         found
     }
 
-    /// The look that a `<material>` itself defines.
+    /// Reads the definition inside a `<material>`.
     fn defined(&mut self, element: &Element) -> Option<Material> {
         if !is_definition(element) {
             return None;
@@ -55,7 +55,7 @@ impl Loader<'_> {
             let name = texture.attribute("filename").filter(|name| !name.is_empty())?;
             self.file(texture, name, TEXTURE)
         });
-        // A picture without a colour is shown as it is.
+        // A texture without a colour is not tinted.
         let plain = if texture.is_some() { [1.0; 3] } else { Material::default().diffuse };
         let rgba = element.child("color").and_then(|color| self.color(color));
         let [red, green, blue, alpha] = rgba.unwrap_or([plain[0], plain[1], plain[2], 1.0]);
@@ -79,7 +79,7 @@ impl Loader<'_> {
     }
 }
 
-/// Whether it says more than a name.
+/// Returns true if the element has more than a name.
 pub(super) fn is_definition(material: &Element) -> bool {
     material.child("color").is_some()
         || material

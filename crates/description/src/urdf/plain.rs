@@ -1,4 +1,4 @@
-//! An expanded robot in the form that ROS's own reader of URDF takes, which is stricter than this one.
+//! An expanded robot in the form that ROS's own URDF parser accepts, which is stricter than this one.
 
 use super::files::name_files_absolutely;
 use super::load_urdf;
@@ -12,10 +12,10 @@ use crate::xml::{Element, Node};
 use glam::{DVec3, EulerRot};
 use std::collections::HashSet;
 
-/// Rewrites what urdfdom, the reader of `robot_state_publisher` and rviz, refuses or cannot find: a robot without a name,
-/// a material that is defined twice (a file that was included twice) or not before its first use, names of files
-/// that only this package path and the robot's own files explain. The robot stays the same to
-/// [`load_urdf`](super::load_urdf), but for the ambient part of those of Gazebo's own materials that URDF cannot tell.
+/// Rewrites what urdfdom, the parser of `robot_state_publisher` and rviz, refuses or cannot find: a robot without a name,
+/// a material that is defined twice (by a file that was included twice) or after its first use, and file names that
+/// only this package path and the robot's own files can resolve. For [`load_urdf`](super::load_urdf) the robot stays the
+/// same, except for the ambient colours of Gazebo's own materials, which URDF cannot express.
 pub(crate) fn make_plain(robot: &mut Element, packages: &PackagePath, diagnostics: &mut Diagnostics) {
     if robot.attribute("name").is_none() {
         robot.attributes.insert(0, ("name".into(), "robot".into()));
@@ -24,9 +24,9 @@ pub(crate) fn make_plain(robot: &mut Element, packages: &PackagePath, diagnostic
     name_files_absolutely(robot, packages, diagnostics);
 }
 
-/// Adds a link and a fixed joint for each frame that the data of sensors are in and the robot has no link for.
+/// Adds a link and a fixed joint for each sensor frame for which the robot has no link.
 pub(crate) fn add_sensor_frames(robot: &mut Element, packages: &PackagePath) {
-    // What is wrong with it is not to be said here.
+    // Problems of the robot are reported elsewhere.
     let Some(model) = load_urdf(robot, packages, Rules::default(), &mut Diagnostics::default()) else {
         return;
     };
@@ -53,7 +53,7 @@ pub(crate) fn add_sensor_frames(robot: &mut Element, packages: &PackagePath) {
     }
 }
 
-/// The first definition of a name holds for all.
+/// Keeps only the first definition of each name, which applies to the whole robot.
 fn define_materials_once(robot: &mut Element) {
     let mut defined = HashSet::new();
     robot.children.retain(|child| match child {
@@ -76,7 +76,7 @@ fn define_materials_once(robot: &mut Element) {
     robot.children.splice(0..0, missing);
 }
 
-/// A definition of a material that has none in the file: Gazebo's, or else the grey that a shape has anyway.
+/// Returns a definition for a material that the file does not define: Gazebo's, or else the default grey.
 fn known_or_grey(used: &Element) -> Element {
     let [red, green, blue] =
         gazebo_material(used.attribute("name").unwrap_or_default()).unwrap_or_default().diffuse;

@@ -1,4 +1,4 @@
-//! Robots in a few lines: what is read, and one error for each mistake.
+//! Small robots: what is read, and one error for each mistake.
 
 use super::load_urdf;
 use crate::Rules;
@@ -175,10 +175,10 @@ fn every_mistake_is_one_error_that_names_it() {
         (shape("<box size='1 -1 1'/>"), "'size' of <box> is '1 -1 1'"),
         (shape("<sphere radius='-1'/>"), "'radius' of <sphere> is '-1'"),
         (shape("<cylinder radius='1'/>"), "<cylinder> has no attribute 'length'"),
-        (shape("<cone/>"), "<cone> is no shape"),
+        (shape("<cone/>"), "<cone> is not a shape"),
         (shape(""), "<visual> has no shape"),
         (shape("<mesh filename='package://nowhere/x.stl'/>"), "there is no mesh 'package://nowhere/x.stl'"),
-        (shape("<mesh filename='http://x/x.stl'/>"), "'http://' is not read"),
+        (shape("<mesh filename='http://x/x.stl'/>"), "'http://' is unsupported"),
         (
             "<link name='a'><inertial><mass value='-1'/></inertial></link>".into(),
             "the mass of link 'a' is -1 kg",
@@ -300,5 +300,5 @@ fn tags_belong_to_a_link_of_one_visual() {
     assert_eq!(model.unwrap().links[0].visuals[0].fiducials[0].id, 4);
     let (_, problems) = robot("head");
     assert!(problems.len() == 1 && problems[0].starts_with("r.urdf:2: error: "), "{problems:?}");
-    assert!(problems[0].contains("the link 'head', which has not one visual"), "{problems:?}");
+    assert!(problems[0].contains("the link 'head', which needs exactly one visual"), "{problems:?}");
 }

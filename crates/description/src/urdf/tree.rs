@@ -1,15 +1,15 @@
-//! Links and joints make one tree; the poses in it.
+//! The tree of links and joints, and the poses in it.
 
 use super::Loader;
 use crate::model::{JointKind, LinkIndex, Model};
 use crate::xml::Element;
 
 impl Loader<'_> {
-    /// Checks that links and joints make one tree and fills in [`model_from_link`]; false if they do not.
+    /// Checks that links and joints form one tree and fills in [`model_from_link`]; false if they do not.
     ///
     /// [`model_from_link`]: crate::model::Link::model_from_link
     pub(super) fn build_tree(&mut self, robot: &Element, model: &mut Model) -> bool {
-        // After a broken link or joint the rest looks torn apart, which would only distract.
+        // After a broken link or joint the rest looks disconnected; reporting that too would only distract.
         let is_complete = model.links.len() == robot.elements_named("link").count()
             && model.joints.len() == robot.elements_named("joint").count();
         if !is_complete || model.links.is_empty() || !self.one_parent_each(model) {
@@ -62,10 +62,10 @@ impl Loader<'_> {
         true
     }
 
-    /// `link` is in a loop or hangs on one.
+    /// Reports a loop of joints that contains `link` or that `link` hangs on.
     fn report_loop(&mut self, link: LinkIndex, model: &Model) {
         let above = |link| model.joint_above(link).map_or(link, |joint| joint.parent);
-        // As many steps up as there are links end inside the loop.
+        // After as many steps up as there are links, the walk is inside the loop.
         let start = (0..model.links.len()).fold(link, |link, _| above(link));
         let mut names = vec![model.links[start].name.as_str()];
         let mut at = above(start);
@@ -84,13 +84,13 @@ impl Loader<'_> {
     }
 }
 
-/// A root link `world` is the world itself, as in Gazebo.
+/// Makes a root link named `world` the world itself, as in Gazebo.
 fn stand_on_world(world: LinkIndex, model: &mut Model) {
     model.links[world].is_static = true;
     model.is_static = model.joints.iter().all(|joint| joint.kind == JointKind::Fixed);
 }
 
-/// Sets each link's pose from its joints, from the roots on; tells which links were reached.
+/// Sets each link's pose from its joints, from the roots on; returns which links were reached.
 fn place_links(roots: &[LinkIndex], model: &mut Model) -> Vec<bool> {
     let mut children = vec![Vec::new(); model.links.len()];
     for joint in &model.joints {

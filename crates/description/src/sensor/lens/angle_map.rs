@@ -13,7 +13,7 @@ use std::f64::consts::PI;
 const CUTOFF_ANGLE_RAD: f64 = 1.5707;
 
 impl Reader<'_> {
-    /// SDF's own types.
+    /// Reads one of SDF's own types.
     pub(super) fn angle_map(&mut self, lens: Option<&Element>, kind: &str) -> Option<LensModel> {
         let scale_to_hfov = match lens {
             Some(lens) if lens.child("scale_to_hfov").is_some() => {
@@ -37,7 +37,7 @@ impl Reader<'_> {
                 self.diagnostics.error(
                     place,
                     format!("the lens of sensor '{}' is of type '{kind}'", self.sensor),
-                    did_you_mean_or(kind, TYPES, &format!("there are {}", TYPES.join(", "))),
+                    did_you_mean_or(kind, TYPES, &format!("choose from {}", TYPES.join(", "))),
                 );
                 None
             }

@@ -1,5 +1,4 @@
-//! How wide beams are, what of them comes back, through which weather: elements of our plugin, which docs/lidars.md has in
-//! words.
+//! Beam width, returns, receiver and weather of a lidar: elements of our plugin, which docs/lidars.md describes.
 
 use super::PacketProfile;
 use crate::sensor::plugin::extension;
@@ -11,29 +10,29 @@ use belvedere_sensors::scanner::{
     Beam, Crosstalk, Halo, Intensity, MAX_RETURNS, Pattern, Receiver, Returns, ScannerConfig, Weather,
 };
 
-/// What beams are, meet and bring back, as [`ScannerConfig`] has it.
+/// The physics of beams and receiver, as in [`ScannerConfig`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct BeamPhysics {
-    /// How wide they are.
+    /// Width of the beams.
     pub beam: Beam,
-    /// What light there is beside them.
+    /// Light around the beams.
     pub halo: Halo,
-    /// What is heard of other lidars.
+    /// Interference from other lidars.
     pub crosstalk: Crosstalk,
-    /// How far apart returns are told apart, in metres.
+    /// Distance in metres below which two returns merge.
     pub pulse_m: f64,
-    /// Which returns are reported.
+    /// The returns that are reported.
     pub returns: Returns,
-    /// What is reported of them.
+    /// The intensity that is reported.
     pub intensity: Intensity,
-    /// How little is noticed.
+    /// The receiver's sensitivity; none if it detects everything.
     pub receiver: Option<Receiver>,
-    /// What stands in the air.
+    /// Weather.
     pub weather: Weather,
 }
 
 impl BeamPhysics {
-    /// That of a preset, or single rays all of which come back.
+    /// Returns the physics of a preset; without one, single rays that are all returned.
     pub(super) fn of(preset: Option<&Preset>) -> Self {
         let ScannerConfig { halo, crosstalk, pulse_m, returns, intensity, receiver, weather, .. } =
             ScannerConfig::new(Pattern::Table(&[]));
@@ -41,7 +40,7 @@ impl BeamPhysics {
         Self { beam, halo, crosstalk, pulse_m, returns, intensity, receiver, weather }
     }
 
-    /// Puts it into a scanner's.
+    /// Applies it to a scanner's configuration.
     pub fn applied_to<'a>(&self, config: ScannerConfig<'a>) -> ScannerConfig<'a> {
         config
             .beam(self.beam)
@@ -55,7 +54,7 @@ impl BeamPhysics {
     }
 }
 
-/// What of them files may write.
+/// The names of the elements in our plugin.
 pub(super) const NAMES: [&str; 14] = [
     "beam_rays",
     "beam_divergence",
@@ -72,7 +71,7 @@ pub(super) const NAMES: [&str; 14] = [
     "rain_rate",
     "snow_rate",
 ];
-/// Choices of `<returns>` and `<intensity>`; returns may also be so many.
+/// The words of `<returns>` and `<intensity>`; returns may also be a number.
 const RETURNS: [(&str, Returns); 5] = [
     ("strongest", Returns::Strongest),
     ("first", Returns::First),
@@ -82,17 +81,17 @@ const RETURNS: [(&str, Returns); 5] = [
 ];
 const INTENSITIES: [(&str, Intensity); 3] =
     [("retro", Intensity::Retro), ("power", Intensity::Power), ("reflectivity", Intensity::Reflectivity)];
-/// Rays of a beam of which more than the strongest return is wanted, if their number is not written.
+/// Default number of rays per beam if more than the strongest return is reported.
 const RAYS: u32 = 8;
-/// The widest beam, in radians and metres.
+/// The largest width of a beam, in radians and in metres.
 const WIDEST: f64 = 0.2;
-/// The densest fog, in metres, and most rain and snow, in millimetres an hour.
+/// The least visibility in fog, in metres, and the strongest rain and snow, in millimetres per hour.
 const DENSEST_M: f64 = 1.0;
 const MOST_RAIN: f64 = 500.0;
 const MOST_SNOW: f64 = 50.0;
 
 impl Reader<'_> {
-    /// What our plugin says of the beams of a scanner, and how its packets are laid out.
+    /// Reads the physics and the packet layout of a scanner from our plugin.
     pub(super) fn beam_physics(
         &mut self,
         sensor: &Element,
@@ -107,11 +106,11 @@ impl Reader<'_> {
         let written = returns?;
         physics.returns = written.unwrap_or(strongest);
         if is_dual && physics.returns.count() != 2 {
-            let what = format!("{} has two returns, and <returns> has not", self.what("udp_profile_lidar"));
+            let what = format!("{} has two returns, but <returns> has not", self.what("udp_profile_lidar"));
             self.diagnostics.error(
                 Self::place(own, "returns", sensor),
                 what,
-                "write <returns>dual</returns>, or take it out",
+                "write <returns>dual</returns>, or remove it",
             );
             return None;
         }
@@ -137,7 +136,7 @@ impl Reader<'_> {
         Some((physics, profile.unwrap_or(pair)))
     }
 
-    /// `<returns>`; the inner none means that it is not written.
+    /// Reads `<returns>`; the inner none means that it is absent.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     fn returns(&mut self, own: Option<&Element>, preset: Option<&Preset>) -> Option<Option<Returns>> {
         let text = own.and_then(|own| child_text(own, "returns"));
@@ -147,7 +146,7 @@ impl Reader<'_> {
             return Some(Some(Returns::Several(count)));
         }
         let returns = self.one_of(own, "returns", &RETURNS, ", or a number from 1 to 5")?;
-        // Ouster's are ordered by strength.
+        // Ouster orders returns by strength.
         let is_ouster = preset.is_some_and(|preset| preset.maker == Maker::Ouster);
         Some(returns.map(|returns| match returns {
             Returns::Dual if is_ouster => Returns::Ranked(2),
@@ -155,7 +154,7 @@ impl Reader<'_> {
         }))
     }
 
-    /// The value that a word stands for; the inner none means that there is none.
+    /// Returns the value of a word; the inner none means that the element is absent.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     fn one_of<T: Copy>(
         &mut self,
@@ -189,7 +188,7 @@ impl Reader<'_> {
             && beam.aperture_m == [0.0; 2]
         {
             let name = if own.child("beam_rays").is_some() { "beam_rays" } else { "returns" };
-            let what = format!("{} needs beams of some width, and these have none", self.what(name));
+            let what = format!("{} needs beams with a width, but these have none", self.what(name));
             let remedy = "write <beam_divergence> in radians, as 0.003 0.0015: across, and up";
             self.diagnostics.error(Self::place(Some(own), name, own), what, remedy);
             return None;
@@ -197,7 +196,7 @@ impl Reader<'_> {
         Some(beam)
     }
 
-    /// Across and up.
+    /// Reads a width across and up.
     fn width(&mut self, own: Option<&Element>, name: &str, default: [f64; 2]) -> Option<[f64; 2]> {
         let Some(child) = own.and_then(|own| own.child(name)) else { return Some(default) };
         let (text, what) = (child.text(), self.what(name));
@@ -210,7 +209,7 @@ impl Reader<'_> {
         None
     }
 
-    /// A share of the light, and a radius.
+    /// Reads the halo: a share of the light, and a radius.
     fn halo(&mut self, own: Option<&Element>) -> Option<Halo> {
         let Some(child) = own.and_then(|own| own.child("beam_halo")) else { return Some(Halo::NONE) };
         let (text, what) = (child.text(), self.what("beam_halo"));
@@ -223,12 +222,12 @@ impl Reader<'_> {
         None
     }
 
-    /// A number of 0 or more, or what it is without one.
+    /// Reads a number of 0 or more, with a default.
     fn not_negative_or(&mut self, own: Option<&Element>, name: &str, default: f64) -> Option<f64> {
         self.checked(own, name, default, |value| value >= 0.0, "write 0 or more")
     }
 
-    /// The inner none means that all is noticed.
+    /// Reads the receiver; the inner none means that it detects everything.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     fn receiver(&mut self, own: Option<&Element>) -> Option<Option<Receiver>> {
         let reach =
@@ -246,15 +245,14 @@ impl Reader<'_> {
         else {
             return Some(None);
         };
-        let what = format!("{} is of a receiver without a reach", self.what(name));
-        let remedy =
-            "write <receiver_reach>: from how far a surface of reflectivity 0.9 is noticed, in metres";
+        let what = format!("{} needs a receiver with a reach", self.what(name));
+        let remedy = "write <receiver_reach>: the distance in metres up to which a surface of reflectivity 0.9 is detected";
         self.diagnostics.error(Self::place(Some(own), name, own), what, remedy);
         None
     }
 
     fn weather(&mut self, own: Option<&Element>) -> Option<Weather> {
-        let fog = format!("write {DENSEST_M} or more, in metres; without fog, take it out");
+        let fog = format!("write {DENSEST_M} or more, in metres; without fog, remove it");
         let visibility = Weather::CLEAR.visibility_m;
         let visibility = self.checked(own, "fog_visibility", visibility, |metres| metres >= DENSEST_M, &fog);
         let mut rate = |name, most: f64| {

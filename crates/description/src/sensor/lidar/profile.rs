@@ -9,32 +9,32 @@ use belvedere_sensors::scanner::presets::{Maker, Preset};
 /// A layout of Ouster's packets, as `udp_profile_lidar` of its configuration names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum PacketProfile {
-    /// That of the first firmware.
+    /// The layout of the first firmware.
     Legacy,
-    /// 12 bytes a beam: range in mm, reflectivity, signal, near infrared.
+    /// 12 bytes per beam: range in mm, reflectivity, signal, near infrared.
     #[default]
     Rng19Rfl8Sig16Nir16,
-    /// 16 bytes a beam: the same of two returns, the strongest first.
+    /// 16 bytes per beam: the same for two returns, the strongest first.
     Rng19Rfl8Sig16Nir16Dual,
-    /// 4 bytes a beam: range in 8 mm, reflectivity, near infrared.
+    /// 4 bytes per beam: range in units of 8 mm, reflectivity, near infrared.
     Rng15Rfl8Nir8,
 }
 
 impl PacketProfile {
-    /// All of them.
+    /// All layouts.
     pub const ALL: [Self; 4] =
         [Self::Legacy, Self::Rng19Rfl8Sig16Nir16, Self::Rng19Rfl8Sig16Nir16Dual, Self::Rng15Rfl8Nir8];
     const NAMES: [&str; 4] =
         ["LEGACY", "RNG19_RFL8_SIG16_NIR16", "RNG19_RFL8_SIG16_NIR16_DUAL", "RNG15_RFL8_NIR8"];
 
-    /// As Ouster names it.
+    /// Returns Ouster's name for it.
     pub const fn name(self) -> &'static str {
         Self::NAMES[self as usize]
     }
 }
 
 impl Reader<'_> {
-    /// The `<udp_profile_lidar>` beside a preset; the inner none means that none is written.
+    /// Reads the `<udp_profile_lidar>` next to a preset; the inner none means that it is absent.
     #[expect(clippy::option_option, reason = "outer: readable; inner: there")]
     pub(super) fn packet_profile(
         &mut self,
@@ -49,10 +49,13 @@ impl Reader<'_> {
             return Some(found);
         }
         let names = PacketProfile::NAMES.join(", ");
-        let remedy =
-            if is_ouster { format!("there are {names}") } else { "take it out: Ouster's have one".into() };
+        let remedy = if is_ouster {
+            format!("choose from {names}")
+        } else {
+            "remove it: only Ouster's have one".into()
+        };
         let place = Self::place(Some(own), "udp_profile_lidar", own);
-        let what = format!("{} is '{name}', which is none of its packets'", self.what("udp_profile_lidar"));
+        let what = format!("{} is '{name}', which is not a profile of it", self.what("udp_profile_lidar"));
         self.diagnostics.error(place, what, remedy);
         None
     }

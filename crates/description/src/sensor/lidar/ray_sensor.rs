@@ -6,12 +6,12 @@ use crate::sensor::ros2;
 use crate::values::child_text;
 use crate::xml::Element;
 
-/// What it may publish.
+/// The values of its `<output_type>`.
 const OUTPUTS: [&str; 4] =
     ["sensor_msgs/LaserScan", "sensor_msgs/PointCloud2", "sensor_msgs/PointCloud", "sensor_msgs/Range"];
 
 impl Reader<'_> {
-    /// A scan, or a cloud if it does not say.
+    /// Reads the plugin: a scan, or a cloud by default.
     pub(super) fn ray_sensor_plugin(&mut self, plugin: &Element) -> Option<LaserPlugin> {
         let output = child_text(plugin, "output_type").unwrap_or_else(|| OUTPUTS[1].into());
         let place = Self::place(Some(plugin), "output_type", plugin);

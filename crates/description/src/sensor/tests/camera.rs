@@ -1,4 +1,4 @@
-//! What of a camera is honoured, and the formats of pictures.
+//! Tests of which camera elements have an effect, and of image formats.
 
 use super::*;
 
@@ -37,7 +37,7 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         (
             "camera",
             "<lens><env_texture_size>512</env_texture_size></lens>",
-            "each pixel is traced; take it out",
+            "each pixel is traced; remove it",
         ),
         (
             "camera",
@@ -81,11 +81,11 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
         assert!(problems.iter().all(|problem| problem.contains("write a whole number from 0 to 64")));
         assert_eq!(problems.is_empty(), expected.is_some());
     }
-    // Beside the <camera>, and in the plugins of both kinds.
+    // Next to the <camera>, and in the plugins of both kinds.
     for (inside, expected) in [
         (
             "<topic>t</topic><plugin name='p' filename='F'/>",
-            "<topic> of sensor 'c' is not simulated and left out; write <imageTopicName>",
+            "<topic> of sensor 'c' is not simulated and is left out; write <imageTopicName>",
         ),
         ("<enable_metrics>true</enable_metrics>", "measure with `belvedere hz`"),
         ("<ray/>", "<ray> of sensor 'c' is not simulated"),
@@ -136,7 +136,7 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
     assert!(plugin(coefficients, "").is_empty());
     let problems = plugin(coefficients, "<distortion><k1>.3</k1></distortion>");
     assert!(problems.len() == 1 && problems[0].starts_with("s.sdf:2: warning: "), "{problems:?}");
-    assert!(problems[0].contains("hold instead of those in <distortion>"), "{problems:?}");
+    assert!(problems[0].contains("replace those in <distortion>"), "{problems:?}");
     let same = "<distortion><k1>.1</k1><p1>.2</p1></distortion>";
     assert!(plugin(coefficients, same).is_empty());
     let fisheye = "<lens><type>equirectangular</type></lens>";

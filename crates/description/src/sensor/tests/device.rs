@@ -1,4 +1,4 @@
-//! `<device>`: what is behind the lens.
+//! Tests of `<device>`: the electronics behind the lens.
 
 use super::*;
 
@@ -33,7 +33,7 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
     assert!((device.window_s() - 0.06).abs() < 1e-12 && !device.is_of_one_moment());
     let plain = AutoExposed { config: AutoExposureConfig::default(), metering: Metering::Mean };
     assert_eq!(of("<auto_exposure/>").auto_exposure, Some(plain));
-    // By our plugin, as lidars and depth cameras name theirs; what <device> says besides holds.
+    // With our plugin, as for lidars and depth cameras; the content of <device> takes precedence.
     let own = |name: &str, inside: &str| {
         format!(
             "<sensor name='c' type='camera'><topic>c</topic><camera>{inside}</camera>\
@@ -53,13 +53,13 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
         }
     }
     for (name, inside, expected) in [
-        ("webcan", "", "<preset> of sensor 'c' is 'webcan', which is none; did you mean 'webcam'?"),
+        ("webcan", "", "<preset> of sensor 'c' is 'webcan', which does not exist; did you mean 'webcam'?"),
         ("webcam", "<device><preset>webcam</preset></device>", "the camera of sensor 'c' has two presets"),
     ] {
         let (sensor, problems) = parse(&own(name, inside));
         assert!(sensor.is_none() && problems.len() == 1 && problems[0].contains(expected), "{problems:?}");
     }
-    // Edges of such pictures are not smoothed.
+    // Such images are not anti-aliased.
     for (device, warnings) in [("<device/>", 0), ("<device><preset>webcam</preset></device>", 1)] {
         let (sensor, problems) = parse(&format!(
             "<sensor name='c' type='camera'><camera><image>\n<anti_aliasing>4</anti_aliasing></image>{device}</camera></sensor>"
@@ -69,7 +69,7 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
             problems
                 .iter()
                 .all(|problem| problem.starts_with("s.sdf:2: warning: <anti_aliasing> of sensor 'c'")
-                    && problem.contains("keep sharp edges")),
+                    && problem.contains("are not anti-aliased")),
             "{problems:?}"
         );
     }
@@ -88,7 +88,7 @@ fn a_device_is_a_preset_and_what_is_written_besides() {
         ("<motion_blur_samples>0</motion_blur_samples>", "is 0; write a whole number from 1 to 64"),
         (
             "<exposure_time_s>20</exposure_time_s><motion_blur_samples>2</motion_blur_samples>",
-            "<motion_blur_samples> of sensor 'c' asks for exposures of up to 20 s",
+            "<motion_blur_samples> of sensor 'c' is set for exposures of up to 20 s",
         ),
         (
             "<auto_exposure><target>2</target></auto_exposure>",

@@ -70,7 +70,7 @@ fn a_lens_fits_its_angle_of_view_into_the_picture() {
     assert_eq!((camera.lens.intrinsics, camera.lens.has_own_focal_length), (expected, true));
     let expected = LensProjection { fx: 290.0, fy: 301.0, cx: 320.5, cy: 240.5, tx: -30.0, ty: 0.0 };
     assert_eq!(camera.lens.projection, Some(expected));
-    // A pinhole's angle of view follows.
+    // A pinhole's angle of view follows from it.
     let camera = lens_of("camera", "<lens><intrinsics><fx>320</fx></intrinsics></lens>");
     assert!((camera.horizontal_fov_rad - std::f64::consts::FRAC_PI_2).abs() < 1e-12);
     assert_eq!((camera.lens.intrinsics.fy, camera.lens.intrinsics.cx), (320.0, 319.5));
@@ -120,7 +120,7 @@ fn a_wrong_lens_gives_one_error_with_its_line() {
         ("<distortion><tau_x>1.6</tau_x></distortion>", "<tau_x> of sensor 'c' is 1.6; write an angle"),
         ("<distortion><center>0.5</center></distortion>", "<center> of sensor 'c' is '0.5': too few"),
         ("<distortion><center>320 240</center></distortion>", "<center> of sensor 'c' is 320 240; write two"),
-        ("<lens><type>fisheye</type></lens>", "is of type 'fisheye'; there are gnomonical, "),
+        ("<lens><type>fisheye</type></lens>", "is of type 'fisheye'; choose from gnomonical, "),
         ("<lens><type>custom</type></lens>", "has no <custom_function>; write"),
         ("<lens><type>eucm</type><alpha>1.5</alpha><beta>1</beta></lens>", "<alpha> of sensor 'c' is 1.5"),
         (
@@ -149,7 +149,7 @@ fn a_wrong_lens_gives_one_error_with_its_line() {
         ),
         (
             "<distortion><k1>1</k1></distortion><lens><type>kannala_brandt</type></lens>",
-            "has a <distortion>, which is a pinhole's, and a lens of type kannala_brandt; take one",
+            "has a <distortion>, which is a pinhole's, and a lens of type kannala_brandt; remove one",
         ),
         // It folds back at 1.15 rad.
         (

@@ -1,4 +1,4 @@
-//! `<preset>`: depth cameras as devices that can be bought.
+//! Tests of `<preset>`: depth cameras as devices on the market.
 
 use super::{parse, parse_with};
 use crate::model::{DepthCamera, SensorKind};
@@ -36,14 +36,14 @@ fn a_preset_is_the_device_and_bounds_its_range() {
         let depth = depth.unwrap();
         assert!(problems.is_empty(), "{problems:?}");
         assert_eq!(depth.preset.map(|preset| preset.name), Some("kinect_v1"));
-        // The plugin's defaults are 0.4 to 5 m, which no Kinect does.
+        // The plugin's defaults are 0.4 to 5 m, which no Kinect supports.
         assert_eq!(depth.range_m(), [0.8, 4.0]);
     }
-    // Without one it is as the file asks.
+    // Without a preset it is as the file specifies.
     let (plain, _) = depth("s", KINECT, Rules::default());
     let plain = plain.unwrap();
     assert_eq!((plain.preset, plain.range_m()), (None, [0.4, 5.0]));
-    // gz-sim's need no plugin besides.
+    // gz-sim's cameras need no other plugin.
     let (gz, problems) =
         depth("s", &format!("<topic>d</topic>{}", ours("<preset>azure_kinect</preset>")), Rules::default());
     let gz = gz.unwrap();
@@ -60,15 +60,15 @@ fn what_is_wrong_with_a_preset_is_said() {
         problems[0].clone()
     };
     let unknown = problem("<preset>kinect_1</preset>");
-    assert!(unknown.contains("<preset> of sensor 's' is 'kinect_1', which is none"), "{unknown}");
+    assert!(unknown.contains("<preset> of sensor 's' is 'kinect_1', which does not exist"), "{unknown}");
     assert!(
-        unknown.contains("did you mean 'kinect_v1'? there are kinect_v1, xtion, redwood, d415"),
+        unknown.contains("did you mean 'kinect_v1'? choose from kinect_v1, xtion, redwood, d415"),
         "{unknown}"
     );
     let none = problem("");
     assert!(none.contains("the plugin 'belvedere' of sensor 's' has no <preset>"), "{none}");
     let beside = problem("<preset>d435</preset><noise>1</noise>");
-    assert!(beside.contains("<noise> of sensor 's' is not simulated and left out"), "{beside}");
+    assert!(beside.contains("<noise> of sensor 's' is not simulated and is left out"), "{beside}");
     let kinect = KINECT.replace("</plugin>", "<pointCloudCutoffMax>0.6</pointCloudCutoffMax></plugin>");
     let (sensor, problems) =
         depth("s", &format!("{kinect}{}", ours("<preset>kinect_v1</preset>")), Rules::default());
@@ -78,14 +78,17 @@ fn what_is_wrong_with_a_preset_is_said() {
     );
     let dark = problem("<projector>false</projector><preset>xtion</preset>");
     assert!(
-        dark.contains("<projector> of sensor 's' is off, and a xtion measures by its light")
+        dark.contains("<projector> of sensor 's' is off, but a xtion measures with its light")
             && dark.contains("choose one of d415, d435, d455"),
         "{dark}"
     );
-    // A camera has presets of its own.
+    // A camera has its own presets.
     let (_, problems) =
         parse(&format!("<sensor name='c' type='camera'>{}</sensor>", ours("<preset>kinect_v1</preset>")));
-    assert!(problems[0].contains("is 'kinect_v1', which is none; there are webcam, "), "{problems:?}");
+    assert!(
+        problems[0].contains("is 'kinect_v1', which does not exist; choose from webcam, "),
+        "{problems:?}"
+    );
 }
 
 #[test]
@@ -100,6 +103,6 @@ fn real_devices_are_known_by_plugin_and_name() {
     assert_eq!(found("s", &KINECT.replace(">camera<", ">xtion_pro<")), Some("xtion"));
     assert_eq!(found("d455", "<topic>d</topic>"), Some("d455"));
     assert_eq!(found("s", "<topic>d</topic>"), None);
-    // What is written holds.
+    // A given preset takes precedence.
     assert_eq!(found("d455", &format!("{KINECT}{}", ours("<preset>kinect_v2</preset>"))), Some("kinect_v2"));
 }

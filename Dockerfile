@@ -1,7 +1,8 @@
 # Two images: `docker build --target ci .` makes one that runs .ci/run and has everything it needs. The default one has
 # only the program, as .ci/release makes it.
 FROM rust:1-bookworm AS ci
-# Packages that .ci/run would install are installed here, so that they are kept between runs. hadolint ignore=DL3008
+# Packages that .ci/run would install are installed here, so that they are kept between runs.
+# hadolint ignore=DL3008
 RUN apt-get update && apt-get install -y --no-install-recommends \
       binutils chromium cmake git g++ libeigen3-dev libopencv-core-dev make pkg-config python3-pip python3-venv \
       util-linux valgrind \

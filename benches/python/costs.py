@@ -38,7 +38,7 @@ def overhead(scene: Scene, arguments: argparse.Namespace) -> None:
     poses = np.resize(scene.poses, (max(counts), 7))
 
     def cost(camera: bv.DepthCamera, count: int) -> float:
-        """Return the time of a call in microseconds. All calls together render all poses, even if each has few frames."""
+        """Return the time of a call in microseconds. Together the calls render all poses, even if each has few."""
         calls = 0
         arrays = {"depth": out["depth"][:count]}
         start = time.process_time()

@@ -16,7 +16,7 @@ RAYS_OF_A_CALL = 2**19
 
 
 def rays_of(scene: Scene, width: int, height: int) -> list[np.ndarray]:
-    """Return the rays (height·width, 6) of each pose. Directions have length 1 along the optical axis, so t is the depth."""
+    """Return the rays (height·width, 6) of each pose. Directions have z = 1 in optical axes, so t is the depth."""
     focal = width / (2 * math.tan(scene.fov / 2))
     columns, rows = np.meshgrid(np.arange(width) - (width - 1) / 2, np.arange(height) - (height - 1) / 2)
     local = np.stack([np.ones_like(columns), -columns / focal, -rows / focal], axis=2).reshape(-1, 3)

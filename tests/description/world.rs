@@ -237,7 +237,7 @@ fn relative_to_from_1_7_on() {
     let circle = "<model name='m'>\n<link name='a'><pose relative_to='b'/></link>\n<link name='b'><pose relative_to='a'/></link></model>";
     let (_, problems) = Folder::new().load("1.7", circle, false);
     assert!(problems[0].to_string().contains("relative to itself"), "{problems:#?}");
-    // Whoever enters the circle, and wherever, it is told once, at its first frame.
+    // A circle is reported once, at its first frame, wherever other frames enter it.
     let circle = "<model name='m'>\n<link name='p'><pose relative_to='c'/></link>\n<link name='c'><pose relative_to='a'/></link>
         <link name='a'><pose relative_to='b'/></link>\n<link name='b'><pose relative_to='c'/></link>
         <link name='q'><pose relative_to='b'/></link></model>";

@@ -37,7 +37,8 @@ function compare(one, other, threshold = 0.1) {
 
 /** Waits until a part of the page has not changed for a second and a half. Returns its screenshot. */
 async function settled(page, part) {
-  // Without a graphics card, the view has full resolution only while nothing moves; on a busy machine a frame may be late.
+  // Without a graphics card, the view has full resolution only while nothing moves; on a busy machine a frame may be
+  // late.
   let [before, same] = [await shoot(page, part), 0];
   return until(`${part} stays as it looks`, async () => {
     await sleep(500);

@@ -18,7 +18,7 @@ pub struct Side<'a> {
 /// The result of a comparison.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured {
-    /// Seconds a unit of work.
+    /// Our seconds per unit of work.
     pub ours_s: f64,
     /// The other side's seconds per unit of work.
     pub theirs_s: f64,

@@ -2,12 +2,12 @@
 
     python benches/python/compare.py [--seconds 1.0] [--rounds 5] [--threads 1,2] [--scene WORD]
 
-Peers that are not installed are named and left out: open3d (or open3d-cpu), embreex with trimesh, mujoco, pybullet,
-pyrender. So are the scenes whose shapes are another package's: mjlab has the Unitree G1, dm_control a humanoid of
+Peers that are not installed are reported and left out: open3d (or open3d-cpu), embreex with trimesh, mujoco, pybullet,
+pyrender. Scenes whose shapes are in a missing package are left out too: mjlab has the Unitree G1, dm_control a humanoid of
 capsules; MuJoCo reads both.
 
-Everybody takes turns, round after round. A rate is the median of the rounds, a ratio the median of their ratios, with
-the least and the greatest. Of one thread it is processor time that counts, of more it is wall time.
+All libraries are measured alternately in each round. A rate is the median of the rounds, a ratio the median of their
+ratios, with the least and the greatest. With one thread, processor time is measured, with more, wall time.
 """
 
 from __future__ import annotations

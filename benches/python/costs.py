@@ -28,8 +28,8 @@ class Unwanted:
 def overhead(scene: Scene, arguments: argparse.Namespace) -> None:
     """Measure the overhead of a call without its frames, one thread, 64x64.
 
-    Two ways. Calls whose frames are not wanted do all but take them. And of a + b·N, fitted to what calls of N frames
-    cost, a is what a call costs even of no frame; what Python does for each frame is in b there.
+    There are two ways. First, calls whose frames are skipped do everything except rendering. Second, a + b·N is fitted
+    to the times of calls with N frames: a is the overhead of a call, and b includes Python's overhead for each frame.
     """
     counts = (1, 16, 256, 8192)
     out = {"depth": np.empty((max(counts), 64, 64), np.float32)}

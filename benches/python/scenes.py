@@ -173,7 +173,7 @@ def balls() -> Scene:
 def terrain(name: str, random: np.random.Generator) -> Scene:
     """Return a height field as the ground.
 
-    Peers have it as a mesh, cut as Belvedere cuts its cells; MuJoCo's rays would take five times as long on a field.
+    Peers get it as a mesh with the same triangles as in Belvedere; MuJoCo's rays would take five times as long on a field.
     """
     scene = Scene(name, [])
     size, cells = 8.0, 64
@@ -251,7 +251,7 @@ def robot(package: str, file: str, group: int) -> Iterator[Part]:
 def unitree_g1() -> Scene:
     """Return 31 bodies, whose visual shapes are 35 meshes of 393,270 triangles.
 
-    Seen as the model's own camera sees it, the one of MuJoCo Warp's benchmark: 2.1 m away, at 45 degrees.
+    The view is that of the model's own camera, which MuJoCo Warp's benchmark uses: 2.1 m away, 45 degrees wide.
     """
     scene = terrain("Unitree G1 over terrain", np.random.default_rng(4))
     for part in robot("mjlab", "asset_zoo/robots/unitree_g1/xmls/g1.xml", 2):

@@ -26,7 +26,7 @@ async function measure(pid, what, count, drawn = () => 0) {
   const rates = TOPICS.map((topic) => ((more[topic] - frames[topic]) / SECONDS).toFixed(1));
   const share = (100 * (after - before)) / SECONDS;
   const draws = last > 0 ? `, drawn in 3D ${((last - first) / SECONDS).toFixed(1)} times` : "";
-  console.log(`${what}: ${rates.join(" and ")} frames a second${draws}, ${share.toFixed(1)} % of a core by the server`);
+  console.log(`${what}: ${rates.join(" and ")} frames per second${draws}; the server uses ${share.toFixed(1)} % of a core`);
 }
 
 try {

@@ -39,7 +39,7 @@ try {
   const page = await open(simulator.url);
 
   const first = await until("a picture", async () => (await viewer(page)).firstPictureMs);
-  console.log(`first picture ${first.toFixed(0)} ms after the page began to load`);
+  console.log(`the first image appears ${first.toFixed(0)} ms after the page began to load`);
 
   await until("the robot", async () => (await viewer(page)).robot);
   await until("running", async () => (await viewer(page)).state === "running");
@@ -57,7 +57,7 @@ try {
   await until("paused", async () => (await viewer(page)).state === "paused");
   await page.click("#pause");
   await until("running", async () => (await viewer(page)).stamp > stepped);
-  console.log("pause stops it, a step is ten steps of physics");
+  console.log("pause pauses, and a step is ten steps of physics");
 
   // Space pauses and resumes, regardless of what was clicked before.
   await page.click("#reset");
@@ -124,7 +124,7 @@ try {
   });
   await page.keyboard.up("ArrowUp");
   assert.notEqual(await pixels(page, PICTURE), seen);
-  console.log("keys drive it, and its picture moves");
+  console.log("keys drive the robot, and the camera image changes");
 
   await page.click(`li:has([data-key="${PICTURE}"]) .gear`);
   const setting = page.locator('[data-setting="update_rate"]');
@@ -134,7 +134,7 @@ try {
   await until("that the simulator takes it", () =>
     page.evaluate(() => window.viewer().settings.some((sensor) => sensor.settings.some(({ name, value }) => name === "update_rate" && value === 5))),
   );
-  console.log("a sensor's rate is changed");
+  console.log("the rate of a sensor can be changed");
 
   // A click on the camera in 3D opens its settings; a click beside it does not.
   await page.click(`li:has([data-key="${PICTURE}"]) .gear`);
@@ -175,7 +175,7 @@ try {
   );
   assert.ok(drawn.length === 3 && drawn.every((colours) => colours > 3), `${drawn} colours`);
   await page.uncheck("#plotted");
-  console.log(`plots: ${rate.toFixed(1)} pictures a second, ${latency.toFixed(0)} ms from sent to shown`);
+  console.log(`plots: ${rate.toFixed(1)} images per second, latency ${latency.toFixed(0)} ms`);
 
   // The cube is dragged by its upper face, seen from above.
   await page.evaluate(() => window.space.look([-0.02, 0, 4.2]));
@@ -192,7 +192,7 @@ try {
     const now = await cube();
     return Math.hypot(now[0] - from[0], now[1] - from[1]) > 0.05;
   });
-  console.log("a model is moved by the mouse");
+  console.log("the mouse moves a model");
 
   await page.click("#reset");
   await until("reset", async () => (await viewer(page)).stamp < stood[0]);
@@ -205,7 +205,7 @@ try {
   const frames = (await viewer(page)).frames[PICTURE];
   await until("pictures again", async () => (await viewer(page)).frames[PICTURE] > frames + 3);
   problems = problems.filter((text) => !text.includes("ERR_CONNECTION_REFUSED"));
-  console.log("it goes on after the simulator was killed and started again");
+  console.log("the page continues after the simulator was killed and restarted");
   // Old values of plots are removed even while the plots are hidden.
   const kept = await until("some values", async () => ((await viewer(page)).plots.size > 12 ? (await viewer(page)).plots.size : 0));
   await page.evaluate(() => {
@@ -227,7 +227,7 @@ try {
     assert.ok(await small.locator("#pause").isVisible());
     await small.close();
   }
-  console.log("small windows show all of it");
+  console.log("small windows show everything");
   await end(simulator);
 
   // Seen from above, the points of the scan lie on the walls and objects of the world.

@@ -93,7 +93,7 @@ try {
   }
   const moving = await animate(page, shots, { width: 880, height: 440, periodMs: 100 });
   writeFileSync(join(pictures, "viewer.webp"), moving);
-  console.log(`a moving picture of ${(moving.length / 1e6).toFixed(2)} MB`);
+  console.log(`an animation of ${(moving.length / 1e6).toFixed(2)} MB`);
   assert.ok(moving.length < 2e6);
   await end(simulator);
 

@@ -78,7 +78,7 @@ try {
     const { robot } = await viewer();
     return (await pixels()) === late.pixels && robot.every((axis, index) => axis === late.robot[index]);
   });
-  console.log(`it is seen as it was wherever it is dragged to, ${Math.max(late.took, early.took).toFixed(0)} ms after`);
+  console.log(`dragging shows the state at that time after ${Math.max(late.took, early.took).toFixed(0)} ms`);
 
   // A clicked element does not take the space key.
   await dragTo(0.1);
@@ -97,7 +97,7 @@ try {
   assert.equal((await head()).rate, 4);
   await page.click('#timeline [data-is="play"]');
   await until("the beginning again", async () => (await head()).position < duration - 0.5);
-  console.log(`played at the rate 4: ${rate.toFixed(1)}; at its end it stands, and begins again`);
+  console.log(`played at rate 4: ${rate.toFixed(1)}; it stops at the end, and can be started again`);
   assert.deepEqual(problems, []);
 
   await end(player);

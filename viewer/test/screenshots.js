@@ -168,7 +168,7 @@ try {
     picture: compare(stood.picture, await shoot(page, panel)),
   };
   assert.ok(moved.space.count > MANY && moved.picture.count > MANY, JSON.stringify(moved));
-  console.log("time that stands changes no pixel of the page");
+  console.log("while time is paused, no pixel of the page changes");
   console.log(
     `driven, ${change} pixels of the picture change from one look to the next; when it stands again, ` +
       `${moved.picture.count} of the picture and ${moved.space.count} of the 3D view have`,

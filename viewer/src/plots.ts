@@ -108,8 +108,8 @@ class Plot {
 
 /** The plots. They are drawn only while they are shown. */
 export class Plots {
-  readonly rates = new Plot("frames per second", "Hz");
-  readonly latencies = new Plot("latency until shown", "ms");
+  readonly rates = new Plot("frames a second", "Hz");
+  readonly latencies = new Plot("from sent to shown", "ms");
   readonly velocities = new Plot("velocity by odometry", "m/s, rad/s");
 
   constructor(private readonly place: HTMLElement) {

@@ -190,7 +190,7 @@ function row(choice: Choice): HTMLElement {
   const gear = document.createElement("button");
   gear.className = "gear";
   gear.textContent = "⚙";
-  gear.title = "settings of this sensor";
+  gear.title = "what can be changed of this sensor";
   gear.addEventListener("click", () => {
     showSettings(choice.topic);
   });
@@ -213,7 +213,7 @@ function refreshSettings() {
   const place = element("settings");
   const sensor = known.find(({ topics }) => shownSensor !== null && topics.includes(shownSensor));
   if (sensor === undefined) {
-    place.replaceChildren(shownSensor === null ? "" : `/${shownSensor} has no settings`);
+    place.replaceChildren(shownSensor === null ? "" : `nothing of /${shownSensor} can be changed`);
     return;
   }
   place.replaceChildren(

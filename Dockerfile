@@ -1,7 +1,7 @@
-# Two images: `docker build --target ci .` has what .ci/run needs and runs it; the default one is the program alone,
-# as .ci/release makes it.
+# Two images: `docker build --target ci .` makes one that runs .ci/run and has everything it needs. The default one has
+# only the program, as .ci/release makes it.
 FROM rust:1-bookworm AS ci
-# What .ci/run would install itself is installed here, so that it is kept between runs.
+# Packages that .ci/run would install are installed here, so that they are kept between runs.
 # hadolint ignore=DL3008
 RUN apt-get update && apt-get install -y --no-install-recommends \
       binutils chromium cmake git g++ libeigen3-dev libopencv-core-dev make pkg-config python3-pip python3-venv \
@@ -13,7 +13,7 @@ RUN rustup show active-toolchain || rustup toolchain install
 CMD [".ci/run"]
 
 FROM ci AS build
-# As in .ci/release: one file that needs no other. Its trial in an empty root needs rights that a build does not have.
+# As in .ci/release: one static file. It is not tested in an empty root here, because a build lacks the rights for that.
 ENV RUSTFLAGS="-C target-feature=+crt-static"
 RUN cargo build --release --locked --package belvedere --bin belvedere --target x86_64-unknown-linux-gnu \
     && strip target/x86_64-unknown-linux-gnu/release/belvedere

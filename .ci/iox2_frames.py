@@ -1,6 +1,6 @@
 """Prints a line for each frame of /scan and /image_raw: stream, number, stamp, and a hash of header and payload.
 
-Looks every millisecond: a replay notifies nobody.
+Checks every millisecond, because a replay sends no notifications.
 """
 
 import hashlib

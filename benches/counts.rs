@@ -1,4 +1,5 @@
-//! Instructions, counted by callgrind: no noise, so a few per cent more is a fact. See `benches/README.md`.
+//! Instructions, counted by callgrind. The counts have no noise, so even a few per cent more are real. See
+//! `benches/README.md`.
 //!
 //! Valgrind runs AVX2 at most, so the level is forced to it: the counts are those of the AVX2 kernels.
 
@@ -27,14 +28,14 @@ use std::hint::black_box;
 
 /// The level whose counts are recorded.
 const LEVEL: &str = "avx2";
-/// How many per cent more instructions than recorded are let through.
+/// The tolerance above the record, in per cent.
 const TOLERANCE_PERCENT: u64 = 5;
 
 fn simd() -> Level {
     level::named(LEVEL).unwrap_or_else(best_level)
 }
 
-/// Holds a benchmark to its record, on machines that have the level.
+/// Compares a benchmark with its record, on machines that have the level.
 fn limit(name: &str) -> LibraryBenchmarkConfig {
     let mut callgrind = Callgrind::with_args(["--cache-sim=no"]);
     callgrind.format([CallgrindMetrics::SingleEvent(EventKind::Ir)]);
@@ -93,7 +94,7 @@ fn room_tree() -> (Tree, Mesh) {
     (Tree::new(&mesh, simd()), mesh)
 }
 
-// The same tree once more over its vertices.
+// Refitting the same tree.
 #[library_benchmark(config = limit("refit_S1"), setup = room_tree)]
 fn refit_s1((mut tree, mesh): (Tree, Mesh)) -> (Tree, Mesh) {
     tree.refit(black_box(&mesh.vertices), &mesh.triangles, simd());
@@ -127,7 +128,7 @@ fn trace_s3_r2((built, mut caster): (Built, Caster)) -> (Built, Caster) {
     (built, caster)
 }
 
-// 20,000 rays that have nothing in common.
+// 20,000 incoherent rays.
 #[library_benchmark(config = limit("trace_S1_R5"), setup = room_rays)]
 fn trace_s1_r5((built, mut caster): (Built, Caster)) -> (Built, Caster) {
     black_box(caster.cast(black_box(&built)));
@@ -138,7 +139,7 @@ fn fine_view() -> FineMeshes {
     FineMeshes::new(simd())
 }
 
-// Depths and colours of 64 × 64 pixels: bodies of triangles finer than these, over a terrain.
+// Depths and colours of 64 × 64 pixels: bodies whose triangles are smaller than a pixel, over a terrain.
 #[library_benchmark(config = limit("fine_meshes"), setup = fine_view)]
 fn fine_meshes(mut view: FineMeshes) -> FineMeshes {
     black_box(&mut view).sense();
@@ -167,7 +168,7 @@ fn room_view() -> RoomView {
     (scene, camera, workspace, pixels)
 }
 
-// Sixteen rows of the robot's colour picture, with textures, shadows and noise.
+// Sixteen rows of the robot's colour image, with textures, shadows and noise.
 #[library_benchmark(config = limit("tag_room_rows"), setup = room_view)]
 fn tag_room_rows((scene, camera, mut workspace, mut pixels): RoomView) -> RoomView {
     let capture = Capture::new(0, scene.moment(tag_room::across()));

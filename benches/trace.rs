@@ -1,4 +1,4 @@
-//! Rays a second of every scene and ray set, with criterion's statistics: for people. The verdict is `gate`'s.
+//! Rays per second for every scene and ray set, with criterion's statistics, for people. `gate` gives the verdict.
 
 #![allow(unreachable_pub, reason = "the modules of a program, which exports nothing")]
 

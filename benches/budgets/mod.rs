@@ -1,4 +1,4 @@
-//! `benches/budgets.toml`: what was measured when it was last recorded, and the best that ever was.
+//! `benches/budgets.toml`: the recorded ratios, and the best ratios that were ever measured.
 
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ pub struct Budgets {
     /// Instructions that callgrind counts, by benchmark.
     #[serde(default)]
     pub instructions: Map<u64>,
-    /// What the records of each SIMD level were measured on.
+    /// The processor on which the records of each SIMD level were measured.
     #[serde(default)]
     pub processors: Map<String>,
     /// The best ratios that were ever measured, by processor and SIMD level.
@@ -24,7 +24,7 @@ pub struct Budgets {
     /// Why a best is lower than it was, by processor, SIMD level, group and entry.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub lowered: Map<Map<Map<Map<Lowered>>>>,
-    /// Which entries vary more than others, however many copies measure them, by group and entry.
+    /// The entries that vary more than others even with several copies, by group and entry.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub noise: Map<Map<Noise>>,
     /// The records, by SIMD level.
@@ -36,68 +36,68 @@ pub struct Budgets {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Lowered {
-    /// The highest that it was.
+    /// The highest value it has had.
     pub best: f64,
-    /// The lowest that it may be since; nothing when the entry is gone.
+    /// The lowest value that is allowed now; `None` if the entry was removed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub now: Option<f64>,
-    /// What was bought for it.
+    /// What was gained in return.
     pub why: String,
 }
 
-/// How far an entry may be from what it is held to, if not a tenth.
+/// A tolerance of an entry other than a tenth.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Noise {
-    /// As a part of the ratio.
+    /// As a fraction of the ratio.
     pub tolerance: f64,
-    /// What was seen.
+    /// The measurements that justify it.
     pub why: String,
 }
 
 /// How far a record may be below the best of its processor.
 const RECORD_BELOW_BEST: f64 = 0.10;
-/// To three digits, a ratio is rounded by as much.
+/// The largest error of rounding a ratio to three digits, as a fraction.
 const ROUNDING: f64 = 0.005;
-/// Not even noise excuses more.
+/// The largest tolerance.
 const MOST_NOISE: f64 = 0.25;
 
 const HEAD: &str = "\
-# What `cargo bench --bench gate` and `cargo bench --bench counts` hold the code to; benches/README.md explains.
+# Limits of `cargo bench --bench gate` and `cargo bench --bench counts`; benches/README.md explains them.
 #
-# Ratios, more of which is better, by SIMD level. `cargo bench --bench gate -- --record` writes the records, and raises
-# the best of the processor that it runs on. It never lowers a best. Who lowers one by hand, or takes one out, adds here
-# what was bought for it, without `now` when the entry is gone:
+# Ratios by SIMD level; more is better. `cargo bench --bench gate -- --record` writes the records, and raises the bests of
+# the processor that it runs on. It never lowers a best. If you lower or remove a best by hand, add a table that says what
+# was gained in return, without `now` if the entry was removed:
 #   [lowered.\"the processor\".avx512.S1.R1]
 #   best = 120.0
 #   now = 105.0
 #   why = \"Distances are exact to the last bit since 0123abc.\"
-# [noise.group.entry] widens the tolerance of 10 % where several copies do not help, and says what was seen.
+# [noise.group.entry] widens the tolerance of 10 % for an entry that varies even with several copies, and gives the
+# measurements that justify it.
 #
-# The bests of family 25 model 17 are, by hand, the highest that this file has had for each entry, all measured with one
-# copy of the executable and not with several. On a quiet machine of that kind 7.5 of tag_room_rgb and 1.96 of two_threads
-# were seen, which the next `--record` there will find. Older ratios are left out where the entry was another one: of
-# refit_S3 those before 5edb6a5, which stood beside a build by parry3d, of moving_500 those before 9970624, which cast
-# other rays, and of R5 those before 8bb9168, which cast a million rays.
-# The bests of frames that were new on another or a busy machine (depth_64x64, depth_kinect, device_rgb, the lenses,
-# rolling_shutter, scan_beams, scan_moving, truth) are, by hand, an eighth lower than what was measured there.
-# Its bests at avx2 are the records that were kept for it. Its avx512_by_avx2 is still to be measured: no machine with
-# AVX-512 was at hand when the gate began to look at both levels.
-# avx512_by_avx2 is how many times as fast a group is at avx512 as at avx2.
-# Instructions are copied by hand from what `cargo bench --bench counts` prints.
+# The bests of family 25 model 17 are the highest ratios that this file has had for each entry. They were entered by hand
+# and measured with one copy of the executable. On a quiet machine of that kind, 7.5 for tag_room_rgb and 1.96 for
+# two_threads were seen, which the next `--record` there will confirm. Older ratios are left out if the entry measured
+# something else: those of refit_S3 before 5edb6a5 were compared with a build by parry3d, those of moving_500 before
+# 9970624 cast other rays, and those of R5 before 8bb9168 cast a million rays.
+# Some frames were first measured on another or a busy machine (depth_64x64, depth_kinect, device_rgb, the lenses,
+# rolling_shutter, scan_beams, scan_moving, truth). Their bests are an eighth lower than those measurements, by hand.
+# The bests of that processor at avx2 are its old records. Its avx512_by_avx2 (how many times as fast a group is at avx512
+# as at avx2) has not been measured: no machine with AVX-512 was available since the gate measures both levels.
+# Instructions are copied by hand from the output of `cargo bench --bench counts`.
 
 ";
 
 impl Budgets {
-    /// Where the file is.
+    /// Returns the path of the file.
     pub fn path() -> PathBuf {
         [env!("CARGO_MANIFEST_DIR"), "benches", "budgets.toml"].iter().collect()
     }
 
-    /// Reads the file; without one there are no records.
+    /// Reads the file. If there is none, there are no records.
     ///
     /// # Errors
-    /// A text that names the file, and what is wrong with it.
+    /// A text that names the file and the fault.
     pub fn read() -> Result<Self, String> {
         let path = Self::path();
         match std::fs::read_to_string(&path) {
@@ -127,22 +127,22 @@ impl Budgets {
     }
 
     /// # Errors
-    /// When something cannot be expressed in TOML.
+    /// If something cannot be expressed in TOML.
     pub fn to_text(&self) -> Result<String, String> {
         Ok(format!("{HEAD}{}", toml::to_string(self).map_err(|error| error.to_string())?))
     }
 
-    /// The recorded ratio.
+    /// Returns the recorded ratio.
     pub fn ratio(&self, level: &str, group: &str, entry: &str) -> Option<f64> {
         self.levels.get(level)?.get(group)?.get(entry).copied()
     }
 
-    /// The best ratio that was ever measured on a processor.
+    /// Returns the best ratio that was ever measured on a processor.
     pub fn best(&self, processor: &str, level: &str, group: &str, entry: &str) -> Option<f64> {
         self.best.get(processor)?.get(level)?.get(group)?.get(entry).copied()
     }
 
-    /// How much more than others an entry varies.
+    /// Returns the wider tolerance of an entry, if it has one.
     pub fn noise(&self, group: &str, entry: &str) -> Option<&Noise> {
         self.noise.get(group)?.get(entry)
     }
@@ -162,7 +162,7 @@ impl Budgets {
         *best = best.max(rounded);
     }
 
-    /// Nothing can fall below a ratio that is not a number, or not above 0.
+    /// Checks that all ratios are numbers above 0, because nothing can fall below others.
     fn check_ratios(&self) -> Result<(), String> {
         let all = self.best.values().chain([&self.levels]).flat_map(flat);
         match all.into_iter().find(|(.., ratio)| !(ratio.is_finite() && **ratio > 0.0)) {
@@ -173,7 +173,7 @@ impl Budgets {
         }
     }
 
-    /// A record is within the tolerance of the best of its processor, and no better.
+    /// Checks that each record is within the tolerance of the best of its processor, and no better.
     fn check_records(&self) -> Result<(), String> {
         for (level, group, entry, &record) in flat(&self.levels) {
             let processor = self.processors.get(level).map_or("", String::as_str);
@@ -189,7 +189,7 @@ impl Budgets {
             if record < best * (1.0 - below) * (1.0 - ROUNDING) {
                 return Err(format!(
                     "{at} is more than {:.0} % below the best of its processor, {best}: raise the record, or lower the \
-                     best and say in [lowered.\"{processor}\".{level}.{group}.{entry}] what was bought for it",
+                     best and say in [lowered.\"{processor}\".{level}.{group}.{entry}] what was gained in return",
                     100.0 * below
                 ));
             }
@@ -197,13 +197,13 @@ impl Budgets {
         Ok(())
     }
 
-    /// A line of `lowered` says why, and the best is not lower than it says.
+    /// Checks that each table of `lowered` has a reason, and that the best is not lower than it says.
     fn check_lowered(&self) -> Result<(), String> {
         for (processor, levels) in &self.lowered {
             for (level, group, entry, line) in flat(levels) {
                 let at = format!("[lowered.\"{processor}\".{level}.{group}.{entry}]");
                 if line.why.trim().is_empty() {
-                    return Err(format!("{at}: `why` is empty: say what was bought for it"));
+                    return Err(format!("{at}: `why` is empty: say what was gained in return"));
                 }
                 if !line.now.is_none_or(|now| 0.0 < now && now < line.best) {
                     return Err(format!("{at}: `now` must be more than 0 and less than `best`"));
@@ -211,7 +211,7 @@ impl Budgets {
                 let best = self.best(processor, level, group, entry);
                 let remedy = match (best, line.now) {
                     (Some(best), Some(now)) if best < now => {
-                        "set `now` to it and say in `why` what it bought"
+                        "set `now` to it and say in `why` what was gained"
                     }
                     (Some(_), None) => {
                         "the line says that the entry is gone: add `now` to it, or take out the best"
@@ -226,7 +226,7 @@ impl Budgets {
         Ok(())
     }
 
-    /// A wider tolerance has a reason, and an end.
+    /// Checks that each wider tolerance has a reason and is not too wide.
     fn check_noise(&self) -> Result<(), String> {
         for (group, entries) in &self.noise {
             for (entry, Noise { tolerance, why }) in entries {
@@ -247,7 +247,7 @@ impl Budgets {
     }
 }
 
-/// Every value with its level, group and entry.
+/// Returns every value with its level, group and entry.
 fn flat<V>(levels: &Map<Map<Map<V>>>) -> impl Iterator<Item = (&str, &str, &str, &V)> {
     levels.iter().flat_map(|(level, groups)| {
         groups.iter().flat_map(move |(group, entries)| {

@@ -6,9 +6,9 @@ use crate::scenes::{RAYS, RaySet, Scene, ours, peer};
 use belvedere_sensors::simd::Level;
 use std::hint::black_box;
 
-/// parry3d casts about as many rays of a set a call; their rate is what counts.
+/// About the number of rays of a set that parry3d casts per call; only the rate matters.
 const PEER_RAYS: usize = 30_000;
-/// Of `R5`: what matters of a million is cast as fast a hundred thousand at a time.
+/// The number of rays of `R5` that Belvedere casts; the rate is that of the full million.
 const OUR_RANDOM_RAYS: usize = 100_000;
 
 /// Measures the ray sets of a scene.
@@ -41,10 +41,10 @@ pub fn run(gate: &mut Gate<'_>, scene: &str, level: Level) -> Result<(), String>
     Ok(())
 }
 
-/// The part of the rays that two casters may disagree about: those that pass within a rounding error of an edge.
+/// The fraction of the rays about which two casters may disagree: those that pass within a rounding error of an edge.
 const DISAGREEMENT: f64 = 2e-3;
 
-/// Fast and wrong is no result.
+/// Checks that both sides give the same distances.
 fn check(entry: &Entry<'_>, ours: &[f32], theirs: &[f32], chosen: &[usize]) -> Result<(), String> {
     let differ = |ours: f32, theirs: f32| match (ours.is_finite(), theirs.is_finite()) {
         (true, true) => (ours - theirs).abs() > 1e-3 * theirs.max(1.0),
@@ -61,7 +61,7 @@ fn check(entry: &Entry<'_>, ours: &[f32], theirs: &[f32], chosen: &[usize]) -> R
     Ok(())
 }
 
-/// A part of the set that looks like the whole: rows spread evenly over it, or its beginning if it has no rows.
+/// Returns a representative part of the set: rows spread evenly over it, or its beginning if it has no rows.
 fn chosen(rays: &RaySet) -> Vec<usize> {
     let rows = (PEER_RAYS / rays.width).clamp(1, rays.height);
     let row_rays = rays.width.min(PEER_RAYS);

@@ -1,18 +1,18 @@
-//! Time.
+//! Clocks: CPU time of a thread, and wall time.
 
 use rustix::time::{ClockId, clock_gettime};
 
-/// Which time is taken.
+/// The clock that is read.
 #[derive(Debug, Clone, Copy)]
 pub enum Clock {
-    /// CPU time of the calling thread: what others do on the machine takes none of it.
+    /// CPU time of the calling thread, which other processes do not prolong.
     Thread,
-    /// Time that passes, for what runs on several threads.
+    /// Wall time, for work on several threads.
     Wall,
 }
 
 impl Clock {
-    /// Seconds since some moment.
+    /// Returns the seconds since some moment.
     pub fn now_s(self) -> f64 {
         let time = clock_gettime(match self {
             Self::Thread => ClockId::ThreadCPUTime,

@@ -1,7 +1,7 @@
 //! Fresh copies of a program, each run alone.
 //!
-//! Where the pages of an executable happen to lie in memory makes small kernels up to 20 % faster or slower, and stays
-//! as long as the file is in the page cache. A new file with the same bytes has pages of its own.
+//! Small kernels are up to 20 % faster or slower depending on where the pages of the executable are in memory, which
+//! does not change while the file is in the page cache. A new file with the same bytes has other pages.
 
 use std::ffi::OsStr;
 use std::io::ErrorKind;
@@ -10,17 +10,17 @@ use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 /// glibc fetches large blocks from the kernel, page by page, and gives them back, until enough of them have been freed:
-/// a build of S3 took a tenth longer or not by what had been built before it, and so by `--filter`. With these it keeps
-/// what is freed, up to the largest block that its heap takes, from the beginning.
+/// the time of building S3 varied by a tenth with what had been built before it, and so with `--filter`. With these
+/// settings it keeps freed memory from the beginning, up to the largest block that its heap allows.
 const ALLOCATOR: (&str, &str) =
     ("GLIBC_TUNABLES", "glibc.malloc.mmap_threshold=33554432:glibc.malloc.trim_threshold=1099511627776");
 
-/// Copies `program` into a new folder beside it, runs the copy and waits for it. Answers what it printed.
+/// Copies `program` into a new folder beside it, runs the copy, waits for it and returns its output.
 ///
-/// The copy and its folder are removed as soon as it runs, so that nothing is left of it, however the run ends.
+/// The copy and its folder are removed as soon as it runs, so that nothing remains, however the run ends.
 ///
 /// # Errors
-/// When it cannot be copied or run, and when it fails; what it says about that goes to our own standard error.
+/// If it cannot be copied or run, or if it fails. Its own messages go to our standard error.
 pub fn run(program: &Path, arguments: &[impl AsRef<OsStr>]) -> Result<String, String> {
     let failed = |error: std::io::Error| format!("{}: a copy cannot be run: {error}", program.display());
     let beside = program.parent().unwrap_or(Path::new("."));

@@ -1,4 +1,4 @@
-//! What devices cost beside plainer ones: lidars that move, wide beams, a depth camera by its light.
+//! Devices compared with simpler ones: moving lidars, wide beams, a stereo depth camera.
 
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
@@ -20,7 +20,7 @@ const GROUP: &str = "frames";
 const FRAME_NS: u64 = 100_000_000;
 const STEPS: u32 = 20;
 
-/// Measures them.
+/// Measures these entries.
 pub fn run(gate: &mut Gate<'_>, level: Level) {
     let entry = |name, peer| Entry { group: GROUP, name, unit: Unit::Time, peer, clock: Clock::Thread };
     let stage = stage(30);
@@ -40,7 +40,7 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
     if gate.options.wants(GROUP, "depth_kinect") {
         let gaussian = DepthModel::from(GaussianNoise::of_stddev(0.01).expect("in range"));
         let mut kinect = depth_presets::named("kinect_v1").expect("our own preset").model(580.0);
-        // Its shadow takes a second ray a pixel, which is another thing to measure.
+        // Without its shadow, which takes a second ray per pixel and is not measured here.
         kinect.second_eye = None;
         let camera = CameraConfig::new(PinholeGrid::from_fov(640, 480, 1.0).expect("in range"));
         let sides =
@@ -50,7 +50,7 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
     }
 }
 
-/// Frames of a scanner, of which it and all bodies but the ground move, or nothing does.
+/// Frames of a scanner. Either it and all bodies except the ground move, or nothing does.
 fn scans<'a>(
     stage: &'a Stage,
     config: ScannerConfig<'static>,

@@ -1,13 +1,14 @@
-//! What one copy of the program measured, what several say together, and what a SIMD level gains over another.
+//! The measurements of one copy of the program, the combined figures of several, and the gain of one SIMD level over
+//! another.
 
 use serde::{Deserialize, Serialize};
 
 /// How the figures of an entry are printed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Unit {
-    /// Million units of work a second.
+    /// Million units of work per second.
     Rate,
-    /// Milliseconds a unit of work.
+    /// Milliseconds per unit of work.
     Time,
 }
 
@@ -16,63 +17,63 @@ pub enum Unit {
 pub enum Report {
     /// An entry was measured.
     Measured(Figures),
-    /// It could not be, and why.
+    /// An entry could not be measured, with the reason.
     LeftOut { group: String, name: String, why: String },
 }
 
-/// What was measured of an entry.
+/// The figures of an entry.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Figures {
     /// A scene, or `frames`.
     pub group: String,
-    /// In its group.
+    /// The name in its group.
     pub name: String,
-    /// Of both times.
+    /// The unit in which both sides are printed.
     pub unit: Unit,
-    /// What the other side is.
+    /// The name of the other side.
     pub peer: String,
-    /// Seconds a unit of work.
+    /// Our seconds per unit of work.
     pub ours_s: f64,
-    /// As `ours_s`.
+    /// The other side's seconds per unit of work.
     pub theirs_s: f64,
     /// How many times as fast we are.
     pub ratio: f64,
 }
 
 impl Figures {
-    /// Group and name.
+    /// Returns group and name.
     pub fn title(&self) -> String {
         format!("{}/{}", self.group, self.name)
     }
 
-    /// Whether they are of the same entry.
+    /// Returns true if both are of the same entry.
     pub fn is_same_entry(&self, other: &Self) -> bool {
         (&self.group, &self.name) == (&other.group, &other.name)
     }
 
-    /// Whether the other side is parry3d, which is as fast at every SIMD level.
+    /// Returns true if the other side is parry3d, which is equally fast at every SIMD level.
     pub fn is_beside_parry(&self) -> bool {
         self.peer.contains("parry3d")
     }
 }
 
-/// An entry by several copies: the medians of the figures, and the lowest and highest ratio.
+/// An entry as measured by several copies: the medians of the figures, and the lowest and highest ratio.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pooled {
-    /// Each is a median of its own.
+    /// The medians; each is taken separately.
     pub figures: Figures,
     /// The lowest and the highest ratio.
     pub range: [f64; 2],
 }
 
 impl Pooled {
-    /// How far the copies are apart, as a part of the median.
+    /// Returns the spread of the copies, as a fraction of the median.
     pub fn spread(&self) -> f64 {
         (self.range[1] - self.range[0]) / self.figures.ratio
     }
 }
 
-/// Puts together what copies measured, in the order of the entries' first appearance.
+/// Combines the figures of copies, in the order in which the entries first appear.
 pub fn pool(copies: &[Vec<Figures>]) -> Vec<Pooled> {
     let mut pooled: Vec<Pooled> = Vec::new();
     for first in copies.iter().flatten() {
@@ -93,8 +94,8 @@ pub fn pool(copies: &[Vec<Figures>]) -> Vec<Pooled> {
     pooled
 }
 
-/// How many times as fast a SIMD level is as another, by group: the geometric mean over the entries beside parry3d. A
-/// group of which an entry of `whole` was not measured at both levels has none.
+/// Returns how many times as fast one SIMD level is as another, by group: the geometric mean over the entries that are
+/// compared with parry3d. A group is left out unless all its entries in `whole` were measured at both levels.
 pub fn gains(wide: &[Pooled], narrow: &[Pooled], whole: &[Figures]) -> Vec<(String, f64)> {
     let mut groups: Vec<&String> = whole.iter().map(|entry| &entry.group).collect();
     groups.dedup();
@@ -112,7 +113,7 @@ pub fn gains(wide: &[Pooled], narrow: &[Pooled], whole: &[Figures]) -> Vec<(Stri
     groups.into_iter().filter_map(gain).collect()
 }
 
-/// The middle one, or the mean of the middle two.
+/// Returns the median: the middle value, or the mean of the middle two.
 pub fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     match values.len() {

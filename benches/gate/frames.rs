@@ -1,4 +1,4 @@
-//! What is more than a cast: builds, moving scenes, whole frames, several threads.
+//! Entries other than casts: builds of trees, moving scenes, whole frames, several threads.
 
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
@@ -18,7 +18,7 @@ use std::hint::black_box;
 /// The group of these entries.
 const GROUP: &str = "frames";
 
-/// Measures them.
+/// Measures these entries.
 pub fn run(gate: &mut Gate<'_>, level: Level) {
     build(gate, level);
     moving_instances(gate, level);
@@ -33,8 +33,9 @@ fn entry<'a>(name: &'a str, peer: &'a str, clock: Clock) -> Entry<'a> {
     Entry { group: GROUP, name, unit: Unit::Time, peer, clock }
 }
 
-/// From triangle soup in memory to ready, and with all vertices moved. Refits wait for memory, on either side;
-/// beside a build, which does not, ours fell by a sixth whenever the processor's clock rose by a fifth.
+/// Building a tree from triangles in memory, and refitting it after all vertices moved. A refit is compared with
+/// parry3d's refit, because both are limited by memory: compared with a build, which is not, the ratio fell by a sixth
+/// whenever the processor's clock rose by a fifth.
 fn build(gate: &mut Gate<'_>, level: Level) {
     let [build, refit] = ["build_S3", "refit_S3"].map(|name| gate.options.wants(GROUP, name));
     if !build && !refit {
@@ -67,7 +68,7 @@ fn build(gate: &mut Gate<'_>, level: Level) {
     }
 }
 
-/// A frame of 500 boxes that all moved, up to the first rays.
+/// A frame of 500 boxes that have all moved, with only a few rays.
 fn moving_instances(gate: &mut Gate<'_>, level: Level) {
     if !gate.options.wants(GROUP, "moving_500") {
         return;
@@ -82,7 +83,7 @@ fn moving_instances(gate: &mut Gate<'_>, level: Level) {
     );
 }
 
-/// Trace, noise and encoding of a depth camera over the trace of the same rays alone.
+/// Tracing, noise and encoding of a depth camera, compared with tracing alone.
 fn depth_frame(gate: &mut Gate<'_>, level: Level, scene: &str, name: &str) {
     if !gate.options.wants(GROUP, name) {
         return;
@@ -130,7 +131,7 @@ fn two_threads(gate: &mut Gate<'_>, level: Level) {
     );
 }
 
-/// The robot's colour camera, with textures, shadows and noise, beside parry3d's depth of the same view.
+/// The robot's colour camera, with textures, shadows and noise, compared with parry3d's depth of the same view.
 fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
     if !gate.options.wants(GROUP, "tag_room_rgb") {
         return;
@@ -160,7 +161,7 @@ fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
     );
 }
 
-/// That picture with a webcam's device, beside the picture without.
+/// The same image with the device of a webcam, compared with the image without a device.
 fn device_rgb(gate: &mut Gate<'_>, level: Level) {
     if !gate.options.wants(GROUP, "device_rgb") {
         return;
@@ -174,7 +175,7 @@ fn device_rgb(gate: &mut Gate<'_>, level: Level) {
     );
 }
 
-/// Takes a picture of the room at each call.
+/// Renders an image of the room at each call.
 fn pictures<'a>(built: &'a WorldScene, config: &CameraConfig<'a>, level: Level) -> impl FnMut() + use<'a> {
     let camera = Camera::new(*config).expect("in range");
     let mut workspace = WorkspaceBuf::default();

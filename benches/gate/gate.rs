@@ -1,4 +1,4 @@
-//! Measures one entry after the other, in this process, and prints what it measured for the process that judges.
+//! Measures one entry after the other in this process, and prints the figures for the process that judges.
 
 use super::clock::Clock;
 pub use super::figures::Unit;
@@ -7,25 +7,25 @@ use super::measure::{Side, measure};
 use super::options::Options;
 use std::io::{Stdout, Write as _, stdout};
 
-/// What is compared.
+/// An entry to be measured.
 #[derive(Debug, Clone, Copy)]
 pub struct Entry<'a> {
     /// A scene, or `frames`.
     pub group: &'a str,
-    /// In its group.
+    /// The name in its group.
     pub name: &'a str,
-    /// Of both figures.
+    /// The unit of both figures.
     pub unit: Unit,
-    /// What the other side is.
+    /// The name of the other side.
     pub peer: &'a str,
-    /// Which time.
+    /// The clock.
     pub clock: Clock,
 }
 
-/// The run.
+/// A run that measures entries.
 pub struct Gate<'a> {
     pub options: &'a Options,
-    /// Where the figures go.
+    /// The destination of the figures.
     out: Stdout,
 }
 
@@ -34,7 +34,7 @@ impl<'a> Gate<'a> {
         Self { options, out: stdout() }
     }
 
-    /// Says why an entry is not measured.
+    /// Prints why an entry is not measured.
     pub fn leave_out(&mut self, group: &str, name: &str, why: &str) {
         self.print(&Report::LeftOut { group: group.into(), name: name.into(), why: why.into() });
     }

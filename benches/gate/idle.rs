@@ -1,32 +1,32 @@
-//! Whether two cores are ours to measure with.
+//! Checks that two cores are idle.
 
 use super::clock::Clock;
 
-/// How long each look takes.
+/// The duration of each check.
 const LOOK_S: f64 = 0.03;
-/// The best of so many looks counts.
+/// The number of checks, of which the best counts.
 const LOOKS: usize = 10;
 
-/// A machine with less to spare says nothing about two threads.
+/// The number of idle cores that are needed to measure two threads.
 const IDLE_CORES: f64 = 1.9;
 
-/// Why nothing can be said about two threads, if so.
+/// Returns the reason why two threads cannot be measured, if there is one.
 pub fn lacking() -> Option<String> {
     let cores = cores();
     (cores < IDLE_CORES).then(|| format!("only {cores:.1} cores are idle"))
 }
 
-/// A record that is measured on a busy machine would be too low, and a best too high.
+/// Checks that the machine is idle: figures of a busy machine are wrong in either direction.
 ///
 /// # Errors
-/// When two cores are not idle.
+/// If two cores are not idle.
 pub fn require() -> Result<(), String> {
     let error =
         |why| format!("nothing is recorded on a busy machine, and {why}: end what else runs, and try again");
     lacking().map_or(Ok(()), |why| Err(error(why)))
 }
 
-/// Cores that two threads got when they did nothing but work: 2 on an idle machine of two or more.
+/// Returns the number of cores that two busy threads got: 2 on an idle machine with two or more cores.
 fn cores() -> f64 {
     (0..LOOKS).map(|_| look()).fold(0.0, f64::max)
 }

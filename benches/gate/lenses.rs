@@ -1,4 +1,4 @@
-//! Depth frames through lenses, beside the pinhole of as many rays.
+//! Depth frames through lenses, compared with a pinhole of as many rays.
 
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
@@ -18,13 +18,13 @@ use std::hint::black_box;
 
 const GROUP: &str = "frames";
 
-/// Measures them, across the room of tags.
+/// Measures the lenses in the tag room.
 pub fn run(gate: &mut Gate<'_>, level: Level) {
     let intrinsics = |focal_px| Intrinsics { fx: focal_px, fy: focal_px, cx: 319.5, cy: 239.5, skew: 0.0 };
-    // Half of 180° to the picture's side.
+    // The left and right edges of the image are 90° from the axis.
     let fisheye = KannalaBrandt::new(intrinsics(320.0 / FRAC_PI_2), [0.0; 4]);
     compare(gate, level, "lens_kannala_brandt_180", &fisheye.expect("a fisheye"));
-    // 90° before distortion, and a webcam's barrel.
+    // 90° before distortion, with the barrel distortion of a webcam.
     let barrel = BrownConrady::new(intrinsics(320.0), &[-0.28, 0.07, 2e-4, 2e-5, 0.0]);
     compare(gate, level, "lens_brown_conrady_90", &barrel.expect("a lens"));
 }
@@ -43,7 +43,7 @@ fn compare(gate: &mut Gate<'_>, level: Level, name: &str, lens: &impl Lens) {
     );
 }
 
-/// Takes a depth frame at each call.
+/// Renders a depth frame at each call.
 fn frames<'a>(built: &'a WorldScene, optics: &Optics<'a>, level: Level) -> impl FnMut() + use<'a> {
     let camera = DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(*optics)).faces(Faces::Front))
         .expect("in range");

@@ -1,6 +1,6 @@
-//! Which processor this is.
+//! The name of the processor.
 
-/// Maker, family and model as Linux has them; empty where it does not tell.
+/// Returns maker, family and model as Linux reports them; empty if it does not.
 pub fn processor() -> String {
     describe(&std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default())
 }

@@ -43,7 +43,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// What a copy does.
+/// Measures in this process, as a copy does.
 fn measure_here(options: &Options) -> Result<(), String> {
     let level = options.level.unwrap_or_else(belvedere_sensors::simd::best_level);
     let mut gate = Gate::new(options);

@@ -1,40 +1,40 @@
-//! Two things timed in turns.
+//! Measures two sides alternately.
 //!
-//! The machine's pace changes by tens of per cent from minute to minute, so absolute times of two runs cannot be
-//! compared. Each round here times both sides one right after the other, and what is reported is the median of
-//! the rounds' ratios; of wall time, which whatever else runs on the machine prolongs, the ratio of the best.
+//! The speed of the machine changes by tens of per cent from minute to minute, so absolute times of two runs cannot be
+//! compared. Each round measures both sides one right after the other, and the median of the rounds' ratios is
+//! reported. For wall time, which other processes prolong, the ratio of the best rounds is reported.
 
 use super::clock::Clock;
 use super::figures::median;
 
-/// One of the two.
+/// One side of a comparison.
 pub struct Side<'a> {
-    /// What is done.
+    /// The work.
     pub call: &'a mut dyn FnMut(),
-    /// How much is done by a call: rays, or 1 for a whole.
+    /// The units of work per call: the number of rays, or 1.
     pub work: f64,
 }
 
-/// What came out.
+/// The result of a comparison.
 #[derive(Debug, Clone, Copy)]
 pub struct Measured {
-    /// Seconds a unit of work.
+    /// Our seconds per unit of work.
     pub ours_s: f64,
-    /// As `ours_s`.
+    /// The other side's seconds per unit of work.
     pub theirs_s: f64,
-    /// Theirs over ours: how many times as fast we are.
+    /// The other side's time divided by ours: how many times as fast we are.
     pub ratio: f64,
 }
 
-/// Calls of a side are repeated until a sample takes as long.
+/// The calls of a side are repeated until a sample takes this long.
 const SAMPLE_S: f64 = 0.012;
-/// But not more often than this.
+/// The largest number of repetitions.
 const MOST_CALLS: f64 = 1000.0;
 
-/// Of wall time so many times as many rounds are taken, as one that nothing prolonged must be among them.
+/// Factor by which wall time is measured in more rounds, so that at least one is undisturbed.
 const WALL_ROUNDS: usize = 5;
 
-/// Times both for `rounds` rounds.
+/// Measures both sides for `rounds` rounds.
 pub fn measure(clock: Clock, rounds: usize, mut ours: Side<'_>, mut theirs: Side<'_>) -> Measured {
     let rounds = match clock {
         Clock::Thread => rounds,
@@ -44,7 +44,7 @@ pub fn measure(clock: Clock, rounds: usize, mut ours: Side<'_>, mut theirs: Side
     let theirs_calls = calls(clock, &mut theirs);
     let mut samples: [Vec<f64>; 3] = Default::default();
     for round in 0..rounds {
-        // Who comes second finds the other's data in the cache: take turns.
+        // The second side finds the other one's data in the cache, so the order alternates.
         let (ours_s, theirs_s) = if round % 2 == 0 {
             let ours_s = sample(clock, &mut ours, ours_calls);
             (ours_s, sample(clock, &mut theirs, theirs_calls))
@@ -61,7 +61,7 @@ pub fn measure(clock: Clock, rounds: usize, mut ours: Side<'_>, mut theirs: Side
             let [ours_s, theirs_s, ratio] = samples.map(median);
             Measured { ours_s, theirs_s, ratio }
         }
-        // Others on the machine make wall time longer, never shorter.
+        // Other processes make wall time longer, never shorter.
         Clock::Wall => {
             let [ours_s, theirs_s, _] =
                 samples.map(|samples| samples.into_iter().fold(f64::INFINITY, f64::min));
@@ -70,10 +70,10 @@ pub fn measure(clock: Clock, rounds: usize, mut ours: Side<'_>, mut theirs: Side
     }
 }
 
-/// A call that takes so long needs no warming up before it is timed to see how long it takes.
+/// A first call that takes this long needs no warm-up.
 const LONG_S: f64 = 0.1;
 
-/// How many calls make a sample; also warms up.
+/// Returns the number of calls per sample. This also warms up.
 fn calls(clock: Clock, side: &mut Side<'_>) -> usize {
     let cold_s = sample(clock, side, 1) * side.work;
     if cold_s > LONG_S {
@@ -83,7 +83,7 @@ fn calls(clock: Clock, side: &mut Side<'_>) -> usize {
     (SAMPLE_S / once_s.max(1e-9)).ceil().clamp(1.0, MOST_CALLS) as usize
 }
 
-/// Seconds a unit of work, on the average of some calls.
+/// Returns the seconds per unit of work, as the mean of some calls.
 fn sample(clock: Clock, side: &mut Side<'_>, calls: usize) -> f64 {
     let start_s = clock.now_s();
     for _ in 0..calls {

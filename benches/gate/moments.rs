@@ -1,4 +1,4 @@
-//! What a frame costs when it is more than one moment's depth: with truth beside it, by a rolling shutter, and small.
+//! Frames that are more than the depth of one moment: with ground truth, with a rolling shutter, and small ones.
 
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
@@ -15,7 +15,7 @@ use std::hint::black_box;
 
 const GROUP: &str = "frames";
 
-/// Measures them.
+/// Measures these entries.
 pub fn run(gate: &mut Gate<'_>, level: Level) {
     let entry = |name, peer| Entry { group: GROUP, name, unit: Unit::Time, peer, clock: Clock::Thread };
     if gate.options.wants(GROUP, "truth") {
@@ -32,7 +32,8 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
     }
     if gate.options.wants(GROUP, "depth_64x64") {
         let stage = stage(40);
-        // As many rays in one picture as in 75 small ones: what a small one costs beyond its rays.
+        // One image has as many rays as 75 small ones, so the ratio shows the cost of a small image apart from its
+        // rays.
         let sides =
             [[64, 64], [640, 480]].map(|size| DepthCameraConfig::new(camera(size)).faces(Faces::Front));
         let [mut small, mut large] = sides.map(|config| depths(&stage, &config, level));
@@ -41,7 +42,7 @@ pub fn run(gate: &mut Gate<'_>, level: Level) {
     }
 }
 
-/// A ground, a lamp, and bodies of all kinds at two times: at the stamp, and a frame before.
+/// A ground, a lamp, and bodies of several kinds at two times: at the timestamp, and one frame earlier.
 pub(super) struct Stage {
     pub(super) builder: SceneBuilder,
     pub(super) before: Vec<Pose>,
@@ -85,7 +86,7 @@ fn camera(size: [u32; 2]) -> CameraConfig<'static> {
     CameraConfig::new(PinholeGrid::from_fov(size[0], size[1], 1.2).expect("in range"))
 }
 
-/// Depths, and with `all` normals, instances, classes and the flow back.
+/// Renders depths and, with `all`, normals, instances, classes and backward flow.
 fn truth_frames(stage: &Stage, all: bool, level: Level) -> impl FnMut() + use<'_> {
     let camera = Camera::new(camera([640, 480])).expect("in range");
     let rays = 640 * 480;
@@ -107,7 +108,7 @@ fn truth_frames(stage: &Stage, all: bool, level: Level) -> impl FnMut() + use<'_
     }
 }
 
-/// Pictures, with `rolling` a moment for each row.
+/// Renders images, with `rolling` with a moment for each row.
 fn pictures(stage: &Stage, rolling: bool, level: Level) -> impl FnMut() + use<'_> {
     let camera = Camera::new(camera([640, 480])).expect("in range");
     let mut workspace = WorkspaceBuf::default();
@@ -141,7 +142,7 @@ fn pictures(stage: &Stage, rolling: bool, level: Level) -> impl FnMut() + use<'_
     }
 }
 
-/// Depth frames of a camera.
+/// Renders depth frames of a camera.
 pub fn depths<'a>(
     stage: &'a Stage,
     config: &DepthCameraConfig<'static>,

@@ -4,34 +4,35 @@ use super::level;
 use belvedere_sensors::simd::{Level, best_level};
 use clap::Parser;
 
-/// Measures Belvedere against parry3d in the same run and fails when a ratio has fallen more than 10 % below the best
-/// that benches/budgets.toml has of this processor.
+/// Compares Belvedere with parry3d in the same run. Fails if a ratio is more than 10 % below the best that
+/// benches/budgets.toml has for this processor.
 #[derive(Debug, Parser)]
 #[command(name = "cargo bench --bench gate --")]
 #[allow(clippy::struct_excessive_bools, reason = "flags of a command line")]
 pub struct Options {
-    /// Writes what is measured to benches/budgets.toml, and raises the bests; entries that are not run keep theirs.
+    /// Write the measured ratios to benches/budgets.toml, and raise the bests; entries that are not run keep theirs
     #[arg(long, conflicts_with = "quick")]
     pub record: bool,
-    /// Only entries whose name contains this: S1/R1, S3, /R5, frames/build.
+    /// Run only entries whose name contains this: S1/R1, S3, /R5, frames/build
     #[arg(long, default_value = "")]
     pub filter: String,
-    /// Fewer copies and rounds: to see where it stands, not to record.
+    /// Use fewer copies and rounds, for a quick look; not for recording
     #[arg(long)]
     pub quick: bool,
-    /// This SIMD level alone, instead of the best one of this machine and AVX2 beside AVX-512: sse2, avx2, avx512.
+    /// Measure only this SIMD level (sse2, avx2, avx512) instead of the best one of this machine, and AVX2 in addition
+    /// to AVX-512
     #[arg(long, value_parser = parse_level)]
     pub level: Option<Level>,
-    /// Measures in this process instead of in copies of it, and prints the figures as JSON: for profilers.
+    /// Measure in this process instead of in copies of it, and print the figures as JSON: for profilers
     #[arg(long, conflicts_with = "record")]
     pub alone: bool,
-    /// Only these entries, by their whole names: what a copy is asked for once more.
+    /// Measure only the entries with these full names (used when copies measure again)
     #[arg(long, hide = true, value_delimiter = ',')]
     pub entries: Vec<String>,
-    /// What `cargo bench` adds.
+    /// Ignored; `cargo bench` adds it
     #[arg(long, hide = true)]
     pub bench: bool,
-    /// What `cargo test --benches` adds: one round of each, no verdict.
+    /// One round of each entry, no verdict; `cargo test --benches` adds it
     #[arg(long, hide = true)]
     pub test: bool,
 }
@@ -47,7 +48,7 @@ fn parse_level(name: &str) -> Result<Level, String> {
 }
 
 impl Options {
-    /// Copies of the program that measure at each SIMD level: fewer at two levels, so that CI waits no longer.
+    /// Returns the number of copies that measure at each SIMD level: fewer at two levels, so that CI takes no longer.
     pub fn copies(&self) -> usize {
         match (self.test, self.quick, self.levels().len()) {
             (true, _, _) => 1,
@@ -56,24 +57,24 @@ impl Options {
         }
     }
 
-    /// Rounds of each measurement in a copy.
+    /// Returns the number of rounds of each measurement in a copy.
     pub fn rounds(&self) -> usize {
         if self.test || self.quick { 1 } else { 3 }
     }
 
-    /// The SIMD levels to measure at, narrowest first.
+    /// Returns the SIMD levels to measure, narrowest first.
     pub fn levels(&self) -> Vec<&'static str> {
         let widest = level::name(self.level.unwrap_or_else(best_level));
         if self.level.is_none() && widest == "avx512" { vec!["avx2", widest] } else { vec![widest] }
     }
 
-    /// Whether an entry is to be run.
+    /// Returns true if an entry is to be measured.
     pub fn wants(&self, group: &str, entry: &str) -> bool {
         let name = format!("{group}/{entry}");
         name.contains(&self.filter) && (self.entries.is_empty() || self.entries.contains(&name))
     }
 
-    /// What a copy is told that measures some entries, or all that are wanted.
+    /// Returns the arguments of a copy that measures some entries, or all that are requested.
     pub fn of_copy(&self, level: &str, entries: &[String]) -> Vec<String> {
         let mut arguments: Vec<String> =
             ["--alone", "--level", level, "--filter", &self.filter].map(String::from).into();

@@ -1,4 +1,4 @@
-//! The process that judges: it has copies of the program measure, and measures nothing itself.
+//! The process that judges. Copies of the program measure; this process does not.
 
 use super::budgets::Budgets;
 use super::figures::{Figures, Pooled, Report, gains, pool};
@@ -6,13 +6,13 @@ use super::options::Options;
 use super::verdict::{Mark, Source, TOLERANCE_ELSEWHERE, Verdict, judge, mark};
 use super::{copies, idle, machine, table};
 
-/// What seems to have fallen is measured so many times, each with fresh copies, and the best median counts: noise
-/// passes.
+/// An entry that seems to have fallen is measured this many times in total, each time with fresh copies, and the best
+/// median counts, because noise disappears.
 const TRIES: usize = 3;
-/// Under which level and group the budgets have how many times as fast a group is at AVX-512 as at AVX2.
+/// The level and group of the budgets that say how many times as fast a group is at AVX-512 as at AVX2.
 const GAIN: (&str, &str) = ("avx512_by_avx2", "gain");
 
-/// Measures all that is wanted at every level of this machine, and judges it.
+/// Measures all requested entries at every level of this machine, and judges them.
 pub fn run(options: &Options) -> Result<(), String> {
     let session = Session { options, budgets: Budgets::read()?, processor: machine::processor() };
     if options.record {
@@ -48,28 +48,28 @@ struct Session<'a> {
     processor: String,
 }
 
-/// What the copies measured at one SIMD level.
+/// The measurements of the copies at one SIMD level.
 struct Measured {
     level: &'static str,
     entries: Vec<Pooled>,
-    /// Names, and why.
+    /// Names of entries that were not measured, with the reasons.
     left_out: Vec<(String, String)>,
 }
 
-/// A ratio and what it means.
+/// A ratio and its verdict.
 struct Judged {
     level: &'static str,
     group: String,
     name: String,
     ratio: f64,
-    /// Of an entry; a gain has none.
+    /// The figures of an entry; a gain has none.
     entry: Option<Pooled>,
     mark: Option<Mark>,
     verdict: Verdict,
 }
 
 impl Judged {
-    /// As `--filter` and the table have it.
+    /// Returns the name as in `--filter` and in the table.
     fn title(&self) -> String {
         match self.entry {
             Some(_) => format!("{}/{}", self.group, self.name),
@@ -87,25 +87,27 @@ impl Judged {
 }
 
 impl Session<'_> {
-    /// Has copies measure the entries of each level, all when none are named. The levels take turns.
+    /// Lets copies measure the entries of each level, or all entries if none are named. The levels alternate.
     fn measure(
         &self,
         levels: impl IntoIterator<Item = (&'static str, Vec<String>)>,
     ) -> Result<Vec<Measured>, String> {
         let levels: Vec<_> = levels.into_iter().collect();
-        let program = std::env::current_exe().map_err(|error| format!("this program is nowhere: {error}"))?;
+        let program = std::env::current_exe()
+            .map_err(|error| format!("the path of this program is unknown: {error}"))?;
         let mut reports: Vec<Vec<Vec<Report>>> = vec![Vec::new(); levels.len()];
         for _ in 0..self.options.copies() {
             for ((level, entries), reports) in levels.iter().zip(&mut reports) {
                 let printed = copies::run(&program, &self.options.of_copy(level, entries))?;
                 let parsed: Result<_, _> = printed.lines().map(serde_json::from_str).collect();
-                reports.push(parsed.map_err(|error| format!("a copy printed what is no report: {error}"))?);
+                reports
+                    .push(parsed.map_err(|error| format!("the output of a copy is not a report: {error}"))?);
             }
         }
         Ok(levels.iter().zip(&reports).map(|((level, _), reports)| Measured::new(level, reports)).collect())
     }
 
-    /// Judges what was measured; `whole` is a run of everything.
+    /// Judges the measurements; `whole` is a run of all entries.
     fn judge(&self, measured: &[Measured], whole: &[Measured]) -> Vec<Judged> {
         let judge_one = |level, group: &str, name: &str, ratio, entry: Option<&Pooled>| {
             let mark = mark(&self.budgets, &self.processor, level, group, name);
@@ -127,7 +129,7 @@ impl Session<'_> {
                 judge_one(level, group, name, *ratio, Some(entry))
             })
             .collect();
-        // A part of a group gains something else.
+        // The gain of a part of a group is not comparable.
         if let ([narrow, wide], [all, _], "") = (measured, whole, self.options.filter.as_str()) {
             let all: Vec<_> = all.entries.iter().map(|entry| entry.figures.clone()).collect();
             let (level, within) = GAIN;
@@ -164,7 +166,8 @@ impl Session<'_> {
         }
     }
 
-    /// Writes all but what fell here. What is too slow for the record of another processor is the first best of this.
+    /// Writes all entries except those that fell below a best. An entry that is too slow for the record of another
+    /// processor becomes the first best of this one.
     fn record(&self, judged: &[Judged]) -> Result<(), String> {
         let mut budgets = self.budgets.clone();
         let is_kept = |judged: &&Judged| !judged.has_fallen() || judged.is_held_to_another_processor();
@@ -176,7 +179,7 @@ impl Session<'_> {
         Ok(())
     }
 
-    /// An error when something fell.
+    /// Returns an error if an entry fell.
     fn conclude(&self, judged: &[Judged]) -> Result<(), String> {
         let fallen: Vec<_> = judged.iter().filter(|judged| judged.has_fallen()).collect();
         if fallen.is_empty() || self.options.test {
@@ -188,7 +191,7 @@ impl Session<'_> {
         });
         Err(format!(
             "{} of {} ratios fell too far below what they are held to: {}. Find out why (benches/README.md). If \
-             something was bought for it, lower the best in {} by hand, with a line under [lowered] that says what.",
+             something was gained in return, lower the best in {} by hand, with a table under [lowered] that says what.",
             fallen.len(),
             judged.len(),
             names.collect::<Vec<_>>().join(", "),
@@ -220,7 +223,7 @@ impl Measured {
     }
 }
 
-/// The entries to measure once more at each level: those that fell, and all that a gain is made of that fell.
+/// Returns the entries to measure again at each level: those that fell, and all entries of a gain that fell.
 fn to_repeat(whole: &[Measured], judged: &[Judged]) -> Vec<(&'static str, Vec<String>)> {
     let fallen = || judged.iter().filter(|judged| judged.has_fallen());
     let is_wanted = |level: &str, figures: &Figures| {
@@ -240,7 +243,7 @@ fn to_repeat(whole: &[Measured], judged: &[Judged]) -> Vec<(&'static str, Vec<St
     levels.into_iter().filter(|(_, entries)| !entries.is_empty()).collect()
 }
 
-/// Takes what is better of what was judged once more.
+/// Keeps the better of both verdicts for entries that were judged again.
 fn keep_best(judged: &mut [Judged], again: Vec<Judged>) {
     for later in again {
         let same = |earlier: &&mut Judged| {

@@ -1,9 +1,9 @@
-//! What is printed.
+//! Printed tables.
 
 use super::figures::{Pooled, Unit};
 use super::verdict::{Mark, Verdict};
 
-/// The head of a level's table.
+/// Prints the head of a level's table.
 pub fn head(level: &str) {
     println!(
         "\n{:<30} {:>14} {:>14}  {:<20} {:>8} {:>6} {:>15}  verdict",
@@ -11,12 +11,12 @@ pub fn head(level: &str) {
     );
 }
 
-/// The head of the table of gains.
+/// Prints the head of the table of gains.
 pub fn head_of_gains() {
     println!("\n{:<30} {:>61} {:>6} {:>15}  verdict", "avx512 beside avx2", "gain", "", "held to");
 }
 
-/// An entry.
+/// Prints an entry.
 pub fn row(name: &str, pooled: &Pooled, mark: Option<Mark>, verdict: Verdict) {
     let figures = &pooled.figures;
     println!(
@@ -30,12 +30,12 @@ pub fn row(name: &str, pooled: &Pooled, mark: Option<Mark>, verdict: Verdict) {
     );
 }
 
-/// How many times as fast a group is at one level as at another.
+/// Prints how many times as fast a group is at one level as at another.
 pub fn gain(name: &str, ratio: f64, mark: Option<Mark>, verdict: Verdict) {
     println!("{name:<30} {:>60.2}× {:>6} {:>15}  {verdict}", ratio, "", held_to(mark));
 }
 
-/// An entry that could not be measured.
+/// Prints an entry that could not be measured.
 pub fn left_out(name: &str, why: &str) {
     println!("{name:<30} not measured: {why}");
 }

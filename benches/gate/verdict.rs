@@ -1,36 +1,37 @@
-//! What a measured ratio means beside the one that it is held to.
+//! Judges a measured ratio by its reference.
 
 use super::budgets::Budgets;
 
-/// How far a ratio may fall below the best of its processor, or rise above it before it is to be recorded.
+/// The fraction by which a ratio may fall below the best of its processor, or rise above it before it should be
+/// recorded.
 pub const TOLERANCE: f64 = 0.10;
-/// The same for a record from another processor of the same SIMD level: other caches, other clock rates for wide
-/// instructions.
+/// The same for a record from another processor of the same SIMD level, which has other caches and other clock rates
+/// for wide instructions.
 pub const TOLERANCE_ELSEWHERE: f64 = 0.35;
 
-/// What a ratio is held to.
+/// The reference of a ratio.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Mark {
-    /// A ratio.
+    /// The reference ratio.
     pub ratio: f64,
-    /// How far another one may be from it, as a part of it.
+    /// The tolerance, as a fraction of the ratio.
     pub tolerance: f64,
-    /// Where it comes from.
+    /// The source of the ratio.
     pub source: Source,
 }
 
-/// Where a mark comes from.
+/// The source of a reference.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Source {
     /// The best that was ever measured on this processor.
     Best,
     /// The record of the SIMD level, from this processor.
     Record,
-    /// The same from another processor.
+    /// The record of the SIMD level, from another processor.
     RecordElsewhere,
 }
 
-/// The mark of an entry: the best of this processor if it has one, whatever the record is, and the record otherwise.
+/// Returns the reference of an entry: the best of this processor if there is one, otherwise the record.
 pub fn mark(budgets: &Budgets, processor: &str, level: &str, group: &str, entry: &str) -> Option<Mark> {
     let (ratio, source) = match budgets.best(processor, level, group, entry) {
         Some(best) => (best, Source::Best),
@@ -44,16 +45,16 @@ pub fn mark(budgets: &Budgets, processor: &str, level: &str, group: &str, entry:
     Some(Mark { ratio, tolerance: least.max(noise), source })
 }
 
-/// What is said about a ratio.
+/// The verdict on a ratio.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Verdict {
     /// Within the tolerance.
     Holds,
-    /// More than the tolerance above its mark: time to record anew, so that it is held.
+    /// More than the tolerance above its reference: it should be recorded, or a later loss goes unnoticed.
     Better,
-    /// More than the tolerance below its mark, or not a number.
+    /// More than the tolerance below its reference, or not a number.
     Falls,
-    /// Nobody has recorded it at this SIMD level.
+    /// There is no record at this SIMD level.
     NotRecorded,
 }
 

@@ -1,13 +1,13 @@
-"""Belvedere beside what a user would pick instead: the same scenes, poses and outputs, one run, ratios.
+"""Compares Belvedere with the libraries that a user might choose instead, on the same scenes, poses and outputs.
 
     python benches/python/compare.py [--seconds 1.0] [--rounds 5] [--threads 1,2] [--scene WORD]
 
-Peers that are not installed are named and left out: open3d (or open3d-cpu), embreex with trimesh, mujoco, pybullet,
-pyrender. So are the scenes whose shapes are another package's: mjlab has the Unitree G1, dm_control a humanoid of
+Peers that are not installed are reported and left out: open3d (or open3d-cpu), embreex with trimesh, mujoco, pybullet,
+pyrender. Scenes whose shapes are in a missing package are left out too: mjlab has the Unitree G1, dm_control a humanoid of
 capsules; MuJoCo reads both.
 
-Everybody takes turns, round after round. A rate is the median of the rounds, a ratio the median of their ratios, with
-the least and the greatest. Of one thread it is processor time that counts, of more it is wall time.
+All libraries are measured alternately in each round. A rate is the median of the rounds, a ratio the median of their
+ratios, with the least and the greatest. With one thread, processor time is measured, with more, wall time.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import time
 from collections import defaultdict
 from collections.abc import Callable
 
-# Before anything starts threads.
+# Set before any library starts threads.
 os.environ.setdefault("MUJOCO_GL", "egl")
 os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
 os.environ.setdefault("LP_NUM_THREADS", "1")
@@ -31,9 +31,9 @@ from costs import memory, overhead
 from peers import PEERS, WITH_SHAPES, Peer
 from scenes import SCENES, Scene
 
-#: Frames whose depths are compared.
+#: The number of frames whose depths are compared.
 LOOKS = (0, 9, 18, 27)
-#: Size and channels.
+#: Sizes and channels of the frames.
 FRAMES = (
     ((64, 64), ("depth",)),
     ((128, 128), ("depth",)),
@@ -44,7 +44,7 @@ FRAMES = (
 
 
 def rate(peer: Peer, first: int, seconds: float, clock: Callable[[], float]) -> tuple[float, int]:
-    """Frames a second, and the number of the next one."""
+    """Return frames per second, and the number of the next frame."""
     index, start = first, clock()
     while (past := clock() - start) < seconds:
         peer.take(index)
@@ -53,7 +53,7 @@ def rate(peer: Peer, first: int, seconds: float, clock: Callable[[], float]) -> 
 
 
 def agreement(ours: Peer, theirs: Peer) -> float:
-    """The share of pixels whose depths differ by less than 2 cm."""
+    """Return the share of pixels whose depths differ by less than 2 cm."""
     shares = []
     for index in LOOKS:
         one, other = (np.asarray(peer.depth(index), np.float64) for peer in (ours, theirs))
@@ -71,7 +71,7 @@ def compare(
     arguments: argparse.Namespace,
     missing: dict[str, str],
 ) -> str:
-    """Prints a row for each peer; returns one of all: Belvedere's rate, and how many times faster it is than each."""
+    """Print a row for each peer. Return a row with Belvedere's rate, and how many times as fast as each peer it is."""
     peers: dict[str, Peer] = {}
     for name, make in PEERS.items():
         if "rgb" in channels and name in ("open3d", "embreex", "mj_multiRay"):
@@ -82,7 +82,7 @@ def compare(
             peers[name] = peer
         except NotImplementedError:
             pass
-        except Exception as error:  # whatever a peer's installation lacks
+        except Exception as error:  # anything that is missing in a peer's installation
             missing[name if isinstance(error, ImportError) else f"{name}, {scene.name}"] = why(error)
     clock = time.process_time if threads == 1 else time.perf_counter
     rates: dict[str, list[float]] = {name: [] for name in peers}
@@ -119,7 +119,7 @@ def why(error: Exception) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--seconds", type=float, default=1.0, help="for each figure, over all rounds")
+    parser.add_argument("--seconds", type=float, default=1.0, help="time for each figure, over all rounds")
     parser.add_argument("--rounds", type=int, default=5)
     parser.add_argument("--threads", default="1,2")
     parser.add_argument("--scene", default="", help="part of a scene's name")
@@ -145,7 +145,7 @@ def main() -> None:
             for size, channels in FRAMES:
                 summaries[threads] += [compare(scene, size, channels, threads, arguments, missing)]
     for threads, rows in summaries.items():
-        print(f"\nthreads={threads}: Belvedere's frames a second, and how many times as fast as the others it is\n")
+        print(f"\nthreads={threads}: Belvedere's frames per second, and how many times as fast as the others it is\n")
         print(f"| scene | frame | {' | '.join(PEERS)} |\n|---|---|{'---:|' * len(PEERS)}")
         print("\n".join(rows))
     overhead(scenes[0], arguments)

@@ -1,4 +1,4 @@
-"""What Belvedere costs besides its frames: a call from Python, and a world in a batch."""
+"""Measures the overhead of Belvedere apart from its frames: of a call from Python, and of a world in a batch."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import belvedere as bv
 
 
 class Unwanted:
-    """Belvedere's native sensor, asked for frames of which none is wanted: what a call costs besides them remains."""
+    """Belvedere's native sensor with all frames skipped, so that only the overhead of a call remains."""
 
     def __init__(self, native: object) -> None:
         self.native = native
@@ -26,10 +26,10 @@ class Unwanted:
 
 
 def overhead(scene: Scene, arguments: argparse.Namespace) -> None:
-    """What a call costs besides its frames, one thread, 64x64.
+    """Measure the overhead of a call without its frames, one thread, 64x64.
 
-    Two ways. Calls whose frames are not wanted do all but take them. And of a + b·N, fitted to what calls of N frames
-    cost, a is what a call costs even of no frame; what Python does for each frame is in b there.
+    There are two ways. First, calls whose frames are skipped do everything except rendering. Second, a + b·N is fitted
+    to the times of calls with N frames: a is the overhead of a call, and b includes Python's overhead for each frame.
     """
     counts = (1, 16, 256, 8192)
     out = {"depth": np.empty((max(counts), 64, 64), np.float32)}
@@ -38,7 +38,7 @@ def overhead(scene: Scene, arguments: argparse.Namespace) -> None:
     poses = np.resize(scene.poses, (max(counts), 7))
 
     def cost(camera: bv.DepthCamera, count: int) -> float:
-        """Of a call, in microseconds. All calls together take all poses, however few frames a call has."""
+        """Return the time of a call in microseconds. Together the calls render all poses, even if each has few."""
         calls = 0
         arrays = {"depth": out["depth"][:count]}
         start = time.process_time()
@@ -62,11 +62,11 @@ def overhead(scene: Scene, arguments: argparse.Namespace) -> None:
         costs, besides = np.median([[one[row] for one in both] for both in rounds], axis=0)
         print(f"| {count:,} | {costs:,.1f} | {besides:,.1f} | {spread(shares, '.2%')} | {spread(fitted, '.2%')} |")
     a, b = (spread(values, ".1f") for values in fits.T)
-    print(f"a = {a} µs a call, b = {b} µs a frame; medians, least to greatest")
+    print(f"a = {a} µs per call, b = {b} µs per frame; medians, least to greatest")
 
 
 def fit(counts: np.ndarray, costs: np.ndarray) -> np.ndarray:
-    """a and b of a + b·N: least squares of what differs in proportion, so that small calls count as well."""
+    """Fit a and b of a + b·N by least squares of relative errors, so that small calls count as well."""
     return np.linalg.lstsq(np.stack([1 / costs, counts / costs], axis=1), np.ones(len(costs)), rcond=None)[0]
 
 
@@ -75,12 +75,12 @@ def spread(values: list[float] | np.ndarray, form: str) -> str:
 
 
 def resident() -> int:
-    """Bytes of this process that are in memory."""
+    """Return the resident memory of this process in bytes."""
     return int(pathlib.Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
 
 
 def growth(count: int, answer: multiprocessing.Queue) -> None:
-    """Answers by how much this process grew by a batch, and what it has of it still after a frame of each world."""
+    """Return the growth of this process by a batch of worlds, and the growth after a frame of each world."""
     scene, camera = balls(), bv.DepthCamera(8, 8, fov=1.2)
     bv.Batch(scene.world, 1).render(camera, scene.poses[0], threads=1)
     out = {"depth": np.ones((count, 8, 8), np.float32)}
@@ -92,7 +92,7 @@ def growth(count: int, answer: multiprocessing.Queue) -> None:
 
 
 def memory() -> None:
-    """What a world in a batch takes besides what all share: of its arrays, and of a process that is new."""
+    """Measure the memory of a world in a batch, apart from shared data: of its arrays, and of a new process."""
     start, counts = multiprocessing.get_context("spawn"), (1_000, 11_000)
     grown = []
     for count in counts:

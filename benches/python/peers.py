@@ -1,4 +1,4 @@
-"""Who takes the frames: Belvedere, and what a user would have taken instead."""
+"""The libraries that render the frames: Belvedere, and those that a user might choose instead."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from scenes import Scene, rotation
 
 import belvedere as bv
 
-#: Rays of a call, of those who take rays: enough that what a call costs does not show.
+#: The number of rays per call, for libraries that cast rays: so many that the overhead of a call is negligible.
 RAYS_OF_A_CALL = 2**19
 
 
 def rays_of(scene: Scene, width: int, height: int) -> list[np.ndarray]:
-    """Rays (height·width, 6) of each pose; their directions are 1 long along the optical axis: t is the depth."""
+    """Return the rays (height·width, 6) of each pose. Directions have z = 1 in optical axes, so t is the depth."""
     focal = width / (2 * math.tan(scene.fov / 2))
     columns, rows = np.meshgrid(np.arange(width) - (width - 1) / 2, np.arange(height) - (height - 1) / 2)
     local = np.stack([np.ones_like(columns), -columns / focal, -rows / focal], axis=2).reshape(-1, 3)
@@ -30,15 +30,15 @@ def rays_of(scene: Scene, width: int, height: int) -> list[np.ndarray]:
 
 @dataclass
 class Peer:
-    """Somebody who takes frames of a scene."""
+    """A library that renders frames of a scene."""
 
-    #: Takes a call's frames, of the poses from this number on.
+    #: Renders the frames of a call, for the poses from this number on.
     take: Callable[[int], object]
-    #: The depth of the frame at a pose.
+    #: Returns the depth of the frame at a pose.
     depth: Callable[[int], np.ndarray]
-    #: Frames of a call.
+    #: The number of frames per call.
     batch: int = 1
-    #: Gives back what it holds.
+    #: Frees all resources.
     close: Callable[[], object] = lambda: None
 
 
@@ -59,14 +59,14 @@ def belvedere(scene: Scene, width: int, height: int, threads: int, channels: tup
 
 
 def belvedere_meshes(scene: Scene, width: int, height: int, threads: int, channels: tuple[str, ...]) -> Peer:
-    """Belvedere, made to see the triangles that peers see."""
+    """Belvedere on the triangles that the peers get."""
     if all(part.shape is None for part in scene.parts):
         raise NotImplementedError("there are no shapes")
     return belvedere(scene.of_meshes(), width, height, threads, channels)
 
 
 def batches_of_rays(scene: Scene, width: int, height: int) -> list[np.ndarray]:
-    """The rays of calls, one after the other, made beforehand: what is timed is what the tree does."""
+    """The rays of consecutive calls, made beforehand, so that only the traversal of the tree is timed."""
     rays = rays_of(scene, width, height)
     frames = 1
     while frames < len(rays) and 2 * frames * width * height <= RAYS_OF_A_CALL:
@@ -218,7 +218,7 @@ def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tupl
     client = p.connect(p.DIRECT)
     for part in scene.parts:
         vertices, at = part.vertices.tolist(), (part.pose[:3].tolist(), part.pose[3:].tolist())
-        # It takes no more indices at once.
+        # It accepts no more indices at once.
         for first in range(0, len(part.faces), 2**17):
             faces = part.faces[first : first + 2**17].ravel().tolist()
             shape = p.createVisualShape(p.GEOM_MESH, vertices=vertices, indices=faces, physicsClientId=client)
@@ -226,7 +226,7 @@ def pybullet(scene: Scene, width: int, height: int, threads: int, channels: tupl
     near, far = 0.02, 100.0
     fovy = math.degrees(2 * math.atan(math.tan(scene.fov / 2) * height / width))
     projection = list(p.computeProjectionMatrixFOV(fovy, width / height, near, far))
-    # It draws what a pixel's corner sees; half a pixel on is the middle, which everybody else sees.
+    # It samples the corner of a pixel. Shifted by half a pixel, it samples the middle, like the others.
     projection[8] += 1 / width
     projection[9] += 1 / height
     views = []
@@ -259,7 +259,7 @@ def pyrender(scene: Scene, width: int, height: int, threads: int, channels: tupl
     import pyrender as pr
     import trimesh
 
-    # A renderer that goes would end the display, and MuJoCo draws on the same.
+    # Deleting a renderer would end the display, which MuJoCo uses too.
     OpenGL.EGL.eglTerminate = lambda display: True
     drawn = pr.Scene(ambient_light=(0.4, 0.4, 0.4))
     drawn.add(pr.DirectionalLight(intensity=3.0))
@@ -268,12 +268,12 @@ def pyrender(scene: Scene, width: int, height: int, threads: int, channels: tupl
         at[:3, :3], at[:3, 3] = rotation(part.pose[3:]), part.pose[:3]
         drawn.add(pr.Mesh.from_trimesh(trimesh.Trimesh(part.vertices, part.faces, process=False)), pose=at)
     focal = width / (2 * math.tan(scene.fov / 2))
-    # The depth of a pixel is that of the first of its four samples, which is not in the middle.
+    # The depth of a pixel is that of its first of four samples, which is not in the middle.
     center = (width / 2 - 1 / 8, height / 2 + 3 / 8)
     node = drawn.add(pr.IntrinsicsCamera(focal, focal, *center, znear=0.02, zfar=100))
     renderer = pr.OffscreenRenderer(width, height)
     flags = pr.RenderFlags.NONE if "rgb" in channels else pr.RenderFlags.DEPTH_ONLY
-    # Looks along −z, y is up.
+    # The camera looks along −z, and y is up.
     turn = np.array([[0, 0, -1.0], [-1, 0, 0], [0, 1, 0]])
 
     def take(index: int) -> np.ndarray:
@@ -303,5 +303,5 @@ PEERS = {
 }
 
 
-#: Who has shapes, as Belvedere has them.
+#: The libraries that have shapes, like Belvedere.
 WITH_SHAPES = ("belvedere, meshes", "mj_multiRay", "mujoco.Renderer")

@@ -1,4 +1,4 @@
-"""What is looked at, and from where: the same for everybody."""
+"""The scenes and the poses of the camera, which are the same for all libraries."""
 
 from __future__ import annotations
 
@@ -15,32 +15,32 @@ import belvedere as bv
 
 @dataclass
 class Part:
-    """Triangles of a body, and what else it is for peers that have shapes of their own."""
+    """Triangles of a body, and its shape for peers that have shapes."""
 
     vertices: np.ndarray
     faces: np.ndarray
-    #: Its kind and its size, as MuJoCo writes them: radius and half a length, half edges. None for a mesh.
+    #: Kind and size as in MuJoCo: radius and half length, or half edges. None for a mesh.
     shape: tuple[str, tuple[float, ...]] | None
     pose: np.ndarray
 
 
 @dataclass
 class Scene:
-    """What all of them see, and from where."""
+    """A scene with the poses from which it is rendered."""
 
     name: str
     parts: list[Part]
     poses: np.ndarray = field(default_factory=lambda: np.zeros((0, 7)))
-    #: Of the cameras, horizontally, in radians.
+    #: The horizontal field of view of the cameras in radians.
     fov: float = 1.2
-    #: Belvedere's own, of shapes where there are shapes.
+    #: Belvedere's world, with shapes for bodies that have them.
     world: bv.World = field(default_factory=bv.World)
 
     def __post_init__(self) -> None:
         self.world.add_light("directional", direction=(0.4, 0.2, -1), shadows=False)
 
     def add(self, part: Part) -> None:
-        """Add a body, also to Belvedere's world: a shape if it is one."""
+        """Add a body, also to Belvedere's world, as a shape if it has one."""
         self.parts.append(part)
         match part.shape:
             case ("sphere", (radius,)):
@@ -53,7 +53,7 @@ class Scene:
                 self.world.add_mesh(part.vertices, part.faces, part.pose)
 
     def of_meshes(self) -> Scene:
-        """The same without shapes, as those see it who know triangles alone."""
+        """Return the same scene without shapes, as for libraries that have only triangles."""
         scene = Scene(self.name, self.parts, self.poses, self.fov)
         for part in self.parts:
             scene.world.add_mesh(part.vertices, part.faces, part.pose)
@@ -64,7 +64,7 @@ class Scene:
         return sum(len(part.faces) for part in self.parts)
 
     def soup(self) -> tuple[np.ndarray, np.ndarray]:
-        """All triangles in the world."""
+        """Return all triangles in the world."""
         vertices, faces, first = [], [], 0
         for part in self.parts:
             vertices.append(part.vertices @ rotation(part.pose[3:]).T + part.pose[:3])
@@ -85,7 +85,7 @@ def rotation(q: np.ndarray) -> np.ndarray:
 
 
 def sphere(radius: float, around: int, down: int) -> tuple[np.ndarray, np.ndarray]:
-    """A ball of triangles."""
+    """Return a ball of triangles."""
     rows = np.linspace(0, math.pi, down + 1)
     columns = np.linspace(0, 2 * math.pi, around, endpoint=False)
     ring = np.stack([np.cos(columns), np.sin(columns)], axis=1)
@@ -103,7 +103,7 @@ def sphere(radius: float, around: int, down: int) -> tuple[np.ndarray, np.ndarra
 
 
 def capsule(radius: float, half: float) -> tuple[np.ndarray, np.ndarray]:
-    """A capsule of triangles: a ball, cut through and drawn apart."""
+    """Return a capsule of triangles: a ball whose halves are moved apart."""
     vertices, faces = sphere(radius, 20, 11)
     vertices[:, 2] += np.copysign(half, vertices[:, 2])
     return vertices, faces
@@ -133,9 +133,9 @@ def pose(x: float, y: float, z: float) -> np.ndarray:
 
 
 def look_at(eye: np.ndarray, target: np.ndarray) -> np.ndarray:
-    """A sensor's pose: +x to the target, z up."""
+    """Return the pose of a sensor: +x points to the target, z up."""
     ahead = target - eye
-    # Halves of the turn about z, and of that about y, which goes down.
+    # Half of the rotation about z, and of that about y, which points down.
     yaw = math.atan2(ahead[1], ahead[0]) / 2
     pitch = math.atan2(-ahead[2], math.hypot(ahead[0], ahead[1])) / 2
     x, y = -math.sin(pitch) * math.sin(yaw), math.sin(pitch) * math.cos(yaw)
@@ -143,14 +143,14 @@ def look_at(eye: np.ndarray, target: np.ndarray) -> np.ndarray:
 
 
 def around(target: tuple[float, float, float], radius: float, height: float, count: int = 32) -> np.ndarray:
-    # Who takes but a few of them has gone round as well.
+    # Even the first few poses are spread around the target.
     angles = 2 * math.pi * (np.arange(count) * (math.sqrt(5) - 1) / 2 % 1)
     at = np.array(target)
     return np.stack([look_at(at + [radius * math.cos(a), radius * math.sin(a), height], at) for a in angles])
 
 
 def balls() -> Scene:
-    """40 balls on a plane: the scene of the issue's figures."""
+    """40 balls on a plane."""
     random = np.random.default_rng(3)
     scene = Scene("40 balls on a plane", [])
     scene.world.add_rectangle((20, 20), name="ground")
@@ -171,9 +171,9 @@ def balls() -> Scene:
 
 
 def terrain(name: str, random: np.random.Generator) -> Scene:
-    """A height field, for somebody to stand on.
+    """Return a height field as the ground.
 
-    Peers have it as a mesh, cut as Belvedere cuts its cells; MuJoCo's rays would take five times as long on a field.
+    Peers get it as a mesh with the same triangles as in Belvedere; MuJoCo's rays would take five times as long on a field.
     """
     scene = Scene(name, [])
     size, cells = 8.0, 64
@@ -193,7 +193,7 @@ def terrain(name: str, random: np.random.Generator) -> Scene:
 
 
 def limbs() -> list[tuple[tuple[float, float, float], float, float]]:
-    """A figure of 31 limbs: where they are, how thick, and how many times as long."""
+    """Return the 31 limbs of a figure: positions, radii, and ratios of length."""
     made = [((0, 0, 0.95), 0.14, 1.2), ((0, 0, 1.15), 0.15, 1.2), ((0, 0, 1.5), 0.11, 0.72)]
     for side in (-1, 1):
         made += [((0, side * 0.09, 0.85 - 0.11 * step), 0.07, 1.08) for step in range(7)]
@@ -202,7 +202,7 @@ def limbs() -> list[tuple[tuple[float, float, float], float, float]]:
 
 
 def mesh_figure() -> Scene:
-    """A stand-in of a humanoid that needs no package. No shapes: meshes for everybody."""
+    """Return a substitute for a humanoid that needs no package. All libraries get meshes."""
     random = np.random.default_rng(4)
     scene = terrain("figure of 31 meshes over terrain", random)
     for at, radius, stretch in limbs():
@@ -213,7 +213,7 @@ def mesh_figure() -> Scene:
 
 
 def capsule_figure() -> Scene:
-    """The same of capsules."""
+    """Return the same figure of capsules."""
     scene = terrain("figure of 31 capsules over terrain", np.random.default_rng(4))
     for at, radius, stretch in limbs():
         size = (0.8 * radius, 0.5 * radius * stretch)
@@ -222,7 +222,7 @@ def capsule_figure() -> Scene:
 
 
 def robot(package: str, file: str, group: int) -> Iterator[Part]:
-    """The bodies of a robot in a package, as MuJoCo reads it, in its first pose."""
+    """Return the bodies of a robot in a package, as MuJoCo reads them, in the initial pose."""
     import mujoco
 
     found = importlib.util.find_spec(package)
@@ -249,9 +249,9 @@ def robot(package: str, file: str, group: int) -> Iterator[Part]:
 
 
 def unitree_g1() -> Scene:
-    """31 bodies, what is visual of them 35 meshes of 393,270 triangles.
+    """Return 31 bodies, whose visual shapes are 35 meshes of 393,270 triangles.
 
-    Seen as the model's own camera sees it, the one of MuJoCo Warp's benchmark: 2.1 m away, at 45 degrees.
+    The view is that of the model's own camera, which MuJoCo Warp's benchmark uses: 2.1 m away, 45 degrees wide.
     """
     scene = terrain("Unitree G1 over terrain", np.random.default_rng(4))
     for part in robot("mjlab", "asset_zoo/robots/unitree_g1/xmls/g1.xml", 2):
@@ -261,7 +261,7 @@ def unitree_g1() -> Scene:
 
 
 def suite_humanoid() -> Scene:
-    """16 capsules and 3 balls; the figure of MuJoCo Warp's benchmark."""
+    """Return 16 capsules and 3 balls, as in MuJoCo Warp's benchmark."""
     scene = terrain("dm_control's humanoid over terrain", np.random.default_rng(4))
     for part in robot("dm_control", "suite/humanoid.xml", 0):
         scene.add(part)
@@ -269,7 +269,7 @@ def suite_humanoid() -> Scene:
 
 
 def room() -> Scene:
-    """A room of boxes."""
+    """Return a room of boxes."""
     random = np.random.default_rng(5)
     scene = Scene("room of 30 boxes", [])
     boxes = [((6, 5, 0.1), (0, 0, -0.05)), ((6, 5, 0.1), (0, 0, 2.55))]
@@ -285,7 +285,7 @@ def room() -> Scene:
 
 
 def warehouse() -> Scene:
-    """One mesh: shelves of boxes and drums, from the aisles between them."""
+    """Return one mesh of shelves with boxes and drums, seen from the aisles."""
     random = np.random.default_rng(6)
     points, triangles, first = [], [], 0
     for row in range(10):
@@ -308,5 +308,5 @@ def warehouse() -> Scene:
     return scene
 
 
-#: What makes them. Who is not installed here raises ImportError.
+#: The functions that create the scenes. They raise ImportError if a package is not installed.
 SCENES = (balls, unitree_g1, mesh_figure, suite_humanoid, capsule_figure, room, warehouse)

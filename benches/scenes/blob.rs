@@ -6,7 +6,7 @@ use super::solids::Solids;
 use core::f64::consts::PI;
 use glam::DVec3;
 
-/// Cells along an edge of each of the six faces of the cube that the ball is blown up from.
+/// Cells along an edge of each face of the cube that is projected onto the ball.
 const CELLS: u32 = 288;
 const GROUND_CELLS: u32 = 32;
 
@@ -28,14 +28,14 @@ pub fn blob() -> Scene {
     let step = 80.0 / f64::from(GROUND_CELLS);
     solids.grid(GROUND_CELLS, false, |i, j| DVec3::new(i as f64 * step - 40.0, j as f64 * step - 40.0, 0.0));
     let mut scene = Scene::finish("S3", 103, solids, [-5.6, -0.9, 2.2], [0.16, 0.02]);
-    // Round the ball, not over the far ground.
+    // Around the ball, not over the distant ground.
     scene.inside = [DVec3::new(-6.0, -6.0, 0.0), DVec3::new(6.0, 6.0, 8.0)];
     scene
 }
 
 fn rough(on_cube: DVec3) -> DVec3 {
     let direction = on_cube / on_cube.dot(on_cube).sqrt();
-    // Quantised, so that the faces of the cube agree about their common edges.
+    // Quantised, so that adjacent faces of the cube have the same points on their common edges.
     let key = DVec3::from_array(direction.to_array().map(|x| (x * 1e6).round_ties_even() / 1e6));
     let height = 0.55 * octaves(key * 2.0 + 40.0, 3, 11, 0.5)
         + 0.16 * octaves(key * 18.0 + 90.0, 3, 12, 0.5).abs()

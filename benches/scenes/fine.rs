@@ -1,4 +1,4 @@
-//! Bodies of triangles that are finer than pixels, over a terrain: what a robot is in a small picture.
+//! Bodies whose triangles are smaller than a pixel, over a terrain, like a robot in a small image.
 
 use super::noise::octaves;
 use super::solids::Solids;
@@ -14,11 +14,11 @@ use belvedere_sensors::{Capture, Sensor};
 use glam::DVec3;
 
 const BODIES: u32 = 31;
-/// Cells along an edge of each of the six faces of the cube that a body is blown up from: 4,800 triangles.
+/// Cells along an edge of each face of the cube that is projected onto a body: 4,800 triangles.
 const CELLS: u32 = 20;
 /// Heights along each side of the terrain.
 const HEIGHTS: u32 = 65;
-/// Pixels of a picture along each side.
+/// Pixels of an image along each side.
 const PIXELS: u32 = 64;
 
 /// A depth camera that looks at them.
@@ -70,7 +70,7 @@ impl FineMeshes {
         made
     }
 
-    /// Takes a picture of depths and colours.
+    /// Renders an image of depths and colours.
     pub fn sense(&mut self) {
         let scene = self.builder.scene();
         let pose = Pose::from_translation(DVec3::new(0.0, 0.0, 1.0));

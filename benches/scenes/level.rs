@@ -2,10 +2,10 @@
 
 use belvedere_sensors::simd::Level;
 
-/// Every name, weakest first.
+/// All names, narrowest level first.
 pub const NAMES: [&str; 5] = ["fallback", "neon", "sse2", "avx2", "avx512"];
 
-/// The name of a level.
+/// Returns the name of a level.
 pub fn name(level: Level) -> &'static str {
     #[cfg(target_arch = "x86_64")]
     match level {
@@ -23,7 +23,7 @@ pub fn name(level: Level) -> &'static str {
     "fallback"
 }
 
-/// The level of that name, if this machine has it.
+/// Returns the level with a name, if this machine has it.
 pub fn named(name: &str) -> Option<Level> {
     let best = belvedere_sensors::simd::best_level();
     #[cfg(target_arch = "x86_64")]

@@ -1,4 +1,4 @@
-//! The scenes and rays that Belvedere is measured with, generated: the same on every machine.
+//! Generates the scenes and rays of the benchmarks. They are the same on every machine.
 //!
 //! | scene | what | triangles |
 //! |---|---|---:|
@@ -15,7 +15,7 @@
 //! | R4 | OS1-128, 128 rings over 45° | 131,072 |
 //! | R5 | random origins in the scene, random directions | 1,000,000 |
 //!
-//! Metres, z up. Every number is made of + − × ÷ √, integer arithmetic and `libm`.
+//! Metres, z up. All numbers are computed with + − × ÷ √, integer arithmetic and `libm`.
 
 #![allow(dead_code, unused_imports, reason = "each target that includes this module uses a part of it")]
 #![allow(unreachable_pub, reason = "a module of several targets, none of which exports it")]
@@ -44,31 +44,31 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// What is looked at, and from where.
+/// A mesh, and the poses of the sensors that see it.
 pub struct Scene {
     pub name: &'static str,
     pub mesh: Mesh,
-    /// Where the sensors of R1 to R4 are, in single precision.
+    /// The position of the sensors of R1 to R4, in single precision.
     pub position: DVec3,
     pub yaw_rad: f64,
-    /// Upwards; the camera's alone, lidars stand level.
+    /// The camera's pitch, positive upwards. Lidars are level.
     pub pitch_rad: f64,
-    /// The box that R5 starts in.
+    /// The box in which the rays of R5 start.
     pub inside: [DVec3; 2],
-    /// Of R5.
+    /// The seed of R5.
     seed: u64,
 }
 
-/// Names of the scenes.
+/// The names of the scenes.
 pub const SCENES: [&str; 4] = ["S1", "S2", "S3", "S4"];
-/// Names of the ray sets.
+/// The names of the ray sets.
 pub const RAYS: [&str; 5] = ["R1", "R2", "R3", "R4", "R5"];
 
 impl Scene {
-    /// The scene of that name.
+    /// Creates the scene with a name.
     ///
     /// # Panics
-    /// When it is none of [`SCENES`].
+    /// If it is none of [`SCENES`].
     pub fn new(name: &str) -> Self {
         match name {
             "S1" => room::room(),
@@ -79,12 +79,12 @@ impl Scene {
         }
     }
 
-    /// The pose of the camera.
+    /// Returns the pose of the camera.
     pub fn world_from_camera(&self) -> Pose {
         Pose::from_xyz_rpy(self.position, DVec3::new(0.0, -self.pitch_rad, self.yaw_rad))
     }
 
-    /// The pose of the lidars.
+    /// Returns the pose of the lidars.
     pub fn world_from_lidar(&self) -> Pose {
         Pose::from_xyz_rpy(self.position, DVec3::new(0.0, 0.0, self.yaw_rad))
     }

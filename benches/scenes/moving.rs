@@ -1,15 +1,15 @@
-//! Five hundred boxes that all move, every frame.
+//! Five hundred boxes, all of which move in every frame.
 
 use super::random::Random;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
-/// How many.
+/// The number of boxes.
 pub const COUNT: usize = 500;
 /// Full edge lengths in metres.
 pub const SIZE: [f64; 3] = [0.4, 0.3, 0.2];
 
-/// Where the boxes are.
+/// The poses of the boxes.
 pub struct MovingBoxes {
     random: Random,
     poses: Vec<Pose>,
@@ -26,7 +26,7 @@ impl MovingBoxes {
         boxes
     }
 
-    /// Moves each by some centimetres.
+    /// Moves each box by some centimetres.
     pub fn step(&mut self) -> &[Pose] {
         let by = DVec3::new(self.random.range(-0.05, 0.05), self.random.range(-0.05, 0.05), 0.0);
         for pose in &mut self.poses {

@@ -3,7 +3,7 @@
 use super::random::{mix, unit};
 use glam::DVec3;
 
-/// In [−1, 1), one value for each point of the lattice.
+/// Returns a value in [−1, 1) for a point of the lattice.
 fn lattice([x, y, z]: [i64; 3], seed: u64) -> f64 {
     let hash = (x as u64).wrapping_mul(0x8DA6_B343)
         ^ (y as u64).wrapping_mul(0xD816_3841)
@@ -12,7 +12,7 @@ fn lattice([x, y, z]: [i64; 3], seed: u64) -> f64 {
     unit(mix(hash)) * 2.0 - 1.0
 }
 
-/// In [−1, 1], smooth.
+/// Returns smooth noise in [−1, 1].
 fn noise(point: DVec3, seed: u64) -> f64 {
     let floor = point.floor();
     let corner = [floor.x as i64, floor.y as i64, floor.z as i64];
@@ -30,7 +30,8 @@ fn noise(point: DVec3, seed: u64) -> f64 {
     sum
 }
 
-/// Octaves of [`noise`], each of twice the frequency and `gain` times the height of the one before.
+/// Returns the sum of octaves of [`noise`]. Each has twice the frequency and `gain` times the amplitude of the previous
+/// one.
 pub fn octaves(point: DVec3, count: u32, seed: u64, gain: f64) -> f64 {
     let (mut height, mut frequency, mut sum) = (1.0, 1.0, 0.0);
     for octave in 0..count {

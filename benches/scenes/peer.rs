@@ -1,4 +1,4 @@
-//! The yardstick: parry3d's triangle mesh, one ray a call.
+//! The reference: parry3d's triangle mesh, with one ray per call.
 
 use super::{Mesh, RaySet};
 use parry3d::math::{Pose, Vector};
@@ -6,17 +6,17 @@ use parry3d::partitioning::{Bvh, BvhBuildStrategy};
 use parry3d::query::{Ray, RayCast as _};
 use parry3d::shape::{Cuboid, TriMesh};
 
-/// parry3d's form of a mesh.
+/// A mesh of parry3d.
 pub struct Built(TriMesh);
 
 impl Built {
-    /// Builds its tree.
+    /// Builds the tree.
     pub fn new(mesh: &Mesh) -> Self {
         let vertices = mesh.vertices.iter().map(|vertex| Vector::from_array(*vertex)).collect();
         Self(TriMesh::new(vertices, mesh.triangles.clone()).expect("a mesh with triangles"))
     }
 
-    /// Follows vertices that moved: the same tree, new boxes.
+    /// Refits the tree to moved vertices: new boxes, the same structure.
     pub fn refit(&mut self, vertices: &[[f32; 3]]) {
         self.0.update_vertices(|ours| {
             for (ours, vertex) in ours.iter_mut().zip(vertices) {
@@ -25,27 +25,27 @@ impl Built {
         });
     }
 
-    /// Casts the chosen rays; `distances` gets one a ray, infinite for a miss.
+    /// Casts the chosen rays. `distances` gets one value per ray, infinite for a miss.
     pub fn cast(&self, rays: &RaySet, chosen: impl Iterator<Item = usize>, distances: &mut Vec<f32>) {
         distances.clear();
         distances.extend(chosen.map(|ray| {
             let (origin, direction) = (rays.origin(ray), rays.directions[ray]);
             let ray = Ray::new(Vector::from_array(origin), Vector::from_array(direction));
             let hit = self.0.cast_local_ray_and_get_normal(&ray, f32::MAX, false);
-            // The normal is part of what is asked for: it must not be optimised away.
+            // The normal is part of the result and must not be optimised away.
             std::hint::black_box(&hit).map_or(f32::INFINITY, |hit| hit.time_of_impact)
         }));
     }
 }
 
-/// Boxes under a tree that is brought up to date each frame.
+/// Boxes with a tree that is rebuilt in each frame.
 pub struct Moving {
     bvh: Bvh,
     cuboid: Cuboid,
 }
 
 impl Moving {
-    /// So many boxes.
+    /// Creates a number of boxes.
     pub fn new(count: usize) -> Self {
         let half = super::moving::SIZE.map(|edge| edge as f32 * 0.5);
         let cuboid = Cuboid::new(Vector::from_array(half));
@@ -53,7 +53,7 @@ impl Moving {
         Self { bvh: Bvh::from_leaves(BvhBuildStrategy::Binned, &aabbs), cuboid }
     }
 
-    /// Moves them and builds the tree anew.
+    /// Moves the boxes and builds the tree again.
     pub fn frame(&mut self, poses: &[belvedere_sensors::Pose]) {
         let leaves = poses.iter().map(|pose| {
             let pose = Pose::from_parts(pose.translation().as_vec3(), pose.rotation().as_quat());

@@ -6,36 +6,36 @@ use belvedere_sensors::Pose;
 use core::f64::consts::PI;
 use glam::DVec3;
 
-/// Rays, row by row, with what a sensor model needs to know to make them itself.
+/// Rays, row by row, with the parameters by which a sensor model creates the same rays.
 pub struct RaySet {
     pub name: &'static str,
     pub width: usize,
     pub height: usize,
-    /// In the world: one for all, or one for each.
+    /// Origins in the world: one for all rays, or one for each.
     pub origins: Vec<[f32; 3]>,
-    /// In the world, of unit length but for rounding.
+    /// Directions in the world, of unit length except for rounding.
     pub directions: Vec<[f32; 3]>,
     pub source: Source,
 }
 
-/// Where rays come from.
+/// The source of rays.
 pub enum Source {
     /// A camera that looks along its x axis, y to the left; the rays go through pixel centres.
     Pinhole { world_from_sensor: Pose, focal_px: f64 },
     /// A lidar: rings from the first row on, clockwise seen from above.
     Rings { world_from_sensor: Pose, elevations_rad: Vec<f64> },
-    /// Nowhere in common.
+    /// No common origin.
     Random,
 }
 
-/// R5.
+/// Random rays: R5.
 pub const RANDOM_RAYS: usize = 1_000_000;
 
 impl RaySet {
-    /// The rays of that name in the scene.
+    /// Creates the rays with a name in a scene.
     ///
     /// # Panics
-    /// When it is none of [`super::RAYS`].
+    /// If it is none of [`super::RAYS`].
     pub fn new(name: &str, scene: &Scene) -> Self {
         let rings = |name, elevations_deg: Vec<f64>, azimuths| {
             let elevations = elevations_deg.into_iter().map(|degrees| degrees * (PI / 180.0)).collect();
@@ -51,17 +51,17 @@ impl RaySet {
         }
     }
 
-    /// How many.
+    /// Returns the number of rays.
     pub fn len(&self) -> usize {
         self.directions.len()
     }
 
-    /// Origin of one ray.
+    /// Returns the origin of a ray.
     pub fn origin(&self, ray: usize) -> [f32; 3] {
         self.origins[if self.origins.len() == 1 { 0 } else { ray }]
     }
 
-    /// The first so many, if they are random; grids stay whole.
+    /// Returns the first `count` rays if they are random; grids stay complete.
     #[must_use]
     pub fn first(mut self, count: usize) -> Self {
         if matches!(self.source, Source::Random) && count < self.len() {

@@ -4,7 +4,7 @@ use super::Mesh;
 use core::f64::consts::PI;
 use glam::DVec3;
 
-/// A mesh that grows; coordinates are narrowed last.
+/// A mesh to which solids are added; coordinates are converted to single precision at the end.
 #[derive(Default)]
 pub struct Solids {
     vertices: Vec<DVec3>,
@@ -27,7 +27,7 @@ const BOX_FACES: [[u32; 3]; 12] = [
 ];
 
 impl Solids {
-    /// Takes in vertices, and triangles that count from the first of them.
+    /// Adds vertices, and triangles whose indices start at the first of these vertices.
     pub fn add(
         &mut self,
         vertices: impl IntoIterator<Item = DVec3>,
@@ -38,7 +38,7 @@ impl Solids {
         self.triangles.extend(triangles.into_iter().map(|triangle| triangle.map(|vertex| vertex + first)));
     }
 
-    /// A box of half edges `half`, turned about its z axis.
+    /// Adds a box of half edges `half`, rotated about its z axis.
     pub fn cuboid(&mut self, centre: [f64; 3], half: [f64; 3], yaw_rad: f64) {
         let (sin, cos) = libm::sincos(yaw_rad);
         let sign = |corner: u32, bit: u32| if corner >> bit & 1 == 1 { 1.0 } else { -1.0 };
@@ -49,7 +49,7 @@ impl Solids {
         self.add(corners, BOX_FACES);
     }
 
-    /// A closed cylinder along z.
+    /// Adds a closed cylinder along z.
     pub fn cylinder(&mut self, centre: [f64; 3], radius: f64, half_height: f64, sides: u32) {
         let rim = |z: f64| {
             (0..sides).map(move |side| {
@@ -71,8 +71,8 @@ impl Solids {
         self.add(vertices.map(|vertex| vertex + DVec3::from_array(centre)), faces);
     }
 
-    /// A surface over (`cells` + 1)² points, both halves of each cell: first all lower ones, then all upper ones.
-    /// `point` has the place of the point of row i and column j; `flipped` turns the outside round.
+    /// Adds a surface over (`cells` + 1)² points: first all lower, then all upper triangles of the cells. `point`
+    /// returns the position of the point in row i and column j; `flipped` reverses the orientation.
     pub fn grid(&mut self, cells: u32, flipped: bool, point: impl Fn(usize, usize) -> DVec3) {
         let points = cells + 1;
         let vertices = (0..points).flat_map(|i| (0..points).map(move |j| (i as usize, j as usize)));
@@ -90,7 +90,7 @@ impl Solids {
         self.add(vertices.map(|(i, j)| point(i, j)), lower.chain(upper));
     }
 
-    /// The mesh in single precision.
+    /// Returns the mesh in single precision.
     pub fn finish(self) -> Mesh {
         Mesh {
             vertices: self.vertices.into_iter().map(|vertex| vertex.as_vec3().to_array()).collect(),

@@ -1,4 +1,4 @@
-//! The tag-ceiling room: what the sensors of the articles' robot see in it, here and in parry3d.
+//! The room with tags on its ceiling, as a scene of Belvedere and of parry3d, and the robot's sensors.
 
 #![allow(dead_code, reason = "each target that includes this module uses a part of it")]
 #![allow(unreachable_pub, reason = "a module of several targets, none of which exports it")]
@@ -22,49 +22,49 @@ use parry3d::query::{Ray, RayCast as _};
 use parry3d::shape::{Ball, Compound, Cuboid, Cylinder, SharedShape};
 use std::f64::consts::FRAC_PI_2;
 
-/// The world's description.
+/// Loads the description of the world.
 pub fn room() -> World {
     let mut diagnostics = Diagnostics::default();
     load_world("tag_ceiling", &package_path([], None), Rules::default(), &mut diagnostics)
         .expect("our own world loads")
 }
 
-/// What sensors see of it.
+/// Creates the scene that the sensors see.
 pub fn scene(world: &World) -> WorldScene {
     let physics = Physics::new(world).expect("our own world runs");
     WorldScene::new(world, &physics).expect("our own world shows")
 }
 
-/// The robot's camera, with noise of so much of a colour value.
+/// Returns the robot's camera, with noise of the given standard deviation in colour values.
 pub fn camera_config(stddev: f32) -> CameraConfig<'static> {
     camera_of_height(480, stddev)
 }
 
-/// The same of another height.
+/// Returns the same camera with another height of the image.
 pub fn camera_of_height(height: u32, stddev: f32) -> CameraConfig<'static> {
     CameraConfig::new(PinholeGrid::from_fov(640, height, 1.396_263_4).expect("in range"))
         .noise(GaussianNoise::of_stddev(stddev).expect("in range"))
         .seed(1)
 }
 
-/// Looks straight up from where the robot's camera is.
+/// Returns the pose of the robot's camera, which looks straight up.
 pub fn up() -> Pose {
     Pose::from_xyz_rpy(DVec3::new(0.3, -0.2, 0.36), DVec3::new(0.0, -FRAC_PI_2, 0.0))
 }
 
-/// Looks across the room.
+/// Returns a pose that looks across the room.
 pub fn across() -> Pose {
     Pose::from_xyz_rpy(DVec3::new(-1.5, 0.4, 0.6), DVec3::new(0.0, 0.1, 0.3))
 }
 
-/// Its depth camera.
+/// Returns the robot's depth camera.
 pub fn depth_camera() -> DepthCamera<'static> {
     let config =
         DepthCameraConfig::new(camera_config(0.0)).faces(Faces::Front).min_depth_m(0.1).max_depth_m(20.0);
     DepthCamera::new(config).expect("in range")
 }
 
-/// What the cameras see, as parry3d has it.
+/// The scene in parry3d.
 pub fn compound(world: &World) -> Compound {
     let mut parts = Vec::new();
     for model in &world.models {
@@ -78,7 +78,7 @@ pub fn compound(world: &World) -> Compound {
                     Geometry::Sphere { radius } => {
                         (SharedShape::new(Ball::new(radius as f32)), Pose::IDENTITY)
                     }
-                    // parry's lies along y.
+                    // parry's cylinder is along y.
                     Geometry::Cylinder { radius, length } => (
                         SharedShape::new(Cylinder::new(length as f32 * 0.5, radius as f32)),
                         Pose::from_xyz_rpy(DVec3::ZERO, DVec3::new(FRAC_PI_2, 0.0, 0.0)),
@@ -96,7 +96,7 @@ pub fn compound(world: &World) -> Compound {
     Compound::new(parts)
 }
 
-/// The depth camera's rays through parry3d, one by one.
+/// Casts the rays of the depth camera with parry3d, one by one.
 pub fn cast_each(shapes: &Compound, depth: &DepthCamera<'_>, world_from_sensor: &Pose, depths: &mut [f32]) {
     let Optics::Pinhole(grid) = depth.camera().config().optics else { return };
     let (Intrinsics { fx, fy, cx, cy, .. }, [width, _]) = (grid.intrinsics(), grid.size());

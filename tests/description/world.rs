@@ -133,7 +133,7 @@ fn a_users_world_that_lacks_models_is_replaced_by_ours() {
     assert!(said.contains("our own world of its name is used instead"), "{said}");
     let path = folder.path("turtlebot_gazebo/worlds/playground.world");
     let path = path.to_str().unwrap();
-    assert!(load(path, Rules::default()).1, "who gives a path wants that file");
+    assert!(load(path, Rules::default()).1, "a path refers to exactly that file");
     let (name, fails, said) = load(path, Rules { skip_missing: true, ..Rules::default() });
     assert_eq!((name.as_str(), fails), ("theirs", false), "{said}");
     assert!(said.contains("dumpster"), "{said}");
@@ -237,7 +237,7 @@ fn relative_to_from_1_7_on() {
     let circle = "<model name='m'>\n<link name='a'><pose relative_to='b'/></link>\n<link name='b'><pose relative_to='a'/></link></model>";
     let (_, problems) = Folder::new().load("1.7", circle, false);
     assert!(problems[0].to_string().contains("relative to itself"), "{problems:#?}");
-    // Whoever enters the circle, and wherever, it is told once, at its first frame.
+    // A circle is reported once, at its first frame, wherever other frames enter it.
     let circle = "<model name='m'>\n<link name='p'><pose relative_to='c'/></link>\n<link name='c'><pose relative_to='a'/></link>
         <link name='a'><pose relative_to='b'/></link>\n<link name='b'><pose relative_to='c'/></link>
         <link name='q'><pose relative_to='b'/></link></model>";
@@ -387,7 +387,11 @@ fn gloss_and_alpha() {
     let cut_out = TextureAlpha::CutOut { least: 0.5 };
     assert_eq!(material(script), ([0.1, 0.2, 0.3], 12.5, 0.5, cut_out));
     let dull = format!("{script}<specular>1 1 1 1</specular>");
-    assert_eq!(material(&dull), ([1.0; 3], 0.0, 0.5, cut_out), "as Gazebo: the script's shininess goes");
+    assert_eq!(
+        material(&dull),
+        ([1.0; 3], 0.0, 0.5, cut_out),
+        "as in Gazebo, the script's shininess is ignored"
+    );
     let pbr = "<pbr><metal><albedo_map>tags/materials/textures/a.png</albedo_map></metal></pbr>";
     assert_eq!(material(pbr), ([0.0; 3], 0.0, 1.0, cut_out));
 }

@@ -203,7 +203,7 @@ fn bad_includes() {
     );
     assert_bad("1.6", "<include/>", 1, &["no <uri>"]);
     assert_bad("1.6", "<include><uri>https://fuel.gazebosim.org/x</uri></include>", 1, &["https://"]);
-    // Models of Gazebo classic stand for their copies on Fuel, but nobody else's.
+    // Models of Gazebo classic replace their copies on Fuel, but no models of other owners.
     let fuel = |owner: &str, name: &str| {
         let uri = format!("https://fuel.gazebosim.org/1.0/{owner}/models/{name}");
         let include = format!("<include><uri>{uri}</uri></include>");
@@ -257,7 +257,7 @@ fn bad_materials_and_textures() {
     assert!(text.contains("did you mean 'Gazebo/Gr"), "{text}");
     assert_one_error(&load("<script><name>Gray5</name></script>"), 4, &["no material 'Gray5'"]);
     let albedo = |file: &str| load(&format!("<pbr><metal><albedo_map>{file}</albedo_map></metal></pbr>"));
-    // Gazebo goes on without a picture; the surface is still where it is.
+    // Gazebo continues without the image; the surface stays in its place.
     for (file, words) in [
         ("nowhere.png", "no texture 'nowhere.png': looked for"),
         ("t/b.gif", "b.gif has an unsupported format"),

@@ -1,7 +1,7 @@
 """A program that announces more streams by Zenoh than fit into a machine's memory.
 
-flood.py ADDRESS,ADDRESS DOMAIN SECONDS: in addition to the existing streams, alternately hundreds of large ones and thousands
-of small ones. Prints their number, and the size of their frames.
+flood.py ADDRESS,ADDRESS DOMAIN SECONDS: announces the existing streams, and alternately hundreds of large ones and thousands of
+small ones. Prints their number, and the size of their frames.
 """
 
 import json

@@ -1,7 +1,7 @@
 """A program that puts invalid messages on a link's keys by Zenoh.
 
-hostile.py ADDRESS,ADDRESS DOMAIN SECONDS: lists of streams that are none, or that nobody can have, and messages that are no
-frames, cut, lengthened, or with bytes turned over, of streams and of commands. Says how many.
+hostile.py ADDRESS,ADDRESS DOMAIN SECONDS: sends invalid or impossible lists of streams, and frames and commands that are
+truncated, too long or have inverted bytes. Prints their number.
 """
 
 import json

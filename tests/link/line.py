@@ -1,9 +1,9 @@
 """A line with latency and packet loss, like netem, for kernels without it.
 
-line.py DEVICE DEVICE DELAY_MS JITTER_MS LOSS_PERCENT: makes two network devices and hands packets from one to the other,
-each after the delay, more or less by the jitter but never before the one in front of it, and some not at all. The devices
-are the kernel's (TUN), so TCP meets true round trips and true losses. Says "there" when they are; when it ends they are
-gone. On SIGTERM it says how many packets it carried and lost, and how late it was itself at most.
+line.py DEVICE DEVICE DELAY_MS JITTER_MS LOSS_PERCENT: creates two network devices and forwards packets from one to the
+other. Each packet is delayed, with jitter but in order, and some are dropped. The devices are the kernel's (TUN), so
+TCP has real round trips and real losses. Prints "there" once the devices exist; they are removed when it ends. On
+SIGTERM it prints the number of forwarded and dropped packets, and its own largest delay.
 """
 
 import fcntl

@@ -2,8 +2,8 @@
 
 ways.py WAY here DOMAIN ADDRESS: on the simulator's machine, until SIGTERM.
 ways.py WAY there DOMAIN ADDRESS SECONDS: on the other machine, for this time after the first picture.
-Each prints as JSON when it has sent and taken pictures (by their numbers) and commands, in ns of the clock that both
-sides share, because both are on one machine. CPU time is counted from the first to the last picture.
+Each prints, as JSON, the times at which it sent and received pictures (by number) and commands, in ns of the clock,
+which both sides share because they are on one machine. CPU time is counted from the first to the last picture.
 
 | way | is |
 |---|---|

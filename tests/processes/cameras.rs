@@ -304,7 +304,7 @@ fn automatic_exposure_does_not_depend_on_subscribers_and_is_reset() {
     let mut late = follow(simulator.domain(), "late", &["eye/image_raw"]);
     let seen = shots(&mut control, 40, &mut late).remove(0);
     assert!(seen.len() >= 5, "{} frames", seen.len());
-    assert!(seen.iter().all(|shot| watched.contains(shot)), "other bytes for a late subscriber");
+    assert!(seen.iter().all(|shot| watched.contains(shot)), "a late subscriber gets other bytes");
 }
 
 #[test]

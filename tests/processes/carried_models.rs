@@ -10,14 +10,14 @@ use tempfile::TempDir;
 
 const MODELS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/models");
 
-/// A copy of the program in a folder of its own, for which `models/` of the source is an empty folder.
+/// A copy of the program in a separate folder, for which `models/` of the source is hidden.
 struct Alone {
     folder: TempDir,
     program: PathBuf,
 }
 
 impl Alone {
-    /// None, which skips a test, where this user may not hide a folder.
+    /// Returns `None`, which skips a test, if this user may not hide a folder.
     fn new() -> Option<Self> {
         let can_hide = Command::new("unshare")
             .args(["--user", "--map-root-user", "--mount", "mount", "-t", "tmpfs", "none", "/mnt"])
@@ -42,12 +42,12 @@ impl Alone {
         self.folder.path().join("cache")
     }
 
-    /// Runs a shell in a mount namespace of its own in which no folder leads to `models/`; `$0` is the program.
+    /// Runs a shell in a separate mount namespace without the folder `models/`; `$0` is the program.
     fn shell(&self, script: &str, environment: &[(&str, &Path)]) -> Output {
-        // The folder above is hidden, since that of the models must not exist.
+        // The parent folder is hidden, because the folder of the models must not exist.
         let hide = format!("set -e; mount -t tmpfs none '{}'; cd /; {script}", env!("CARGO_MANIFEST_DIR"));
         let mut command = Command::new("unshare");
-        // What the program's environment must not be is the same for the shell.
+        // The variables that are removed for the program are removed for the shell too.
         for (name, _) in belvedere().get_envs() {
             command.env_remove(name);
         }
@@ -58,7 +58,7 @@ impl Alone {
     }
 }
 
-/// What a command said, and how it ended.
+/// Returns the output of a command and its exit status.
 fn said(output: &Output) -> String {
     let text = |bytes: &[u8]| String::from_utf8(bytes.to_vec()).unwrap();
     format!("{}{}{:?}\n", text(&output.stdout), text(&output.stderr), output.status.code())
@@ -133,7 +133,7 @@ fn without_a_folder_that_can_be_written_the_program_says_so() {
     let said = said(&output);
     assert!(said.contains("cannot be unpacked") && said.contains("set XDG_CACHE_HOME"), "{said}");
     let share = alone.folder.path().join("share/belvedere/models");
-    // The source has them by a link, which leads nowhere here.
+    // In the source tree they are a link, whose target is missing here.
     let source = concat!(env!("CARGO_MANIFEST_DIR"), "/crates/description/models");
     assert!(said.contains(share.to_str().unwrap()) && said.contains(source), "{said}");
 }

@@ -1,4 +1,4 @@
-//! `check --all` lists what becomes of each file of a folder, and `check` alone what a user asks of one.
+//! `check --all` reports the result for each file of a folder, and `check` alone that of one file.
 
 use crate::live::output;
 use std::fs;
@@ -10,7 +10,7 @@ fn write(folder: &TempDir, name: &str, text: &str) {
     fs::write(path, text).unwrap();
 }
 
-/// What `check` prints with these arguments, what it says on standard error, and its exit code.
+/// Returns the standard output, the standard error and the exit code of `check` with these arguments.
 fn checked(arguments: &[&str]) -> (String, String, Option<i32>) {
     let done = output(&[&["check"], arguments].concat());
     let text = |bytes| String::from_utf8(bytes).unwrap();
@@ -19,7 +19,7 @@ fn checked(arguments: &[&str]) -> (String, String, Option<i32>) {
 
 const XACRO: &str = "xmlns:xacro='http://ros.org/wiki/xacro'";
 
-/// A folder as repositories are: packages beside each other, models, worlds.
+/// A folder like a repository: packages beside each other, models, worlds.
 fn repository() -> TempDir {
     let folder = TempDir::new().unwrap();
     write(&folder, "arm_description/package.xml", "<package><name>arm_description</name></package>");
@@ -30,7 +30,7 @@ fn repository() -> TempDir {
             "<robot {XACRO}><xacro:macro name='part' params='name'><link name='${{name}}'/></xacro:macro></robot>"
         ),
     );
-    // What it needs is defined by those that include it.
+    // Its macros are defined by the files that include it.
     write(
         &folder,
         "arm_description/urdf/needs.xacro",
@@ -65,7 +65,7 @@ fn repository() -> TempDir {
     write(&folder, "models/crate/model.config", "<model><name>crate</name><sdf>model.sdf</sdf></model>");
     write(&folder, "models/meshes/model.config", "<model><name>meshes</name></model>");
     write(&folder, "models/lost/model.config", "<model><name>lost</name><sdf>lost.sdf</sdf></model>");
-    // The world's own robot publishes what the TurtleBot would: no TurtleBot is added.
+    // The world's own robot publishes the same streams as the TurtleBot, so no TurtleBot is added.
     let world = |inside: &str| format!("<sdf version='1.6'><world name='w'>{inside}</world></sdf>");
     let own = "<include><uri>model://crate</uri></include><model name='own'><static>1</static><link name='l'>
                <sensor name='s' type='ray'><topic>/scan</topic><update_rate>5</update_rate><ray><range><min>0.1</min><max>5</max></range></ray></sensor></link></model>";
@@ -111,7 +111,7 @@ fn each_file_of_a_folder_has_a_line_and_none_stops_the_others() {
     assert_eq!(last, "11 files: 1 ok, 2 with notes, 1 with warnings, 3 macros only, 4 failed", "{said}");
     assert!(warned.contains("4 of 11 files cannot be run"), "{warned}");
 
-    // Arguments of xacro go to all robots, and warnings count if that is asked for.
+    // Arguments of xacro apply to all robots, and warnings count as errors on request.
     let (said, _, _) = checked(&["--all", at, "tip:=hand"]);
     assert!(
         said.ends_with("11 files: 1 ok, 3 with notes, 1 with warnings, 3 macros only, 3 failed\n"),
@@ -141,7 +141,7 @@ fn a_folder_without_anything_to_check_is_an_error() {
 }
 
 #[test]
-fn a_robot_is_told_of_without_our_own_world_and_not_beside_no_robot() {
+fn a_robot_is_reported_alone_and_robot_none_is_refused() {
     let (said, _, code) = checked(&["kobuki_nostack_camera"]);
     assert_eq!(code, Some(0));
     assert!(said.starts_with("robot "), "{said}");

@@ -140,7 +140,7 @@ fn frames_after_a_reset_equal_those_of_a_fresh_start() {
     let mut control = simulator.control();
     assert_eq!(done(&mut control, Operation::ResetSimulation), 0);
     assert_eq!(first_second(&simulator, &mut subscribers), fresh, "after a reset");
-    // Whatever has happened in between.
+    // The earlier commands have no effect.
     let moved = SimulationCommand { position: [1.0, 1.0, 0.5], ..named(Operation::SetModelState, ROBOT) };
     done_with(&mut control, &moved, "");
     done_with(&mut control, &named(Operation::Spawn, "crate"), BOX);

@@ -140,7 +140,7 @@ fn the_bytes_do_not_depend_on_workers_order_or_kills() {
     assert!(!several.join("manifest.json").exists());
     let said = make(&plan, &several, &["--workers", "3"]);
     assert!(said.contains("7 of which existed already"), "{said}");
-    assert!(files(&several) == expected, "other bytes by other workers");
+    assert!(files(&several) == expected, "the bytes depend on the number of workers");
 
     // Killed repeatedly, slightly later each time, until a run finishes.
     let killed = folder.path().join("killed");
@@ -298,7 +298,7 @@ fn a_numbered_frame_equals_that_of_a_run() -> Result<(), Box<dyn std::error::Err
         simulation.render_numbered(&topics, 77, false, &mut frames)?;
         simulation.set_down(robot, &pose)?;
         let filled = simulation.render_numbered(&topics, number, false, &mut frames)?;
-        assert_eq!(filled, [true, true, false], "no flow without a frame before");
+        assert_eq!(filled, [true, true, false], "there is no flow without a previous frame");
         assert!(frames[0].payload() == expected[number as usize].payload(), "{number}");
     }
     assert!(expected[0].payload() != expected[1].payload(), "noise");

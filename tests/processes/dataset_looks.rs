@@ -104,7 +104,7 @@ fn drawn_looks_are_visible_and_nothing_else_changes() {
     make(&path, &one, &["--workers", "1"]);
     make(&path, &three, &["--workers", "3", "--shards", "1..3"]);
     make(&path, &three, &["--workers", "3"]);
-    assert!(files(&one) == files(&three), "other bytes by other workers");
+    assert!(files(&one) == files(&three), "the bytes depend on the number of workers");
 
     let (plain, drawn) = (samples(&plain), samples(&one));
     let (mut pictures, mut textured) = (Vec::new(), Vec::new());

@@ -78,11 +78,11 @@ fn the_transforms_of_a_robot_spawned_later_are_sent() {
     done_with(&mut control, &spawn, &urdf);
     let began = Instant::now();
     while !client.binary(1).windows(6).any(|bytes| bytes == b"guest/") {
-        assert!(began.elapsed() < PATIENCE, "no transforms of the guest arrive");
+        assert!(began.elapsed() < PATIENCE, "the transforms of the guest do not arrive");
     }
     done_with(&mut control, &named(Operation::Delete, "guest"), "");
     while node.streams().unwrap().iter().any(|stream| stream.topic == "guest/tf") {
-        assert!(began.elapsed() < 2 * PATIENCE, "the stream of the guest is kept");
+        assert!(began.elapsed() < 2 * PATIENCE, "the stream of the guest remains");
         std::thread::sleep(Duration::from_millis(50));
     }
     // The transforms of the robot that stands still arrive.

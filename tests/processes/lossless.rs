@@ -1,4 +1,4 @@
-//! A simulation that waits for its consumers: they receive every frame, and one that stops is named.
+//! A simulation that waits for its consumers: they receive every frame, and a consumer that stops is reported.
 
 use crate::live::{belvedere, follow, next_frame, own_domain};
 use rustix::process::{Pid, Signal, kill_process};
@@ -17,7 +17,7 @@ fn start(domain: &str, arguments: &[&str]) -> Child {
         .expect("the simulator's binary runs")
 }
 
-/// Returns whether it succeeded, and its output.
+/// Returns true if it succeeded, and its output.
 fn end(mut child: Child) -> (bool, String) {
     let mut said = String::new();
     child.stderr.take().unwrap().read_to_string(&mut said).unwrap();

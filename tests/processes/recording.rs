@@ -134,7 +134,7 @@ fn a_killed_recorder_leaves_a_readable_file() {
         std::thread::sleep(Duration::from_millis(173 * kill % 500));
         kill_process(Pid::from_child(&record.0), Signal::KILL).unwrap();
         drop(record);
-        assert!(!file.exists(), "a file without an end bears no final name");
+        assert!(!file.exists(), "an incomplete file has no final name");
         let (items, end) = read(&std::fs::read(&active).unwrap());
         assert!(matches!(end, Some(RecordingError::Cut)), "{end:?}");
         with_frames += u64::from(!frames(&items).is_empty());

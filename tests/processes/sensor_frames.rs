@@ -73,7 +73,10 @@ fn each_camera_has_an_optical_frame() {
         ("unnamed", "head_optical"),
         ("kinect", "base_link_optical"),
     ];
-    assert_eq!(names, expected, "those of the others are there, or nobody's to give");
+    assert_eq!(
+        names, expected,
+        "the other cameras name a valid optical frame, or one that is not part of the robot"
+    );
     for frame in &frames {
         let sensor = &model.sensors[frame.sensor];
         let model_from_sensor = model.links[sensor.link].model_from_link * sensor.link_from_sensor;

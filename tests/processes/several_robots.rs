@@ -65,7 +65,7 @@ fn each_robot_has_its_own_commands_and_frames() {
     let frame = next_frame(&mut streams[1]);
     assert_eq!(frame.header().frame_id.as_str(), "bert/odom");
     let still: Odometry = frame.message().unwrap();
-    assert!(still.position[0].abs() < 1e-3, "bert moves with anna's commands");
+    assert!(still.position[0].abs() < 1e-3, "anna's commands move bert");
     for (stream, name) in [(2, "anna/"), (3, "bert/")] {
         let transforms: Vec<Transform> = next_frame(&mut streams[stream]).view().structs().unwrap().collect();
         let names = |transform: &Transform| [transform.parent, transform.child];

@@ -90,7 +90,7 @@ fn plates_have_the_positions_of_the_list() {
     let mut sayings: Vec<&str> = codes.iter().map(|code| code.says.as_str()).collect();
     sayings.sort_unstable();
     sayings.dedup();
-    assert_eq!(sayings.len(), codes.len(), "every code says something else");
+    assert_eq!(sayings.len(), codes.len(), "every code has a different content");
     for code in &codes {
         let visual = ceiling.links[0].visuals.iter().find(|visual| visual.name == code.name).unwrap();
         let texture = visual.material.texture.as_ref().unwrap();

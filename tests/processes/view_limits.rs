@@ -39,7 +39,7 @@ fn connections_are_limited_and_freed() {
     pages.pop();
     let deadline = Instant::now() + PATIENCE;
     while !is_let_in(&server) {
-        assert!(Instant::now() < deadline, "the place that came free is not given");
+        assert!(Instant::now() < deadline, "a free place is not given to the next client");
         std::thread::sleep(Duration::from_millis(20));
     }
 }

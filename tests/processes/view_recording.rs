@@ -76,7 +76,7 @@ fn any_time_of_a_recording_can_be_shown() {
 
     // In any order: forwards, backwards, and to the same time again.
     let [late, early, again] = [3.2, 0.9, 3.2].map(|seconds| seen_at(&mut page, seconds));
-    assert!(late == again, "at the same time is seen the same");
+    assert!(late == again, "the same time shows the same state");
     assert!(late.0 != early.0 && late.1 != early.1, "{:?} and {:?}", late.0, early.0);
     // Its beginning can be shown too.
     seen_at(&mut page, 0.0);

@@ -32,7 +32,7 @@ fn lowered_silently(now: &Budgets, earlier: &Budgets) -> Vec<String> {
                     let best = best.map_or("is gone".into(), |best| format!("is {best}"));
                     silent.push(format!(
                         "[best.\"{processor}\".{level}.{group}] {entry} was {was} and {best}: restore it, or say in \
-                         [lowered.\"{processor}\".{level}.{group}.{entry}] what was bought for it"
+                         [lowered.\"{processor}\".{level}.{group}.{entry}] what was gained in return"
                     ));
                 }
             }

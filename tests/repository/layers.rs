@@ -85,7 +85,7 @@ const XACRO: &[&str] = &[
     "expand",
 ];
 
-/// Of the packets of lidars.
+/// The layers of the packets of lidars.
 const LIDAR_PACKETS: &[&str] = &["whole", "column", "velodyne", "ouster", "pcap"];
 
 /// A path of modules, without `crate`.
@@ -126,7 +126,7 @@ impl Crate {
         at
     }
 
-    /// Which module uses which, with one path as an example. A module and its own children do not count.
+    /// The uses between modules, with one path as an example. A module and its own children do not count.
     fn uses(&self) -> BTreeMap<(Module, Module), String> {
         let mut uses = BTreeMap::new();
         for (own, text) in &self.texts {

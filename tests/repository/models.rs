@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-/// What the list in `src/main.rs` is between.
+/// The texts before and after the list in `src/main.rs`.
 const BEGIN: &str = "= files![\n";
 const END: &str = "];\n";
 
@@ -28,7 +28,7 @@ fn the_program_carries_all_models() {
     );
 }
 
-/// Adds the files of a folder and of those in it, by their paths below the first.
+/// Adds the files of a folder and of its subfolders, by their paths relative to the top folder.
 fn collect(folder: &Path, below: &str, files: &mut Vec<String>) {
     for entry in fs::read_dir(folder).unwrap() {
         let entry = entry.unwrap();

@@ -13,7 +13,7 @@ const CRATES: [(&str, &str, &[&str]); 6] = [
     ("belvedere", "", &["models/worlds/tag_ceiling.world", "viewer/dist/viewer.js", "src/main.rs"]),
 ];
 
-/// What each of them has.
+/// Files that every crate must have.
 const COMMON: [&str; 5] = ["Cargo.toml", "README.md", "LICENSE-MIT", "LICENSE-APACHE", "src/lib.rs"];
 
 #[test]

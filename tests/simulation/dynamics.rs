@@ -1,4 +1,4 @@
-//! What resists joints, limits their motors and leads them, against values worked out by mechanics.
+//! Resistance of joints, limits of their motors, and mimic joints, compared with values from mechanics. Surfaces.
 
 use crate::robot_models::xyz;
 use crate::sdf::{Folder, good};
@@ -10,7 +10,8 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// A pendulum of 1 m and 1 kg that hangs at `lean` rad where its joint is at 0; its moment about the pivot is 1.004 kg·m².
+/// A pendulum of 1 m and 1 kg, at an angle of `lean` rad if its joint is at 0; its inertia about the pivot is 1.004
+/// kg·m².
 fn pendulum(dynamics: &str, lean: f64) -> World {
     good(
         "1.7",
@@ -23,7 +24,7 @@ fn pendulum(dynamics: &str, lean: f64) -> World {
     )
 }
 
-/// A rod of 1 m and 2 kg, level along x, that falls about y with a positive turn: m·g·l/2 = 9.8 N·m, and 0.667 kg·m².
+/// A horizontal rod of 1 m and 2 kg along x. It falls with a positive rotation about y: m·g·l/2 = 9.8 N·m, 0.667 kg·m².
 fn rod(axis: &str, more: &str) -> World {
     good(
         "1.11",
@@ -46,7 +47,7 @@ fn position(physics: &Physics) -> f64 {
     physics.joint_state(0, 0).unwrap().position
 }
 
-/// Times in s and positions at which the first joint turns around.
+/// Returns the times in s and the positions at which the first joint reverses.
 fn turns(world: &World, seconds: f64) -> Vec<(f64, f64)> {
     let mut physics = Physics::new(world).unwrap();
     let (mut found, mut last) = (Vec::new(), 0.0);
@@ -63,7 +64,7 @@ fn turns(world: &World, seconds: f64) -> Vec<(f64, f64)> {
 
 /// Amplitudes fall with e^(−c·t/2I).
 #[test]
-fn a_damper_takes_a_pendulums_swing() {
+fn a_damper_reduces_a_pendulums_swing() {
     let turns = turns(&pendulum("<dynamics><damping>0.2</damping></dynamics>", 0.2), 9.5);
     assert!(turns.len() == 9, "{turns:?}");
     for (seconds, position) in turns {
@@ -72,7 +73,7 @@ fn a_damper_takes_a_pendulums_swing() {
     }
 }
 
-/// A spring beside gravity: T = 2π·√(I / (k + m·g·l)); with a damper it comes to rest where k·q = m·g·l/2·cos q.
+/// A spring together with gravity: T = 2π·√(I / (k + m·g·l)); with a damper it comes to rest at k·q = m·g·l/2·cos q.
 #[test]
 fn a_spring_swings_a_joint_about_its_reference() {
     let spring = "<dynamics><spring_stiffness>100</spring_stiffness><spring_reference>0.02</spring_reference></dynamics>";
@@ -93,7 +94,7 @@ fn dry_friction_holds_what_is_lighter_and_slows_what_is_heavier() {
     // The rest of the torque accelerates it.
     let (slid, expected) = (position(&run(&friction(8.0), 0.3)), 0.5 * (9.8 - 8.0) / 0.667 * 0.3 * 0.3);
     assert!((slid / expected - 1.0).abs() < 0.02, "{slid}, not {expected}");
-    // Each half swing is smaller by 2·F / (m·g·l).
+    // The amplitude of each half swing is smaller by 2·F / (m·g·l).
     let swings = turns(&pendulum("<dynamics><friction>0.5</friction></dynamics>", 0.2), 1.5);
     let expected = -(0.4 - 2.0 * 0.5 / 9.8);
     assert!((swings[0].1 - expected).abs() < 0.003, "{swings:?}, not {expected}");
@@ -124,7 +125,7 @@ fn a_joint_begins_at_its_initial_position_and_stays_where_its_limits_are_one() {
     let fixed = rod("<limit><lower>0.3</lower><upper>0.3</upper></limit>", "");
     assert!((position(&run(&fixed, 2.0)) - 0.3).abs() < 1e-3);
     let held = "<initial_position>0.7</initial_position><dynamics><friction>100</friction></dynamics>";
-    // What hangs on the link goes along: here by a joint that does not move by itself.
+    // Links that are attached to the link move with it: here by a joint that does not move by itself.
     let tip = "<link name='tip'><pose>1 0 3 0 0 0</pose><inertial><mass>.1</mass><inertia><ixx>.001</ixx><iyy>.001</iyy>
          <izz>.001</izz></inertia></inertial></link>
          <joint name='t' type='prismatic'><parent>l</parent><child>tip</child><axis><xyz>1 0 0</xyz>
@@ -139,7 +140,7 @@ fn a_joint_begins_at_its_initial_position_and_stays_where_its_limits_are_one() {
     assert!(tip_at(&physics).distance(expected) < 1e-6, "{} {expected}", tip_at(&physics));
     (0..500).for_each(|_| physics.step());
     assert!((position(&physics) - 0.7).abs() < 1e-3, "{}", position(&physics));
-    // So it does when the model is put somewhere.
+    // The same when the model is moved.
     physics.place_model(0, &xyz(0.0, 0.0, 1.0));
     assert!(tip_at(&physics).distance(expected + DVec3::Z) < 1e-6 && position(&physics) == 0.7);
     (0..500).for_each(|_| physics.step());
@@ -171,7 +172,7 @@ fn a_joint_follows_the_one_that_it_mimics() {
     assert!(farthest > 2.0, "{farthest}");
 }
 
-/// The robot of a user's report: a slide on a spring, with 20 N·s/m, 1 kg: 0.1 − 9.8/1000 m.
+/// A slide of 1 kg on a spring of 1000 N/m with a damper of 20 N·s/m comes to rest at 0.1 − 9.8/1000 m.
 #[test]
 fn a_robots_spring_damper_and_mimic() {
     let text = "<robot name='r'><link name='world'/>
@@ -206,7 +207,8 @@ fn ball(surface: &str, own: &str, height: f64) -> String {
     )
 }
 
-/// From 1 m a ball comes up by e² each time: 0.36 m, 0.1296 m. Of two surfaces the smaller values hold.
+/// A ball that falls from 1 m bounces to e² of the height each time: 0.36 m, 0.1296 m. If two surfaces differ, the
+/// smaller value applies.
 #[test]
 fn a_ball_bounces_by_its_restitution() {
     let bounce = |restitution: f64, threshold: &str| {
@@ -252,7 +254,8 @@ fn bitmasks_and_shapes_without_contact_let_things_through() {
     assert!(height("", "<contact><collide_without_contact>true</collide_without_contact></contact>") < -4.0);
 }
 
-/// A kinematic link stays where it is, whatever falls onto it; a decay takes its share of the velocity in each step.
+/// A kinematic link does not move, even if something falls onto it; a decay removes its share of the velocity in each
+/// step.
 #[test]
 fn a_kinematic_link_stays_and_a_decay_slows_down() {
     let fixed =
@@ -295,8 +298,8 @@ fn a_box_slides_down_a_slope_by_coulombs_law() {
     // It comes to rest on its way down onto the slope.
     let [first, second] = slid(0.4);
     assert!(first < 0.01 && (second - first).abs() < 1e-4, "{first} {second}");
-    // Contacts brake about 6 % less than Coulomb's law; the cause is not known. So the slope of 0.309 holds the box at 0.4
-    // and not yet at 0.33.
+    // Contacts brake about 6 % less than Coulomb's law; the cause is not known. So the box holds on the slope of 0.309
+    // with a friction of 0.4, but not with 0.33.
     let [_, slipped] = slid(0.2);
     let with = |mu: f64| 0.5 * 9.8 * (0.3_f64.sin() - mu * 0.3_f64.cos()) * 4.0;
     assert!((with(0.2)..with(0.18)).contains(&slipped), "{slipped}");
@@ -334,7 +337,7 @@ fn an_automatic_inertia_is_that_of_the_collisions() {
 }
 
 #[test]
-fn what_is_written_wrong_of_a_joint_or_a_surface_is_told() {
+fn invalid_values_of_a_joint_or_a_surface_are_reported() {
     let joint = |name: &str, axis: &str| {
         format!(
             "<link name='{name}l'/><joint name='{name}' type='revolute'><parent>world</parent><child>{name}l</child>

@@ -7,7 +7,7 @@ use belvedere::simulation::{Simulation, SpawnOptions};
 const FREE: f32 = f32::INFINITY;
 
 /// The surroundings of the sensor: ahead a wall with only a visual, on the left one with only a collision shape, behind
-/// one with both, whose visual is nearer; on the right an open sheet with both, whose outside is turned away.
+/// one with both, whose visual is nearer; on the right an open sheet with both, whose outside faces away.
 const WALLS: &str = "<sdf version='1.6'><model name='walls'><static>true</static><link name='l'>
     <visual name='ahead'><pose>3 0 1 0 0 0</pose><laser_retro>7</laser_retro><geometry><box><size>0.2 2 2</size></box></geometry></visual>
     <collision name='left'><pose>0 4 1 0 0 0</pose><geometry><box><size>2 0.2 2</size></box></geometry></collision>

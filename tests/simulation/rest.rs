@@ -1,4 +1,4 @@
-//! Bodies that rest may sleep, and those that only move slowly do not.
+//! Bodies at rest may sleep. Bodies that move slowly do not.
 
 use crate::sdf::good;
 use belvedere::description::model::World;
@@ -42,7 +42,7 @@ fn a_pendulum_swings_on() {
     }
 }
 
-/// It starts with 0.07 m/s², slower than rapier's own bound of a speed for half a second.
+/// It starts with 0.07 m/s², so that it is slower than rapier's own speed limit for half a second.
 #[test]
 fn a_ball_rolls_down_a_gentle_ramp() {
     const SLOPE: f64 = 0.01;
@@ -83,9 +83,9 @@ fn a_tilted_crate_falls_onto_its_face() {
     }
 }
 
-/// What rests sleeps, whatever pushes it wakes it, and `<allow_auto_disable>` says that it never does.
+/// Bodies at rest sleep, and wake up when they are pushed. With `<allow_auto_disable>` false, they never sleep.
 #[test]
-fn what_rests_sleeps_and_wakes() {
+fn a_body_at_rest_sleeps_and_wakes() {
     let model = |name: &str, x: f64, own: &str| {
         format!("<model name='{name}'>{own}<pose>{x} 0 0.1 0 0 0</pose><link name='l'>{BALL}</link></model>")
     };
@@ -94,7 +94,7 @@ fn what_rests_sleeps_and_wakes() {
     let world = good("1.7", &content);
     let mut physics = run(&world, 1.5);
     assert_eq!((physics.sleeps(1), physics.sleeps(2)), (true, false));
-    // A push by the other one.
+    // The other body pushes it.
     let pose = physics.world_from_model(2);
     physics.move_model(2, &pose, DVec3::X * -2.0, DVec3::Y * -20.0);
     (0..3000).for_each(|_| physics.step());

@@ -1,5 +1,5 @@
-// How many frames come of a 640 × 480 picture and its depths, and what the server takes of a processor: to a client that
-// only takes them, and to the page in Chromium.
+// Measures the frame rate of a 640 × 480 image and its depths, and the server's processor time: for a client that only
+// receives frames, and for the page in Chromium.
 import { readdirSync, readFileSync } from "node:fs";
 import { chromium } from "playwright-core";
 import { WebSocket } from "ws";
@@ -9,7 +9,7 @@ const TOPICS = ["camera/rgb/image_raw", "camera/depth/image_raw"];
 const SECONDS = 10;
 const TICK = 0.01;
 
-/** Processor seconds that the server's threads have taken. */
+/** Returns the processor time of the server's threads in seconds. */
 function taken(pid) {
   return readdirSync(`/proc/${pid}/task`)
     .map((thread) => readFileSync(`/proc/${pid}/task/${thread}/stat`, "utf8"))
@@ -26,7 +26,7 @@ async function measure(pid, what, count, drawn = () => 0) {
   const rates = TOPICS.map((topic) => ((more[topic] - frames[topic]) / SECONDS).toFixed(1));
   const share = (100 * (after - before)) / SECONDS;
   const draws = last > 0 ? `, drawn in 3D ${((last - first) / SECONDS).toFixed(1)} times` : "";
-  console.log(`${what}: ${rates.join(" and ")} frames a second${draws}, ${share.toFixed(1)} % of a core by the server`);
+  console.log(`${what}: ${rates.join(" and ")} frames per second${draws}; the server uses ${share.toFixed(1)} % of a core`);
 }
 
 try {
@@ -36,7 +36,7 @@ try {
   const pid = simulator.child.pid;
   const client = new WebSocket(simulator.url.replace("http:", "ws:"));
   const counts = Object.fromEntries(TOPICS.map((topic) => [topic, 0]));
-  // The Kinect of the TurtleBot's file takes fewer.
+  // The Kinect of the TurtleBot's file has a lower rate.
   const rate = { op: "control", operation: "configure", name: TOPICS[0], text: "update_rate=30" };
   client.on("open", () => client.send(JSON.stringify(rate)));
   client.on("open", () => TOPICS.forEach((topic) => client.send(JSON.stringify({ op: "next", topic }))));

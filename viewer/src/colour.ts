@@ -1,11 +1,11 @@
-// Colours of numbers, and pixels of pictures.
+// Colours of numbers, and pixels of images.
 
 import type { Frame, FrameHeader } from "./frame";
 
-/** Where the map begins: before it, far would be nearly as black as what is not there. */
+/** Start of the colour map. Before it, colours of far depths are nearly as black as missing depths. */
 const FARTHEST = 0.08;
 
-/** Google's map Turbo by its published polynomial: near is red, far is blue. */
+/** Google's colour map Turbo, by its published polynomial: near is red, far is blue. */
 function turbo(share: number): [number, number, number] {
   const x = 1 - (1 - FARTHEST) * Math.min(1, Math.max(0, share));
   const at = (a: number, b: number, c: number, d: number, e: number, f: number) =>
@@ -22,7 +22,7 @@ const SHADES = Array.from({ length: 256 }, (_, index) => {
   return (255 << 24) | (Math.round(blue) << 16) | (Math.round(green) << 8) | Math.round(red);
 });
 
-/** The same map for a shader, of a share from 0, near, to 1, far. */
+/** The same map for a shader, for a fraction from 0 (near) to 1 (far). */
 export const SHADE_GLSL = `
 vec3 shade(float share) {
   float x = 1.0 - ${1 - FARTHEST} * clamp(share, 0.0, 1.0);
@@ -35,12 +35,12 @@ vec3 shade(float share) {
   ), 0.0, 1.0);
 }`;
 
-/** Metres that the ends of the scale stand for in a picture of depths. */
+/** The depths in metres at the ends of the scale of a depth image. */
 export function depthRange({ intrinsics }: FrameHeader): [near: number, far: number] {
   return [intrinsics?.near ?? 0, Math.min(intrinsics?.far ?? 10, 10)];
 }
 
-/** The colour 0xAABBGGRR of a share from 0, near, to 1, far. */
+/** Returns the colour 0xAABBGGRR of a fraction from 0 (near) to 1 (far). */
 export function shade(share: number): number {
   return SHADES[Math.round(255 * Math.min(1, Math.max(0, share)))] ?? 0;
 }
@@ -51,14 +51,14 @@ function grey(value: number): number {
   return BLACK | (value << 16) | (value << 8) | value;
 }
 
-/** A colour for a number of a thing: neighbours differ. */
+/** Returns a colour for the number of an object; consecutive numbers have different colours. */
 function label(number: number): number {
   if (number < 0) return BLACK;
   const mixed = Math.imul(number + 1, 0x9e3779b1);
   return BLACK | ((mixed >>> 8) & 0xffffff) | 0x404040;
 }
 
-/** Places of red, green (the first) and blue in a square of a mosaic. */
+/** Positions of red, green (the first) and blue in a square of a Bayer mosaic. */
 const MOSAICS: Record<string, [number, number, number]> = {
   rggb: [0, 1, 3],
   bggr: [3, 1, 0],
@@ -68,7 +68,7 @@ const MOSAICS: Record<string, [number, number, number]> = {
 
 const drawn = new WeakMap<Frame, Uint8ClampedArray<ArrayBuffer> | null>();
 
-/** The picture as bytes red, green, blue, alpha, drawn once for all that show it; null for a kind that it does not know. */
+/** Returns the image as RGBA bytes, converted once for all panels that show it; null for an unknown kind. */
 export function rgba(frame: Frame): Uint8ClampedArray<ArrayBuffer> | null {
   const before = drawn.get(frame);
   if (before !== undefined) return before;
@@ -78,7 +78,7 @@ export function rgba(frame: Frame): Uint8ClampedArray<ArrayBuffer> | null {
   return bytes;
 }
 
-/** Draws a picture into 32-bit pixels 0xAABBGGRR; false for a kind of pixels that it does not know. */
+/** Converts an image to 32-bit pixels 0xAABBGGRR. Returns false for an unknown kind of pixels. */
 function draw({ header, payload }: Frame, pixels: Uint32Array): boolean {
   const { width, height, rowStride, encoding } = header;
   const bytes = new Uint8Array(payload.buffer, payload.byteOffset, payload.byteLength);
@@ -93,7 +93,7 @@ function draw({ header, payload }: Frame, pixels: Uint32Array): boolean {
   const depth = (metres: number) => shade((metres - near) / (far - near));
   switch (encoding) {
     case "rgb8":
-      // Most pictures are so: without a call for each pixel.
+      // Most images have this encoding, so it is converted without a call for each pixel.
       for (let y = 0, to = 0; y < height; y++) {
         for (let end = to + width, at = y * rowStride; to < end; at += 3) {
           pixels[to++] =
@@ -137,7 +137,7 @@ function draw({ header, payload }: Frame, pixels: Uint32Array): boolean {
   const places = MOSAICS[mosaic?.[1] ?? ""];
   if (places === undefined) return false;
   const size = mosaic?.[2] === "16" ? 2 : 1;
-  // Of each square of four one colour: a preview.
+  // One colour for each square of four pixels, which is enough for a preview.
   for (let y = 0, to = 0; y < height; y++) {
     for (let x = 0; x < width; x++) {
       const corner = (y & ~1) * rowStride + (x & ~1) * size + (size - 1);

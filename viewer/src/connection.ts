@@ -1,4 +1,4 @@
-// The WebSocket to the server: it comes again after it was lost, and asks for each frame.
+// The WebSocket to the server. It reconnects after it was lost, and requests each frame.
 
 import { parseFrame, type Frame } from "./frame";
 import { messages } from "./messages";
@@ -35,7 +35,7 @@ export interface Handlers {
 }
 
 const RETRY_MS = 500;
-/** Frames of a stream that are asked for: one is on its way while another is drawn, and never more. */
+/** The largest number of requested frames of a stream: one is transferred while another is drawn. */
 const AHEAD = 2;
 
 export class Connection {
@@ -46,13 +46,13 @@ export class Connection {
 
   constructor(
     private readonly url: string,
-    /** Where frames are fetched from, by the name of the page. */
+    /** Returns the URL from which frames are fetched, by the id of the page. */
     private readonly framesUrl: (page: string) => string,
     private readonly handlers: Handlers,
   ) {
     this.open();
     document.addEventListener("visibilitychange", () => {
-      // A hidden page asks for nothing, so that nothing is rendered for it.
+      // A hidden page requests nothing, so that nothing is rendered for it.
       if (!document.hidden) this.askForAll();
     });
   }
@@ -103,13 +103,13 @@ export class Connection {
     }
   }
 
-  /** Takes frames by a stream, which is much faster than the WebSocket, by which they come until then, and without it. */
+  /** Receives frames by an HTTP response, which is much faster than the WebSocket, the fallback. */
   private async receive(page: string) {
     const socket = this.socket;
     const answer = await fetch(this.framesUrl(page)).catch(() => null);
     if (answer === null || !answer.ok || answer.body === null) return;
     for await (const message of messages(answer.body)) this.take(parseFrame(message));
-    // What was on its way is lost.
+    // Frames that were in transfer are lost.
     if (this.socket === socket) this.askForAll();
   }
 
@@ -117,7 +117,7 @@ export class Connection {
     const topic = frame.header.topic;
     const handler = this.followed.get(topic);
     if (handler === undefined) return;
-    // Before this one is shown.
+    // Requested before this frame is shown.
     this.ask(topic, 1);
     handler(frame);
   }
@@ -134,7 +134,7 @@ export class Connection {
     if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message));
   }
 
-  /** Has each frame of a topic that there is time for. */
+  /** Subscribes to the frames of a topic, as many as there is time for. */
   follow(topic: string, handler: (frame: Frame) => void) {
     const isNew = !this.followed.has(topic);
     this.followed.set(topic, handler);
@@ -145,7 +145,7 @@ export class Connection {
     if (this.followed.delete(topic)) this.say({ op: "stop", topic });
   }
 
-  /** Commands the simulator; ends with the reason if it was refused. */
+  /** Sends a command to the simulator; rejects with the reason if it was refused. */
   control(operation: string, more: object = {}): Promise<string | null> {
     const id = this.nextId++;
     return new Promise((resolve) => {
@@ -158,12 +158,12 @@ export class Connection {
     });
   }
 
-  /** Goes on at a place of the recording, seconds. */
+  /** Continues at a position in the recording, in seconds. */
   seek(position: number) {
     this.say({ op: "seek", position });
   }
 
-  /** Plays so many recorded seconds in a second. */
+  /** Sets the number of recorded seconds that are played per second. */
   setRate(rate: number) {
     this.say({ op: "rate", rate });
   }

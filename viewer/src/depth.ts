@@ -1,4 +1,4 @@
-// A depth picture as points in space, unprojected on the graphics card.
+// A depth image as points in space, which the graphics card unprojects.
 
 import * as THREE from "three";
 import { depthRange, rgba, SHADE_GLSL } from "./colour";
@@ -67,7 +67,7 @@ export class DepthCloud {
     return this.object.material.uniforms[name] as { value: T };
   }
 
-  /** Takes the newest depths, 16-bit millimetres. */
+  /** Sets the newest depths, 16-bit millimetres. */
   show({ header, payload }: Frame) {
     const { width, height, intrinsics } = header;
     if (intrinsics === undefined || header.encoding !== "16uc1") return;
@@ -88,7 +88,7 @@ export class DepthCloud {
     place(this.object, header.position, header.orientation, true);
   }
 
-  /** Takes the newest picture of the colour camera beside it. */
+  /** Sets the newest image of the colour camera that belongs to the depth camera. */
   colour(frame: Frame) {
     const { width, height, intrinsics } = frame.header;
     if (intrinsics === undefined || width === 0) return;

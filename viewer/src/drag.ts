@@ -1,9 +1,9 @@
-// Models moved by the mouse: with shift held, along the floor.
+// Moves models along the floor with the mouse while shift is held.
 
 import * as THREE from "three";
 import type { LinkState } from "./frame";
 
-/** Time between two commands while a model is dragged. */
+/** Interval between two commands while a model is dragged. */
 const PERIOD_MS = 60;
 
 export interface Grabbed {
@@ -12,21 +12,21 @@ export interface Grabbed {
 }
 
 export interface Dragging {
-  /** The place of the view, from -1 to 1, of one of the page. */
+  /** Converts a position on the page to one in the view, from -1 to 1. */
   placeOf: (at: [number, number]) => THREE.Vector2;
-  /** What lies under a place of the view if it is a model's. */
+  /** Returns the model at a position in the view, if there is one. */
   pick: (at: THREE.Vector2) => Grabbed | null;
-  /** The ray from the eye through a place of the view. */
+  /** Returns the ray from the eye through a position in the view. */
   ray: (at: THREE.Vector2) => THREE.Ray;
-  /** Where models are now; ends with null if that does not come. */
+  /** Resolves to the current poses of models, or to null if they do not arrive. */
   poseOf: (model: string) => Promise<LinkState | null>;
-  /** Moves a model; ends when it was. */
+  /** Moves a model; resolves once it was moved. */
   move: (model: string, position: [number, number, number], orientation: [number, number, number, number]) => Promise<void>;
 }
 
 export function dragModels(canvas: HTMLElement, { placeOf, pick, ray, poseOf, move }: Dragging) {
   const place = (event: PointerEvent) => placeOf([event.clientX, event.clientY]);
-  // Before the view's own handlers, which would turn it.
+  // Runs before the view's own handlers, which would rotate it.
   canvas.addEventListener(
     "pointerdown",
     (event) => {
@@ -55,7 +55,7 @@ export function dragModels(canvas: HTMLElement, { placeOf, pick, ray, poseOf, mo
     canvas.addEventListener("pointercancel", onUp);
     const start = await poseOf(model);
     let sent = at.clone();
-    // One command is on its way at a time; the last one is where it was let go.
+    // Only one command is pending at a time; the last one has the position at which the model was released.
     while (start !== null && (held || !sent.equals(wanted))) {
       if (!sent.equals(wanted)) {
         sent = wanted.clone();

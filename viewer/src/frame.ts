@@ -1,4 +1,4 @@
-// What the server sends: see src/view/payload.rs.
+// The frames that the server sends: see src/view/payload.rs.
 
 export interface Intrinsics {
   fx: number;
@@ -23,23 +23,23 @@ export interface FrameHeader {
   topic: string;
   kind: string;
   encoding: string;
-  /** The encoding that the stream has, if the server has changed it for the page. */
+  /** The encoding of the stream, if the server has converted it for the page. */
   streamEncoding?: string;
   /** Simulated time in nanoseconds. */
   stamp: number;
-  /** When it was sent: milliseconds since 1970 by the server's clock. */
+  /** The time of sending: milliseconds since 1970 by the server's clock. */
   sentMs: number;
   width: number;
   height: number;
   rowStride: number;
   elemStride: number;
-  /** Of the sensor's own axes (x forward, z up) in the world; metres. */
+  /** Position in the world in metres; the axes are the sensor's own (x forward, z up). */
   position: [number, number, number];
   /** x, y, z, w. */
   orientation: [number, number, number, number];
   intrinsics?: Intrinsics;
   scan?: ScanGeometry;
-  /** Of a cloud: what its points' last four bytes are. */
+  /** For a cloud: the meaning of the last four bytes of a point. */
   colour?: "rgb" | "intensity";
   points?: number;
   restarted?: boolean;
@@ -52,7 +52,7 @@ export interface Frame {
 
 const text = new TextDecoder();
 
-/** Takes a binary message apart. */
+/** Parses a binary message. */
 export function parseFrame(message: ArrayBuffer): Frame {
   const length = new DataView(message).getUint32(0, true);
   const header = JSON.parse(text.decode(new Uint8Array(message, 4, length))) as FrameHeader;
@@ -82,7 +82,7 @@ export function linkStates({ header, payload }: Frame): LinkState[] {
   return states;
 }
 
-/** Forwards in m/s and to the left in rad/s, of a frame of odometry: bridge/WIRE.md, Odometry. */
+/** Returns the velocities of odometry, forwards in m/s and to the left in rad/s: bridge/WIRE.md, Odometry. */
 export function velocity({ payload }: Frame): [number, number] {
   return [payload.getFloat64(120, true), payload.getFloat64(160, true)];
 }

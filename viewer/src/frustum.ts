@@ -1,4 +1,4 @@
-// What a camera sees, as the edges of a pyramid.
+// The field of view of a camera, as the edges of a pyramid.
 
 import * as THREE from "three";
 import type { Frame } from "./frame";

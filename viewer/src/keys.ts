@@ -1,4 +1,4 @@
-// Keys: driving, a velocity ten times a second while one is held and a stop after; and others that do one thing each.
+// Keys: those that drive send a velocity ten times a second while they are held, and then a stop; others do one action.
 
 const SPEED = 0.3;
 const TURN = 1;
@@ -15,20 +15,20 @@ const DRIVING: Record<string, [number, number]> = {
   KeyD: [0, -1],
 };
 
-/** Whether an element takes letters, or arrows, itself. */
+/** Returns true if an element uses letters or arrows itself. */
 function takesKeys(target: EventTarget | null): boolean {
   if (target instanceof HTMLSelectElement) return true;
   return target instanceof HTMLInputElement && target.type !== "checkbox";
 }
 
-/** Whether space is for an element: a field with text, or a control that was reached by the keyboard. */
+/** Returns true if an element uses space: a text field, or a control that was focused with the keyboard. */
 function takesSpace(target: EventTarget | null): boolean {
   if (target instanceof HTMLInputElement && target.type === "range") return false;
   if (takesKeys(target)) return true;
   return target instanceof HTMLElement && target.matches("button:focus-visible, input:focus-visible");
 }
 
-/** Has keys do what they are for; what is in `others` is by the names of keys, as `KeyH`. */
+/** Installs the handlers of keys. `others` has actions by the names of keys, such as `KeyH`. */
 export function useKeys(drive: (forward: number, turn: number) => void, onSpace: () => void, others: Record<string, () => void>) {
   const held = new Set<string>();
   let timer: ReturnType<typeof setInterval> | undefined;
@@ -47,7 +47,7 @@ export function useKeys(drive: (forward: number, turn: number) => void, onSpace:
     held.clear();
     drive(0, 0);
   };
-  // Before the 3D view's own keys, which would move the camera.
+  // Runs before the 3D view's own keys, which would move the camera.
   window.addEventListener(
     "keydown",
     (event) => {
@@ -74,10 +74,10 @@ export function useKeys(drive: (forward: number, turn: number) => void, onSpace:
     else send();
   });
   window.addEventListener("blur", end);
-  // What was clicked gives the keys back: space after a click on a button would press it again.
+  // A clicked element loses the focus; otherwise space would press a clicked button again.
   window.addEventListener("click", () => {
     const { activeElement } = document;
-    // One that was reached by the keyboard keeps them.
+    // An element that was focused with the keyboard keeps it.
     if (activeElement?.matches("button, input[type=checkbox], input[type=range]") !== true) return;
     if (activeElement instanceof HTMLElement && !activeElement.matches(":focus-visible")) activeElement.blur();
   });

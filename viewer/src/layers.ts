@@ -1,4 +1,4 @@
-// The streams that can be shown, each with what shows it.
+// The streams that can be shown, each with its display.
 
 import type { Connection, Stream } from "./connection";
 import { DepthCloud } from "./depth";
@@ -10,35 +10,35 @@ import { IS_SOFTWARE } from "./software";
 import type { Space } from "./space";
 import { SplattedCloud } from "./splats";
 
-/** Ends what shows the frames of a stream. */
+/** Ends the display of a stream. */
 type End = () => void;
 
 export interface Tally {
   frames: number;
   stamp: number;
-  /** Frames a second lately. */
+  /** Recent frames per second. */
   rate: number;
-  /** From when the last frame was sent until it was shown, ms. */
+  /** Time from sending to showing of the last frame, in ms. */
   latency: number;
-  /** Where its sensor is, if it is one's. */
+  /** The pose of its sensor, if it has one. */
   place: [number, number, number] | null;
 }
 
-/** What the key of depths in 3D ends with. */
+/** Suffix of the key of depths in 3D. */
 const SPATIAL = "#space";
 const OF_SENSORS = ["image", "depth_image", "laser_scan", "point_cloud"];
 
-/** A way to show a stream, and under which name it is kept. */
+/** A way to show a stream, and the key under which the choice is stored. */
 export interface Choice {
   key: string;
   topic: string;
-  /** Whether its depths are shown as points in 3D rather than as a picture. */
+  /** True if depths are shown as points in 3D instead of as an image. */
   isSpatial: boolean;
-  /** Shown before anybody chose. */
+  /** Shown by default. */
   isDefault: boolean;
 }
 
-/** The colour camera that a depth camera's points are coloured by. */
+/** Returns the colour camera whose image colours the points of a depth camera. */
 function colourOf(depth: string, streams: Stream[]): string | undefined {
   const folder = depth.replace(/\/depth\/.*$/, "");
   const of = (stream: Stream) => stream.kind === "image" && stream.topic.startsWith(`${folder}/rgb/`);
@@ -50,7 +50,7 @@ export class Layers {
   private readonly topics = new Map<string, Set<(frame: Frame) => void>>();
   readonly tallies = new Map<string, Tally>();
   streams: Stream[] = [];
-  /** Is told when a picture was drawn. */
+  /** Called after an image was drawn. */
   onPicture: () => void = () => undefined;
 
   constructor(
@@ -59,7 +59,7 @@ export class Layers {
     private readonly pictures: HTMLElement,
   ) {}
 
-  /** What can be shown of these streams. */
+  /** Returns the ways in which these streams can be shown. */
   choices(): Choice[] {
     let pictures = 0;
     return this.streams.flatMap(({ topic, kind }) => {
@@ -78,7 +78,7 @@ export class Layers {
         case "laser_scan":
           return [choice(!isTruth)];
         case "point_cloud":
-          // A depth camera's points are those of its depths, in more bytes.
+          // The cloud of a depth camera has the same points as its depths, in more bytes.
           return [choice(!topic.includes("depth"))];
         default:
           return [];
@@ -90,7 +90,7 @@ export class Layers {
     return this.layers.has(key);
   }
 
-  /** Shows a stream, or no more. */
+  /** Shows or hides a stream. */
   toggle({ key, topic, isSpatial }: Choice, shown: boolean) {
     if (shown === this.isShown(key)) return;
     if (!shown) {
@@ -163,7 +163,7 @@ export class Layers {
     return this.topics.has(topic);
   }
 
-  /** Hands the frames of a topic to one more; gives how to end that. */
+  /** Adds a consumer of the frames of a topic. Returns a function that removes it. */
   follow(topic: string, handler: (frame: Frame) => void): () => void {
     const handlers = this.topics.get(topic) ?? new Set();
     handlers.add(handler);
@@ -192,7 +192,7 @@ export class Layers {
     this.tallies.set(header.topic, tally);
   }
 
-  /** Takes the rates of the time since this was called before. */
+  /** Updates the rates with the frames since the last call. */
   takeRates() {
     const now = performance.now();
     for (const [topic, tally] of this.tallies) {

@@ -1,13 +1,13 @@
-// Messages out of a stream of bytes, each after its length: see src/view/pipe.rs.
+// Messages in a stream of bytes, each preceded by its length: see src/view/pipe.rs.
 
-/** Gives each message of a stream, in memory of its own, until the stream ends. */
+/** Yields each message of a stream, in separate memory, until the stream ends. */
 export async function* messages(stream: ReadableStream<Uint8Array>): AsyncGenerator<ArrayBuffer> {
   const reader = stream.getReader();
   const head = new Uint8Array(4);
-  /** What is being filled, the head of a message or the message, and how far. */
+  /** The buffer that is being filled (the length of a message, or the message), and the number of bytes in it. */
   let [target, filled] = [head, 0];
   for (;;) {
-    // It ends with the connection, however that ends.
+    // The stream ends with the connection, whether or not that is an error.
     const { value } = await reader.read().catch(() => ({ value: undefined }));
     if (value === undefined) return;
     for (let at = 0; at < value.length; ) {

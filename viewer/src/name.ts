@@ -1,6 +1,6 @@
-// Names of topics where there is little room: what tells one from another stands at their end.
+// Names of topics in little space. The end of a name is the part that distinguishes it from others.
 
-/** An element with a name that gives up its middle first, and has the whole of it as its tooltip. */
+/** Creates an element with a name that is shortened in the middle; its tooltip is the full name. */
 export function shortened(name: string): HTMLElement {
   const [whole, head, tail] = [document.createElement("span"), document.createElement("span"), document.createElement("span")];
   const cut = name.lastIndexOf("/") + 1;
@@ -8,13 +8,13 @@ export function shortened(name: string): HTMLElement {
   whole.title = name;
   head.textContent = name.slice(0, cut);
   tail.textContent = name.slice(cut);
-  // The style sheet reserves room for an ellipsis, which so short a beginning does not need.
+  // The style sheet reserves space for an ellipsis, which such a short beginning does not need.
   if (cut <= 2) head.style.minWidth = "max-content";
   whole.append(head, tail);
   return whole;
 }
 
-/** What a topic's name has before its last part, and that part. */
+/** Returns the part of a topic's name before its last component, and that component. */
 export function parts(topic: string): [folder: string, last: string] {
   const cut = topic.lastIndexOf("/");
   return [topic.slice(0, Math.max(0, cut)), topic.slice(cut + 1)];

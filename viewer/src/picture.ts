@@ -1,4 +1,4 @@
-// A panel with a camera's picture, and the scale of its colours if they are depths.
+// A panel with the image of a camera, and the scale of its colours if it shows depths.
 
 import { depthRange, rgba, shade } from "./colour";
 import type { Frame, FrameHeader } from "./frame";
@@ -18,7 +18,7 @@ export class Picture {
     this.caption.append(shortened(`/${topic}`), this.size);
     this.element.append(this.canvas, this.caption, this.scale.element);
     this.element.dataset.topic = topic;
-    // While time is paused none comes.
+    // While time is paused, no frames arrive.
     this.size.textContent = "no frame yet";
   }
 
@@ -37,7 +37,7 @@ export class Picture {
   }
 }
 
-/** Which metres the colours of a picture of depths stand for. */
+/** The scale that shows which depths the colours represent. */
 class Scale {
   readonly element = document.createElement("div");
   private readonly ends: [HTMLElement, HTMLElement] = [document.createElement("span"), document.createElement("span")];

@@ -1,27 +1,27 @@
-// Numbers over the last seconds, as curves: rates, latencies, velocities.
+// Curves of the last seconds: rates, latencies, velocities.
 
 import { shortened } from "./name";
 
-/** How much is shown, and how often it is drawn. */
+/** The time span that is shown, and the interval at which it is drawn. */
 const SPAN_MS = 20000;
 const PERIOD_MS = 200;
-/** Curves of a plot are told apart by these. */
+/** The colours of the curves of a plot. */
 const COLOURS = ["#ffb454", "#5aa9ff", "#7fd38a", "#ff7b72", "#c792ea", "#4dd0c4", "#e6db74", "#f78fb3"];
 
 interface Curve {
   colour: string;
-  /** Times in ms as `performance.now()` has them, and values. */
+  /** Times in ms, as from `performance.now()`, and values. */
   points: [number, number][];
 }
 
-/** The next number of 1, 2, 5, 10, 20 … that is not smaller. */
+/** Returns the smallest number of 1, 2, 5, 10, 20 … that is not smaller than a value. */
 export function roundUp(value: number): number {
   const power = 10 ** Math.floor(Math.log10(value));
   const share = value / power;
   return power * (share <= 1 ? 1 : share <= 2 ? 2 : share <= 5 ? 5 : 10);
 }
 
-/** Lets go of what is too old. */
+/** Removes values that are too old. */
 function trim({ points }: Curve, now: number) {
   const kept = points.findIndex(([time]) => time > now - SPAN_MS);
   points.splice(0, kept < 0 ? points.length : kept);
@@ -42,7 +42,7 @@ class Plot {
     this.element.append(caption, this.canvas, this.legend);
   }
 
-  /** Adds a value; what is older than the plot shows goes, also while it is not shown. */
+  /** Adds a value, and removes values that are too old, even while the plot is hidden. */
   add(name: string, value: number) {
     const now = performance.now();
     const curve = this.curves.get(name) ?? { colour: COLOURS[this.curves.size % COLOURS.length] ?? "", points: [] };
@@ -51,12 +51,12 @@ class Plot {
     this.curves.set(name, curve);
   }
 
-  /** The last value of each curve. */
+  /** Returns the last value of each curve. */
   values(): Record<string, number> {
     return Object.fromEntries([...this.curves].map(([name, { points }]) => [name, points.at(-1)?.[1] ?? NaN]));
   }
 
-  /** How many values are kept. */
+  /** Returns the number of stored values. */
   get size(): number {
     return [...this.curves.values()].reduce((sum, { points }) => sum + points.length, 0);
   }
@@ -106,7 +106,7 @@ class Plot {
   }
 }
 
-/** The plots, which are drawn while they are shown. */
+/** The plots. They are drawn only while they are shown. */
 export class Plots {
   readonly rates = new Plot("frames a second", "Hz");
   readonly latencies = new Plot("from sent to shown", "ms");

@@ -4,13 +4,13 @@ import * as THREE from "three";
 import { shade } from "./colour";
 import type { Frame } from "./frame";
 
-/** Points of one stream in the sensor's own axes, or in its optical ones. */
+/** Points of one stream, in the sensor's own axes or in its optical axes. */
 export class Points {
   readonly object: THREE.Points<THREE.BufferGeometry, THREE.PointsMaterial>;
   private capacity = 0;
   private places = new Float32Array();
   private colours = new Uint8Array();
-  /** Colour of points that have none of their own. */
+  /** Colour of points without a colour of their own. */
   private readonly plain: number;
 
   constructor(topic: string, size: number) {
@@ -47,7 +47,7 @@ export class Points {
     this.colours[4 * index + 3] = 255;
   }
 
-  /** How many there are. */
+  /** Returns the number of points. */
   get count(): number {
     return this.object.geometry.drawRange.count;
   }
@@ -76,7 +76,7 @@ export class Points {
     const { header, payload } = frame;
     const count = header.points ?? 0;
     this.reserve(count);
-    // The strongest return that there is stands for the end of the scale.
+    // The strongest return is the end of the scale.
     let most = 1e-6;
     if (header.colour === "intensity") {
       for (let at = 12; at < 16 * count; at += 16) most = Math.max(most, payload.getFloat32(at, true));
@@ -96,10 +96,10 @@ export class Points {
   }
 }
 
-/** Optical axes (x right, y down, z forward) in those of a body (x forward, y left, z up). */
+/** Rotation from optical axes (x right, y down, z forward) to body axes (x forward, y left, z up). */
 export const BODY_FROM_OPTICAL = new THREE.Quaternion(-0.5, 0.5, -0.5, 0.5);
 
-/** Puts an object where a sensor is. */
+/** Places an object at the pose of a sensor. */
 export function place(
   object: THREE.Object3D,
   position: [number, number, number],

@@ -1,18 +1,18 @@
-// How finely the view is drawn where there is no graphics card: as finely as it can be often enough, and fully once nothing
-// moves.
+// The resolution of the view without a graphics card: full while nothing moves, otherwise as fine as the frame rate
+// allows.
 
-/** A view that takes longer than this, milliseconds, is drawn with fewer pixels. */
+/** If drawing takes longer than this, in milliseconds, the resolution is reduced. */
 const SLOW_MS = 40;
-/** One that takes less, with more. */
+/** If drawing takes less than this, the resolution is increased. */
 const FAST_MS = 20;
-/** What the mean begins with after a change. */
+/** Initial value of the mean after a change. */
 const BETWEEN_MS = 30;
-/** Of a side's pixels, at a time; and at least. */
+/** Factor of one step, and the least fraction, of the pixels of a side. */
 const STEP = 0.8;
 const LEAST = 0.5;
-/** How much the last time counts. */
+/** Weight of the last time in the mean. */
 const WEIGHT = 0.3;
-/** After so long without a change nothing moves. */
+/** The view counts as still after this time without a change. */
 const QUIET_MS = 200;
 
 export class Resolution {
@@ -21,7 +21,7 @@ export class Resolution {
   private mean = BETWEEN_MS;
   private changed = 0;
 
-  /** Which share of the pixels of a side is to be drawn now, if it has to be drawn. */
+  /** Returns the fraction of the pixels of a side to draw now, if the view must be drawn. */
   next(now: number, isChanged: boolean): number | null {
     if (isChanged) {
       this.changed = now;
@@ -33,9 +33,9 @@ export class Resolution {
     return this.shown;
   }
 
-  /** Takes how long it took, milliseconds. */
+  /** Adds the time that drawing took, in milliseconds. */
   tell(took: number) {
-    // What was drawn once it stood does not count.
+    // Drawing in full resolution, while nothing moves, does not count.
     if (this.shown !== this.share) return;
     this.mean += WEIGHT * (took - this.mean);
     if (this.mean > SLOW_MS) this.change(Math.max(LEAST, this.share * STEP));

@@ -1,14 +1,14 @@
-// Sensors clicked in 3D.
+// Clicks on sensors in 3D.
 
 import type { Space } from "./space";
 
-/** A click moves the mouse by no more, pixels. */
+/** Largest movement of the mouse during a click, in pixels. */
 const STEADY = 4;
-/** How far from a sensor one may click, pixels, and how far from it on its robot, metres. */
+/** Largest distance of a click from a sensor, in pixels, and on its robot, in metres. */
 const NEAR = 16;
 const BESIDE = 0.08;
 
-/** The topic of the sensor at a place of the page, of those whose places are known; null if there is none. */
+/** Returns the topic of the sensor at a position on the page, among those whose poses are known; otherwise null. */
 export function sensorAt(
   space: Space,
   [x, y]: [number, number],
@@ -28,7 +28,7 @@ export function sensorAt(
   return nearest((at) => Math.hypot(at[0] - met.x, at[1] - met.y, at[2] - met.z), BESIDE);
 }
 
-/** Tells of clicks that turn, shift and move nothing. */
+/** Reports clicks that rotate, shift and move nothing. */
 export function onClick(canvas: HTMLElement, clicked: (place: [number, number]) => void) {
   let from: [number, number] | null = null;
   canvas.addEventListener("pointerdown", ({ clientX, clientY, button, shiftKey }) => {

@@ -1,4 +1,4 @@
-// What of a sensor can be changed while it runs: bridge/WIRE.md, SensorSettings.
+// Settings of sensors that can be changed at run time: bridge/WIRE.md, SensorSettings.
 
 import type { Frame } from "./frame";
 
@@ -19,7 +19,7 @@ const text = new TextDecoder();
 const OFFSETS = { update_rate: 1600, noise_mean: 1624, noise_stddev: 1648, exposure: 1672 };
 const UNITS: Record<string, string> = { update_rate: "Hz" };
 
-/** The sensors of `simulation/sensor_settings`, with what each has. */
+/** Returns the sensors of `simulation/sensor_settings`, each with its settings. */
 export function sensors({ header, payload }: Frame): Sensor[] {
   return Array.from({ length: header.height }, (_, index) => {
     const at = index * header.rowStride;
@@ -43,7 +43,7 @@ export function sensors({ header, payload }: Frame): Sensor[] {
   });
 }
 
-/** A panel with the settings of a sensor, which tells of what is changed as `name=value`. */
+/** A panel with the settings of a sensor. It reports changes as `name=value`. */
 export function settingsPanel(sensor: Sensor, change: (words: string) => void): HTMLElement {
   const panel = document.createElement("div");
   panel.className = "settings";

@@ -1,6 +1,6 @@
-// Whether there is a graphics card.
+// Detects whether there is a graphics card.
 
-/** Words in the names of renderers that draw on the processor: Chromium's, Mesa's, Windows'. */
+/** Words in the names of software renderers: Chromium's, Mesa's, Windows'. */
 const BY_PROCESSOR = /SwiftShader|llvmpipe|softpipe|Software|Basic Render/i;
 
 function nameOfRenderer(): string {
@@ -11,5 +11,5 @@ function nameOfRenderer(): string {
   return typeof name === "string" ? name : "";
 }
 
-/** Pictures are drawn by the processor, which has other things to do: with less smoothness, and points otherwise. */
+/** True if the processor draws the view: then at a lower rate, and points by other code. */
 export const IS_SOFTWARE = BY_PROCESSOR.test(nameOfRenderer());

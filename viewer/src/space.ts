@@ -1,4 +1,4 @@
-// The world in 3D: models, and what sensors measure of it.
+// The world in 3D: models, and the data of sensors.
 
 import * as THREE from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
@@ -7,20 +7,20 @@ import type { LinkState } from "./frame";
 import { Resolution } from "./resolution";
 import { IS_SOFTWARE } from "./software";
 
-/** Where the camera is at first, from what it looks at, metres; and how high it is for the view from above. */
+/** Initial position of the camera relative to its target, in metres; and its height for the view from above. */
 const HOME: [number, number, number] = [-2.2, -1.2, 1.4];
 const ABOVE = 8;
-/** The camera stays above the floor, by this angle, and comes no nearer than this, metres. */
+/** Least angle of the camera above the floor, and its least distance in metres. */
 const LEAST_ANGLE = 0.03;
 const NEAREST = 0.1;
-/** It goes as far away as this, metres, or so many times as far as the world reaches. */
+/** Largest distance of the camera in metres, or as a multiple of the extent of the world. */
 const FARTHEST = 20;
 const FARTHEST_SHARE = 1.5;
 
-/** A frame that is drawn in so much time, milliseconds, is drawn by a graphics card. */
+/** A frame that takes at most this time, in milliseconds, was drawn by a graphics card. */
 const FAST_MS = 34;
 
-/** The same material by Lambert's law alone, which takes a fraction of the time of a physical one. */
+/** Returns the same material with Lambert's law only, which takes a fraction of the time. */
 function cheap({ name, color, map, side, transparent, opacity, vertexColors }: THREE.MeshStandardMaterial) {
   return new THREE.MeshLambertMaterial({ name, color, map, side, transparent, opacity, vertexColors });
 }
@@ -36,13 +36,13 @@ export class Space {
   private world: THREE.Object3D | undefined;
   private robot: THREE.Object3D | undefined;
   private readonly robotWas = new THREE.Vector3();
-  /** Where the world is lowest. */
+  /** Least height of the world, in metres. */
   private floor = 0;
   private changed = true;
   private isDrawn = false;
   private axesShown = false;
   followsRobot = true;
-  /** Height of what there is, metres. */
+  /** Height of the models, in metres. */
   height = 3;
 
   constructor(private readonly place: HTMLElement) {
@@ -61,7 +61,7 @@ export class Space {
     this.controls.minDistance = NEAREST;
     this.controls.maxDistance = FARTHEST;
     this.controls.addEventListener("change", () => {
-      // What is shifted takes along what it looks at, which must not go under the floor either.
+      // Shifting the camera also shifts its target, which must not go below the floor.
       const below = this.floor - this.controls.target.z;
       if (below > 0) {
         this.controls.target.z += below;
@@ -76,7 +76,7 @@ export class Space {
     this.resize();
   }
 
-  /** Begins to draw, if it has not. */
+  /** Starts drawing, if it has not started. */
   start() {
     if (this.isDrawn) return;
     this.isDrawn = true;
@@ -88,16 +88,16 @@ export class Space {
     const draw = (now: number) => {
       requestAnimationFrame(draw);
       if (drawn !== null) {
-        // What is still being drawn is waited for, so that nothing queues up.
+        // Waits for the previous frame, so that nothing queues up.
         if (gl.getSyncParameter(drawn.fence, gl.SYNC_STATUS) !== gl.SIGNALED) return;
         gl.deleteSync(drawn.fence);
-        // Without a graphics card drawing takes the processors' time: half of it is left to all else.
+        // Without a graphics card, drawing takes processor time; half of it is left for everything else.
         next = now + Math.max(0, now - drawn.began - FAST_MS);
         resolution?.tell(now - drawn.began);
         drawn = null;
       }
       if (now < next) return;
-      // What has not changed is not drawn again.
+      // An unchanged view is not drawn again.
       const wanted = resolution === null ? (this.changed ? 1 : null) : resolution.next(now, this.changed);
       if (wanted === null) return;
       this.changed = false;
@@ -113,7 +113,7 @@ export class Space {
 
   private resize() {
     const { clientWidth, clientHeight } = this.place;
-    // Not laid out: there is nothing to draw on.
+    // Without a layout there is nothing to draw on.
     if (clientWidth === 0 || clientHeight === 0) return;
     this.renderer.setSize(clientWidth, clientHeight);
     this.camera.aspect = clientWidth / clientHeight;
@@ -121,12 +121,12 @@ export class Space {
     this.touch();
   }
 
-  /** Has it drawn again. */
+  /** Requests a redraw. */
   touch() {
     this.changed = true;
   }
 
-  /** Shows what is below this height. */
+  /** Shows only what is below this height. */
   cut(height: number) {
     this.ceiling.constant = height;
     this.touch();
@@ -138,13 +138,13 @@ export class Space {
     this.touch();
   }
 
-  /** Shows the models of a binary glTF file instead of those before, if it is still wanted once it is read. */
+  /** Replaces the models by those of a binary glTF file, unless another one was requested meanwhile. */
   async load(glb: ArrayBuffer, isWanted: () => boolean) {
     const { scene } = await new GLTFLoader().parseAsync(glb, "");
     if (!isWanted()) return;
     this.clear();
     const world = scene.getObjectByName("world") ?? scene;
-    // The file turns z up into y up; here z is up.
+    // In the file y is up; here z is up.
     world.quaternion.identity();
     world.traverse((object) => {
       const link: unknown = object.userData.link;
@@ -201,37 +201,37 @@ export class Space {
     this.controls.update();
   }
 
-  /** Looks as at first: at the robot, from behind. */
+  /** Restores the initial view: the robot from behind. */
   home() {
     this.aim();
     this.look(HOME);
   }
 
-  /** Looks from above, with the world's x up. */
+  /** Shows the view from above, with the world's x axis up. */
   top() {
     this.aim();
-    // Not from the very zenith, where the camera would not know which way is up.
+    // Not exactly from the zenith, where the up direction of the camera is undefined.
     this.look([-1e-3, 0, ABOVE]);
   }
 
-  /** Has the robot, or the middle of the world, in the middle. */
+  /** Centres the robot, or the middle of the world. */
   private aim() {
     const [x, y, z] = this.robotPosition() ?? [0, 0, 0];
     this.controls.target.set(x, y, z + 0.2);
   }
 
-  /** Where the camera is. */
+  /** Returns the position of the camera. */
   get eye(): [number, number, number] {
     return this.camera.position.toArray();
   }
 
-  /** Looks at the robot from a place beside it. */
+  /** Looks at the robot from a position relative to it. */
   look(from: [number, number, number]) {
     this.camera.position.set(...from).add(this.controls.target);
     this.controls.update();
   }
 
-  /** How far the points of a scan lie from where its rays meet the models, metres: what a test asks. */
+  /** Returns the distances between the points of a scan and the models that its rays hit, in metres; for tests. */
   scanDistances(topic: string): number[] {
     const points = this.scene.getObjectByName(topic);
     if (!(points instanceof THREE.Points)) return [];
@@ -250,19 +250,19 @@ export class Space {
     return distances;
   }
 
-  /** The ray from the eye through a place of the view, from -1 to 1. */
+  /** Returns the ray from the eye through a position in the view, from -1 to 1. */
   ray(at: THREE.Vector2): THREE.Ray {
     const caster = new THREE.Raycaster();
-    // It may have been moved since it was drawn.
+    // The camera may have moved since the last frame.
     this.camera.updateMatrixWorld();
     caster.setFromCamera(at, this.camera);
     return caster.ray;
   }
 
-  /** The model under a place of the view, and where it is met. */
+  /** Returns the model at a position in the view, and the point that is hit. */
   pick(at: THREE.Vector2): { model: string; at: THREE.Vector3 } | null {
     const caster = new THREE.Raycaster();
-    // It may have been moved since it was drawn.
+    // The camera may have moved since the last frame.
     this.camera.updateMatrixWorld();
     caster.setFromCamera(at, this.camera);
     const met = caster.intersectObjects([...this.links.values()]).find(({ point }) => point.z < this.ceiling.constant);
@@ -272,7 +272,7 @@ export class Space {
     return { model: (object.userData.link as string).split("::")[0] ?? "", at: met.point };
   }
 
-  /** Where a point of the world is on the page. */
+  /** Returns the position of a point of the world on the page. */
   pixelOf(point: [number, number, number]): [number, number] {
     this.camera.updateMatrixWorld();
     const seen = new THREE.Vector3(...point).project(this.camera);
@@ -280,7 +280,7 @@ export class Space {
     return [box.left + ((seen.x + 1) / 2) * box.width, box.top + ((1 - seen.y) / 2) * box.height];
   }
 
-  /** The other way: a place of the view, from -1 to 1. */
+  /** Converts a position on the page to one in the view, from -1 to 1. */
   placeOf([x, y]: [number, number]): THREE.Vector2 {
     const box = this.renderer.domElement.getBoundingClientRect();
     return new THREE.Vector2(2 * ((x - box.left) / box.width) - 1, 1 - 2 * ((y - box.top) / box.height));
@@ -290,14 +290,14 @@ export class Space {
     return this.renderer.domElement;
   }
 
-  /** Puts links where they are now. */
+  /** Moves links to their current poses. */
   move(states: LinkState[]) {
     const [at, turned] = [new THREE.Vector3(), new THREE.Quaternion()];
     for (const { name, position, orientation } of states) {
       const link = this.links.get(name);
       at.set(...position);
       turned.set(...orientation);
-      // While time stands they are where they were.
+      // While time is paused, links do not move.
       if (link === undefined || (link.position.equals(at) && link.quaternion.equals(turned))) continue;
       link.position.copy(at);
       link.quaternion.copy(turned);
@@ -307,17 +307,17 @@ export class Space {
     else if (this.robot !== undefined) this.robotWas.copy(this.robot.position);
   }
 
-  /** How often it has been drawn. */
+  /** Returns the number of times that the view was drawn. */
   get drawn(): number {
     return this.renderer.info.render.frame;
   }
 
-  /** Where a link is. */
+  /** Returns the pose of a link. */
   linkPosition(name: string): [number, number, number] | null {
     return this.links.get(name)?.position.toArray() ?? null;
   }
 
-  /** Where the robot is. */
+  /** Returns the position of the robot. */
   robotPosition(): [number, number, number] | null {
     return this.robot?.position.toArray() ?? null;
   }

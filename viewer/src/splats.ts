@@ -1,5 +1,5 @@
-// A depth picture as points in space where there is no graphics card: points are put into a picture with depths here, and
-// only that picture is drawn. Software renderers of OpenGL take about 0.5 µs a point, which is a hundred times as long.
+// A depth image as points in space without a graphics card: this code draws the points with their depths into an image,
+// and WebGL draws only that image. Software renderers of OpenGL take about 0.5 µs per point, 25 times as long.
 
 import * as THREE from "three";
 import { rgba, shade } from "./colour";
@@ -40,7 +40,7 @@ interface Colours {
   lens: Intrinsics;
 }
 
-/** Which column (x) or row (y) of the colour camera's picture sees what one of the depths does. */
+/** Returns the column (x) or row (y) of the colour image that corresponds to one of the depths. */
 function seenAt(index: number, axis: "x" | "y", lens: Intrinsics, seen: Colours | undefined): number {
   if (seen === undefined) return 0;
   const ray = (index - lens[`c${axis}`]) / lens[`f${axis}`];
@@ -68,7 +68,7 @@ export class SplattedCloud {
     this.object.geometry.setDrawRange(0, 3);
     this.object.frustumCulled = false;
     this.object.visible = false;
-    // Nothing of it can be met by a ray.
+    // Rays never hit the points.
     this.object.raycast = () => undefined;
     this.object.onBeforeRender = (renderer, _, camera) => {
       renderer.getDrawingBufferSize(this.size);
@@ -76,7 +76,7 @@ export class SplattedCloud {
     };
   }
 
-  /** Takes the newest depths, 16-bit millimetres. */
+  /** Sets the newest depths, 16-bit millimetres. */
   show({ header, payload }: Frame) {
     const { width, height, intrinsics } = header;
     if (intrinsics === undefined || header.encoding !== "16uc1") return;
@@ -87,7 +87,7 @@ export class SplattedCloud {
     this.object.visible = true;
   }
 
-  /** Takes the newest picture of the colour camera beside it. */
+  /** Sets the newest image of the colour camera that belongs to the depth camera. */
   colour(frame: Frame) {
     const { width, height, intrinsics } = frame.header;
     if (intrinsics === undefined || width === 0) return;
@@ -95,7 +95,7 @@ export class SplattedCloud {
     this.seen = pixels === null ? undefined : { pixels: new Uint32Array(pixels.buffer), width, height, lens: intrinsics };
   }
 
-  /** Makes textures of the view's size. */
+  /** Creates textures of the view's size. */
   private reserve(width: number, height: number) {
     if (this.depthTexture.image.width === width && this.depthTexture.image.height === height) return;
     this.colourTexture.dispose();
@@ -108,7 +108,7 @@ export class SplattedCloud {
     (uniforms.depths as { value: THREE.Texture }).value = this.depthTexture;
   }
 
-  /** Puts each point into the pictures as a square of 2 × 2 pixels, the nearest before others. */
+  /** Draws each point as a square of 2 × 2 pixels; the nearest point wins. */
   private splat(width: number, height: number, camera: THREE.Camera) {
     if (this.depths === undefined) return;
     this.reserve(width, height);
@@ -117,7 +117,7 @@ export class SplattedCloud {
     nearest.fill(1);
     const { texels, lens } = this.depths;
     const [columns, rows] = [this.depths.width, this.depths.height];
-    // A pixel's place in the view is depth × (across · column + base of its row) + origin, all in the homogeneous
+    // A pixel's position in the view is depth × (across · column + base of its row) + origin, all in the homogeneous
     // coordinates of pixels.
     const view = new THREE.Matrix4()
       .makeTranslation(width / 2, height / 2, 0.5)
@@ -146,7 +146,7 @@ export class SplattedCloud {
         const share = 1 / (depth * w + ow);
         const [u, v] = [(depth * x + ox) * share - 0.5, (depth * y + oy) * share - 0.5];
         const away = (depth * z + oz) * share;
-        // Behind the eye, or beside the view.
+        // Behind the eye, or outside the view.
         if (!(share > 0 && away > 0 && u >= 0 && v >= 0 && u < width - 1 && v < height - 1)) continue;
         const shade = Math.min(SHADES.length - 1, Math.max(0, Math.floor((depth - lens.near) * shades)));
         const colour = (seen === undefined ? SHADES[shade] : seen.pixels[line + (across[column] as number)]) as number;

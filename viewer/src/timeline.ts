@@ -1,11 +1,11 @@
-// The time line of a recording: where it is, and where one wants it to be.
+// The time line of a recording: its current and its requested position.
 
 export interface Playhead {
   /** Seconds from the first message to the last. */
   duration: number;
   /** Seconds after the first message. */
   position: number;
-  /** Recorded seconds in a second. */
+  /** Recorded seconds per second. */
   rate: number;
   paused: boolean;
 }
@@ -17,7 +17,7 @@ interface Wishes {
 }
 
 const RATES = [0.1, 0.25, 0.5, 1, 2, 4, 10];
-/** After a drag so long nothing is believed of where it was before. */
+/** For this time after a drag, reports of the old position are ignored. */
 const SETTLING_MS = 300;
 
 function clock(seconds: number): string {
@@ -51,7 +51,7 @@ export class Timeline {
     this.play.addEventListener("click", wishes.togglePause);
   }
 
-  /** None for a simulation. */
+  /** The state of the replay; undefined for a simulation. */
   get playhead(): Playhead | undefined {
     return this.head;
   }
@@ -60,13 +60,13 @@ export class Timeline {
     this.head = head;
     this.place.hidden = false;
     this.bar.max = String(head.duration);
-    // The thumb stays under the hand.
+    // The thumb stays under the pointer.
     if (performance.now() - this.draggedAt > SETTLING_MS) {
       this.bar.value = String(head.position);
       this.showPosition(head.position);
     }
     const rate = String(head.rate);
-    // Another page may have asked for one that is not in the list.
+    // Another page may have set a rate that is not in the list.
     if (![...this.rate.options].some(({ value }) => value === rate)) this.rate.append(new Option(`${rate} ×`, rate));
     this.rate.value = rate;
     this.play.textContent = head.paused ? "▶" : "⏸";

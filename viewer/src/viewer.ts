@@ -15,9 +15,9 @@ import { Timeline } from "./timeline";
 const LINK_STATES = "simulation/link_states";
 const MODEL_STATES = "simulation/model_states";
 const SENSOR_SETTINGS = "simulation/sensor_settings";
-/** Longest wait for a frame that is asked for once. */
+/** Longest wait for a frame that is requested once. */
 const PATIENCE_MS = 10000;
-/** The 3D view waits so long for the first picture, which comes sooner while it has not begun. */
+/** The 3D view starts after this time at the latest, so that the first image is not delayed. */
 const HEAD_START_MS = 600;
 
 function element<T extends HTMLElement>(id: string): T {
@@ -31,7 +31,7 @@ const [pause, driven] = [element<HTMLButtonElement>("pause"), element<HTMLSelect
 const cut = element<HTMLInputElement>("cut");
 
 let stamp = 0;
-/** States that came with the same stamp: while time stands they are repeated. */
+/** Number of states with the same timestamp; they are repeated while time is paused. */
 let repeated = 0;
 let isConnected = false;
 let scene = 0;
@@ -62,7 +62,7 @@ const connection = new Connection(socket, (page) => `/frames?${query}&page=${pag
   onTimeline: (playhead) => {
     document.body.classList.add("recorded");
     timeline.show(playhead);
-    // Both buttons say the same, and a click on either means what they say.
+    // Both buttons have the same label, and a click on either does what it says.
     showState();
   },
   onMessage: complain,
@@ -78,7 +78,7 @@ const timeline = new Timeline(element("timeline"), {
 });
 const layers = new Layers(connection, space, element("pictures"));
 const plots = new Plots(element("plots"));
-/** How to end what follows odometry for its plot. */
+/** Ends the subscription to odometry for its plot. */
 let plotted: (() => void)[] = [];
 
 async function loadScene(edition: number) {
@@ -92,9 +92,9 @@ async function loadScene(edition: number) {
   const isNewest = () => scene === edition;
   await space.load(await answer.arrayBuffer(), isNewest);
   if (!isNewest()) return;
-  // Rooms have ceilings; one looks in from above.
+  // Rooms have ceilings, which would hide the room from above.
   cut.max = String(Math.max(1, Math.ceil(space.height)));
-  // What the user chose stays when models come and go.
+  // The user's choice stays when models are added or removed.
   if (isCut) return;
   isCut = true;
   setCut(space.height > 1.5 && space.height < 10 ? space.height * 0.75 : Number(cut.max));
@@ -106,7 +106,7 @@ function setCut(height: number) {
   space.cut(height);
 }
 
-/** What was chosen before, by key. */
+/** Stored choices, by key. */
 function chosen(): Record<string, boolean> {
   try {
     return JSON.parse(localStorage.getItem("shown") ?? "{}") as Record<string, boolean>;
@@ -132,7 +132,7 @@ function showStreams(streams: Stream[]) {
   driven.replaceChildren(...robots.map(({ topic }) => new Option(`/${topic}`, topic, false, topic === was)));
 }
 
-/** Follows odometry while its plot is shown. */
+/** Subscribes to odometry while its plot is shown. */
 function plotOdometry() {
   for (const end of plotted) end();
   const isShown = plots.isShown;
@@ -151,7 +151,7 @@ element<HTMLInputElement>("plotted").addEventListener("change", (event) => {
   plotOdometry();
 });
 
-/** The name of what a sensor's topics have in common. */
+/** Returns the common prefix of a sensor's topics. */
 function heading(folder: string): HTMLElement {
   const item = document.createElement("li");
   item.className = "folder";
@@ -203,7 +203,7 @@ function row(choice: Choice): HTMLElement {
 let known: Sensor[] = [];
 let shownSensor: string | null = null;
 
-/** Shows what can be changed of the sensor that sends a topic, or no more. */
+/** Shows the settings of the sensor that publishes a topic, or hides them. */
 function showSettings(topic: string | null) {
   shownSensor = topic === shownSensor ? null : topic;
   refreshSettings();
@@ -226,7 +226,7 @@ layers.follow(SENSOR_SETTINGS, (frame) => {
   refreshSettings();
 });
 
-/** Where the sensors are whose frames are shown. */
+/** Returns the poses of the sensors whose frames are shown. */
 function sensorPlaces(): Map<string, [number, number, number]> {
   return new Map(
     [...layers.tallies].flatMap(([topic, { place }]) => (place !== null && layers.isFollowed(topic) ? [[topic, place]] : [])),
@@ -274,7 +274,7 @@ async function control(operation: string, more: object = {}) {
 }
 
 function togglePause() {
-  // What the button says, even if time has just been stopped or let go otherwise.
+  // Does what the button says, even if time was just paused or resumed by other means.
   void control(state.dataset.is === "paused" ? "resume" : "pause");
 }
 
@@ -345,7 +345,7 @@ setInterval(() => {
 
 declare global {
   interface Window {
-    /** What is shown now, for the console and for tests. */
+    /** The current state, for the console and for tests. */
     viewer: () => object;
     space: Space;
   }

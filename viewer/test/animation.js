@@ -1,7 +1,7 @@
-// Screenshots as one moving picture: animated WebP, whose frames Chromium encodes and which are put together here.
+// Combines screenshots into an animated WebP. Chromium encodes the frames.
 import { Buffer } from "node:buffer";
 
-/** Encodes a PNG by the browser: the chunks of a still WebP that carry the picture. */
+/** Encodes a PNG with the browser. Returns the chunks of a still WebP that contain the image. */
 async function encode(page, png, width, height) {
   const base64 = await page.evaluate(
     async ({ png, width, height }) => {
@@ -35,20 +35,20 @@ function chunk(name, data) {
   return Buffer.concat([head, data, Buffer.alloc(data.length % 2)]);
 }
 
-/** Three bytes, little-endian, as the format has its sizes. */
+/** Returns a size as in the format: three bytes, little-endian. */
 function threeBytes(value) {
   return Buffer.from([value & 255, (value >> 8) & 255, value >> 16]);
 }
 
-/** An endless WebP of these PNGs, each shown for so long. `page` is any page of a browser. */
+/** Creates a looping WebP from PNGs, each with its duration. `page` is any page of a browser. */
 export async function animate(page, pngs, { width, height, periodMs }) {
   const size = Buffer.concat([threeBytes(width - 1), threeBytes(height - 1)]);
-  // Of the features: that it moves.
+  // The only feature flag: animation.
   const parts = [chunk("VP8X", Buffer.concat([Buffer.from([2, 0, 0, 0]), size])), chunk("ANIM", Buffer.alloc(6))];
   for (const png of pngs) {
     const frame = await encode(page, png, width, height);
     const place = Buffer.alloc(6);
-    // It takes the place of the one before, without blending.
+    // Each frame replaces the previous one, without blending.
     parts.push(chunk("ANMF", Buffer.concat([place, size, threeBytes(periodMs), Buffer.from([2]), frame])));
   }
   return chunk("RIFF", Buffer.concat([Buffer.from("WEBP", "latin1"), ...parts]));

@@ -1,4 +1,4 @@
-// Lichtblick's own client code as the other end: channels, messages, time, parameters, velocities.
+// Tests the server with Lichtblick's own client code: channels, messages, time, parameters, velocities.
 import assert from "node:assert/strict";
 import protocol from "@foxglove/ws-protocol";
 import rosmsg from "@lichtblick/rosmsg";
@@ -6,12 +6,12 @@ import serialization from "@lichtblick/rosmsg-serialization";
 import { WebSocket } from "ws";
 import { end, killAll, start, until } from "./simulator.js";
 
-// They are CommonJS.
+// These packages are CommonJS.
 const { FoxgloveClient } = protocol;
 const { parse } = rosmsg;
 const { MessageReader, MessageWriter } = serialization;
 
-/** The schemas that a connection is sent beside its channels, as `foxglove.sdk.v1.1` has it, by their numbers: each once. */
+/** The table of schemas that a connection is sent with `foxglove.sdk.v1.1`, by number; each is sent once. */
 function tableOf(connection) {
   const schemas = new Map();
   connection.on("message", (data, isBinary) => {
@@ -39,7 +39,7 @@ try {
     client.on("serverInfo", (event) => (info = event));
     client.on("advertise", (added) => {
       for (const { schemaId, ...channel } of added) {
-        // The client knows no table: what it has is put into the channel.
+        // The client does not support the table, so the schema is copied into the channel.
         const { name: schemaName, data: schema } = table.get(schemaId) ?? {};
         channels.set(channel.topic, schemaId === undefined ? channel : { ...channel, schemaName, schema });
       }
@@ -76,7 +76,7 @@ try {
     assert.match(value("/robot_description"), /<robot[\s\S]*base_link/);
     assert.equal(value("/use_sim_time"), true);
 
-    // Velocities in both encodings.
+    // Velocity commands in both encodings.
     for (const encoding of ["ros1", "json"]) {
       const channel = client.advertise({ topic: "/cmd_vel", encoding, schemaName: "geometry_msgs/Twist" });
       const twist = { linear: { x: 0.3, y: 0, z: 0 }, angular: { x: 0, y: 0, z: 0 } };

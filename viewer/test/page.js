@@ -1,4 +1,4 @@
-// The page in Chromium against a live simulator: the argument is belvedere's program.
+// Tests the page in Chromium with a live simulator. The argument is the program belvedere.
 import assert from "node:assert/strict";
 import { chromium } from "playwright-core";
 import { end, killAll, sleep, start, until } from "./simulator.js";
@@ -23,7 +23,7 @@ async function open(url, size = { width: 1280, height: 720 }) {
 }
 
 const viewer = (page) => page.evaluate(() => window.viewer());
-/** The pixels of a camera's panel, as a sum that another picture has not. */
+/** Returns a checksum of the pixels of a camera's panel. */
 const pixels = (page, topic) =>
   page.evaluate((topic) => {
     const canvas = document.querySelector(`figure[data-topic="${topic}"] canvas`);
@@ -39,7 +39,7 @@ try {
   const page = await open(simulator.url);
 
   const first = await until("a picture", async () => (await viewer(page)).firstPictureMs);
-  console.log(`first picture ${first.toFixed(0)} ms after the page began to load`);
+  console.log(`the first image appears ${first.toFixed(0)} ms after the page began to load`);
 
   await until("the robot", async () => (await viewer(page)).robot);
   await until("running", async () => (await viewer(page)).state === "running");
@@ -57,9 +57,9 @@ try {
   await until("paused", async () => (await viewer(page)).state === "paused");
   await page.click("#pause");
   await until("running", async () => (await viewer(page)).stamp > stepped);
-  console.log("pause stops it, a step is ten steps of physics");
+  console.log("pause pauses, and a step is ten steps of physics");
 
-  // Space pauses and resumes, whatever was clicked before.
+  // Space pauses and resumes, regardless of what was clicked before.
   await page.click("#reset");
   await until("reset", async () => (await viewer(page)).stamp < stood[0]);
   const reset = (await viewer(page)).stamp;
@@ -70,7 +70,7 @@ try {
   const standing = (await viewer(page)).stamp;
   await page.click("#step");
   await until("a step", async () => (await viewer(page)).stamp > standing);
-  // While the stamp changes, the page says that time runs, and space would pause.
+  // While the timestamp changes, the page shows that time runs, and space would pause.
   await sleep(1000);
   await until("paused after the step", async () => (await viewer(page)).state === "paused");
   await page.check("#frames");
@@ -80,7 +80,7 @@ try {
   assert.equal(await page.isChecked("#frames"), false);
   console.log("space pauses and resumes after clicks on buttons");
 
-  // The camera stays above the floor and near the world, and there is a way back.
+  // The camera stays above the floor and near the world, and can return to the initial view.
   const home = (await viewer(page)).eye;
   const view = await page.locator("#space canvas").boundingBox();
   const middle = [view.x + view.width / 2, view.y + view.height / 2];
@@ -104,7 +104,7 @@ try {
   assert.ok(Math.hypot(...back.map((axis, index) => axis - home[index])) < 0.3, `${back} instead of ${home}`);
   console.log("the camera stays above the floor; home and top");
 
-  // A picture of depths says what its colours are, and what the stream is.
+  // A depth image shows the scale of its colours and the type of its stream.
   const DEPTH = "camera/depth/image_raw";
   await page.check(`[data-key="${DEPTH}"]`);
   const panel = page.locator(`figure[data-topic="${DEPTH}"]`);
@@ -124,7 +124,7 @@ try {
   });
   await page.keyboard.up("ArrowUp");
   assert.notEqual(await pixels(page, PICTURE), seen);
-  console.log("keys drive it, and its picture moves");
+  console.log("keys drive the robot, and the camera image changes");
 
   await page.click(`li:has([data-key="${PICTURE}"]) .gear`);
   const setting = page.locator('[data-setting="update_rate"]');
@@ -134,9 +134,9 @@ try {
   await until("that the simulator takes it", () =>
     page.evaluate(() => window.viewer().settings.some((sensor) => sensor.settings.some(({ name, value }) => name === "update_rate" && value === 5))),
   );
-  console.log("a sensor's rate is changed");
+  console.log("the rate of a sensor can be changed");
 
-  // A click on the camera, where it is in 3D, shows what of it can be changed; one beside it does not.
+  // A click on the camera in 3D opens its settings; a click beside it does not.
   await page.click(`li:has([data-key="${PICTURE}"]) .gear`);
   assert.equal((await viewer(page)).shownSensor, null);
   await page.click("#pause");
@@ -164,7 +164,7 @@ try {
     return forwards > 0.2 && latencies[`/${PICTURE}`] > 0 && { rates, latencies };
   });
   await page.keyboard.up("ArrowUp");
-  // Its rate was set to 5.
+  // Its rate was set to 5 Hz.
   const [rate, latency] = [plots.rates[`/${PICTURE}`], plots.latencies[`/${PICTURE}`]];
   assert.ok(rate > 0 && rate < 8 && latency < 3000, `${rate} Hz, ${latency} ms`);
   const drawn = await page.evaluate(() =>
@@ -175,7 +175,7 @@ try {
   );
   assert.ok(drawn.length === 3 && drawn.every((colours) => colours > 3), `${drawn} colours`);
   await page.uncheck("#plotted");
-  console.log(`plots: ${rate.toFixed(1)} pictures a second, ${latency.toFixed(0)} ms from sent to shown`);
+  console.log(`plots: ${rate.toFixed(1)} images per second, latency ${latency.toFixed(0)} ms`);
 
   // The cube is dragged by its upper face, seen from above.
   await page.evaluate(() => window.space.look([-0.02, 0, 4.2]));
@@ -192,21 +192,21 @@ try {
     const now = await cube();
     return Math.hypot(now[0] - from[0], now[1] - from[1]) > 0.05;
   });
-  console.log("a model is moved by the mouse");
+  console.log("the mouse moves a model");
 
   await page.click("#reset");
   await until("reset", async () => (await viewer(page)).stamp < stood[0]);
 
   await end(simulator, "SIGKILL");
   await until("gone", async () => (await viewer(page)).state === "gone");
-  // A browser says that nobody listens, as it should.
+  // The browser reports the refused connection, as expected.
   problems = problems.filter((text) => !text.includes("ERR_CONNECTION_REFUSED"));
   simulator = await start(domain, port, KINECT);
   const frames = (await viewer(page)).frames[PICTURE];
   await until("pictures again", async () => (await viewer(page)).frames[PICTURE] > frames + 3);
   problems = problems.filter((text) => !text.includes("ERR_CONNECTION_REFUSED"));
-  console.log("it goes on after the simulator was killed and started again");
-  // While plots are hidden their old values go, too.
+  console.log("the page continues after the simulator was killed and restarted");
+  // Old values of plots are removed even while the plots are hidden.
   const kept = await until("some values", async () => ((await viewer(page)).plots.size > 12 ? (await viewer(page)).plots.size : 0));
   await page.evaluate(() => {
     const now = performance.now.bind(performance);
@@ -215,7 +215,7 @@ try {
   await until("fewer values", async () => (await viewer(page)).plots.size < kept);
   await page.close();
 
-  // A phone, and half a window: all is within its width, and the world is seen.
+  // On a phone and in half a window, everything fits the width, and the world is visible.
   for (const size of [{ width: 480, height: 800 }, { width: 800, height: 600 }]) {
     const small = await open(simulator.url, size);
     await until("a picture", async () => (await viewer(small)).firstPictureMs);
@@ -227,10 +227,10 @@ try {
     assert.ok(await small.locator("#pause").isVisible());
     await small.close();
   }
-  console.log("small windows show all of it");
+  console.log("small windows show everything");
   await end(simulator);
 
-  // The robot stands in its scan: seen from above, the scan's points lie on the walls and things of the world.
+  // Seen from above, the points of the scan lie on the walls and objects of the world.
   simulator = await start(domain, 0, ["--robot", "kobuki_nostack_rplidar", "--world", "playground", "--drive", "still"]);
   const plan = await open(simulator.url);
   const found = await until("a scan", () =>

@@ -1,4 +1,4 @@
-// The documentation's pictures of the viewer: belvedere's program, then the folder that they are written to.
+// Writes the documentation's images of the viewer. Arguments: the program belvedere, and the output folder.
 import assert from "node:assert/strict";
 import { mkdirSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -20,7 +20,7 @@ const ROBOTS = [
   "kobuki_hexagons_vlp16_d435",
   "create_circles_kinect",
 ];
-/** Each world with the place that it is looked at from, relative to the robot. */
+/** Each world with the position of the camera relative to the robot. */
 const WORLDS = [
   { world: "tag_ceiling", from: [-3.6, -2.4, 3.2] },
   { world: "playground", from: [-6, -5, 5] },
@@ -47,13 +47,13 @@ async function open(url, size) {
   return page;
 }
 
-/** Waits until what was asked for has been drawn. */
+/** Waits until the requested view has been drawn. */
 async function drawn(page) {
   await until("that it stands", async () => (await viewer(page)).state === "paused");
   await sleep(900);
 }
 
-/** Saves what the 3D view shows of a robot or a world from a place beside the robot. */
+/** Saves the 3D view of a robot or a world from a position relative to the robot. */
 async function portray(args, from, path) {
   const simulator = await start(domain, 0, [...args, "--drive", "still"]);
   const page = await browser.newPage({ viewport: { width: 800, height: 520 } });
@@ -93,7 +93,7 @@ try {
   }
   const moving = await animate(page, shots, { width: 880, height: 440, periodMs: 100 });
   writeFileSync(join(pictures, "viewer.webp"), moving);
-  console.log(`a moving picture of ${(moving.length / 1e6).toFixed(2)} MB`);
+  console.log(`an animation of ${(moving.length / 1e6).toFixed(2)} MB`);
   assert.ok(moving.length < 2e6);
   await end(simulator);
 

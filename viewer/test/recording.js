@@ -1,4 +1,4 @@
-// A recording on the page, along its time line, in Chromium: the argument is belvedere's program.
+// Tests a recording on the page and its time line in Chromium. The argument is the program belvedere.
 import assert from "node:assert/strict";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -26,14 +26,14 @@ try {
   const viewer = () => page.evaluate(() => window.viewer());
   const head = async () => (await viewer()).timeline;
   const bar = page.locator('#timeline [data-is="bar"]');
-  /** The picture's pixels as a number. */
+  /** Returns a checksum of the pixels of the image. */
   const pixels = () =>
     page.evaluate((topic) => {
       const canvas = document.querySelector(`figure[data-topic="${topic}"] canvas`);
       const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
       return data.reduce((sum, value, index) => (Math.imul(sum, 31) + value * ((index % 7) + 1)) | 0, 7);
     }, PICTURE);
-  /** Drags the bar's thumb to a share of its length; gives what is seen then, once it stays. */
+  /** Drags the thumb of the time line to a fraction of its length. Returns the image once it no longer changes. */
   const dragTo = async (share) => {
     const box = await bar.boundingBox();
     const place = ((await head()).position / (await head()).duration) * (box.width - 16) + 8;
@@ -43,7 +43,7 @@ try {
     await page.mouse.up();
     const wanted = Number(await bar.inputValue());
     const began = performance.now();
-    // As fast as it can a stream is recorded a little after others.
+    // At full speed, streams are recorded with small delays between them.
     const near = async () => Math.abs((await viewer()).stamp / 1e9 - wanted) < 0.4;
     await until(`the states at ${wanted} s`, near);
     const took = performance.now() - began;
@@ -78,9 +78,9 @@ try {
     const { robot } = await viewer();
     return (await pixels()) === late.pixels && robot.every((axis, index) => axis === late.robot[index]);
   });
-  console.log(`it is seen as it was wherever it is dragged to, ${Math.max(late.took, early.took).toFixed(0)} ms after`);
+  console.log(`dragging shows the state at that time after ${Math.max(late.took, early.took).toFixed(0)} ms`);
 
-  // What was clicked leaves space to what it is for.
+  // A clicked element does not take the space key.
   await dragTo(0.1);
   await page.keyboard.press("Space");
   await until("that it plays by space", async () => !(await head()).paused);
@@ -92,12 +92,12 @@ try {
   await page.click('#timeline [data-is="play"]');
   await until("the end", async () => (await head()).position === duration && (await head()).paused);
   const rate = (duration - from) / ((performance.now() - began) / 1000);
-  // A busy machine may not keep up with it.
+  // A busy machine may not keep up with this rate.
   assert.ok(rate < 4.5, `${rate} instead of 4`);
   assert.equal((await head()).rate, 4);
   await page.click('#timeline [data-is="play"]');
   await until("the beginning again", async () => (await head()).position < duration - 0.5);
-  console.log(`played at the rate 4: ${rate.toFixed(1)}; at its end it stands, and begins again`);
+  console.log(`played at rate 4: ${rate.toFixed(1)}; it stops at the end, and can be started again`);
   assert.deepEqual(problems, []);
 
   await end(player);

@@ -1,4 +1,4 @@
-// What is seen in Chromium, by comparing screenshots: belvedere's program.
+// Tests the page in Chromium by comparing screenshots. The argument is the program belvedere.
 import assert from "node:assert/strict";
 import pixelmatch from "pixelmatch";
 import { chromium } from "playwright-core";
@@ -9,9 +9,9 @@ import { end, killAll, sleep, start, until } from "./simulator.js";
 const PICTURE = "camera/rgb/image_raw";
 const DEPTHS = "camera/depth/image_raw";
 const SIZE = { width: 1280, height: 720 };
-/** How far from where its range says a pixel of a scan's point may be: half of a point's four, and rounding. */
+/** Largest distance in pixels between a point of a scan and its range: half of a point of four pixels, and rounding. */
 const POINT_PX = 3;
-/** Pixels that differ after the robot was driven, at least; there are about ten times as many. */
+/** Least number of pixels that differ after the robot was driven; the actual number is about ten times as large. */
 const MANY = 2000;
 
 const browser = await chromium.launch({
@@ -19,10 +19,10 @@ const browser = await chromium.launch({
   args: ["--no-sandbox"],
 });
 
-/** A screenshot of a part of the page. */
+/** Takes a screenshot of a part of the page. */
 const shoot = async (page, part) => PNG.sync.read(await page.locator(part).screenshot());
 
-/** How many pixels of two screenshots differ, and which; by default as an eye sees it, as Chromium draws corners anew. */
+/** Compares the pixels of two screenshots; by default as perceived, because Chromium may draw corners differently. */
 function compare(one, other, threshold = 0.1) {
   assert.deepEqual([one.width, one.height], [other.width, other.height]);
   const mask = new PNG({ width: one.width, height: one.height });
@@ -35,9 +35,10 @@ function compare(one, other, threshold = 0.1) {
   return { count, pixels };
 }
 
-/** Waits until a part of the page has looked the same for a second and a half, and gives how it looks. */
+/** Waits until a part of the page has not changed for a second and a half. Returns its screenshot. */
 async function settled(page, part) {
-  // Without a graphics card the view is drawn finely only once nothing moves; on a busy machine a frame may come late.
+  // Without a graphics card, the view has full resolution only while nothing moves; on a busy machine a frame may be
+  // late.
   let [before, same] = [await shoot(page, part), 0];
   return until(`${part} stays as it looks`, async () => {
     await sleep(500);
@@ -53,7 +54,7 @@ async function setTime(page, wanted) {
   await until(wanted, () => page.evaluate((wanted) => window.viewer().state === wanted, wanted));
 }
 
-/** Follows a stream as a client of its own; gives what has the newest frame of it. */
+/** Subscribes to a stream as a separate client. Returns an object with the newest frame. */
 function follow(url, topic) {
   const socket = new WebSocket(url.replace("http:", "ws:"));
   const ask = () => socket.send(JSON.stringify({ op: "next", topic }));
@@ -67,7 +68,7 @@ function follow(url, topic) {
   return { newest: () => newest, end: () => socket.close() };
 }
 
-/** The points of a frame of a scan whose scanner stands upright: an implementation that is not the page's. */
+/** Returns the points of a scan of an upright scanner, by code that does not come from the page. */
 function pointsOf(frame) {
   const length = frame.readUInt32LE(0);
   const { position, orientation, width, elemStride, scan } = JSON.parse(frame.toString("utf8", 4, 4 + length));
@@ -82,7 +83,7 @@ function pointsOf(frame) {
   return points;
 }
 
-/** Where the page's camera sees the points of a frame of depths, in pixels of the view, each once. */
+/** Projects the points of a depth frame with the page's camera to pixels of the view, each once. */
 function pixelsOf(page, frame) {
   const length = frame.readUInt32LE(0);
   const header = JSON.parse(frame.toString("utf8", 4, 4 + length));
@@ -96,7 +97,7 @@ function pixelsOf(page, frame) {
       const found = new Set();
       texels.forEach((millimetres, index) => {
         if (millimetres === 0 || millimetres === 65535) return;
-        // Forwards, to the left and up, and turned as the sensor is: v + 2 w (q × v) + 2 q × (q × v).
+        // Forwards, left and up, rotated by the orientation of the sensor: v + 2 w (q × v) + 2 q × (q × v).
         const depth = millimetres / 1000;
         const [column, row] = [index % header.width, Math.floor(index / header.width)];
         const v = [depth, (-depth * (column - cx)) / fx, (-depth * (row - cy)) / fy];
@@ -126,7 +127,7 @@ try {
   const depths = follow(driven.url, DEPTHS);
   await until("that both follow it", depths.newest);
 
-  // While time stands nothing moves, not a pixel of the page.
+  // While time is paused, no pixel of the page changes.
   await setTime(page, "paused");
   const rates = () => page.locator(".rate").allTextContents();
   await until("that no frames come", async () => (await rates()).join("") === "");
@@ -134,12 +135,12 @@ try {
   await sleep(1000);
   assert.equal(compare(stood.page, await shoot(page, "body")).count, 0);
 
-  // The cloud is where the depths say.
+  // The cloud is at the positions given by the depths.
   const cloud = await pixelsOf(page, depths.newest());
   depths.end();
   const near = new Set(cloud.flatMap(([x, y]) => [-1, 0, 1].flatMap((u) => [-1, 0, 1].map((v) => `${x + u} ${y + v}`))));
   await page.uncheck(`[data-key="${DEPTHS}#space"]`);
-  // It has about the colours of what it lies on.
+  // Its colours are about those of the surfaces on which it lies.
   const ofCloud = compare(stood.space, await settled(page, "#space"), 0.02).pixels;
   const outside = ofCloud.filter(([x, y]) => !near.has(`${x} ${y}`));
   assert.deepEqual(outside, []);
@@ -147,7 +148,7 @@ try {
   console.log(`the cloud: all ${ofCloud.length} pixels of it are within 1 of where its depths say`);
   await page.check(`[data-key="${DEPTHS}#space"]`);
 
-  // It is driven: both the world in 3D and the camera's picture look otherwise, and then stand again.
+  // The robot is driven: the 3D view and the camera image change, and then stay the same again.
   await setTime(page, "running");
   const from = await page.evaluate(() => window.viewer().robot);
   await page.keyboard.down("ArrowUp");
@@ -167,7 +168,7 @@ try {
     picture: compare(stood.picture, await shoot(page, panel)),
   };
   assert.ok(moved.space.count > MANY && moved.picture.count > MANY, JSON.stringify(moved));
-  console.log("time that stands changes no pixel of the page");
+  console.log("while time is paused, no pixel of the page changes");
   console.log(
     `driven, ${change} pixels of the picture change from one look to the next; when it stands again, ` +
       `${moved.picture.count} of the picture and ${moved.space.count} of the 3D view have`,
@@ -175,7 +176,7 @@ try {
   await page.close();
   await end(driven);
 
-  // The robot stands in its scan: seen from above, what the scan adds to the view is where its ranges say, on things.
+  // Seen from above, the pixels that the scan adds to the view are at the positions given by its ranges, on objects.
   const scanning = await start(domain, 0, ["--robot", "kobuki_nostack_rplidar", "--world", "playground", "--drive", "still"]);
   const plan = await browser.newPage({ viewport: SIZE });
   await plan.goto(scanning.url);
@@ -198,7 +199,7 @@ try {
   assert.deepEqual(strays, []);
   const inView = points.filter(([x, y]) => x > POINT_PX && y > POINT_PX && x < shown.width - POINT_PX && y < shown.height - POINT_PX);
   const seen = inView.filter((point) => added.pixels.some((pixel) => distance(pixel, point) <= POINT_PX));
-  // By its noise every other range ends behind what it hit.
+  // Because of noise, every other range ends behind the surface that it hit.
   assert.ok(inView.length > 100 && seen.length > inView.length / 3, `${seen.length} of ${inView.length}`);
   const modelsAt = (places) =>
     plan.evaluate((places) => {
@@ -213,7 +214,7 @@ try {
   const [itself, ...hit] = await modelsAt([robot, ...seen]);
   assert.equal(itself, "turtlebot");
   const onThings = hit.filter((model) => model !== undefined && model !== "ground_plane");
-  // At a corner, or nearer by its noise, one may have the floor behind it.
+  // At a corner, or if noise makes it nearer, a point may have the floor behind it.
   assert.ok(onThings.length > 0.8 * hit.length && new Set(onThings).size >= 4, hit.join(" "));
   console.log(
     `the robot stands in its scan: all ${added.count} pixels of it are within ${POINT_PX} of where its ranges say, ` +

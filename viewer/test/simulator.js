@@ -1,4 +1,4 @@
-// A simulator or a recording with its page, for tests: belvedere's program is the first argument.
+// Starts a simulator or a recording with its page, for tests. The first argument is the program belvedere.
 import { execFileSync, spawn } from "node:child_process";
 import { createInterface } from "node:readline";
 
@@ -6,7 +6,7 @@ const program = process.argv[2];
 const TOKEN = "token-of-the-test";
 const children = new Set();
 
-/** Starts a simulator with its page, and gives the process and the page's address. */
+/** Starts a simulator with its page. Returns the process and the page's URL. */
 export function start(domain, port, args) {
   return serve(["run", "--view", ...args], domain, port);
 }
@@ -16,7 +16,7 @@ export function play(domain, file) {
   return serve(["view", file], domain, 0);
 }
 
-/** Records a run of so many seconds. */
+/** Records a run of the given number of seconds. */
 export function record(domain, file, seconds, args) {
   const pace = ["--rate", "max", "--duration", String(seconds), "--record", file];
   execFileSync(program, ["run", "--domain", domain, ...pace, ...args], { stdio: "ignore" });
@@ -37,21 +37,21 @@ async function serve(command, domain, port) {
   throw new Error("the simulator printed no address");
 }
 
-/** Ends it, and waits until it has. */
+/** Ends a process, and waits for its end. */
 export async function end({ child }, signal = "SIGINT") {
   const gone = new Promise((resolve) => child.once("exit", resolve));
   child.kill(signal);
   await gone;
 }
 
-/** Ends all that still run. */
+/** Ends all processes that still run. */
 export function killAll() {
   for (const child of children) child.kill("SIGINT");
 }
 
 export const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Waits until something holds, and gives it. */
+/** Waits until a function returns a truthy value, and returns the value. */
 export async function until(what, holds, ms = 30000) {
   const deadline = performance.now() + ms;
   while (performance.now() < deadline) {

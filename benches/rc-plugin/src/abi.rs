@@ -25,7 +25,7 @@ pub(crate) struct Rays {
     pad: u32,
 }
 
-/// Where results go.
+/// The memory for results.
 #[repr(C)]
 pub(crate) struct Hits {
     t: *mut f32,
@@ -33,10 +33,10 @@ pub(crate) struct Hits {
     prim: *mut u32,
 }
 
-/// A slice of what may be a null pointer when it is empty.
+/// Returns a slice, also for a null pointer if it is empty.
 ///
 /// # Safety
-/// `data` must be valid for reads of `length` elements, and nothing writes them while the slice lives.
+/// `data` must be valid for reads of `length` elements, which are not written while the slice lives.
 unsafe fn elements<'a, T>(data: *const T, length: u64) -> &'a [T] {
     if length == 0 || data.is_null() {
         return &[];
@@ -45,7 +45,7 @@ unsafe fn elements<'a, T>(data: *const T, length: u64) -> &'a [T] {
     unsafe { slice::from_raw_parts(data, length as usize) }
 }
 
-/// As [`elements`], to be written.
+/// Like [`elements`], but mutable.
 ///
 /// # Safety
 /// `data` must be valid for reads and writes of `length` elements that nothing else touches meanwhile.
@@ -57,30 +57,30 @@ unsafe fn elements_mut<'a, T>(data: *mut T, length: u64) -> &'a mut [T] {
     unsafe { slice::from_raw_parts_mut(data, length as usize) }
 }
 
-/// How many casters there are.
+/// Returns the number of casters.
 // SAFETY: nothing else in the process has this name; the benchmark loads each plugin by itself.
 #[unsafe(no_mangle)]
 extern "C" fn rc_count() -> c_int {
     1
 }
 
-/// The name of the caster.
+/// Returns the name of the caster.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
 extern "C" fn rc_name(_caster: c_int) -> *const c_char {
     c"belvedere".as_ptr()
 }
 
-/// A caster for a mesh, or null.
+/// Creates a caster for a mesh, or returns null.
 ///
 /// # Safety
 /// `mesh` points to a [`Mesh`] whose pointers are valid for its counts during the call.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn rc_build(_caster: c_int, mesh: *const Mesh, threads: c_int) -> *mut c_void {
-    // SAFETY: `mesh` is valid, says the caller.
+    // SAFETY: the caller guarantees that `mesh` is valid.
     let Some(mesh) = (unsafe { mesh.as_ref() }) else { return std::ptr::null_mut() };
-    // SAFETY: the pointers are valid for the counts, says the caller.
+    // SAFETY: the caller guarantees that the pointers are valid for the counts.
     let positions = unsafe { elements(mesh.verts, mesh.vertex_count) };
     // SAFETY: as above.
     let triangles = unsafe { elements(mesh.tris, mesh.triangle_count) };
@@ -88,16 +88,16 @@ unsafe extern "C" fn rc_build(_caster: c_int, mesh: *const Mesh, threads: c_int)
         .map_or(std::ptr::null_mut(), |caster| Box::into_raw(Box::new(caster)).cast())
 }
 
-/// Takes moved vertices; 1 if it could.
+/// Refits to moved vertices. Returns 1 on success.
 ///
 /// # Safety
 /// `handle` came from [`rc_build`] and is not in use elsewhere; `verts` is valid for as many vertices as then.
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -> c_int {
-    // SAFETY: `handle` is a `Caster` that nobody else uses, says the caller.
+    // SAFETY: the caller guarantees that `handle` is a `Caster` that is not in use elsewhere.
     let Some(caster) = (unsafe { handle.cast::<Caster>().as_mut() }) else { return 0 };
-    // SAFETY: there are as many vertices as when it was built, says the caller.
+    // SAFETY: the caller guarantees that there are as many vertices as at the build.
     let positions = unsafe { elements(verts, caster.vertices as u64) };
     c_int::from(caster.refit(positions))
 }
@@ -110,13 +110,13 @@ unsafe extern "C" fn rc_refit(handle: *mut c_void, verts: *const [f32; 3]) -> c_
 // SAFETY: as for `rc_count`.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *mut Hits, threads: c_int) {
-    // SAFETY: the three pointers are valid, says the caller.
+    // SAFETY: the caller guarantees that the three pointers are valid.
     let (caster, rays, hits) = unsafe { (handle.cast::<Caster>().as_mut(), rays.as_ref(), hits.as_ref()) };
     let (Some(caster), Some(rays), Some(hits)) = (caster, rays, hits) else { return };
-    // SAFETY: valid for `count` elements, says the caller.
+    // SAFETY: the caller guarantees that they are valid for `count` elements.
     let (origins, directions) = unsafe { (elements(rays.org, rays.count), elements(rays.dir, rays.count)) };
     let origins = if rays.common_origin != 0 { &origins[..origins.len().min(1)] } else { origins };
-    // SAFETY: valid for `count` elements and disjoint, says the caller.
+    // SAFETY: the caller guarantees that they are valid for `count` elements and disjoint.
     let t = unsafe { elements_mut(hits.t, rays.count) };
     // SAFETY: as above.
     let normal = unsafe { elements_mut(hits.normal, rays.count) };
@@ -136,7 +136,7 @@ unsafe extern "C" fn rc_cast(handle: *mut c_void, rays: *const Rays, hits: *mut 
 #[unsafe(no_mangle)]
 unsafe extern "C" fn rc_free(handle: *mut c_void) {
     if !handle.is_null() {
-        // SAFETY: it came from `Box::into_raw` in `rc_build`, and this is its last use, says the caller.
+        // SAFETY: the caller guarantees that it came from `Box::into_raw` in `rc_build` and is not used again.
         drop(unsafe { Box::from_raw(handle.cast::<Caster>()) });
     }
 }

@@ -1,4 +1,4 @@
-//! One mesh, ready to be cast at.
+//! [`Caster`]: a mesh with its tree, on which rays are cast.
 
 use crate::memory::Array;
 use crate::sensor::Sensors;
@@ -14,19 +14,19 @@ use belvedere_sensors::trace::{CacheLine, Faces, Hits, Workspace, cast_grid, gri
 /// A mesh and its tree.
 pub(crate) struct Caster {
     triangles: Vec<[u32; 3]>,
-    /// Of the mesh that was given.
+    /// The number of vertices of the given mesh.
     pub(crate) vertices: usize,
     nodes: Array<WideNode>,
     blocks: Array<TriangleBlock>,
     facets: Array<Facet>,
-    /// How many of each are in use.
+    /// The numbers of nodes, blocks and facets that are used.
     size: build::TreeSize,
     execution: Execution,
     sensors: Sensors,
     workspace: Array<CacheLine>,
 }
 
-/// The level that the environment asks for, else the best.
+/// Returns the level that the environment variable names, otherwise the best one.
 fn level() -> Level {
     let best = Level::new();
     let wanted = std::env::var("BELVEDERE_SIMD").unwrap_or_default();
@@ -40,13 +40,13 @@ fn level() -> Level {
     #[cfg(not(target_arch = "x86_64"))]
     let forced = None;
     if forced.is_none() && !wanted.is_empty() {
-        eprintln!("BELVEDERE_SIMD={wanted} is not to be had here; using {best:?}");
+        eprintln!("BELVEDERE_SIMD={wanted} is not available here; using {best:?}");
     }
     forced.unwrap_or(best)
 }
 
 impl Caster {
-    /// `None`, with a line on stderr, when the mesh is not one.
+    /// Returns `None`, with a line on stderr, if the mesh is invalid.
     pub(crate) fn new(positions: &[[f32; 3]], triangles: &[[u32; 3]], threads: usize) -> Option<Self> {
         let execution = Execution { level: level(), parallel: threads > 1 };
         let most = build::max_size(triangles.len());
@@ -73,7 +73,7 @@ impl Caster {
         made().inspect_err(|error| eprintln!("belvedere: {error}")).ok()
     }
 
-    /// Takes moved vertices; whether it could.
+    /// Refits to moved vertices. Returns true on success.
     pub(crate) fn refit(&mut self, positions: &[[f32; 3]]) -> bool {
         let (nodes, blocks) = (self.nodes.as_mut_slice(), self.blocks.as_mut_slice());
         let (nodes, blocks) = (&mut nodes[..self.size.nodes], &mut blocks[..self.size.blocks]);
@@ -82,7 +82,7 @@ impl Caster {
         done
     }
 
-    /// Casts the rays, which lie in rows ([across, down]), on so many threads.
+    /// Casts rays in rows ([columns, rows]), on the given number of threads.
     #[allow(clippy::too_many_arguments, reason = "what the benchmark gives, and where answers go")]
     pub(crate) fn cast(
         &mut self,
@@ -135,7 +135,7 @@ impl Caster {
         }
     }
 
-    /// Casts rays of which nothing is known.
+    /// Casts independent rays.
     fn cast_rays(
         &self,
         origins: &[[f32; 3]],

@@ -1,5 +1,4 @@
-//! Arrays in huge pages, where the system has them: a tree of 40 MB needs 20 entries of the address cache then,
-//! not 10 000.
+//! Arrays in huge pages, if the system has them: a tree of 40 MB then needs 20 TLB entries instead of 10,000.
 
 use bytemuck::Pod;
 use memmap2::{Advice, MmapMut};
@@ -7,20 +6,20 @@ use std::marker::PhantomData;
 
 /// A zeroed array. Pages that are never touched cost nothing.
 pub(crate) struct Array<T> {
-    /// `None` when it is empty.
+    /// `None` if the array is empty.
     map: Option<MmapMut>,
     length: usize,
     element: PhantomData<T>,
 }
 
 impl<T: Pod> Array<T> {
-    /// Room for `length` elements.
+    /// Allocates `length` elements.
     pub(crate) fn new(length: usize) -> std::io::Result<Self> {
         let map = if length == 0 {
             None
         } else {
             let map = MmapMut::map_anon(length * size_of::<T>())?;
-            // Without huge pages it is slower and right all the same.
+            // Without huge pages it is only slower.
             #[cfg(target_os = "linux")]
             let _ = map.advise(Advice::HugePage);
             Some(map)

@@ -1,6 +1,5 @@
-//! Which sensor a table of directions is of. The benchmark gives every ray its direction, and the sensors' rules
-//! for them (a lens, steps of angles) must be found again: fitted to the corners of the table, then checked
-//! against each of its rays.
+//! Finds the sensor to which a table of directions belongs. The benchmark gives the direction of every ray. The rule of
+//! the sensor (a lens, steps of angles) is fitted to the corners of the table and then checked against each ray.
 
 use belvedere_sensors::Pose;
 use belvedere_sensors::optics::{Intrinsics, Pinhole};
@@ -8,10 +7,10 @@ use belvedere_sensors::optics::{Optics, PinholeGrid, SphericalGrid};
 use core::f64::consts::TAU;
 use glam::{DMat3, DQuat, DVec3};
 
-/// How far a direction, which has length 1 and was rounded to single precision, may be from the rule's.
+/// The largest distance between a direction, a unit vector in single precision, and that of the rule.
 const TOLERANCE: f64 = 3e-7;
 
-/// A grid of rays, and how it is turned in the world.
+/// A grid of rays, and its rotation in the world.
 #[derive(Clone, Copy)]
 pub(crate) struct Sensor {
     pub(crate) grid: Optics<'static>,
@@ -19,13 +18,13 @@ pub(crate) struct Sensor {
 }
 
 impl Sensor {
-    /// The pose of the sensor when its rays start there.
+    /// Returns the pose of the sensor if its rays start at an origin.
     pub(crate) fn pose(&self, origin: [f32; 3]) -> Pose {
         Pose::new(vector(origin), DQuat::from_mat3(&self.world_from_sensor))
     }
 
-    /// The sensor whose rays these are, row after row: a camera with its principal point in the middle, or a
-    /// lidar that stands upright and looks all round in equal steps. None for other rays.
+    /// Finds the sensor with these rays, row after row: a camera with its principal point in the middle, or an upright
+    /// lidar that scans the full circle in equal steps. Returns `None` for other rays.
     fn fit([width, height]: [usize; 2], directions: &[[f32; 3]]) -> Option<Self> {
         if width < 2 || height < 1 || width > 16384 || height > 16384 || width * height != directions.len() {
             return None;
@@ -34,7 +33,7 @@ impl Sensor {
         [table.fit_pinhole(), table.fit_spherical()].into_iter().flatten().find(|sensor| table.is_of(sensor))
     }
 
-    /// The unit direction of a ray in the world.
+    /// Returns the unit direction of a ray in the world.
     fn direction(&self, column: usize, row: usize) -> DVec3 {
         let (column, row) = (column as f64, row as f64);
         let in_sensor = match self.grid {
@@ -47,14 +46,14 @@ impl Sensor {
                 let (up, level) = (grid.first_elevation_rad + grid.elevation_step_rad * row).sin_cos();
                 DVec3::new(cos * level, sin * level, up)
             }
-            // Nothing is fitted by another.
+            // No other kind of grid is fitted.
             _ => return DVec3::ZERO,
         };
         self.world_from_sensor * in_sensor
     }
 }
 
-/// Directions, row after row.
+/// A table of directions, row after row.
 struct Table<'a> {
     width: usize,
     height: usize,
@@ -107,7 +106,7 @@ impl Table<'_> {
         })
     }
 
-    /// Whether every ray is the sensor's.
+    /// Returns true if every ray is one of the sensor's.
     fn is_of(&self, sensor: &Sensor) -> bool {
         (0..self.height).all(|row| {
             (0..self.width).all(|column| {
@@ -121,13 +120,13 @@ fn vector(single: [f32; 3]) -> DVec3 {
     DVec3::from_array(single.map(f64::from))
 }
 
-/// Remembers the sensor of the last table: a sensor is set up once and senses often.
+/// Caches the sensor of the last table, because a sensor is created once and used often.
 #[derive(Default)]
 pub(crate) struct Sensors {
     last: Option<(Key, Option<Sensor>)>,
 }
 
-/// What tells tables apart: where one lies, its size, and a few of its directions.
+/// The identity of a table: its address, its size, and a few of its directions.
 #[derive(PartialEq)]
 struct Key {
     address: usize,
@@ -136,7 +135,7 @@ struct Key {
 }
 
 impl Sensors {
-    /// The sensor whose rays these are, if there is one.
+    /// Returns the sensor with these rays, if there is one.
     pub(crate) fn find(&mut self, rows: [usize; 2], directions: &[[f32; 3]]) -> Option<Sensor> {
         let (first, last) = (directions.first()?, directions.last()?);
         let key = Key {

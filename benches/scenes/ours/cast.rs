@@ -1,4 +1,4 @@
-//! Ray sets and their answers.
+//! Casts of ray sets, and their results.
 
 use super::super::rays::{RaySet, Source};
 use super::Built;
@@ -10,16 +10,16 @@ use belvedere_sensors::{Execution, Pose};
 use core::f64::consts::PI;
 use glam::DVec3;
 
-/// What a cast answers.
+/// The output of a cast.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wanted {
-    /// The distance alone, of outsides: what a depth camera traces.
+    /// Only the distance, to front faces, as for a depth camera.
     Distance,
     /// Distance, unit normal and triangle.
     All,
 }
 
-/// A ray set ready to be cast, with the memory for its answers.
+/// A ray set that is ready to be cast, with memory for its results.
 pub struct Caster {
     work: Work,
     workspace: WorkspaceBuf,
@@ -28,11 +28,11 @@ pub struct Caster {
     triangles: Vec<u32>,
 }
 
-/// What is cast.
+/// The rays that are cast.
 enum Work {
     /// The frame of a sensor.
     Grid(Box<Optics<'static>>, Pose),
-    /// Rays of which nothing is known.
+    /// Independent rays.
     Single { origins: Vec<[f32; 3]>, directions: Vec<[f32; 3]> },
 }
 
@@ -70,7 +70,7 @@ impl Caster {
         }
     }
 
-    /// Casts them all; the distances, infinite for misses.
+    /// Casts all rays and returns the distances, which are infinite for misses.
     pub fn cast(&mut self, built: &Built) -> &[f32] {
         let details = !self.normals.is_empty();
         let hits = Hits {
@@ -108,7 +108,8 @@ impl Caster {
     }
 }
 
-/// Pixel centres are integers to us, and halves in the ray sets: the middle is the same.
+/// Returns the pinhole grid of a ray set. Pixel centres are at integers here, and at halves in the ray sets; the middle
+/// is the same.
 fn lens(rays: &RaySet, focal_px: f64) -> PinholeGrid {
     let [cx, cy] = [rays.width, rays.height].map(|side| (side as f64 - 1.0) * 0.5);
     let lens = Pinhole::new(Intrinsics { fx: focal_px, fy: focal_px, cx, cy, skew: 0.0 });

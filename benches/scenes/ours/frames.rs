@@ -23,7 +23,7 @@ pub struct DepthFrames {
 
 impl DepthFrames {
     /// # Panics
-    /// When the rays are not a pinhole's.
+    /// If the rays are not those of a pinhole.
     pub fn new(rays: &RaySet, noise: GaussianNoise, execution: Execution) -> Self {
         let Source::Pinhole { world_from_sensor, focal_px } = &rays.source else {
             panic!("{} are not the rays of a camera", rays.name)
@@ -40,7 +40,7 @@ impl DepthFrames {
         }
     }
 
-    /// Takes the next frame.
+    /// Renders the next frame.
     pub fn sense(&mut self, built: &Built) {
         let scene = built.builder.scene();
         self.frame += 1;
@@ -52,7 +52,7 @@ impl DepthFrames {
     }
 }
 
-/// Few enough rays that what is timed is the scene, not the cast.
+/// The number of rays: so few that the time is that of the scene, not of the cast.
 const FAN: Beams = Beams { samples: 16, min_angle_rad: -0.05, max_angle_rad: 0.05 };
 
 /// Boxes that move.
@@ -64,7 +64,7 @@ pub struct Moving {
 }
 
 impl Moving {
-    /// So many boxes.
+    /// Creates a number of boxes.
     pub fn new(count: usize, level: Level) -> Self {
         let mut builder = SceneBuilder::new();
         let material = builder.add_material(&MaterialConfig::default()).expect("a plain material");
@@ -83,7 +83,7 @@ impl Moving {
         Self { builder, boxes, workspace, lidar: lidar(FAN, Beams::ONE) }
     }
 
-    /// Moves them and casts a few rays.
+    /// Moves the boxes and casts a few rays.
     pub fn frame(&mut self, poses: &[Pose]) {
         for (instance, pose) in self.boxes.iter().zip(poses) {
             self.builder.set_pose(*instance, *pose).expect("our own pose");
@@ -98,14 +98,14 @@ impl Moving {
     }
 }
 
-/// A depth camera of 640 × 480 pixels that sees without end.
+/// Creates a depth camera of 640 × 480 pixels with unlimited range.
 fn depth_camera(horizontal_fov_rad: f64, noise: GaussianNoise) -> DepthCamera<'static> {
     let lens = PinholeGrid::from_fov(640, 480, horizontal_fov_rad).expect("in range");
     let camera = CameraConfig::new(lens).near_m(1e-3).far_m(1e6).seed(1);
     DepthCamera::new(DepthCameraConfig::new(camera).model(noise).faces(Faces::Front)).expect("in range")
 }
 
-/// A lidar that sees without end.
+/// Creates a lidar with unlimited range.
 fn lidar(horizontal: Beams, vertical: Beams) -> Lidar {
     let config = LidarConfig::new(horizontal)
         .vertical(vertical)

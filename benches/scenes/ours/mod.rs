@@ -1,4 +1,4 @@
-//! Belvedere's side: the only place here that knows the tracing interface.
+//! Belvedere's side: only this module uses the tracing interface.
 
 mod cast;
 mod frames;
@@ -12,12 +12,12 @@ use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Sha
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::{Execution, Pose};
 
-/// One thread at that level.
+/// Returns the settings for one thread at a SIMD level.
 pub fn execution(level: Level) -> Execution {
     Execution { level, ..Execution::default() }
 }
 
-/// The tree of a mesh alone.
+/// The tree of a mesh, without a scene.
 pub struct Tree(WideTree);
 
 impl Tree {
@@ -26,7 +26,7 @@ impl Tree {
         Self(tree.expect("our own mesh"))
     }
 
-    /// Follows vertices that moved.
+    /// Refits the tree to moved vertices.
     pub fn refit(&mut self, vertices: &[[f32; 3]], triangles: &[[u32; 3]], level: Level) {
         self.0.refit(vertices, triangles, execution(level)).expect("our own mesh");
     }
@@ -38,7 +38,7 @@ pub struct Built {
 }
 
 impl Built {
-    /// Builds its tree.
+    /// Builds the tree.
     pub fn new(mesh: &Mesh) -> Self {
         let mut builder = SceneBuilder::new();
         let material = builder.add_material(&MaterialConfig::default()).expect("a plain material");

@@ -1,7 +1,7 @@
 """Allan deviations of an inertial unit at rest by PyPI's allantools: python deviation.py path/to/imu
 
-What that program reads of the preset must be what was set: the density of white noise at 1 s and its slope of -1/2, and
-over all times the closed form of white noise and a Gauss-Markov bias together.
+The result must be the parameters of the preset: the density of white noise at 1 s with its slope of -1/2, and over all
+times the closed form of white noise and a Gauss-Markov bias together.
 """
 
 import subprocess

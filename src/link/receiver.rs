@@ -193,11 +193,12 @@ impl LinkReceiver {
         for mirror in self.mirrors.values() {
             taken.add(mirror.pool_bytes());
         }
+        let new: Vec<_> =
+            announced.into_iter().filter(|(topic, _)| !self.mirrors.contains_key(*topic)).collect();
+        let most_bytes = self.room.largest_pool(taken, new.iter().map(|(_, (_, spec))| spec));
         let mut left_out: Vec<(&str, Box<dyn std::error::Error>)> = Vec::new();
-        for (topic, (described, spec)) in announced {
-            if self.mirrors.contains_key(topic) {
-                continue;
-            }
+        for (topic, (described, spec)) in new {
+            let spec = most_bytes.map_or_else(|| spec.clone(), |bytes| spec.within(bytes));
             if let Err(full) = self.room.take(&mut taken, wire::pool_bytes(&spec)) {
                 left_out.push((topic, full.into()));
                 continue;
@@ -214,6 +215,11 @@ impl LinkReceiver {
         }
         if let Some((topic, why)) = left_out.first() {
             self.room.warn(topic, why, left_out.len() - 1);
+        } else if most_bytes.is_some() {
+            tracing::warn!(
+                "the other machine's streams have room for fewer consumers than usual, so that they fit into {}; allow more with --memory, or name the topics that you need",
+                self.room.memory_text()
+            );
         }
         Ok(())
     }

@@ -1,8 +1,11 @@
 //! [`Room`]: limits the shared memory for streams of another machine.
 //!
 //! Anyone who can reach the port can announce streams. Each stream that is opened here takes a pool in `/dev/shm`,
-//! which the simulators on this machine need as well. So their total memory and their number are limited.
+//! which the simulators on this machine need as well. So their total memory and their number are limited. Where the
+//! memory is small, pools become smaller before streams are left out.
 
+use super::wire;
+use belvedere_bridge::StreamSpec;
 use rustix::process::{Resource, getrlimit};
 use std::time::{Duration, Instant};
 
@@ -13,6 +16,9 @@ const FILES: usize = 12;
 const OTHER_FILES: usize = 100;
 /// Upper bound on the bytes that a stream takes in addition to its pool: bookkeeping, queues and connections.
 const BOOKS: u64 = 256 << 10;
+/// Largest pool in the second attempt, and the limit below which cutting is not worth it, in bytes.
+const LARGEST: u64 = 128 << 20;
+const SMALLEST: u64 = 64 << 10;
 /// Shortest time between two warnings, because streams are announced once a second.
 const QUIET: Duration = Duration::from_secs(60);
 
@@ -55,6 +61,35 @@ impl Room {
         let files = getrlimit(Resource::Nofile).current.map_or(usize::MAX, |files| files as usize);
         let streams = (files.saturating_sub(OTHER_FILES) / FILES).min(MAX_STREAMS);
         Self { memory, streams, last_warning: None }
+    }
+
+    /// Returns the limit of each pool with which these streams fit beside those in `taken`; `None` if they fit with full
+    /// pools. If they do not fit with the smallest pools, it returns that limit.
+    pub(super) fn largest_pool<'a>(
+        &self,
+        taken: Taken,
+        streams: impl Iterator<Item = &'a StreamSpec> + Clone,
+    ) -> Option<u64> {
+        let fit = |bytes: Option<u64>| {
+            let mut taken = taken;
+            for spec in streams.clone() {
+                taken.add(wire::pool_bytes(&bytes.map_or_else(|| spec.clone(), |bytes| spec.within(bytes))));
+            }
+            taken.bytes <= self.memory
+        };
+        if fit(None) {
+            return None;
+        }
+        let mut bytes = LARGEST;
+        while bytes > SMALLEST && !fit(Some(bytes)) {
+            bytes /= 2;
+        }
+        Some(bytes)
+    }
+
+    /// Returns the memory of all streams together, for messages.
+    pub(super) fn memory_text(&self) -> String {
+        mib(self.memory)
     }
 
     /// Adds a stream with a pool of this many bytes to `taken`, if there is room for it.
@@ -108,6 +143,37 @@ mod tests {
         assert!(matches!(room.take(&mut taken, u64::MAX), Err(Full::Memory { .. })));
         let words = room.take(&mut taken, 7 << 20).unwrap_err().to_string();
         assert!(words.contains("7.2 MiB") && words.contains("--memory"), "{words}");
+    }
+
+    #[test]
+    fn pools_become_smaller_before_streams_are_left_out() {
+        use belvedere_bridge::{Encoding, Kind};
+        let image = |topic: &str, bytes| StreamSpec::new(topic, Kind::Image, Encoding::Rgb8, bytes);
+        // The streams of a Kinect.
+        let streams = [
+            image("rgb", 921_600),
+            image("depth", 1_228_800),
+            image("points", 9_830_400),
+            image("scan", 2560),
+        ];
+        let full: u64 = streams.iter().map(wire::pool_bytes).sum();
+        assert_eq!(Room::new(full + 4 * BOOKS).largest_pool(Taken::default(), streams.iter()), None);
+        let room = Room::new(128 << 20);
+        let bytes = room.largest_pool(Taken::default(), streams.iter()).expect("a limit");
+        let mut taken = Taken::default();
+        for spec in &streams {
+            room.take(&mut taken, wire::pool_bytes(&spec.within(bytes))).unwrap();
+        }
+        // Small pools stay as they are, and the next larger limit would be too large.
+        assert_eq!(streams[3].within(bytes), streams[3]);
+        let twice: u64 = streams.iter().map(|spec| wire::pool_bytes(&spec.within(2 * bytes)) + BOOKS).sum();
+        assert!(twice > 128 << 20, "{twice}");
+        // Streams that are already open leave less.
+        let later =
+            room.largest_pool(Taken { streams: 1, bytes: 64 << 20 }, streams.iter()).expect("a limit");
+        assert!(later < bytes, "{later} {bytes}");
+        // It ends if nothing fits.
+        assert_eq!(Room::new(0).largest_pool(Taken::default(), streams.iter()), Some(SMALLEST));
     }
 
     #[test]

@@ -35,13 +35,13 @@ pub use crate::description::model::JointIndex;
 use crate::description::model::{LinkIndex, Model, Trajectory, World};
 use belvedere_sensors::Pose;
 use contact::{Contacts, Owner};
-use convert::{from_rapier, to_rapier, vector};
+use convert::{from_rapier, to_rapier};
 use glam::DVec3;
 use history::History;
 use joint::{Motion, MovingJoint};
-use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
-use rapier3d::geometry::ColliderHandle;
-use rapier3d::pipeline::PhysicsWorld;
+use rapier3d_f64::dynamics::{FrictionModel, RigidBodyHandle};
+use rapier3d_f64::geometry::ColliderHandle;
+use rapier3d_f64::pipeline::PhysicsWorld;
 use rest::Rest;
 use std::sync::Arc;
 
@@ -198,9 +198,9 @@ impl Physics {
             });
         }
         let step_ns = step_ns as u64;
-        let mut rapier = PhysicsWorld { gravity: vector(world.gravity), ..PhysicsWorld::default() };
+        let mut rapier = PhysicsWorld { gravity: world.gravity, ..PhysicsWorld::default() };
         let parameters = &mut rapier.integration_parameters;
-        parameters.dt = (step_ns as f64 * 1e-9) as f32;
+        parameters.dt = step_ns as f64 * 1e-9;
         parameters.num_solver_iterations = SUBSTEPS;
         parameters.friction_model = FrictionModel::Coulomb;
         // One pass per substep, rapier's default, lets a motor with a load off its axis run slow.
@@ -355,8 +355,8 @@ impl Physics {
             let rigid = &mut self.rapier.bodies[self.bodies[body].handle];
             rigid.reset_forces(true);
             rigid.reset_torques(true);
-            rigid.add_force(vector(force), true);
-            rigid.add_torque(vector(torque), true);
+            rigid.add_force(force, true);
+            rigid.add_torque(torque, true);
         }
     }
 
@@ -364,7 +364,7 @@ impl Physics {
     pub fn set_link_friction(&mut self, model: ModelIndex, link: LinkIndex, friction: f64) {
         for handle in &self.models[model].links[link].colliders {
             if let Some(collider) = self.rapier.colliders.get_mut(*handle) {
-                collider.set_friction(friction as f32);
+                collider.set_friction(friction);
             }
         }
     }

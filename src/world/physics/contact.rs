@@ -2,11 +2,11 @@
 
 use super::ModelIndex;
 use crate::description::model::Contact;
-use rapier3d::dynamics::CoefficientCombineRule;
-use rapier3d::geometry::{
+use rapier3d_f64::dynamics::CoefficientCombineRule;
+use rapier3d_f64::geometry::{
     Collider, ColliderBuilder, Group, InteractionGroups, InteractionTestMode, SolverFlags,
 };
-use rapier3d::pipeline::{ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks};
+use rapier3d_f64::pipeline::{ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks};
 
 /// Whose a collider is, as it carries it.
 #[derive(Debug, Clone, Copy)]
@@ -15,7 +15,7 @@ pub(super) struct Owner {
     /// Whether its link touches others of its model.
     pub(super) self_collide: bool,
     /// From this speed in m/s on it bounces.
-    pub(super) bounce_threshold_m_s: f32,
+    pub(super) bounce_threshold_m_s: f64,
 }
 
 impl Owner {
@@ -30,7 +30,7 @@ impl Owner {
         Self {
             model: (data as u64 >> 1) as ModelIndex,
             self_collide: data & 1 == 1,
-            bounce_threshold_m_s: f32::from_bits((data >> 64) as u32),
+            bounce_threshold_m_s: f64::from_bits((data >> 64) as u64),
         }
     }
 }
@@ -39,7 +39,7 @@ impl Owner {
 pub(super) fn with_surface(collider: ColliderBuilder, contact: &Contact) -> ColliderBuilder {
     let bits = Group::from_bits_retain(contact.collide_bitmask);
     let collider = collider
-        .restitution(contact.restitution as f32)
+        .restitution(contact.restitution)
         .restitution_combine_rule(CoefficientCombineRule::Min)
         .collision_groups(InteractionGroups::new(bits, bits, InteractionTestMode::And));
     if contact.is_solid { collider } else { collider.solver_groups(InteractionGroups::none()) }
@@ -82,7 +82,7 @@ impl PhysicsHooks for Contacts {
             };
             speed(0, contact.anchor1) - speed(1, contact.anchor2)
         });
-        if approach.fold(0.0, f32::max) < threshold_m_s {
+        if approach.fold(0.0, f64::max) < threshold_m_s {
             *manifold.restitution = 0.0;
         }
     }

@@ -1,6 +1,6 @@
 //! Models become bodies, joints and colliders of rapier.
 
-use super::convert::{from_rapier, to_rapier, vector};
+use super::convert::{from_rapier, to_rapier};
 use super::joint::{JointState, Motion, MovingJoint};
 use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
 use super::rest::Rest;
@@ -15,9 +15,8 @@ use crate::description::model::{
 };
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
-use rapier3d::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
-use rapier3d::geometry::ColliderBuilder;
-use rapier3d::math::Matrix;
+use rapier3d_f64::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
+use rapier3d_f64::geometry::ColliderBuilder;
 use std::sync::Arc;
 
 /// ODE's and SDF's coefficient of friction where a file gives none.
@@ -202,8 +201,7 @@ impl Physics {
         // Without mass and shapes it is a mere frame in space: there is nothing to move.
         let mass = BodyMass::of(masses.iter().copied())
             .or_else(|| collisions().next().map(|_| BodyMass::sdf_default(root.gravity)))?;
-        let properties =
-            MassProperties::with_inertia_matrix(vector(mass.centre), mass.mass_kg as f32, narrow(&mass));
+        let properties = MassProperties::with_inertia_matrix(mass.centre, mass.mass_kg, inertia_of(&mass));
         if links().any(|link| link.is_kinematic) {
             return Some(self.rapier.insert_body(RigidBodyBuilder::kinematic_velocity_based().pose(pose)));
         }
@@ -213,7 +211,7 @@ impl Physics {
             .linear_damping(linear)
             .angular_damping(angular)
             .additional_mass_properties(properties)
-            .gravity_scale(mass.gravity_share as f32)
+            .gravity_scale(mass.gravity_share)
             // Until it has been seen at rest.
             .can_sleep(false);
         Some(self.rapier.insert_body(body))
@@ -221,7 +219,7 @@ impl Physics {
 
     /// rapier's damping in 1/s for a body of such links. A link loses a share of its velocity in each step, as in ODE,
     /// whatever the step; rapier divides by 1 + damping · time in each part of a step.
-    fn damping<'l>(&self, links: &(impl Iterator<Item = &'l Link> + Clone)) -> [f32; 2] {
+    fn damping<'l>(&self, links: &(impl Iterator<Item = &'l Link> + Clone)) -> [f64; 2] {
         let mass = |link: &Link| link.inertial.map_or(0.0, |inertial| inertial.mass_kg);
         let mass_kg: f64 = links.clone().map(mass).sum();
         [0, 1].map(|part| {
@@ -232,7 +230,7 @@ impl Physics {
             // All of it in a step: all but a millionth.
             let kept = (1.0 - decays.sum::<f64>()).max(1e-6);
             let part_s = self.step_s() / SUBSTEPS as f64;
-            ((libm::pow(kept, -1.0 / SUBSTEPS as f64) - 1.0) / part_s) as f32
+            (libm::pow(kept, -1.0 / SUBSTEPS as f64) - 1.0) / part_s
         })
     }
 
@@ -344,19 +342,19 @@ impl Physics {
             let link_from_shape = collision.link_from_collision * collision_from_shape;
             let pose = rapier_from_body * placed.body_from_link * link_from_shape;
             if let Some(rest) = placed.body.and_then(|body| self.bodies[body].rest.as_mut()) {
-                let radius = f64::from(shape.compute_local_bounding_sphere().radius());
+                let radius = shape.compute_local_bounding_sphere().radius();
                 rest.reach(pose.translation().length() + radius);
             }
             let owner = Owner {
                 model: index,
                 self_collide: model.links[link].self_collide,
-                bounce_threshold_m_s: collision.contact.bounce_threshold_m_s as f32,
+                bounce_threshold_m_s: collision.contact.bounce_threshold_m_s,
             };
             let collider = ColliderBuilder::new(shape)
                 .position(to_rapier(&pose))
                 // Mass and inertia come from <inertial> alone.
                 .density(0.0)
-                .friction(collision.friction.unwrap_or(DEFAULT_FRICTION) as f32)
+                .friction(collision.friction.unwrap_or(DEFAULT_FRICTION))
                 .friction_combine_rule(CoefficientCombineRule::Min)
                 .user_data(owner.into_data())
                 .active_hooks(contact::hooks(&collision.contact, placed.body.is_some()));
@@ -368,11 +366,11 @@ impl Physics {
     }
 }
 
-/// The inertia in single precision, with at least that of a ball of 1 cm of the same mass about every axis: a body
-/// without inertia would count as one that cannot turn at all.
-fn narrow(mass: &BodyMass) -> Matrix {
+/// Returns the inertia, with at least that of a ball of 1 cm of the same mass about every axis: a body without inertia
+/// would count as one that cannot turn at all.
+fn inertia_of(mass: &BodyMass) -> DMat3 {
     const BALL_INERTIA_PER_KG: f64 = 0.4 * 0.01 * 0.01;
     let least = DMat3::from_diagonal(DVec3::splat(mass.mass_kg * BALL_INERTIA_PER_KG));
     let is_enough = is_positive_definite(mass.inertia - least);
-    (if is_enough { mass.inertia } else { mass.inertia + least }).as_mat3()
+    if is_enough { mass.inertia } else { mass.inertia + least }
 }

@@ -1,11 +1,11 @@
 //! Joints that move: their rapier form, and their position, velocity and effort.
 
 use super::SUBSTEPS;
-use super::convert::{to_rapier, vector};
+use super::convert::to_rapier;
 use crate::description::model::{Joint, JointDynamics, JointKind, Mimic};
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
-use rapier3d::dynamics::{
+use rapier3d_f64::dynamics::{
     GenericJoint, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, JointAxesMask, JointAxis,
     MotorModel, RigidBodySet,
 };
@@ -58,7 +58,7 @@ pub(super) struct MovingJoint {
 /// How hard a motor holds its velocity, in N·m·s/rad or N·s/m. The solver itself is softer: it does not converge
 /// in its few passes where a load pulls off the axis, and such a motor runs some percent slow (6 % measured for
 /// 2 kg on an arm of 0.5 m at 1 rad/s and a step of 1 ms; more passes gain little).
-const MOTOR_DAMPING: f32 = 1000.0;
+const MOTOR_DAMPING: f64 = 1000.0;
 
 impl MovingJoint {
     /// The rotation that takes x onto a unit axis, by the half-way vector: square roots only.
@@ -132,8 +132,8 @@ impl MovingJoint {
             joint
                 .data
                 .set_motor_model(self.axis, MotorModel::ForceBased)
-                .set_motor_velocity(self.axis, velocity as f32, MOTOR_DAMPING)
-                .set_motor_max_force(self.axis, (max_effort as f32).min(f32::MAX));
+                .set_motor_velocity(self.axis, velocity, MOTOR_DAMPING)
+                .set_motor_max_force(self.axis, max_effort.min(f64::MAX));
         }
     }
 
@@ -194,7 +194,7 @@ impl MovingJoint {
     pub(super) fn update(
         &mut self,
         world_from_body: [Pose; 2],
-        handles: [rapier3d::dynamics::RigidBodyHandle; 2],
+        handles: [rapier3d_f64::dynamics::RigidBodyHandle; 2],
         bodies: &RigidBodySet,
         joints: &mut ImpulseJointSet,
         step_s: f64,
@@ -220,15 +220,15 @@ impl MovingJoint {
         let difference = if self.axis == JointAxis::AngX {
             second.angvel() - first.angvel()
         } else {
-            let anchor = vector((world_from_body[1] * self.body_from_joint[1]).translation());
+            let anchor = (world_from_body[1] * self.body_from_joint[1]).translation();
             second.velocity_at_point(anchor) - first.velocity_at_point(anchor)
         };
-        self.current.velocity = difference.as_dvec3().dot(axis_in_world);
+        self.current.velocity = difference.dot(axis_in_world);
         let impulse = joints
             .get(handle)
             .and_then(|joint| joint.data.motor(self.axis))
             .map_or(0.0, |motor| motor.impulse);
-        self.current.effort = f64::from(impulse) * SUBSTEPS as f64 / step_s;
+        self.current.effort = impulse * SUBSTEPS as f64 / step_s;
     }
 }
 
@@ -243,16 +243,16 @@ fn is_wide([lower, upper]: [f64; 2]) -> bool {
 }
 
 /// Those of two limits that are near a position, in the form that rapier takes.
-fn near(axis: JointAxis, [lower, upper]: [f64; 2], position: f64) -> [f32; 2] {
+fn near(axis: JointAxis, [lower, upper]: [f64; 2], position: f64) -> [f64; 2] {
     if axis != JointAxis::AngX {
-        return [lower.max(-FAR_M) as f32, upper.min(FAR_M) as f32];
+        return [lower.max(-FAR_M), upper.min(FAR_M)];
     }
     if !is_wide([lower, upper]) {
-        return [lower as f32, upper as f32];
+        return [lower, upper];
     }
     // A position beyond a limit, as at the start, keeps that limit in sight.
     let within = position.max(lower).min(upper);
-    [lower.max(within - HORIZON_RAD) as f32, upper.min(within + HORIZON_RAD) as f32]
+    [lower.max(within - HORIZON_RAD), upper.min(within + HORIZON_RAD)]
 }
 
 /// An angle brought into (−π, π].

@@ -1,6 +1,6 @@
 //! Models are moved, put back, added and taken out while the world runs.
 
-use super::convert::{from_rapier, to_rapier, vector};
+use super::convert::{from_rapier, to_rapier};
 use super::joint::Motion;
 use super::{Follows, ModelIndex, Physics, PlacedModel, Placement};
 use crate::description::diagnostics::{Problem, Severity};
@@ -24,9 +24,9 @@ impl Physics {
     /// Velocity of a model's origin in m/s and its rate of turn in rad/s, both in the world frame.
     pub fn model_velocity(&self, model: ModelIndex) -> (DVec3, DVec3) {
         let Some(body) = self.models[model].leading else { return (DVec3::ZERO, DVec3::ZERO) };
-        let origin = vector(self.world_from_model(model).translation());
+        let origin = self.world_from_model(model).translation();
         let rigid = &self.rapier.bodies[self.bodies[body].handle];
-        (rigid.velocity_at_point(origin).as_dvec3(), rigid.angvel().as_dvec3())
+        (rigid.velocity_at_point(origin), rigid.angvel())
     }
 
     /// Moves a model as it is, joints included, so that its frame comes to `world_from_model`, and gives its origin a
@@ -70,10 +70,10 @@ impl Physics {
     fn set_body(&mut self, index: usize, pose: &Pose, origin: DVec3, linear: DVec3, angular: DVec3) {
         let body = &mut self.bodies[index];
         let rigid = &mut self.rapier.bodies[body.handle];
-        let centre = pose.transform_point(rigid.mass_properties().local_mprops.local_com.as_dvec3());
+        let centre = pose.transform_point(rigid.mass_properties().local_mprops.local_com);
         rigid.set_position(to_rapier(pose), true);
-        rigid.set_linvel(vector(linear + angular.cross(centre - origin)), true);
-        rigid.set_angvel(vector(angular), true);
+        rigid.set_linvel(linear + angular.cross(centre - origin), true);
+        rigid.set_angvel(angular, true);
         rigid.reset_forces(true);
         rigid.reset_torques(true);
         body.current = from_rapier(rigid.position());

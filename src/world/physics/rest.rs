@@ -6,16 +6,16 @@
 //! rapier is allowed to put it to sleep, which it does once everything that the body touches may sleep, too.
 
 use belvedere_sensors::Pose;
-use rapier3d::dynamics::RigidBody;
+use rapier3d_f64::dynamics::RigidBody;
 
 /// For so long a body stays where it is before it may sleep.
 const STILL_NS: u64 = 1_000_000_000;
 /// No point of it has moved farther meanwhile, in m.
 const STILL_M: f64 = 0.001;
 /// How long rapier waits after that, in s: a body that is woken up is awake for so long.
-const SLEEPY_S: f32 = 0.1;
+const SLEEPY_S: f64 = 0.1;
 /// A bound in m/s that no speed reaches.
-const ANY_SPEED: f32 = 1e6;
+const ANY_SPEED: f64 = 1e6;
 
 /// Where a body has been still, and since when.
 #[derive(Debug)]

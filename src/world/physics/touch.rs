@@ -1,14 +1,14 @@
 //! What sensors of touch and nearness ask of the physics: where a link touches, and what a ray meets.
 
-use super::convert::{from_rapier, to_rapier, vector};
+use super::convert::{from_rapier, to_rapier};
 use super::{ModelIndex, Owner, Physics};
 use crate::description::model::LinkIndex;
 use glam::DVec3;
-use rapier3d::geometry::{Ball, Collider, Ray, Shape as RapierShape};
-use rapier3d::math::{Pose as RapierPose, Vector};
-use rapier3d::parry::bounding_volume::BoundingVolume as _;
-use rapier3d::parry::query::contact;
-use rapier3d::pipeline::QueryFilter;
+use rapier3d_f64::geometry::{Ball, Collider, Ray, Shape as RapierShape};
+use rapier3d_f64::math::Pose as RapierPose;
+use rapier3d_f64::parry::bounding_volume::BoundingVolume as _;
+use rapier3d_f64::parry::query::contact;
+use rapier3d_f64::pipeline::QueryFilter;
 
 /// A point where a link touches something, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,11 +40,10 @@ impl Physics {
     /// origin if it has none. What is below it may be as near as it likes: it stands there.
     pub(crate) fn is_clear(&self, model: ModelIndex, clearance_m: f64) -> bool {
         /// Steeper than this, a surface is no floor: 45°.
-        const FLOOR: f32 = 0.707;
+        const FLOOR: f64 = 0.707;
         /// So deep things may stand in a floor.
-        const SUNK_M: f32 = 0.02;
+        const SUNK_M: f64 = 0.02;
         let colliders = &self.rapier.colliders;
-        let clearance = clearance_m as f32;
         let origin = Ball::new(1e-3);
         let links = self.models[model].links.iter();
         let own = links.flat_map(|link| &link.colliders).filter_map(|handle| colliders.get(*handle));
@@ -56,7 +55,7 @@ impl Physics {
         let others = colliders.iter().map(|(_, other)| other).filter(|other| Owner::of(other).model != model);
         others.map(|other| (self.world_from_collider(other), other.shape())).all(
             |(world_from_other, other)| {
-                let around = other.compute_aabb(&world_from_other).loosened(clearance.max(0.0));
+                let around = other.compute_aabb(&world_from_other).loosened(clearance_m.max(0.0));
                 own.iter().all(|(world_from_own, shape)| {
                     if !around.intersects(&shape.compute_aabb(world_from_own)) {
                         return true;
@@ -65,10 +64,10 @@ impl Physics {
                         let up = world_from_other.rotation * plane.normal;
                         let height =
                             lowest(*shape, world_from_own, up) - world_from_other.translation.dot(up);
-                        return height >= clearance || up.z > FLOOR && height > -SUNK_M;
+                        return height >= clearance_m || up.z > FLOOR && height > -SUNK_M;
                     }
                     // Pairs that parry knows nothing of touch only if one holds the other's middle.
-                    match contact(world_from_own, *shape, &world_from_other, other, clearance) {
+                    match contact(world_from_own, *shape, &world_from_other, other, clearance_m) {
                         Ok(None) => true,
                         Ok(Some(near)) => near.normal1.z < -FLOOR && near.dist > -SUNK_M,
                         Err(_) => !other.contains_point(&world_from_other, world_from_own.translation),
@@ -109,12 +108,12 @@ impl Physics {
                 move |(pair, contacts, world_from_own)| {
                     let is_first = pair.collider1 == own;
                     contacts.manifolds.iter().flat_map(move |manifold| {
-                        let normal = manifold.data.normal.as_dvec3();
-                        let near = manifold.points.iter().filter(move |point| f64::from(point.dist) < gap_m);
+                        let normal = manifold.data.normal;
+                        let near = manifold.points.iter().filter(move |point| point.dist < gap_m);
                         near.map(move |point| {
                             let local = if is_first { point.local_p1 } else { point.local_p2 };
                             Touch {
-                                point: world_from_own.transform_point(local.as_dvec3()),
+                                point: world_from_own.transform_point(local),
                                 outward: if is_first { normal } else { -normal },
                             }
                         })
@@ -135,13 +134,13 @@ impl Physics {
     ) -> Option<f64> {
         let is_other = |_, collider: &Collider| Owner::of(collider).model != ignored;
         let filter = QueryFilter { predicate: Some(&is_other), ..QueryFilter::default() };
-        let ray = Ray::new(vector(origin), vector(direction));
-        self.rapier.cast_ray(&ray, max_m as f32, true, filter).map(|(_, way)| f64::from(way))
+        let ray = Ray::new(origin, direction);
+        self.rapier.cast_ray(&ray, max_m, true, filter).map(|(_, way)| way)
     }
 }
 
 /// How far up a shape begins.
-fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: Vector) -> f32 {
+fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: DVec3) -> f64 {
     if let Some(shape) = shape.as_support_map() {
         return shape.support_point(world_from_shape, -up).dot(up);
     }

@@ -11,8 +11,8 @@
 //! - An actor goes where its script says, as one piece: it pushes and is not pushed.
 //! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
 //!   asked for at any stamp.
-//! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
-//!   A body 1 km from the origin thus moves in steps of 0.06 mm.
+//! - The same calls give the same bits, by rapier's `enhanced-determinism` on one thread.
+//! - Everything is in double precision, so a body moves the same at UTM coordinates as at the origin.
 
 mod contact;
 mod convert;
@@ -47,6 +47,10 @@ use std::sync::Arc;
 
 /// Index of a model: those of the world file first, in its order, then the robots.
 pub type ModelIndex = usize;
+
+/// Farthest coordinate in m at which a model may be placed by a command. Every UTM coordinate and every point of the earth is
+/// nearer. Double precision has a step of 2 nm there.
+pub const FARTHEST_M: f64 = 1e7;
 
 /// Shortest physics step, in ns.
 const MIN_STEP_NS: u64 = 1_000;

@@ -6,7 +6,7 @@ use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
 use super::rest::Rest;
 use super::{
     Body, Follows, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, Placement, SUBSTEPS,
-    contact, resist, shape, start,
+    contact, place, resist, shape, start,
 };
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::inertia::is_positive_definite;
@@ -26,6 +26,7 @@ impl Physics {
     /// Adds a model's bodies, joints and shapes, at the index of one that was taken out or the next one.
     pub(super) fn add(&mut self, index: ModelIndex, placement: &Placement<'_>) {
         let Placement { model, ref world_from_model, ref carried, stays_awake } = *placement;
+        self.notes.extend(place::too_far(model, world_from_model));
         let order = tree_order(model);
         let rest = model.rest_poses();
         let start = start::link_poses(model, &order, carried);
@@ -105,6 +106,11 @@ impl Physics {
         }
         for link in order {
             self.add_colliders(model, index, link, &mut links[link]);
+        }
+        // rapier does so only in the next step. Until then a body would have no mass, and its centre would be at the origin of
+        // the world, so a model that is given a velocity at once would get a wrong one.
+        for body in &self.bodies[first_body..] {
+            self.rapier.bodies[body.handle].recompute_mass_properties_from_colliders(&self.rapier.colliders);
         }
         let placed = PlacedModel {
             world_from_model: *world_from_model,

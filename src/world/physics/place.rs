@@ -2,7 +2,7 @@
 
 use super::convert::{from_rapier, to_rapier};
 use super::joint::Motion;
-use super::{Follows, ModelIndex, Physics, PlacedModel, Placement};
+use super::{FARTHEST_M, Follows, ModelIndex, Physics, PlacedModel, Placement};
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::Model;
 use belvedere_sensors::Pose;
@@ -157,6 +157,20 @@ impl Physics {
         self.free.push(self.models.len());
         self.models.push(PlacedModel::default());
     }
+}
+
+/// Returns a warning about a model that is so far away that the steps of its coordinates show.
+pub(super) fn too_far(model: &Model, world_from_model: &Pose) -> Option<Problem> {
+    let at = world_from_model.translation();
+    (at.abs().max_element() > FARTHEST_M).then(|| Problem {
+        severity: Severity::Warning,
+        source: model.source.clone(),
+        what: format!(
+            "model '{}' is at {} {} {}, where bodies may move in visible steps",
+            model.name, at.x, at.y, at.z
+        ),
+        remedy: format!("write coordinates of at most {FARTHEST_M:e} m, and move the world's origin nearer"),
+    })
 }
 
 /// Refuses a model with a pose that is not finite.

@@ -2,8 +2,7 @@
 //!
 //! rapier calls a body still whose speed is below a bound for half a second. Slow is not still: a pendulum turns around, and
 //! a crate begins to fall off its edge. Here a body rests that has stayed within a millimetre for a second, whatever its speed
-//! was: that sees an acceleration of 2 mm/s² from rest, and not the last digits of a pose in single precision. Only then
-//! rapier is allowed to put it to sleep, which it does once everything that the body touches may sleep, too.
+//! was: that sees an acceleration of 2 mm/s² from rest, and not the last digits of a pose. Only then rapier is allowed to put it to sleep, which it does once everything that the body touches may sleep, too.
 
 use belvedere_sensors::Pose;
 use rapier3d_f64::dynamics::RigidBody;

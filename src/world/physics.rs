@@ -16,6 +16,7 @@
 
 mod contact;
 mod convert;
+mod friction;
 mod history;
 mod insert;
 mod joint;

@@ -1,6 +1,6 @@
 //! Which shapes touch, and which of them bounce off each other.
 
-use super::ModelIndex;
+use super::{ModelIndex, friction};
 use crate::description::model::Contact;
 use rapier3d_f64::dynamics::CoefficientCombineRule;
 use rapier3d_f64::geometry::{
@@ -45,16 +45,17 @@ pub(super) fn with_surface(collider: ColliderBuilder, contact: &Contact) -> Coll
     if contact.is_solid { collider } else { collider.solver_groups(InteractionGroups::none()) }
 }
 
-/// The hooks that a collider with such a surface needs, if it can move.
-pub(super) fn hooks(contact: &Contact, moves: bool) -> ActiveHooks {
-    let mut hooks = ActiveHooks::empty();
-    hooks.set(ActiveHooks::FILTER_CONTACT_PAIRS, moves);
-    hooks.set(ActiveHooks::MODIFY_SOLVER_CONTACTS, contact.restitution > 0.0);
-    hooks
+/// Returns the hooks that a collider needs. Of two that touch, one can move, so those that cannot need none.
+pub(super) fn hooks(moves: bool) -> ActiveHooks {
+    if moves {
+        ActiveHooks::FILTER_CONTACT_PAIRS | ActiveHooks::MODIFY_SOLVER_CONTACTS
+    } else {
+        ActiveHooks::empty()
+    }
 }
 
-/// Keeps the links of one model from touching each other, unless one of them says that it does, and slow things from
-/// bouncing.
+/// Keeps the links of one model from touching each other, unless one of them says that it does, keeps slow things from
+/// bouncing, and lets friction act against the slip.
 pub(super) struct Contacts;
 
 impl PhysicsHooks for Contacts {
@@ -76,6 +77,12 @@ impl PhysicsHooks for Contacts {
             .map(|body| body.and_then(|body| context.bodies.get(body)));
         let Some(manifold) = context.rigid_mut() else { return };
         let normal = *manifold.normal;
+        if *manifold.friction > 0.0 {
+            friction::turn_against_slip(bodies, normal, manifold.solver_contacts);
+        }
+        if *manifold.restitution == 0.0 {
+            return;
+        }
         let approach = manifold.solver_contacts.iter().map(|contact| {
             let speed = |side: usize, point| {
                 bodies[side].map_or(0.0, |body| body.velocity_at_point(point).dot(normal))

@@ -363,7 +363,7 @@ impl Physics {
                 .friction(collision.friction.unwrap_or(DEFAULT_FRICTION))
                 .friction_combine_rule(CoefficientCombineRule::Min)
                 .user_data(owner.into_data())
-                .active_hooks(contact::hooks(&collision.contact, placed.body.is_some()));
+                .active_hooks(contact::hooks(placed.body.is_some()));
             let collider = contact::with_surface(collider, &collision.contact);
             let parent = placed.body.map(|body| self.bodies[body].handle);
             placed.colliders.push(self.rapier.insert_collider(collider, parent));

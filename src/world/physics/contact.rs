@@ -1,4 +1,4 @@
-//! Which shapes touch, and which of them bounce off each other.
+//! Decides which shapes touch each other, and which of those bounce.
 
 use super::{ModelIndex, friction};
 use crate::description::model::Contact;
@@ -8,13 +8,13 @@ use rapier3d_f64::geometry::{
 };
 use rapier3d_f64::pipeline::{ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks};
 
-/// Whose a collider is, as it carries it.
+/// What a collider knows of its link, packed into its user data.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Owner {
     pub(super) model: ModelIndex,
-    /// Whether its link touches others of its model.
+    /// Whether its link collides with others of its model.
     pub(super) self_collide: bool,
-    /// From this speed in m/s on it bounces.
+    /// The lowest speed of an impact, in m/s, after which it bounces.
     pub(super) bounce_threshold_m_s: f64,
 }
 
@@ -35,7 +35,7 @@ impl Owner {
     }
 }
 
-/// Gives a collider its surface.
+/// Applies the properties of a surface to a collider.
 pub(super) fn with_surface(collider: ColliderBuilder, contact: &Contact) -> ColliderBuilder {
     let bits = Group::from_bits_retain(contact.collide_bitmask);
     let collider = collider

@@ -1,4 +1,4 @@
-//! Models become bodies, joints and colliders of rapier.
+//! Adds models as bodies, joints and colliders of rapier.
 
 use super::convert::{from_rapier, to_rapier};
 use super::joint::{JointState, Motion, MovingJoint};
@@ -19,7 +19,7 @@ use rapier3d_f64::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBu
 use rapier3d_f64::geometry::ColliderBuilder;
 use std::sync::Arc;
 
-/// ODE's and SDF's coefficient of friction where a file gives none.
+/// Coefficient of friction of ODE and SDF for a surface that has none.
 const DEFAULT_FRICTION: f64 = 1.0;
 
 impl Physics {
@@ -50,7 +50,7 @@ impl Physics {
             let wheel_of = |root: LinkIndex| {
                 carried.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
             };
-            // What carries a link in the end: a wheel is on what steers it, and that on the base.
+            // The body that carries a link in the end: a wheel may be on a link that steers it, and that on the base.
             let carrier_of = |link: LinkIndex| {
                 let mut root = lumps.root[link];
                 // A tree has fewer steps to its root than links.
@@ -126,7 +126,7 @@ impl Physics {
         }
     }
 
-    /// Makes what holds or drives two bodies; none if nothing moves, or nothing that has a position.
+    /// Adds a joint between two bodies. Returns none if neither moves, or if the joint has no position.
     fn join(&mut self, joint: &Joint, links: &[PlacedLink], is_rolled: bool) -> Option<MovingJoint> {
         let sides = [joint.parent, joint.child].map(|link| (links[link].body, links[link].body_from_link));
         let [(Some(parent), parent_from_link), (Some(child), child_from_link)] = sides else {
@@ -171,7 +171,7 @@ impl Physics {
         })
     }
 
-    /// Makes the body of some links, in the frame of its root; none if there is nothing to move.
+    /// Adds the body of these links, in the frame of its root. Returns none if there is nothing to move.
     fn insert_body(
         &mut self,
         model: &Model,
@@ -204,7 +204,7 @@ impl Physics {
         let masses: Vec<(Pose, Inertial, bool)> = links()
             .filter_map(|link| Some((body_from_model * link.model_from_link, link.inertial?, link.gravity)))
             .collect();
-        // Without mass and shapes it is a mere frame in space: there is nothing to move.
+        // A link without mass and shapes is only a frame.
         let mass = BodyMass::of(masses.iter().copied())
             .or_else(|| collisions().next().map(|_| BodyMass::sdf_default(root.gravity)))?;
         let properties = MassProperties::with_inertia_matrix(mass.centre, mass.mass_kg, inertia_of(&mass));
@@ -218,7 +218,7 @@ impl Physics {
             .angular_damping(angular)
             .additional_mass_properties(properties)
             .gravity_scale(mass.gravity_share)
-            // Until it has been seen at rest.
+            // `Rest` allows it once the body has been at rest.
             .can_sleep(false);
         Some(self.rapier.insert_body(body))
     }
@@ -233,14 +233,14 @@ impl Physics {
                 let weight = if mass_kg > 0.0 { mass(link) / mass_kg } else { 1.0 };
                 link.velocity_decay[part] * weight
             });
-            // All of it in a step: all but a millionth.
+            // A link that loses all of its velocity keeps a millionth, so that the damping is finite.
             let kept = (1.0 - decays.sum::<f64>()).max(1e-6);
             let part_s = self.step_s() / SUBSTEPS as f64;
             (libm::pow(kept, -1.0 / SUBSTEPS as f64) - 1.0) / part_s
         })
     }
 
-    /// Places the links lumped to `root` in a new body of ours.
+    /// Adds a body of ours with the links that are lumped to `root`.
     #[expect(clippy::too_many_arguments, reason = "one step of `add`, split off because it is done twice")]
     fn place_links(
         &mut self,
@@ -281,7 +281,7 @@ impl Physics {
         });
     }
 
-    /// Makes the one body of an actor, and gives its index.
+    /// Adds the body of an actor, and returns its index.
     fn insert_actor(
         &mut self,
         index: ModelIndex,
@@ -308,7 +308,7 @@ impl Physics {
         body
     }
 
-    /// The body that carries another in the end; itself if nothing does.
+    /// Returns the body that carries another one in the end, or that one itself if none carries it.
     fn outermost_carrier(&self, mut body: usize) -> usize {
         while let Follows::Carried(carrier, ..) = self.bodies[body].follows {
             body = carrier;

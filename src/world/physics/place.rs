@@ -66,7 +66,7 @@ impl Physics {
         self.settle(model, world_from_model);
     }
 
-    /// Gives a body a pose, and the velocity that it has in a rigid motion about `origin`.
+    /// Sets the pose of a body, and the velocity that it has in a rigid motion about `origin`.
     fn set_body(&mut self, index: usize, pose: &Pose, origin: DVec3, linear: DVec3, angular: DVec3) {
         let body = &mut self.bodies[index];
         let rigid = &mut self.rapier.bodies[body.handle];
@@ -79,7 +79,7 @@ impl Physics {
         body.current = from_rapier(rigid.position());
     }
 
-    /// Takes along what does not move by itself, and forgets where the model came from.
+    /// Moves what does not move by itself, and forgets where the model came from.
     fn settle(&mut self, model: ModelIndex, world_from_model: &Pose) {
         self.carry();
         let placed = &mut self.models[model];
@@ -96,7 +96,7 @@ impl Physics {
             }
         }
         self.history.add(self.time_ns, &self.bodies);
-        // What rested on it, or where it is now, has to notice.
+        // What rested on it or beside it may have to move now.
         self.rapier.wake_up_all(true);
     }
 

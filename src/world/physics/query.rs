@@ -1,4 +1,4 @@
-//! What is asked of physics: where things are, how fast, on what they stand.
+//! Queries about the state of physics: poses, velocities, masses, and the ground on which links stand.
 
 use super::convert::from_rapier;
 use super::{JointIndex, JointState, ModelIndex, Physics};
@@ -63,7 +63,7 @@ impl Physics {
         })
     }
 
-    /// Whether all that could move of a model sleeps, because it rests.
+    /// Returns true if all bodies of a model that could move sleep.
     pub fn sleeps(&self, model: ModelIndex) -> bool {
         let placed = &self.models[model];
         let bodies = &self.bodies[placed.first_body..placed.end_body];

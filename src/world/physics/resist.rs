@@ -1,4 +1,4 @@
-//! What resists a joint: its spring and its damper, and its dry friction.
+//! Joints of rapier for what resists a joint: its spring and damper, and its dry friction.
 //!
 //! rapier has one motor for each axis of a joint, and that is what a robot drives. A spring with a damper is a motor, too, and
 //! dry friction is one that holds still with a force that is limited. So each of them is another joint between the same two
@@ -12,12 +12,12 @@ use rapier3d_f64::dynamics::{GenericJoint, GenericJointBuilder, JointAxesMask, J
 /// How hard dry friction holds still, in N·m·s/rad or N·s/m: with 10 N·m it creeps by 10⁻⁵ rad/s.
 const HOLDING: f64 = 1e6;
 
-/// Beyond this a spring or a damper is rigid, and rapier's products of it are no numbers.
+/// Largest stiffness or damping. It is rigid, and rapier's products of it are still finite.
 const STIFFEST: f64 = 1e30;
-/// A reference of a spring is no farther away, in rad or m.
+/// Farthest reference of a spring, in rad or m.
 const FARTHEST: f64 = 1e6;
 
-/// rapier's joints for what resists a joint that moves along or about `axis`; none for what it does not have.
+/// Returns the joints of rapier for what resists a joint that moves along or about `axis`.
 pub(super) fn joints(
     dynamics: &JointDynamics,
     axis: JointAxis,

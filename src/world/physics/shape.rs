@@ -1,4 +1,4 @@
-//! What touches: collision geometry as rapier's shapes.
+//! Collision geometry as shapes of rapier.
 
 use crate::description::model::{Geometry, Heights, Mesh};
 use belvedere_sensors::Pose;
@@ -12,10 +12,10 @@ use std::ops::RangeInclusive;
 /// infinite.
 const SIZES_M: RangeInclusive<f64> = f32::MIN_POSITIVE as f64..=f32::MAX as f64;
 
-/// A shape and its pose in the geometry's frame, or why it cannot collide.
+/// Returns a shape and its pose in the frame of the geometry, or the reason why it cannot collide.
 ///
-/// Triangles of something that moves become their convex hull: a hollow triangle mesh has no inside, so moving
-/// ones would sink into each other.
+/// The triangles of something that moves become their convex hull. A triangle mesh is hollow, so moving ones would sink into
+/// each other.
 pub(super) fn shape(geometry: &Geometry, moves: bool) -> Result<(SharedShape, Pose), String> {
     let positive = |value: f64, what: &str| {
         if SIZES_M.contains(&value) { Ok(value) } else { Err(format!("its {what} is {value}, not above 0")) }
@@ -59,7 +59,7 @@ pub(super) fn shape(geometry: &Geometry, moves: bool) -> Result<(SharedShape, Po
     })
 }
 
-/// parry has no ellipsoids: the hull of points on it, 4 % of a radius inside at most.
+/// Returns the hull of points on an ellipsoid, which parry lacks. It is at most 4 % of a radius inside the surface.
 fn ellipsoid(radii: DVec3) -> Result<SharedShape, String> {
     const SLICES: usize = 16;
     let points = (0..=SLICES / 2).flat_map(|row| {
@@ -72,7 +72,7 @@ fn ellipsoid(radii: DVec3) -> Result<SharedShape, String> {
     SharedShape::convex_hull(&points.collect::<Vec<_>>()).ok_or_else(|| "its radii enclose nothing".into())
 }
 
-/// Heights in the order of parry's arrays.
+/// Returns heights in the order of parry's arrays.
 fn by_columns(heights: &Heights) -> Vec<f64> {
     let [rows, columns] = heights.grid.map(|count| count as usize);
     let metres = |row, column| f64::from(heights.metres[row * columns + column]);

@@ -1,4 +1,4 @@
-//! What sensors of touch and nearness ask of the physics: where a link touches, and what a ray meets.
+//! Queries about touch and nearness: where a link touches, what is near a model, and what a ray meets.
 
 use super::convert::{from_rapier, to_rapier};
 use super::{ModelIndex, Owner, Physics};
@@ -15,13 +15,13 @@ use rapier3d_f64::pipeline::QueryFilter;
 pub(crate) struct Touch {
     /// The point on the link.
     pub(crate) point: DVec3,
-    /// Out of the link, into what it touches.
+    /// Direction out of the link into what it touches.
     pub(crate) outward: DVec3,
 }
 
 impl Physics {
-    /// The model, and the link of this one, if the middle of its largest shape is inside another model as it is placed now:
-    /// what stands a little in the floor finds its way out.
+    /// Returns a link of this model and another model if the middle of the largest shape of the link is inside that other
+    /// model. A model that stands a little in the floor is pushed out of it, so its middle decides.
     pub(crate) fn inside(&self, model: ModelIndex) -> Option<(LinkIndex, ModelIndex)> {
         let colliders = &self.rapier.colliders;
         let world_from = |collider: &Collider| self.world_from_collider(collider);
@@ -36,12 +36,12 @@ impl Physics {
         Some((link, Owner::of(other).model))
     }
 
-    /// Whether no shape of another model is nearer than `clearance_m` to those of this one as it is placed now, or to its
-    /// origin if it has none. What is below it may be as near as it likes: it stands there.
+    /// Returns true if no shape of another model is nearer than `clearance_m` to those of this one, or to its origin if it has
+    /// none. What is below it may be nearer, because it stands there.
     pub(crate) fn is_clear(&self, model: ModelIndex, clearance_m: f64) -> bool {
-        /// Steeper than this, a surface is no floor: 45°.
+        /// The least z of the normal of a floor: it is inclined by 45° at most.
         const FLOOR: f64 = 0.707;
-        /// So deep things may stand in a floor.
+        /// Depth in m to which a model may stand in a floor.
         const SUNK_M: f64 = 0.02;
         let colliders = &self.rapier.colliders;
         let origin = Ball::new(1e-3);
@@ -66,7 +66,7 @@ impl Physics {
                             lowest(*shape, world_from_own, up) - world_from_other.translation.dot(up);
                         return height >= clearance_m || up.z > FLOOR && height > -SUNK_M;
                     }
-                    // Pairs that parry knows nothing of touch only if one holds the other's middle.
+                    // parry cannot compare some pairs of shapes. They touch if one contains the middle of the other.
                     match contact(world_from_own, *shape, &world_from_other, other, clearance_m) {
                         Ok(None) => true,
                         Ok(Some(near)) => near.normal1.z < -FLOOR && near.dist > -SUNK_M,
@@ -77,7 +77,7 @@ impl Physics {
         )
     }
 
-    /// Where a collider is; those of bodies that have just come or were put somewhere have not followed yet.
+    /// Returns the pose of a collider. rapier updates it only in the next step after its body was added or moved.
     fn world_from_collider(&self, collider: &Collider) -> RapierPose {
         let body = collider.parent().and_then(|body| self.rapier.bodies.get(body));
         match (body, collider.position_wrt_parent()) {
@@ -86,7 +86,7 @@ impl Physics {
         }
     }
 
-    /// Where a link touched other models in the last step: every pair of points less than `gap_m` apart.
+    /// Returns the points where a link touched other models in the last step: all that are less than `gap_m` apart.
     pub(crate) fn touches(
         &self,
         model: ModelIndex,
@@ -123,8 +123,8 @@ impl Physics {
         })
     }
 
-    /// The way in m along a ray to the first shape within `max_m` that does not belong to `ignored`. The ray is in
-    /// the world, its direction of unit length; from within a shape the way is 0.
+    /// Returns the distance in m along a ray to the first shape within `max_m` that does not belong to `ignored`. The ray is
+    /// in the world, and its direction has unit length. If it begins inside a shape, the distance is 0.
     pub(crate) fn cast_ray(
         &self,
         origin: DVec3,
@@ -139,7 +139,7 @@ impl Physics {
     }
 }
 
-/// How far up a shape begins.
+/// Returns how far up a shape begins.
 fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: DVec3) -> f64 {
     if let Some(shape) = shape.as_support_map() {
         return shape.support_point(world_from_shape, -up).dot(up);

@@ -1,5 +1,6 @@
 //! [`Place`]: a pose on the command line.
 
+use crate::world::physics::FARTHEST_M;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::str::FromStr;
@@ -43,8 +44,13 @@ impl FromStr for Place {
             [x, y, z, yaw] => ([x, y, z], yaw),
             _ => return Err(wrong()),
         };
-        let is_near = numbers.iter().all(|value| value.abs() <= 1e6);
-        if is_near { Ok(Self { position, yaw_deg }) } else { Err(wrong()) }
+        if !numbers.iter().all(|number| number.is_finite()) {
+            return Err(wrong());
+        }
+        if position.iter().any(|coordinate| coordinate.abs() > FARTHEST_M) {
+            return Err(format!("'{text}' is too far away; write coordinates of at most {FARTHEST_M:e} m"));
+        }
+        Ok(Self { position, yaw_deg })
     }
 }
 
@@ -58,8 +64,10 @@ mod tests {
         assert_eq!("1, -2".parse(), place(1.0, -2.0, 0.0, 0.0));
         assert_eq!("1,-2,90".parse(), place(1.0, -2.0, 0.0, 90.0));
         assert_eq!("1,-2,3,90".parse(), place(1.0, -2.0, 3.0, 90.0));
-        for bad in ["", "1", "1,2,3,4,5", "a,b,c", "1,2,nan", "1,2,inf", "1e7,0"] {
+        assert_eq!("448262.27,5428765.81".parse(), place(448_262.27, 5_428_765.81, 0.0, 0.0));
+        for bad in ["", "1", "1,2,3,4,5", "a,b,c", "1,2,nan", "1,2,inf"] {
             assert!(bad.parse::<Place>().unwrap_err().contains("write X,Y"), "{bad}");
         }
+        assert!("0,-1e8".parse::<Place>().unwrap_err().contains("at most 1e7 m"));
     }
 }

@@ -18,8 +18,8 @@ const GYRO_LINK: &str = "gyro_link";
 /// Variance of the angles that a gyro about z does not measure.
 const UNKNOWN: f64 = 1e6;
 
-/// Steps of the acceleration per m/s². Physics stores velocities in single precision: at rest they fluctuate, so the
-/// change between two reports is uncertain by about 1e-6 m/s².
+/// Steps of the acceleration per m/s². The velocities of a base at rest fluctuate with the last digits of its coordinates,
+/// which this hides.
 const STEPS_PER_M_S2: f64 = 1e5;
 
 /// The unit's report (`sensor_msgs/Imu`).
@@ -103,7 +103,7 @@ impl Imu {
     }
 }
 
-/// Rounds an acceleration to the precision of physics.
+/// Rounds an acceleration to whole steps.
 fn whole_steps(acceleration_m_s2: DVec3) -> DVec3 {
     let steps =
         acceleration_m_s2.to_array().map(|value| libm::round(value * STEPS_PER_M_S2) / STEPS_PER_M_S2);

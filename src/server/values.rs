@@ -1,12 +1,10 @@
 //! Checks the poses and velocities in commands.
 
+use crate::world::physics::FARTHEST_M;
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 
-/// Farthest distance in m from a reference frame at which a model may be placed. Physics uses single precision, which
-/// has a step of 6 cm there.
-const FARTHEST_M: f64 = 1e6;
 /// Highest speed that a command may set, in m/s or rad/s.
 const FASTEST: f64 = 1e4;
 
@@ -62,7 +60,7 @@ mod tests {
         for (position, orientation) in [
             ([f64::NAN, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]),
             ([0.0, f64::INFINITY, 0.0], [0.0, 0.0, 0.0, 1.0]),
-            ([0.0, 0.0, 2e6], [0.0, 0.0, 0.0, 1.0]),
+            ([0.0, 0.0, 2e7], [0.0, 0.0, 0.0, 1.0]),
             ([0.0; 3], [f64::NAN, 0.0, 0.0, 1.0]),
             ([0.0; 3], [0.0, 0.0, 0.0, 1e-9]),
             ([0.0; 3], [f64::MAX; 4]),

@@ -1,21 +1,21 @@
-//! Rigid-body dynamics of a world and its robots, by rapier3d.
+//! Rigid-body dynamics of a world and its robots, by rapier.
 //!
-//! - A static model is a set of fixed shapes. In any other model the links joined by fixed joints are one body
-//!   (Gazebo lumps them likewise), and the other joints constrain or drive the bodies. Bodies come in an order that
-//!   the names of links tell, not their places in the file: its order changes no bit.
-//! - Links of one model do not collide with each other (SDF's default, `<self_collide>` false). Where one says that it
-//!   does, those that a joint connects still do not.
+//! - A static model is a set of fixed shapes. In any other model, links that are connected by fixed joints are one body, as
+//!   in Gazebo, and the other joints constrain or drive the bodies. The order of the bodies follows from the names of the
+//!   links and not from the file, whose order therefore changes no bit.
+//! - Links of one model do not collide with each other, which is SDF's default. If a link has `<self_collide>`, it collides
+//!   with all others of its model except those to which a joint connects it.
 //! - Surfaces bounce with the smaller of their two coefficients, above the smaller of their two thresholds, as in ODE.
-//! - Two surfaces rub with the smaller of their two coefficients, as in ODE; a surface that names none has 1.
-//! - The wheels of a base that drives are part of its body and only shown turning: see `robot::grip`.
-//! - An actor goes where its script says, as one piece: it pushes and is not pushed.
-//! - Time is counted in whole nanoseconds, so it never drifts. Between the last two steps every pose can be
-//!   asked for at any stamp.
-//! - The same calls give the same bits: rapier's `enhanced-determinism`, one thread, single precision inside.
-//!   A body 1 km from the origin thus moves in steps of 0.06 mm.
+//! - The coefficient of friction is the smaller one of the two surfaces, as in ODE. A surface without one has 1.
+//! - The wheels of a base that drives are part of its body, and are only shown turning: see `robot::grip`.
+//! - An actor moves as one piece along its script. It pushes other bodies, and none pushes it.
+//! - Time is counted in whole nanoseconds, so it does not drift. Poses are known at all times between the last two steps.
+//! - The same calls give the same bits, by rapier's `enhanced-determinism` on one thread.
+//! - Everything is in double precision, so a body moves the same at UTM coordinates as at the origin.
 
 mod contact;
 mod convert;
+mod friction;
 mod history;
 mod insert;
 mod joint;
@@ -35,30 +35,34 @@ pub use crate::description::model::JointIndex;
 use crate::description::model::{LinkIndex, Model, Trajectory, World};
 use belvedere_sensors::Pose;
 use contact::{Contacts, Owner};
-use convert::{from_rapier, to_rapier, vector};
+use convert::{from_rapier, to_rapier};
 use glam::DVec3;
 use history::History;
 use joint::{Motion, MovingJoint};
-use rapier3d::dynamics::{FrictionModel, RigidBodyHandle};
-use rapier3d::geometry::ColliderHandle;
-use rapier3d::pipeline::PhysicsWorld;
+use rapier3d_f64::dynamics::{FrictionModel, RigidBodyHandle};
+use rapier3d_f64::geometry::ColliderHandle;
+use rapier3d_f64::pipeline::PhysicsWorld;
 use rest::Rest;
 use std::sync::Arc;
 
 /// Index of a model: those of the world file first, in its order, then the robots.
 pub type ModelIndex = usize;
 
+/// Farthest coordinate in m at which a model may be placed by a command. Every UTM coordinate and every point of the earth is
+/// nearer. Double precision has a step of 2 nm there.
+pub const FARTHEST_M: f64 = 1e7;
+
 /// Shortest physics step, in ns.
 const MIN_STEP_NS: u64 = 1_000;
 /// Longest physics step, in ns.
 const MAX_STEP_NS: u64 = 100_000_000;
-/// rapier divides each step into so many; a motor's impulse is that of the last of them.
+/// Number of substeps into which rapier divides a step. The impulse that it reports of a motor is that of the last one.
 const SUBSTEPS: usize = 4;
 
 /// The moving state of a world.
 pub struct Physics {
     rapier: PhysicsWorld,
-    /// Bodies that flew apart, as far as it was said.
+    /// Number of bodies that flew apart and were reported.
     frozen: usize,
     step_ns: u64,
     time_ns: u64,
@@ -75,39 +79,40 @@ pub struct Physics {
 struct Body {
     handle: RigidBodyHandle,
     follows: Follows,
-    /// Its pose in its model with every joint at zero.
+    /// Its pose in its model while every joint is at zero.
     model_at_rest: Pose,
-    /// The same where every joint begins.
+    /// Its pose in its model while every joint is where it begins.
     model_at_start: Pose,
-    /// World poses after the last step but one, and after the last.
+    /// Pose in the world after the last step but one.
     previous: Pose,
+    /// Pose in the world after the last step.
     current: Pose,
-    /// Watches whether it may sleep; none for what never does.
+    /// Decides whether it may sleep; none for a body that never sleeps.
     rest: Option<Rest>,
 }
 
-/// What a body's pose comes from.
+/// What determines the pose of a body.
 enum Follows {
-    /// Forces, contacts and joints.
+    /// Forces, contacts and joints determine it.
     Dynamics,
-    /// Nothing: of static links in a model that moves otherwise.
+    /// It never moves. So do static links in a model whose other links move.
     Nothing,
-    /// As a wheel, the body and the joint of its model that carry it: its handle is the carrier's.
+    /// It is a wheel, and follows another body by a joint of this model. Its handle is that of the body that carries it.
     Carried(usize, ModelIndex, JointIndex),
-    /// The script of an actor, whatever is in its way.
+    /// The script of an actor determines it, whatever is in its way.
     Path(Arc<Trajectory>),
 }
 
-/// A model that is to take part, and how.
+/// A model that is to be added, with its pose and its treatment.
 #[derive(Debug, Clone)]
 pub struct Placement<'a> {
-    /// What it is.
+    /// The model.
     pub model: &'a Model,
-    /// Where its frame is to be.
+    /// The pose of its frame.
     pub world_from_model: Pose,
-    /// Joints of wheels that are part of the body that carries them: something else than physics turns them.
+    /// Joints of wheels that belong to the body that carries them. The base turns them, not physics.
     pub carried: Vec<JointIndex>,
-    /// Whether its bodies never sleep: who sleeps feels no force that is set on him each step.
+    /// Whether its bodies never sleep. A sleeping body would not feel the force that a base sets in each step.
     pub stays_awake: bool,
 }
 
@@ -116,23 +121,23 @@ impl Body {
         matches!(self.follows, Follows::Carried(..))
     }
 
-    /// Whether it stays where it is put: others follow what they follow.
+    /// Whether it stays where it is put. The other bodies follow a carrier or a script.
     fn can_be_put(&self) -> bool {
         matches!(self.follows, Follows::Dynamics | Follows::Nothing)
     }
 }
 
 impl<'a> Placement<'a> {
-    /// Of a thing that nothing drives.
+    /// Places a model that no base drives.
     pub fn of_thing(model: &'a Model, world_from_model: Pose) -> Self {
         Self { model, world_from_model, carried: Vec::new(), stays_awake: false }
     }
 }
 
-/// Where a model's links and joints are found; empty for one that was taken out.
+/// The links and joints of a model; both are empty if it was taken out.
 #[derive(Default)]
 struct PlacedModel {
-    /// Of a model that never moves, and of the parts of others that do not.
+    /// Pose of a model that never moves, and of the parts that never move of another one.
     world_from_model: Pose,
     links: Vec<PlacedLink>,
     /// None for a joint that does not move.
@@ -140,21 +145,21 @@ struct PlacedModel {
     /// Its bodies are `bodies[first_body..end_body]`.
     first_body: usize,
     end_body: usize,
-    /// The body that the model's frame goes along with; none if nothing of it moves.
+    /// The body that the model's frame follows; none if no part of the model moves.
     leading: Option<usize>,
 }
 
-/// A link in its body, or in the world if it never moves.
+/// A link with its pose in its body, or in the world if it has no body.
 struct PlacedLink {
     body: Option<usize>,
     body_from_link: Pose,
     model_from_link: Pose,
     colliders: Vec<ColliderHandle>,
-    /// Poses in the link of what `colliders` are, in the same order.
+    /// Poses of the colliders' shapes in the link, in the order of `colliders`.
     shapes: Vec<Pose>,
 }
 
-/// A link that moves, with what its pose is made of.
+/// A link that moves, with its body and its pose in that.
 struct MovingLink {
     model: ModelIndex,
     link: LinkIndex,
@@ -172,7 +177,7 @@ impl Physics {
         Self::with_models(world, models.map(Some))
     }
 
-    /// The same of these models and no others; `None` leaves an index empty.
+    /// Builds the bodies of these models instead of those of the world. `None` leaves an index empty.
     ///
     /// # Errors
     /// As [`Physics::new`].
@@ -198,9 +203,9 @@ impl Physics {
             });
         }
         let step_ns = step_ns as u64;
-        let mut rapier = PhysicsWorld { gravity: vector(world.gravity), ..PhysicsWorld::default() };
+        let mut rapier = PhysicsWorld { gravity: world.gravity, ..PhysicsWorld::default() };
         let parameters = &mut rapier.integration_parameters;
-        parameters.dt = (step_ns as f64 * 1e-9) as f32;
+        parameters.dt = step_ns as f64 * 1e-9;
         parameters.num_solver_iterations = SUBSTEPS;
         parameters.friction_model = FrictionModel::Coulomb;
         // One pass per substep, rapier's default, lets a motor with a load off its axis run slow.
@@ -229,7 +234,7 @@ impl Physics {
         Ok(physics)
     }
 
-    /// What was decided for the user, and what is ignored, since this was asked last.
+    /// Takes the notes about what was decided for the user and what is ignored, since the last call.
     pub fn take_notes(&mut self) -> Vec<Problem> {
         std::mem::take(&mut self.notes)
     }
@@ -274,7 +279,7 @@ impl Physics {
                 }
             }
         }
-        // Said again only when more are.
+        // It is reported again only when there are more.
         let frozen = self.rapier.quarantine().bodies().len();
         if frozen > self.frozen {
             tracing::warn!(
@@ -294,12 +299,12 @@ impl Physics {
         self.history.add(self.time_ns, &self.bodies);
     }
 
-    /// Keeps where everything was for so long, besides the last two steps. Not at all for 0, as at first.
+    /// Keeps the poses of all bodies for this time, besides those of the last two steps. At first, and for 0, it keeps none.
     pub fn remember(&mut self, window_ns: u64) {
         self.history.keep(window_ns, self.time_ns, &self.bodies);
     }
 
-    /// Takes the wheels along with the bodies that carry them.
+    /// Moves the wheels with the bodies that carry them.
     fn carry(&mut self) {
         for index in 0..self.bodies.len() {
             if let Follows::Carried(carrier, model, joint) = self.bodies[index].follows
@@ -312,7 +317,7 @@ impl Physics {
 
     /// Drives the joints that follow others. Their leaders do not feel it.
     fn lead_followers(&mut self) {
-        /// In so many steps what a follower is off by is made up for.
+        /// Number of steps in which a follower corrects its error.
         const STEPS: f64 = 4.0;
         let time_s = STEPS * self.step_s();
         for model in &self.models {
@@ -348,15 +353,15 @@ impl Physics {
     /// Lets a force in N through its centre of mass, and a torque in N·m, both in the world frame, act on the
     /// body that a link belongs to, from the next step on and in place of any earlier one.
     ///
-    /// A force, not an impulse before the step: rapier spreads forces over its substeps just as it does gravity,
-    /// so that one can hold the other without a residue.
+    /// rapier spreads forces over its substeps as it does gravity, so a force can hold a weight without a residue. An impulse
+    /// before the step could not.
     pub(crate) fn push(&mut self, model: ModelIndex, link: LinkIndex, force: DVec3, torque: DVec3) {
         if let Some(body) = self.models[model].links[link].body {
             let rigid = &mut self.rapier.bodies[self.bodies[body].handle];
             rigid.reset_forces(true);
             rigid.reset_torques(true);
-            rigid.add_force(vector(force), true);
-            rigid.add_torque(vector(torque), true);
+            rigid.add_force(force, true);
+            rigid.add_torque(torque, true);
         }
     }
 
@@ -364,7 +369,7 @@ impl Physics {
     pub fn set_link_friction(&mut self, model: ModelIndex, link: LinkIndex, friction: f64) {
         for handle in &self.models[model].links[link].colliders {
             if let Some(collider) = self.rapier.colliders.get_mut(*handle) {
-                collider.set_friction(friction as f32);
+                collider.set_friction(friction);
             }
         }
     }

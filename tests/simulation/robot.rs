@@ -93,6 +93,24 @@ fn drives_straight() {
     }
 }
 
+/// Single precision has a step of 0.5 m at the second place.
+#[test]
+fn drives_as_far_as_odometry_says_wherever_it_is() {
+    for at in [DVec3::new(20_000.0, 30_000.0, 0.0), DVec3::new(448_262.27, 5_428_765.81, 0.0)] {
+        let mut bench = Bench::new(0.001, vec![], Pose::from_xyz_rpy(at, DVec3::Z * 0.7));
+        let odometry = |bench: &Bench| {
+            let state = bench.robot.state_at(&bench.physics, bench.physics.time_ns());
+            state.odometry.expect("a Kobuki has it").odom_from_base.translation()
+        };
+        bench.run(1.0, Some(command(0.3, 0.0)));
+        let from = [bench.base().translation(), odometry(&bench)];
+        bench.run(4.0, Some(command(0.3, 0.0)));
+        let [way, told] =
+            [bench.base().translation() - from[0], odometry(&bench) - from[1]].map(DVec3::length);
+        assert!(way > 1.1 && (way / told - 1.0).abs() < 1e-4, "{at}: {way} m, odometry says {told} m");
+    }
+}
+
 #[test]
 fn spins() {
     for step_s in STEPS_S {

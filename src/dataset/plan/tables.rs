@@ -6,6 +6,7 @@ use super::randomize::RandomizeTable;
 use super::text::Text;
 use crate::description::Diagnostics;
 use crate::description::diagnostics::Source;
+use crate::world::physics::FARTHEST_M;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use serde::Deserialize;
@@ -116,9 +117,6 @@ pub(super) fn sensors(
     sensors
 }
 
-/// Largest coordinate, beyond which single-precision numbers are millimetres apart.
-const FARTHEST_M: f64 = 1e4;
-
 fn is_place(numbers: &[f64]) -> bool {
     numbers.iter().all(|number| number.abs() <= FARTHEST_M)
 }
@@ -142,7 +140,7 @@ pub(super) fn listed(
             None => diagnostics.error(
                 &text.source(&numbers.span()),
                 format!("{:?} is not a pose", numbers.get_ref()),
-                "write [x, y, yaw] or [x, y, z, roll, pitch, yaw] in metres, up to 10 km, and degrees",
+                "write [x, y, yaw] or [x, y, z, roll, pitch, yaw] in metres, up to 10,000 km, and degrees",
             ),
         }
     }
@@ -162,7 +160,7 @@ pub(super) fn route(
         diagnostics.error(
             &text.source(&path.span()),
             format!("a path of {} points and {count} poses", points.len()),
-            "write points = [[x, y, z], …], two or more, no two equal ones in a row, in metres up to 10 km, and a count of 2 or more",
+            "write points = [[x, y, z], …], two or more, no two equal ones in a row, in metres up to 10,000 km, and a count of 2 or more",
         );
     }
     route
@@ -181,7 +179,11 @@ pub(super) fn random(
             .all(|[low, high]| low <= high && low.is_finite() && high.is_finite());
     if !is_ordered || !is_place(min) || !is_place(max) {
         let what = format!("the region from {min:?} to {max:?}, or a range of angles, is invalid");
-        diagnostics.error(&source, what, "write the lower limit first, in metres up to 10 km and degrees");
+        diagnostics.error(
+            &source,
+            what,
+            "write the lower limit first, in metres up to 10,000 km and degrees",
+        );
         return None;
     }
     if !(0.0..=100.0).contains(clearance_m) {

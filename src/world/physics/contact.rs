@@ -1,21 +1,21 @@
-//! Which shapes touch, and which of them bounce off each other.
+//! Decides which shapes touch each other, and which of those bounce.
 
-use super::ModelIndex;
+use super::{ModelIndex, friction};
 use crate::description::model::Contact;
-use rapier3d::dynamics::CoefficientCombineRule;
-use rapier3d::geometry::{
+use rapier3d_f64::dynamics::CoefficientCombineRule;
+use rapier3d_f64::geometry::{
     Collider, ColliderBuilder, Group, InteractionGroups, InteractionTestMode, SolverFlags,
 };
-use rapier3d::pipeline::{ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks};
+use rapier3d_f64::pipeline::{ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks};
 
-/// Whose a collider is, as it carries it.
+/// What a collider knows of its link, packed into its user data.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Owner {
     pub(super) model: ModelIndex,
-    /// Whether its link touches others of its model.
+    /// Whether its link collides with others of its model.
     pub(super) self_collide: bool,
-    /// From this speed in m/s on it bounces.
-    pub(super) bounce_threshold_m_s: f32,
+    /// The lowest speed of an impact, in m/s, after which it bounces.
+    pub(super) bounce_threshold_m_s: f64,
 }
 
 impl Owner {
@@ -30,31 +30,32 @@ impl Owner {
         Self {
             model: (data as u64 >> 1) as ModelIndex,
             self_collide: data & 1 == 1,
-            bounce_threshold_m_s: f32::from_bits((data >> 64) as u32),
+            bounce_threshold_m_s: f64::from_bits((data >> 64) as u64),
         }
     }
 }
 
-/// Gives a collider its surface.
+/// Applies the properties of a surface to a collider.
 pub(super) fn with_surface(collider: ColliderBuilder, contact: &Contact) -> ColliderBuilder {
     let bits = Group::from_bits_retain(contact.collide_bitmask);
     let collider = collider
-        .restitution(contact.restitution as f32)
+        .restitution(contact.restitution)
         .restitution_combine_rule(CoefficientCombineRule::Min)
         .collision_groups(InteractionGroups::new(bits, bits, InteractionTestMode::And));
     if contact.is_solid { collider } else { collider.solver_groups(InteractionGroups::none()) }
 }
 
-/// The hooks that a collider with such a surface needs, if it can move.
-pub(super) fn hooks(contact: &Contact, moves: bool) -> ActiveHooks {
-    let mut hooks = ActiveHooks::empty();
-    hooks.set(ActiveHooks::FILTER_CONTACT_PAIRS, moves);
-    hooks.set(ActiveHooks::MODIFY_SOLVER_CONTACTS, contact.restitution > 0.0);
-    hooks
+/// Returns the hooks that a collider needs. Of two that touch, one can move, so those that cannot need none.
+pub(super) fn hooks(moves: bool) -> ActiveHooks {
+    if moves {
+        ActiveHooks::FILTER_CONTACT_PAIRS | ActiveHooks::MODIFY_SOLVER_CONTACTS
+    } else {
+        ActiveHooks::empty()
+    }
 }
 
-/// Keeps the links of one model from touching each other, unless one of them says that it does, and slow things from
-/// bouncing.
+/// Keeps the links of one model from touching each other, unless one of them says that it does, keeps slow things from
+/// bouncing, and lets friction act against the slip.
 pub(super) struct Contacts;
 
 impl PhysicsHooks for Contacts {
@@ -76,13 +77,19 @@ impl PhysicsHooks for Contacts {
             .map(|body| body.and_then(|body| context.bodies.get(body)));
         let Some(manifold) = context.rigid_mut() else { return };
         let normal = *manifold.normal;
+        if *manifold.friction > 0.0 {
+            friction::turn_against_slip(bodies, normal, manifold.solver_contacts);
+        }
+        if *manifold.restitution == 0.0 {
+            return;
+        }
         let approach = manifold.solver_contacts.iter().map(|contact| {
             let speed = |side: usize, point| {
                 bodies[side].map_or(0.0, |body| body.velocity_at_point(point).dot(normal))
             };
             speed(0, contact.anchor1) - speed(1, contact.anchor2)
         });
-        if approach.fold(0.0, f32::max) < threshold_m_s {
+        if approach.fold(0.0, f64::max) < threshold_m_s {
             *manifold.restitution = 0.0;
         }
     }

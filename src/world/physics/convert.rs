@@ -1,21 +1,14 @@
-//! Poses and vectors between our double precision and rapier's single precision: the only place where it
-//! happens.
+//! Poses between our type and rapier's. Both are in double precision, and so is every vector.
 
 use belvedere_sensors::Pose;
-use glam::DVec3;
-use rapier3d::math::{Pose as RapierPose, Vector};
+use rapier3d_f64::math::Pose as RapierPose;
 
-/// Narrows a pose.
+/// Returns the same pose as rapier's type.
 pub(super) fn to_rapier(pose: &Pose) -> RapierPose {
-    RapierPose::from_parts(pose.translation().as_vec3(), pose.rotation().as_quat().normalize())
+    RapierPose::from_parts(pose.translation(), pose.rotation())
 }
 
-/// Widens a pose; the rotation is normalised again in double precision.
+/// Returns the same pose as our type, which normalises the rotation.
 pub(super) fn from_rapier(pose: &RapierPose) -> Pose {
-    Pose::new(pose.translation.as_dvec3(), pose.rotation.as_dquat())
-}
-
-/// Narrows a vector.
-pub(super) fn vector(vector: DVec3) -> Vector {
-    vector.as_vec3()
+    Pose::new(pose.translation, pose.rotation)
 }

@@ -1,4 +1,4 @@
-//! Where bodies were in the last steps, for as long as a camera looks back.
+//! The poses of bodies after the last steps, for sensors whose frames begin in the past.
 
 use super::Body;
 use belvedere_sensors::Pose;
@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 /// Poses of all bodies after each of the last steps.
 #[derive(Debug, Default)]
 pub(super) struct History {
-    /// How far back poses may be asked for; nothing is kept if it is 0.
+    /// How far back poses are known. Nothing is kept if it is 0.
     window_ns: u64,
     steps: VecDeque<Step>,
 }
@@ -19,7 +19,7 @@ struct Step {
 }
 
 impl History {
-    /// Keeps poses for so long from now on.
+    /// Keeps poses for this time, from now on.
     pub(super) fn keep(&mut self, window_ns: u64, time_ns: u64, bodies: &[Body]) {
         *self = Self { window_ns, steps: VecDeque::new() };
         self.add(time_ns, bodies);
@@ -31,7 +31,7 @@ impl History {
         if self.window_ns == 0 {
             return;
         }
-        // The first that is kept lies at or before the window's beginning.
+        // The first step that is kept is at the beginning of the window, or before it.
         let begin_ns = time_ns.saturating_sub(self.window_ns);
         let mut poses = Vec::new();
         while self.steps.get(1).is_some_and(|second| second.time_ns <= begin_ns) {

@@ -1,12 +1,12 @@
-//! Models become bodies, joints and colliders of rapier.
+//! Adds models as bodies, joints and colliders of rapier.
 
-use super::convert::{from_rapier, to_rapier, vector};
+use super::convert::{from_rapier, to_rapier};
 use super::joint::{JointState, Motion, MovingJoint};
 use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
 use super::rest::Rest;
 use super::{
     Body, Follows, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, Placement, SUBSTEPS,
-    contact, resist, shape, start,
+    contact, place, resist, shape, start,
 };
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::inertia::is_positive_definite;
@@ -15,18 +15,18 @@ use crate::description::model::{
 };
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
-use rapier3d::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
-use rapier3d::geometry::ColliderBuilder;
-use rapier3d::math::Matrix;
+use rapier3d_f64::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
+use rapier3d_f64::geometry::ColliderBuilder;
 use std::sync::Arc;
 
-/// ODE's and SDF's coefficient of friction where a file gives none.
+/// Coefficient of friction of ODE and SDF for a surface that has none.
 const DEFAULT_FRICTION: f64 = 1.0;
 
 impl Physics {
     /// Adds a model's bodies, joints and shapes, at the index of one that was taken out or the next one.
     pub(super) fn add(&mut self, index: ModelIndex, placement: &Placement<'_>) {
         let Placement { model, ref world_from_model, ref carried, stays_awake } = *placement;
+        self.notes.extend(place::too_far(model, world_from_model));
         let order = tree_order(model);
         let rest = model.rest_poses();
         let start = start::link_poses(model, &order, carried);
@@ -50,7 +50,7 @@ impl Physics {
             let wheel_of = |root: LinkIndex| {
                 carried.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
             };
-            // What carries a link in the end: a wheel is on what steers it, and that on the base.
+            // The body that carries a link in the end: a wheel may be on a link that steers it, and that on the base.
             let carrier_of = |link: LinkIndex| {
                 let mut root = lumps.root[link];
                 // A tree has fewer steps to its root than links.
@@ -107,6 +107,11 @@ impl Physics {
         for link in order {
             self.add_colliders(model, index, link, &mut links[link]);
         }
+        // rapier does so only in the next step. Until then a body would have no mass, and its centre would be at the origin of
+        // the world, so a model that is given a velocity at once would get a wrong one.
+        for body in &self.bodies[first_body..] {
+            self.rapier.bodies[body.handle].recompute_mass_properties_from_colliders(&self.rapier.colliders);
+        }
         let placed = PlacedModel {
             world_from_model: *world_from_model,
             links,
@@ -121,7 +126,7 @@ impl Physics {
         }
     }
 
-    /// Makes what holds or drives two bodies; none if nothing moves, or nothing that has a position.
+    /// Adds a joint between two bodies. Returns none if neither moves, or if the joint has no position.
     fn join(&mut self, joint: &Joint, links: &[PlacedLink], is_rolled: bool) -> Option<MovingJoint> {
         let sides = [joint.parent, joint.child].map(|link| (links[link].body, links[link].body_from_link));
         let [(Some(parent), parent_from_link), (Some(child), child_from_link)] = sides else {
@@ -166,7 +171,7 @@ impl Physics {
         })
     }
 
-    /// Makes the body of some links, in the frame of its root; none if there is nothing to move.
+    /// Adds the body of these links, in the frame of its root. Returns none if there is nothing to move.
     fn insert_body(
         &mut self,
         model: &Model,
@@ -199,11 +204,10 @@ impl Physics {
         let masses: Vec<(Pose, Inertial, bool)> = links()
             .filter_map(|link| Some((body_from_model * link.model_from_link, link.inertial?, link.gravity)))
             .collect();
-        // Without mass and shapes it is a mere frame in space: there is nothing to move.
+        // A link without mass and shapes is only a frame.
         let mass = BodyMass::of(masses.iter().copied())
             .or_else(|| collisions().next().map(|_| BodyMass::sdf_default(root.gravity)))?;
-        let properties =
-            MassProperties::with_inertia_matrix(vector(mass.centre), mass.mass_kg as f32, narrow(&mass));
+        let properties = MassProperties::with_inertia_matrix(mass.centre, mass.mass_kg, inertia_of(&mass));
         if links().any(|link| link.is_kinematic) {
             return Some(self.rapier.insert_body(RigidBodyBuilder::kinematic_velocity_based().pose(pose)));
         }
@@ -213,15 +217,15 @@ impl Physics {
             .linear_damping(linear)
             .angular_damping(angular)
             .additional_mass_properties(properties)
-            .gravity_scale(mass.gravity_share as f32)
-            // Until it has been seen at rest.
+            .gravity_scale(mass.gravity_share)
+            // `Rest` allows it once the body has been at rest.
             .can_sleep(false);
         Some(self.rapier.insert_body(body))
     }
 
     /// rapier's damping in 1/s for a body of such links. A link loses a share of its velocity in each step, as in ODE,
     /// whatever the step; rapier divides by 1 + damping · time in each part of a step.
-    fn damping<'l>(&self, links: &(impl Iterator<Item = &'l Link> + Clone)) -> [f32; 2] {
+    fn damping<'l>(&self, links: &(impl Iterator<Item = &'l Link> + Clone)) -> [f64; 2] {
         let mass = |link: &Link| link.inertial.map_or(0.0, |inertial| inertial.mass_kg);
         let mass_kg: f64 = links.clone().map(mass).sum();
         [0, 1].map(|part| {
@@ -229,14 +233,14 @@ impl Physics {
                 let weight = if mass_kg > 0.0 { mass(link) / mass_kg } else { 1.0 };
                 link.velocity_decay[part] * weight
             });
-            // All of it in a step: all but a millionth.
+            // A link that loses all of its velocity keeps a millionth, so that the damping is finite.
             let kept = (1.0 - decays.sum::<f64>()).max(1e-6);
             let part_s = self.step_s() / SUBSTEPS as f64;
-            ((libm::pow(kept, -1.0 / SUBSTEPS as f64) - 1.0) / part_s) as f32
+            (libm::pow(kept, -1.0 / SUBSTEPS as f64) - 1.0) / part_s
         })
     }
 
-    /// Places the links lumped to `root` in a new body of ours.
+    /// Adds a body of ours with the links that are lumped to `root`.
     #[expect(clippy::too_many_arguments, reason = "one step of `add`, split off because it is done twice")]
     fn place_links(
         &mut self,
@@ -277,7 +281,7 @@ impl Physics {
         });
     }
 
-    /// Makes the one body of an actor, and gives its index.
+    /// Adds the body of an actor, and returns its index.
     fn insert_actor(
         &mut self,
         index: ModelIndex,
@@ -304,7 +308,7 @@ impl Physics {
         body
     }
 
-    /// The body that carries another in the end; itself if nothing does.
+    /// Returns the body that carries another one in the end, or that one itself if none carries it.
     fn outermost_carrier(&self, mut body: usize) -> usize {
         while let Follows::Carried(carrier, ..) = self.bodies[body].follows {
             body = carrier;
@@ -344,22 +348,22 @@ impl Physics {
             let link_from_shape = collision.link_from_collision * collision_from_shape;
             let pose = rapier_from_body * placed.body_from_link * link_from_shape;
             if let Some(rest) = placed.body.and_then(|body| self.bodies[body].rest.as_mut()) {
-                let radius = f64::from(shape.compute_local_bounding_sphere().radius());
+                let radius = shape.compute_local_bounding_sphere().radius();
                 rest.reach(pose.translation().length() + radius);
             }
             let owner = Owner {
                 model: index,
                 self_collide: model.links[link].self_collide,
-                bounce_threshold_m_s: collision.contact.bounce_threshold_m_s as f32,
+                bounce_threshold_m_s: collision.contact.bounce_threshold_m_s,
             };
             let collider = ColliderBuilder::new(shape)
                 .position(to_rapier(&pose))
                 // Mass and inertia come from <inertial> alone.
                 .density(0.0)
-                .friction(collision.friction.unwrap_or(DEFAULT_FRICTION) as f32)
+                .friction(collision.friction.unwrap_or(DEFAULT_FRICTION))
                 .friction_combine_rule(CoefficientCombineRule::Min)
                 .user_data(owner.into_data())
-                .active_hooks(contact::hooks(&collision.contact, placed.body.is_some()));
+                .active_hooks(contact::hooks(placed.body.is_some()));
             let collider = contact::with_surface(collider, &collision.contact);
             let parent = placed.body.map(|body| self.bodies[body].handle);
             placed.colliders.push(self.rapier.insert_collider(collider, parent));
@@ -368,11 +372,11 @@ impl Physics {
     }
 }
 
-/// The inertia in single precision, with at least that of a ball of 1 cm of the same mass about every axis: a body
-/// without inertia would count as one that cannot turn at all.
-fn narrow(mass: &BodyMass) -> Matrix {
+/// Returns the inertia, with at least that of a ball of 1 cm of the same mass about every axis: a body without inertia
+/// would count as one that cannot turn at all.
+fn inertia_of(mass: &BodyMass) -> DMat3 {
     const BALL_INERTIA_PER_KG: f64 = 0.4 * 0.01 * 0.01;
     let least = DMat3::from_diagonal(DVec3::splat(mass.mass_kg * BALL_INERTIA_PER_KG));
     let is_enough = is_positive_definite(mass.inertia - least);
-    (if is_enough { mass.inertia } else { mass.inertia + least }).as_mat3()
+    if is_enough { mass.inertia } else { mass.inertia + least }
 }

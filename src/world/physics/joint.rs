@@ -1,11 +1,11 @@
-//! Joints that move: their rapier form, and their position, velocity and effort.
+//! Joints that move: the joints of rapier that stand for them, and their position, velocity and effort.
 
 use super::SUBSTEPS;
-use super::convert::{to_rapier, vector};
+use super::convert::to_rapier;
 use crate::description::model::{Joint, JointDynamics, JointKind, Mimic};
 use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
-use rapier3d::dynamics::{
+use rapier3d_f64::dynamics::{
     GenericJoint, GenericJointBuilder, ImpulseJointHandle, ImpulseJointSet, JointAxesMask, JointAxis,
     MotorModel, RigidBodySet,
 };
@@ -14,20 +14,20 @@ use std::f64::consts::{PI, TAU};
 /// State of a joint at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
-    /// rad (not wrapped, so that a wheel's turns are counted) or m.
+    /// Position in rad or m. An angle is not wrapped, so it counts the turns of a wheel.
     pub position: f64,
-    /// rad/s or m/s.
+    /// Velocity in rad/s or m/s.
     pub velocity: f64,
-    /// What its motor gave over the last step, in N·m or N.
+    /// The effort of its motor in the last step, in N·m or N.
     pub effort: f64,
 }
 
 /// What moves a joint.
 #[derive(Debug)]
 pub(super) enum Motion {
-    /// rapier: forces on the two bodies.
+    /// Forces on the two bodies move it, in a joint of rapier.
     Forces(ImpulseJointHandle),
-    /// A wheel's drive: it turns by a given rate, and its body is carried along by the first one.
+    /// It is the joint of a wheel, which a base turns at a given rate. The first body carries the second.
     Rolled {
         /// rad/s.
         rate: f64,
@@ -45,20 +45,21 @@ pub(super) struct MovingJoint {
     /// The joint's frame in each of them; it moves along or about its x.
     pub(super) body_from_joint: [Pose; 2],
     pub(super) axis: JointAxis,
-    /// Limits of an angle that are farther apart than half a turn either way: rapier is told those that are near.
+    /// Limits of an angle that are too far apart for rapier, which gets the part of them that is near the position.
     pub(super) wide_limits: Option<[f64; 2]>,
     /// The limits of its position, if it has some.
     pub(super) limits: Option<[f64; 2]>,
     pub(super) dynamics: JointDynamics,
-    /// State after the last step but one, and after the last.
+    /// State after the last step but one.
     pub(super) previous: JointState,
+    /// State after the last step.
     pub(super) current: JointState,
 }
 
 /// How hard a motor holds its velocity, in N·m·s/rad or N·s/m. The solver itself is softer: it does not converge
 /// in its few passes where a load pulls off the axis, and such a motor runs some percent slow (6 % measured for
 /// 2 kg on an arm of 0.5 m at 1 rad/s and a step of 1 ms; more passes gain little).
-const MOTOR_DAMPING: f32 = 1000.0;
+const MOTOR_DAMPING: f64 = 1000.0;
 
 impl MovingJoint {
     /// The rotation that takes x onto a unit axis, by the half-way vector: square roots only.
@@ -71,8 +72,8 @@ impl MovingJoint {
         DQuat::from_xyzw(cross.x, cross.y, cross.z, 1.0 + axis.x).normalize()
     }
 
-    /// rapier's joint for `joint`, its free axis and limits that have to follow it; none for a kind that constrains
-    /// nothing.
+    /// Returns the joint of rapier for `joint`, its free axis, and the limits that have to follow it; none for a kind that
+    /// constrains nothing.
     pub(super) fn constraint(
         joint: &Joint,
         body_from_joint: &[Pose; 2],
@@ -87,12 +88,12 @@ impl MovingJoint {
         Some((builder.build(), axis, wide))
     }
 
-    /// rapier's joint for one that turns about all axes.
+    /// Returns the joint of rapier for one that turns about all axes.
     pub(super) fn ball(body_from_joint: &[Pose; 2]) -> GenericJoint {
         Self::between(body_from_joint, JointAxesMask::LIN_AXES).build()
     }
 
-    /// A joint of rapier's that locks some axes of two bodies, which do not touch each other.
+    /// Returns a joint of rapier that locks some axes of two bodies, which then do not touch each other.
     pub(super) fn between(body_from_joint: &[Pose; 2], locked: JointAxesMask) -> GenericJointBuilder {
         GenericJointBuilder::new(locked)
             .local_frame1(to_rapier(&body_from_joint[0]))
@@ -132,8 +133,8 @@ impl MovingJoint {
             joint
                 .data
                 .set_motor_model(self.axis, MotorModel::ForceBased)
-                .set_motor_velocity(self.axis, velocity as f32, MOTOR_DAMPING)
-                .set_motor_max_force(self.axis, (max_effort as f32).min(f32::MAX));
+                .set_motor_velocity(self.axis, velocity, MOTOR_DAMPING)
+                .set_motor_max_force(self.axis, max_effort.min(f64::MAX));
         }
     }
 
@@ -150,7 +151,7 @@ impl MovingJoint {
         }
     }
 
-    /// Tells rapier of the wide limits that are near the position now.
+    /// Gives rapier the part of wide limits that is near the current position.
     pub(super) fn follow_limits(&self, joints: &mut ImpulseJointSet) {
         if let (Some(limits), Motion::Forces(handle)) = (self.wide_limits, &self.motion)
             && let Some(joint) = joints.get_mut(*handle, false)
@@ -174,7 +175,7 @@ impl MovingJoint {
         Pose::new(DVec3::ZERO, DQuat::from_xyzw(sin, 0.0, 0.0, cos))
     }
 
-    /// Puts it back to where it begins.
+    /// Resets its state to its initial position.
     pub(super) fn begin(&mut self, joints: &mut ImpulseJointSet) {
         let state = JointState { position: self.dynamics.initial_position, ..JointState::default() };
         (self.previous, self.current) = (state, state);
@@ -190,11 +191,11 @@ impl MovingJoint {
         }
     }
 
-    /// Takes over the state after a step.
+    /// Updates the state after a step.
     pub(super) fn update(
         &mut self,
         world_from_body: [Pose; 2],
-        handles: [rapier3d::dynamics::RigidBodyHandle; 2],
+        handles: [rapier3d_f64::dynamics::RigidBodyHandle; 2],
         bodies: &RigidBodySet,
         joints: &mut ImpulseJointSet,
         step_s: f64,
@@ -220,42 +221,42 @@ impl MovingJoint {
         let difference = if self.axis == JointAxis::AngX {
             second.angvel() - first.angvel()
         } else {
-            let anchor = vector((world_from_body[1] * self.body_from_joint[1]).translation());
+            let anchor = (world_from_body[1] * self.body_from_joint[1]).translation();
             second.velocity_at_point(anchor) - first.velocity_at_point(anchor)
         };
-        self.current.velocity = difference.as_dvec3().dot(axis_in_world);
+        self.current.velocity = difference.dot(axis_in_world);
         let impulse = joints
             .get(handle)
             .and_then(|joint| joint.data.motor(self.axis))
             .map_or(0.0, |motor| motor.impulse);
-        self.current.effort = f64::from(impulse) * SUBSTEPS as f64 / step_s;
+        self.current.effort = impulse * SUBSTEPS as f64 / step_s;
     }
 }
 
-/// The angle in rad around a joint's position that limits are told for: rapier knows an angle only within one turn.
+/// Limits farther than this angle in rad from the position are not given to rapier, which knows an angle only within a turn.
 const HORIZON_RAD: f64 = 3.0;
 
-/// Beyond this a length in m is no limit.
+/// A length in m beyond which there is no limit.
 const FAR_M: f64 = 1e30;
 
 fn is_wide([lower, upper]: [f64; 2]) -> bool {
     upper - lower > 2.0 * HORIZON_RAD
 }
 
-/// Those of two limits that are near a position, in the form that rapier takes.
-fn near(axis: JointAxis, [lower, upper]: [f64; 2], position: f64) -> [f32; 2] {
+/// Returns the part of two limits that is near a position.
+fn near(axis: JointAxis, [lower, upper]: [f64; 2], position: f64) -> [f64; 2] {
     if axis != JointAxis::AngX {
-        return [lower.max(-FAR_M) as f32, upper.min(FAR_M) as f32];
+        return [lower.max(-FAR_M), upper.min(FAR_M)];
     }
     if !is_wide([lower, upper]) {
-        return [lower as f32, upper as f32];
+        return [lower, upper];
     }
-    // A position beyond a limit, as at the start, keeps that limit in sight.
+    // A position beyond a limit, as at the start, does not lose that limit.
     let within = position.max(lower).min(upper);
-    [lower.max(within - HORIZON_RAD) as f32, upper.min(within + HORIZON_RAD) as f32]
+    [lower.max(within - HORIZON_RAD), upper.min(within + HORIZON_RAD)]
 }
 
-/// An angle brought into (−π, π].
+/// Returns the same angle in (−π, π].
 fn wrap(angle: f64) -> f64 {
     let wrapped = angle - TAU * libm::floor(angle / TAU);
     if wrapped > PI { wrapped - TAU } else { wrapped }

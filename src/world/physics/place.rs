@@ -1,8 +1,8 @@
 //! Models are moved, put back, added and taken out while the world runs.
 
-use super::convert::{from_rapier, to_rapier, vector};
+use super::convert::{from_rapier, to_rapier};
 use super::joint::Motion;
-use super::{Follows, ModelIndex, Physics, PlacedModel, Placement};
+use super::{FARTHEST_M, Follows, ModelIndex, Physics, PlacedModel, Placement};
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::Model;
 use belvedere_sensors::Pose;
@@ -24,9 +24,9 @@ impl Physics {
     /// Velocity of a model's origin in m/s and its rate of turn in rad/s, both in the world frame.
     pub fn model_velocity(&self, model: ModelIndex) -> (DVec3, DVec3) {
         let Some(body) = self.models[model].leading else { return (DVec3::ZERO, DVec3::ZERO) };
-        let origin = vector(self.world_from_model(model).translation());
+        let origin = self.world_from_model(model).translation();
         let rigid = &self.rapier.bodies[self.bodies[body].handle];
-        (rigid.velocity_at_point(origin).as_dvec3(), rigid.angvel().as_dvec3())
+        (rigid.velocity_at_point(origin), rigid.angvel())
     }
 
     /// Moves a model as it is, joints included, so that its frame comes to `world_from_model`, and gives its origin a
@@ -66,20 +66,20 @@ impl Physics {
         self.settle(model, world_from_model);
     }
 
-    /// Gives a body a pose, and the velocity that it has in a rigid motion about `origin`.
+    /// Sets the pose of a body, and the velocity that it has in a rigid motion about `origin`.
     fn set_body(&mut self, index: usize, pose: &Pose, origin: DVec3, linear: DVec3, angular: DVec3) {
         let body = &mut self.bodies[index];
         let rigid = &mut self.rapier.bodies[body.handle];
-        let centre = pose.transform_point(rigid.mass_properties().local_mprops.local_com.as_dvec3());
+        let centre = pose.transform_point(rigid.mass_properties().local_mprops.local_com);
         rigid.set_position(to_rapier(pose), true);
-        rigid.set_linvel(vector(linear + angular.cross(centre - origin)), true);
-        rigid.set_angvel(vector(angular), true);
+        rigid.set_linvel(linear + angular.cross(centre - origin), true);
+        rigid.set_angvel(angular, true);
         rigid.reset_forces(true);
         rigid.reset_torques(true);
         body.current = from_rapier(rigid.position());
     }
 
-    /// Takes along what does not move by itself, and forgets where the model came from.
+    /// Moves what does not move by itself, and forgets where the model came from.
     fn settle(&mut self, model: ModelIndex, world_from_model: &Pose) {
         self.carry();
         let placed = &mut self.models[model];
@@ -96,7 +96,7 @@ impl Physics {
             }
         }
         self.history.add(self.time_ns, &self.bodies);
-        // What rested on it, or where it is now, has to notice.
+        // What rested on it or beside it may have to move now.
         self.rapier.wake_up_all(true);
     }
 
@@ -157,6 +157,20 @@ impl Physics {
         self.free.push(self.models.len());
         self.models.push(PlacedModel::default());
     }
+}
+
+/// Returns a warning about a model that is so far away that the steps of its coordinates show.
+pub(super) fn too_far(model: &Model, world_from_model: &Pose) -> Option<Problem> {
+    let at = world_from_model.translation();
+    (at.abs().max_element() > FARTHEST_M).then(|| Problem {
+        severity: Severity::Warning,
+        source: model.source.clone(),
+        what: format!(
+            "model '{}' is at {} {} {}, where bodies may move in visible steps",
+            model.name, at.x, at.y, at.z
+        ),
+        remedy: format!("write coordinates of at most {FARTHEST_M:e} m, and move the world's origin nearer"),
+    })
 }
 
 /// Refuses a model with a pose that is not finite.

@@ -1,6 +1,6 @@
-//! What is asked of physics: where things are, how fast, on what they stand.
+//! Queries about the state of physics: poses, velocities, masses, and the ground on which links stand.
 
-use super::convert::{from_rapier, vector};
+use super::convert::from_rapier;
 use super::{JointIndex, JointState, ModelIndex, Physics};
 use crate::description::model::LinkIndex;
 use belvedere_sensors::Pose;
@@ -41,9 +41,9 @@ impl Physics {
         let placed = &self.models[model].links[link];
         let Some(body) = placed.body else { return (DVec3::ZERO, DVec3::ZERO) };
         let body = &self.bodies[body];
-        let origin = vector(body.current.transform_point(placed.body_from_link.translation()));
+        let origin = body.current.transform_point(placed.body_from_link.translation());
         let body = &self.rapier.bodies[body.handle];
-        (body.velocity_at_point(origin).as_dvec3(), body.angvel().as_dvec3())
+        (body.velocity_at_point(origin), body.angvel())
     }
 
     /// State of a joint now; none for a joint that does not move.
@@ -63,7 +63,7 @@ impl Physics {
         })
     }
 
-    /// Whether all that could move of a model sleeps, because it rests.
+    /// Returns true if all bodies of a model that could move sleep.
     pub fn sleeps(&self, model: ModelIndex) -> bool {
         let placed = &self.models[model];
         let bodies = &self.bodies[placed.first_body..placed.end_body];
@@ -82,16 +82,16 @@ impl Physics {
     ) -> Option<(f64, DVec3, f64)> {
         let body = &self.bodies[self.models[model].links[link].body?];
         let rigid = &self.rapier.bodies[body.handle];
-        let inertia = rigid.mass_properties().local_mprops.reconstruct_inertia_matrix().as_dmat3();
+        let inertia = rigid.mass_properties().local_mprops.reconstruct_inertia_matrix();
         let axis = from_rapier(rigid.position()).inverse().transform_vector(axis_in_world);
-        Some((f64::from(rigid.mass()), rigid.center_of_mass().as_dvec3(), axis.dot(inertia * axis)))
+        Some((rigid.mass(), rigid.center_of_mass(), axis.dot(inertia * axis)))
     }
 
     /// Mass in kg of all of a model that moves.
     pub(crate) fn model_mass(&self, model: ModelIndex) -> f64 {
         let placed = &self.models[model];
         let own = self.bodies[placed.first_body..placed.end_body].iter().filter(|body| !body.is_carried());
-        own.map(|body| f64::from(self.rapier.bodies[body.handle].mass())).sum()
+        own.map(|body| self.rapier.bodies[body.handle].mass()).sum()
     }
 
     /// The normal of the ground that a link stood on in the last step, as the mean of its contacts whose
@@ -108,8 +108,7 @@ impl Physics {
                 let Some(contacts) = pair.rigid().filter(|_| pair.has_any_active_contact()) else { continue };
                 // A manifold's normal points from the first collider to the second.
                 let sign = if pair.collider1 == *collider { -1.0 } else { 1.0 };
-                let normals =
-                    contacts.manifolds.iter().map(|manifold| manifold.data.normal.as_dvec3() * sign);
+                let normals = contacts.manifolds.iter().map(|manifold| manifold.data.normal * sign);
                 sum += normals.filter(|normal| normal.dot(up_in_world) > 0.5).sum::<DVec3>();
             }
         }
@@ -118,7 +117,7 @@ impl Physics {
 
     /// Gravity in m/s², in the world frame.
     pub fn gravity(&self) -> DVec3 {
-        self.rapier.gravity.as_dvec3()
+        self.rapier.gravity
     }
 
     /// Where `stamp_ns` lies between the last two steps, in [0, 1].

@@ -1,4 +1,4 @@
-//! What resists a joint: its spring and its damper, and its dry friction.
+//! Joints of rapier for what resists a joint: its spring and damper, and its dry friction.
 //!
 //! rapier has one motor for each axis of a joint, and that is what a robot drives. A spring with a damper is a motor, too, and
 //! dry friction is one that holds still with a force that is limited. So each of them is another joint between the same two
@@ -7,17 +7,17 @@
 use super::joint::MovingJoint;
 use crate::description::model::JointDynamics;
 use belvedere_sensors::Pose;
-use rapier3d::dynamics::{GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MotorModel};
+use rapier3d_f64::dynamics::{GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MotorModel};
 
 /// How hard dry friction holds still, in N·m·s/rad or N·s/m: with 10 N·m it creeps by 10⁻⁵ rad/s.
-const HOLDING: f32 = 1e6;
+const HOLDING: f64 = 1e6;
 
-/// Beyond this a spring or a damper is rigid, and rapier's products of it are no numbers.
-const STIFFEST: f32 = 1e30;
-/// A reference of a spring is no farther away, in rad or m.
+/// Largest stiffness or damping. It is rigid, and rapier's products of it are still finite.
+const STIFFEST: f64 = 1e30;
+/// Farthest reference of a spring, in rad or m.
 const FARTHEST: f64 = 1e6;
 
-/// rapier's joints for what resists a joint that moves along or about `axis`; none for what it does not have.
+/// Returns the joints of rapier for what resists a joint that moves along or about `axis`.
 pub(super) fn joints(
     dynamics: &JointDynamics,
     axis: JointAxis,
@@ -27,12 +27,12 @@ pub(super) fn joints(
     let yields = dynamics.damping > 0.0 || dynamics.spring_stiffness > 0.0;
     let spring = yields.then(|| {
         let [stiffness, damping] =
-            [dynamics.spring_stiffness, dynamics.damping].map(|value| (value as f32).min(STIFFEST));
+            [dynamics.spring_stiffness, dynamics.damping].map(|value| value.min(STIFFEST));
         let reference = dynamics.spring_reference.clamp(-FARTHEST, FARTHEST);
-        free().motor_position(axis, reference as f32, stiffness, damping)
+        free().motor_position(axis, reference, stiffness, damping)
     });
     let friction = (dynamics.friction > 0.0)
-        .then(|| free().motor_velocity(axis, 0.0, HOLDING).motor_max_force(axis, dynamics.friction as f32));
+        .then(|| free().motor_velocity(axis, 0.0, HOLDING).motor_max_force(axis, dynamics.friction));
     let build = move |joint: GenericJointBuilder| joint.motor_model(axis, MotorModel::ForceBased).build();
     spring.into_iter().chain(friction).map(build)
 }

@@ -1,30 +1,29 @@
-//! When a body rests, so that it may sleep and cost nothing.
+//! Decides when a body rests, so that it may sleep and cost nothing.
 //!
 //! rapier calls a body still whose speed is below a bound for half a second. Slow is not still: a pendulum turns around, and
 //! a crate begins to fall off its edge. Here a body rests that has stayed within a millimetre for a second, whatever its speed
-//! was: that sees an acceleration of 2 mm/s² from rest, and not the last digits of a pose in single precision. Only then
-//! rapier is allowed to put it to sleep, which it does once everything that the body touches may sleep, too.
+//! was: that sees an acceleration of 2 mm/s² from rest, and not the last digits of a pose. Only then rapier is allowed to put it to sleep, which it does once everything that the body touches may sleep, too.
 
 use belvedere_sensors::Pose;
-use rapier3d::dynamics::RigidBody;
+use rapier3d_f64::dynamics::RigidBody;
 
-/// For so long a body stays where it is before it may sleep.
+/// Time in ns that a body has to stay where it is before it may sleep.
 const STILL_NS: u64 = 1_000_000_000;
-/// No point of it has moved farther meanwhile, in m.
+/// Farthest way in m that a point of it may move meanwhile.
 const STILL_M: f64 = 0.001;
-/// How long rapier waits after that, in s: a body that is woken up is awake for so long.
-const SLEEPY_S: f32 = 0.1;
-/// A bound in m/s that no speed reaches.
-const ANY_SPEED: f32 = 1e6;
+/// Time in s that rapier waits after that. A body that is woken up stays awake for this time.
+const SLEEPY_S: f64 = 0.1;
+/// A speed in m/s that no body reaches.
+const ANY_SPEED: f64 = 1e6;
 
-/// Where a body has been still, and since when.
+/// The pose near which a body has stayed, and since when.
 #[derive(Debug)]
 pub(super) struct Rest {
     pose: Pose,
     since_ns: u64,
     /// How far its shapes reach from its origin, in m.
     reach_m: f64,
-    /// rapier may let it sleep.
+    /// Whether rapier may put it to sleep.
     may_sleep: bool,
     was_asleep: bool,
 }

@@ -1,25 +1,24 @@
-//! What touches: collision geometry as rapier's shapes.
+//! Collision geometry as shapes of rapier.
 
 use crate::description::model::{Geometry, Heights, Mesh};
 use belvedere_sensors::Pose;
-use glam::{DQuat, DVec3};
-use rapier3d::geometry::SharedShape;
-use rapier3d::math::Vector;
-use rapier3d::parry::utils::Array2;
+use glam::{DQuat, DVec3, Vec3};
+use rapier3d_f64::geometry::SharedShape;
+use rapier3d_f64::parry::utils::Array2;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::ops::RangeInclusive;
 
-/// A shape and its pose in the geometry's frame, or why it cannot collide.
+/// Sizes in m that a shape may have. Beyond them, the squares and products that parry makes of sizes would be 0 or
+/// infinite.
+const SIZES_M: RangeInclusive<f64> = f32::MIN_POSITIVE as f64..=f32::MAX as f64;
+
+/// Returns a shape and its pose in the frame of the geometry, or the reason why it cannot collide.
 ///
-/// Triangles of something that moves become their convex hull: a hollow triangle mesh has no inside, so moving
-/// ones would sink into each other.
+/// The triangles of something that moves become their convex hull. A triangle mesh is hollow, so moving ones would sink into
+/// each other.
 pub(super) fn shape(geometry: &Geometry, moves: bool) -> Result<(SharedShape, Pose), String> {
     let positive = |value: f64, what: &str| {
-        let narrow = value as f32;
-        if narrow.is_finite() && narrow > 0.0 {
-            Ok(narrow)
-        } else {
-            Err(format!("its {what} is {value}, not above 0"))
-        }
+        if SIZES_M.contains(&value) { Ok(value) } else { Err(format!("its {what} is {value}, not above 0")) }
     };
     // parry's cylinders stand along y, ours along z.
     let z_from_y = Pose::new(DVec3::ZERO, DQuat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2));
@@ -39,12 +38,12 @@ pub(super) fn shape(geometry: &Geometry, moves: bool) -> Result<(SharedShape, Po
         ),
         Geometry::Plane { normal, .. } => {
             let normal = normal.try_normalize().ok_or("its normal has no direction")?;
-            (SharedShape::halfspace(normal.as_vec3().normalize()), Pose::IDENTITY)
+            (SharedShape::halfspace(normal), Pose::IDENTITY)
         }
         Geometry::Ellipsoid { radii } => {
             let radii = radii.to_array().map(|radius| positive(radius, "radius"));
             let [x, y, z] = radii;
-            (ellipsoid(Vector::new(x?, y?, z?))?, Pose::IDENTITY)
+            (ellipsoid(DVec3::new(x?, y?, z?))?, Pose::IDENTITY)
         }
         Geometry::Cone { radius, length } => {
             (SharedShape::cone(positive(length * 0.5, "length")?, positive(*radius, "radius")?), z_from_y)
@@ -53,30 +52,31 @@ pub(super) fn shape(geometry: &Geometry, moves: bool) -> Result<(SharedShape, Po
         Geometry::HeightMap(map) => {
             let ([rows, columns], [x, y]) = (map.heights.grid, map.heights.size);
             let metres = Array2::new(rows as usize, columns as usize, by_columns(&map.heights));
-            let size = Vector::new(positive(x, "size")?, 1.0, positive(y, "size")?);
+            let size = DVec3::new(positive(x, "size")?, 1.0, positive(y, "size")?);
             // parry's rows go along z, which this turns to −y: from the top of the picture to its bottom.
             (SharedShape::heightfield(metres, size), Pose::new(map.offset, z_from_y.rotation()))
         }
     })
 }
 
-/// parry has no ellipsoids: the hull of points on it, 4 % of a radius inside at most.
-fn ellipsoid(radii: Vector) -> Result<SharedShape, String> {
+/// Returns the hull of points on an ellipsoid, which parry lacks. It is at most 4 % of a radius inside the surface.
+fn ellipsoid(radii: DVec3) -> Result<SharedShape, String> {
     const SLICES: usize = 16;
     let points = (0..=SLICES / 2).flat_map(|row| {
         let (ring, up) = libm::sincos(row as f64 / SLICES as f64 * TAU);
         (0..SLICES).map(move |column| {
             let (y, x) = libm::sincos(column as f64 / SLICES as f64 * TAU);
-            Vector::new((ring * x) as f32, (ring * y) as f32, up as f32) * radii
+            DVec3::new(ring * x, ring * y, up) * radii
         })
     });
     SharedShape::convex_hull(&points.collect::<Vec<_>>()).ok_or_else(|| "its radii enclose nothing".into())
 }
 
-/// Heights in the order of parry's arrays.
-fn by_columns(heights: &Heights) -> Vec<f32> {
+/// Returns heights in the order of parry's arrays.
+fn by_columns(heights: &Heights) -> Vec<f64> {
     let [rows, columns] = heights.grid.map(|count| count as usize);
-    (0..columns).flat_map(|column| (0..rows).map(move |row| heights.metres[row * columns + column])).collect()
+    let metres = |row, column| f64::from(heights.metres[row * columns + column]);
+    (0..columns).flat_map(|column| (0..rows).map(move |row| metres(row, column))).collect()
 }
 
 fn triangles(mesh: &Mesh, moves: bool) -> Result<SharedShape, String> {
@@ -88,7 +88,7 @@ fn triangles(mesh: &Mesh, moves: bool) -> Result<SharedShape, String> {
     if let Some(vertex) = mesh.triangles.iter().flatten().find(|vertex| **vertex as usize >= count) {
         return Err(format!("mesh '{file}' has {count} vertices, and a triangle that names vertex {vertex}"));
     }
-    let points: Vec<Vector> = mesh.positions.iter().map(|point| Vector::from_array(*point)).collect();
+    let points: Vec<DVec3> = mesh.positions.iter().map(|point| Vec3::from_array(*point).as_dvec3()).collect();
     if moves {
         SharedShape::convex_hull(&points).ok_or_else(|| format!("mesh '{file}' encloses no volume"))
     } else {

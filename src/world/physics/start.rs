@@ -1,11 +1,11 @@
-//! Where the joints of a model begin, and its links with them.
+//! The initial positions of a model's joints, and the poses of its links that follow from them.
 
 use super::joint::MovingJoint;
 use super::lump::joints_in;
 use crate::description::model::{Joint, JointIndex, LinkIndex, Model};
 use belvedere_sensors::Pose;
 
-/// Where a joint begins: within its limits, and one that follows another where that one puts it.
+/// Returns the initial position of a joint. It is within its limits, and that of a follower is given by its leader.
 pub(super) fn position(model: &Model, joint: JointIndex) -> f64 {
     let (mut factor, mut offset, mut at) = (1.0, 0.0, joint);
     // The descriptions let no joint follow itself.
@@ -21,12 +21,13 @@ pub(super) fn position(model: &Model, joint: JointIndex) -> f64 {
     within(&model.joints[joint], factor * within(leader, leader.dynamics.initial_position) + offset)
 }
 
-/// The frame of a joint, along or about whose x it moves, in its child.
+/// Returns the pose in the child of the frame of a joint, which moves along or about the x axis of that frame.
 pub(super) fn child_from_joint(joint: &Joint) -> Pose {
     Pose::new(joint.pivot, MovingJoint::x_onto(joint.axis))
 }
 
-/// Pose of each link in the model with every joint where it begins; those of wheels that are `carried` begin at 0.
+/// Returns the pose of each link in the model while every joint is at its initial position. The joints of wheels that are
+/// `carried` begin at 0.
 pub(super) fn link_poses(model: &Model, order: &[LinkIndex], carried: &[JointIndex]) -> Vec<Pose> {
     let mut poses = model.rest_poses();
     let mut placed = vec![false; poses.len()];

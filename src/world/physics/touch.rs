@@ -1,27 +1,27 @@
-//! What sensors of touch and nearness ask of the physics: where a link touches, and what a ray meets.
+//! Queries about touch and nearness: where a link touches, what is near a model, and what a ray meets.
 
-use super::convert::{from_rapier, to_rapier, vector};
+use super::convert::{from_rapier, to_rapier};
 use super::{ModelIndex, Owner, Physics};
 use crate::description::model::LinkIndex;
 use glam::DVec3;
-use rapier3d::geometry::{Ball, Collider, Ray, Shape as RapierShape};
-use rapier3d::math::{Pose as RapierPose, Vector};
-use rapier3d::parry::bounding_volume::BoundingVolume as _;
-use rapier3d::parry::query::contact;
-use rapier3d::pipeline::QueryFilter;
+use rapier3d_f64::geometry::{Ball, Collider, Ray, Shape as RapierShape};
+use rapier3d_f64::math::Pose as RapierPose;
+use rapier3d_f64::parry::bounding_volume::BoundingVolume as _;
+use rapier3d_f64::parry::query::contact;
+use rapier3d_f64::pipeline::QueryFilter;
 
 /// A point where a link touches something, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Touch {
     /// The point on the link.
     pub(crate) point: DVec3,
-    /// Out of the link, into what it touches.
+    /// Direction out of the link into what it touches.
     pub(crate) outward: DVec3,
 }
 
 impl Physics {
-    /// The model, and the link of this one, if the middle of its largest shape is inside another model as it is placed now:
-    /// what stands a little in the floor finds its way out.
+    /// Returns a link of this model and another model if the middle of the largest shape of the link is inside that other
+    /// model. A model that stands a little in the floor is pushed out of it, so its middle decides.
     pub(crate) fn inside(&self, model: ModelIndex) -> Option<(LinkIndex, ModelIndex)> {
         let colliders = &self.rapier.colliders;
         let world_from = |collider: &Collider| self.world_from_collider(collider);
@@ -36,15 +36,14 @@ impl Physics {
         Some((link, Owner::of(other).model))
     }
 
-    /// Whether no shape of another model is nearer than `clearance_m` to those of this one as it is placed now, or to its
-    /// origin if it has none. What is below it may be as near as it likes: it stands there.
+    /// Returns true if no shape of another model is nearer than `clearance_m` to those of this one, or to its origin if it has
+    /// none. What is below it may be nearer, because it stands there.
     pub(crate) fn is_clear(&self, model: ModelIndex, clearance_m: f64) -> bool {
-        /// Steeper than this, a surface is no floor: 45°.
-        const FLOOR: f32 = 0.707;
-        /// So deep things may stand in a floor.
-        const SUNK_M: f32 = 0.02;
+        /// The least z of the normal of a floor: it is inclined by 45° at most.
+        const FLOOR: f64 = 0.707;
+        /// Depth in m to which a model may stand in a floor.
+        const SUNK_M: f64 = 0.02;
         let colliders = &self.rapier.colliders;
-        let clearance = clearance_m as f32;
         let origin = Ball::new(1e-3);
         let links = self.models[model].links.iter();
         let own = links.flat_map(|link| &link.colliders).filter_map(|handle| colliders.get(*handle));
@@ -56,7 +55,7 @@ impl Physics {
         let others = colliders.iter().map(|(_, other)| other).filter(|other| Owner::of(other).model != model);
         others.map(|other| (self.world_from_collider(other), other.shape())).all(
             |(world_from_other, other)| {
-                let around = other.compute_aabb(&world_from_other).loosened(clearance.max(0.0));
+                let around = other.compute_aabb(&world_from_other).loosened(clearance_m.max(0.0));
                 own.iter().all(|(world_from_own, shape)| {
                     if !around.intersects(&shape.compute_aabb(world_from_own)) {
                         return true;
@@ -65,10 +64,10 @@ impl Physics {
                         let up = world_from_other.rotation * plane.normal;
                         let height =
                             lowest(*shape, world_from_own, up) - world_from_other.translation.dot(up);
-                        return height >= clearance || up.z > FLOOR && height > -SUNK_M;
+                        return height >= clearance_m || up.z > FLOOR && height > -SUNK_M;
                     }
-                    // Pairs that parry knows nothing of touch only if one holds the other's middle.
-                    match contact(world_from_own, *shape, &world_from_other, other, clearance) {
+                    // parry cannot compare some pairs of shapes. They touch if one contains the middle of the other.
+                    match contact(world_from_own, *shape, &world_from_other, other, clearance_m) {
                         Ok(None) => true,
                         Ok(Some(near)) => near.normal1.z < -FLOOR && near.dist > -SUNK_M,
                         Err(_) => !other.contains_point(&world_from_other, world_from_own.translation),
@@ -78,7 +77,7 @@ impl Physics {
         )
     }
 
-    /// Where a collider is; those of bodies that have just come or were put somewhere have not followed yet.
+    /// Returns the pose of a collider. rapier updates it only in the next step after its body was added or moved.
     fn world_from_collider(&self, collider: &Collider) -> RapierPose {
         let body = collider.parent().and_then(|body| self.rapier.bodies.get(body));
         match (body, collider.position_wrt_parent()) {
@@ -87,7 +86,7 @@ impl Physics {
         }
     }
 
-    /// Where a link touched other models in the last step: every pair of points less than `gap_m` apart.
+    /// Returns the points where a link touched other models in the last step: all that are less than `gap_m` apart.
     pub(crate) fn touches(
         &self,
         model: ModelIndex,
@@ -109,12 +108,12 @@ impl Physics {
                 move |(pair, contacts, world_from_own)| {
                     let is_first = pair.collider1 == own;
                     contacts.manifolds.iter().flat_map(move |manifold| {
-                        let normal = manifold.data.normal.as_dvec3();
-                        let near = manifold.points.iter().filter(move |point| f64::from(point.dist) < gap_m);
+                        let normal = manifold.data.normal;
+                        let near = manifold.points.iter().filter(move |point| point.dist < gap_m);
                         near.map(move |point| {
                             let local = if is_first { point.local_p1 } else { point.local_p2 };
                             Touch {
-                                point: world_from_own.transform_point(local.as_dvec3()),
+                                point: world_from_own.transform_point(local),
                                 outward: if is_first { normal } else { -normal },
                             }
                         })
@@ -124,8 +123,8 @@ impl Physics {
         })
     }
 
-    /// The way in m along a ray to the first shape within `max_m` that does not belong to `ignored`. The ray is in
-    /// the world, its direction of unit length; from within a shape the way is 0.
+    /// Returns the distance in m along a ray to the first shape within `max_m` that does not belong to `ignored`. The ray is
+    /// in the world, and its direction has unit length. If it begins inside a shape, the distance is 0.
     pub(crate) fn cast_ray(
         &self,
         origin: DVec3,
@@ -135,13 +134,13 @@ impl Physics {
     ) -> Option<f64> {
         let is_other = |_, collider: &Collider| Owner::of(collider).model != ignored;
         let filter = QueryFilter { predicate: Some(&is_other), ..QueryFilter::default() };
-        let ray = Ray::new(vector(origin), vector(direction));
-        self.rapier.cast_ray(&ray, max_m as f32, true, filter).map(|(_, way)| f64::from(way))
+        let ray = Ray::new(origin, direction);
+        self.rapier.cast_ray(&ray, max_m, true, filter).map(|(_, way)| way)
     }
 }
 
-/// How far up a shape begins.
-fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: Vector) -> f32 {
+/// Returns how far up a shape begins.
+fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: DVec3) -> f64 {
     if let Some(shape) = shape.as_support_map() {
         return shape.support_point(world_from_shape, -up).dot(up);
     }

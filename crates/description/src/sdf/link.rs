@@ -2,7 +2,6 @@
 
 use super::frames::Frames;
 use super::model::Parts;
-use super::names::Again;
 use super::{Loader, Scope, name_of};
 use crate::fiducial::fiducials;
 use crate::inertia;
@@ -34,24 +33,12 @@ impl Loader<'_> {
         is_static: bool,
         parts: &mut Parts,
     ) {
-        let mut name = name_of(element);
-        if name.is_empty() {
-            self.diagnostics.error(&element.source, "<link> has no name", "write <link name=\"…\">");
-            return;
-        }
-        if let Err(Again { first, unique }) = parts.link_names.take(&name, parts.links.len()) {
-            let first = &parts.links[first].source;
-            let what = format!("two links of this model are called '{name}' (the first at {first})");
-            if !self.rules.gazebo_compat {
-                self.diagnostics.error(&element.source, what, "rename one");
-                return;
-            }
-            let what = format!("{what}: this one becomes '{unique}'");
-            self.diagnostics.warning(&element.source, what, "rename one");
-            // Files that Gazebo saved have such links. Joints and frames mean the first.
-            name = unique;
+        let Parts { links, link_names, .. } = parts;
+        let first = |index: usize| &links[index].source;
+        let Some(name) = self.own_name(element, link_names, links.len(), first) else { return };
+        if !frames.has(&name) {
             let pose = self.pose(element, scope.version);
-            frames.add(&name, &pose, None);
+            frames.add_link(&name, &pose);
         }
         let model_from_link =
             frames.resolve(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);

@@ -4,11 +4,14 @@
 //! | file | reads |
 //! |---|---|
 //! | `world` | `<world>`: scene, physics, models, lights, `<state>` |
-//! | `model` | `<model>` with nested models flattened, and `<include>` |
+//! | `model` | `<model>` with nested models flattened |
+//! | `include` | `<include>` |
 //! | `nested` | models inside of models |
 //! | `link`, `joint`, `light` | those elements |
 //! | `geometry`, `polyline`, `height_map`, `material` | shapes and their looks |
-//! | `frames` | `<pose>`, and `relative_to` from SDF 1.7 on |
+//! | `pose` | `<pose>`, and `relative_to` from SDF 1.7 on |
+//! | `frames` | what the names of frames mean |
+//! | `names`, `siblings` | names that come again, and those that must not |
 //! | `fuel` | models that Gazebo's tools have downloaded |
 //! | `resources` | where `model://` and other URIs point to |
 //!
@@ -20,6 +23,7 @@ mod frames;
 mod fuel;
 mod geometry;
 mod height_map;
+mod include;
 mod joint;
 mod light;
 mod link;
@@ -28,7 +32,9 @@ mod model;
 mod names;
 mod nested;
 mod polyline;
+mod pose;
 mod resources;
+mod siblings;
 mod world;
 
 use super::budget::{Budget, Spent};

@@ -10,6 +10,7 @@ mod frames_at_random;
 mod mesh;
 mod of_others;
 mod of_others_sensors;
+mod parameters;
 mod robot;
 mod shapes;
 mod world;

@@ -3,7 +3,7 @@
 use super::model::ParsedModel;
 use super::pose::WrittenPose;
 use super::resources::Resolved;
-use super::{Loader, Scope, Version, canonical, resources};
+use super::{A_FILE, Loader, Scope, Version, canonical, resources};
 use crate::model::Light;
 use crate::plugin;
 use crate::suggestion::nearest;
@@ -18,9 +18,6 @@ pub(super) struct Included {
     /// Each with its place in what includes it.
     pub(super) lights: Vec<(Light, WrittenPose)>,
 }
-
-/// Opening a file takes as long as so many elements.
-const A_FILE: usize = 20;
 
 impl Loader<'_> {
     /// `<include>`: the models and lights of another file, with name, pose and static overridden.
@@ -57,11 +54,12 @@ impl Loader<'_> {
     }
 
     fn read_included(&mut self, element: &Element, path: &Path, outer: Scope<'_>) -> Option<Included> {
-        let (root, version) = self.read_root(path)?;
+        let (mut root, version) = self.read_root(path)?;
         let Weight { elements, bytes, .. } = root.weight();
         let spent = self.budget.take(elements + A_FILE, bytes);
         self.afford(spent, &element.source)?;
         let folder = path.parent().unwrap_or(Path::new(""));
+        self.alter(element, &mut root, folder)?;
         let scope = Scope { folder, version };
         let name = child_text(element, "name");
         let is_static = child_bool(element, "static", self.diagnostics);
@@ -120,7 +118,7 @@ impl Loader<'_> {
 
     /// The SDF file that a URI of an `<include>` means: the file itself, or what the folder's `model.config`
     /// names, or its `model.sdf`.
-    fn included_file(&mut self, element: &Element, uri: &str, folder: &Path) -> Option<PathBuf> {
+    pub(super) fn included_file(&mut self, element: &Element, uri: &str, folder: &Path) -> Option<PathBuf> {
         let uri = uri.trim_end_matches('/');
         let path = match self.resources.resolve(uri, folder) {
             Resolved::Found(path) => path,

@@ -6,6 +6,7 @@
 //! | `world` | `<world>`: scene, physics, models, lights, `<state>` |
 //! | `model` | `<model>` with nested models flattened |
 //! | `include` | `<include>` |
+//! | `params` | `<experimental:params>` of an `<include>` |
 //! | `nested` | models inside of models |
 //! | `link`, `joint`, `light` | those elements |
 //! | `geometry`, `polyline`, `height_map`, `material` | shapes and their looks |
@@ -31,6 +32,7 @@ mod material;
 mod model;
 mod names;
 mod nested;
+mod params;
 mod polyline;
 mod pose;
 mod resources;
@@ -57,6 +59,9 @@ type Version = (u32, u32);
 
 /// What problems call the picture of a surface.
 const TEXTURE: &str = "texture";
+
+/// Opening a file takes as long as so many elements.
+const A_FILE: usize = 20;
 
 /// What is taken for a file that names no version.
 const ASSUMED_VERSION: Version = (1, 6);

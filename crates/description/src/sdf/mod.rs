@@ -48,7 +48,7 @@ use super::ogre_material::OgreMaterial;
 use super::package::PackagePath;
 use super::rules::Rules;
 use super::values::{child_number, numbers};
-use super::xml::Element;
+use super::xml::{Element, Node};
 use resources::Resources;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -121,19 +121,32 @@ pub(super) fn load_world(
     let path = root.source.file.clone();
     let mut loader = Loader::new(&path, packages, rules, diagnostics);
     let version = loader.version(root)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let scope = Scope { folder, version };
     let Some(world) = root.child("world") else {
+        if let Some(world) = world_of_parts(root) {
+            return Some(loader.world(&world, scope));
+        }
         loader.diagnostics.error(
             &root.source,
             "no <world> in this file",
-            "put the models into a <world name=\"…\">; a model file alone is used with <include>",
+            "put the models into a <world name=\"…\">; a file of one model is a robot (--robot), or used with <include>",
         );
         return None;
     };
     if let Some(second) = root.elements_named("world").nth(1) {
         loader.diagnostics.warning(&second.source, "only the first <world> is loaded", "");
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    Some(loader.world(world, Scope { folder, version }))
+    Some(loader.world(world, scope))
+}
+
+/// The world that stands for a file of a light or an actor alone, as Gazebo makes one: with nothing else in it.
+fn world_of_parts(root: &Element) -> Option<Element> {
+    let is_part = |child: &&Element| matches!(child.name.as_str(), "light" | "actor");
+    let children: Vec<Node> = root.elements().filter(is_part).cloned().map(Node::Element).collect();
+    let attributes = vec![("name".into(), "default".into())];
+    let is_alone = !children.is_empty() && root.child("model").is_none();
+    is_alone.then(|| Element { name: "world".into(), attributes, children, source: root.source.clone() })
 }
 
 /// Reads the `<model>` of an SDF text that was parsed already, its `<pose>` as its place in the world.

@@ -10,7 +10,9 @@ use crate::model::{Collision, Contact, Inertial, Link, Visual};
 use crate::optics::optics;
 use crate::sensor::parse_sensor;
 use crate::solid::Solid;
-use crate::values::{child_bool, child_number, child_text, friction_coefficient, not_negative, share};
+use crate::values::{
+    child_bits, child_bool, child_number, child_text, friction_coefficient, not_negative, share,
+};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -179,6 +181,7 @@ impl Loader<'_> {
         let material = self.material(element, scope);
         let label = label(element, self.diagnostics);
         let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
+        let visibility_flags = child_bits(element, "visibility_flags", self.diagnostics).unwrap_or(u32::MAX);
         let optics = optics(element, self.diagnostics).unwrap_or_default();
         let mut fiducials = fiducials(element, self.diagnostics);
         // A mesh whose triangles have several materials becomes one visual for each; the first has the tags.
@@ -191,6 +194,7 @@ impl Loader<'_> {
                 link_from_visual,
                 material,
                 label,
+                visibility_flags,
                 laser_retro,
                 optics,
                 fiducials: std::mem::take(&mut fiducials),
@@ -252,18 +256,8 @@ impl Loader<'_> {
         if let Some(contact) = surface.child("contact") {
             read.is_solid =
                 !child_bool(contact, "collide_without_contact", self.diagnostics).unwrap_or(false);
-            if let Some(mask) = contact.child("collide_bitmask") {
-                let text = mask.text();
-                let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
-                let number = digits.map_or_else(|| text.parse(), |digits| u32::from_str_radix(digits, 16));
-                match number {
-                    Ok(number) => read.collide_bitmask = number,
-                    Err(_) => self.diagnostics.error(
-                        &mask.source,
-                        format!("<collide_bitmask> is '{text}'"),
-                        "write a number of 32 bits, such as 1 or 0x01",
-                    ),
-                }
+            if let Some(mask) = child_bits(contact, "collide_bitmask", self.diagnostics) {
+                read.collide_bitmask = mask;
             }
         }
         read

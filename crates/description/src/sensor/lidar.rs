@@ -65,7 +65,10 @@ impl Reader<'_> {
         let (physics, profile) = self.beam_physics(sensor, preset.as_ref())?;
         let is_cloud = preset.as_ref().is_some_and(is_cloud);
         let mut ray = match &preset {
-            Some(preset) => ray_of(preset, sensor),
+            Some(preset) => {
+                let visibility_mask = self.visibility_mask(sensor, sensor)?;
+                RaySensor { visibility_mask, ..ray_of(preset, sensor) }
+            }
             None => self.ray(sensor)?,
         };
         let mut plugin = match self.plugin(sensor, &KIND) {
@@ -305,6 +308,7 @@ fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
     let [range_min_m, range_max_m] = preset.range_m;
     RaySensor {
         sees_visuals: sees_visuals(sensor),
+        visibility_mask: u32::MAX,
         horizontal: horizontal_of(preset),
         vertical,
         range_min_m,

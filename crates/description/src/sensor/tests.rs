@@ -263,6 +263,27 @@ fn what_gazebo_goes_on_with_is_a_warning() {
 }
 
 #[test]
+fn a_mask_of_a_lidar_that_hits_collision_shapes_is_without_effect() {
+    let lidar = |kind: &str, mask: &str| {
+        let text = format!(
+            "<sensor name='s' type='{kind}'><lidar><range><max>5</max></range><visibility_mask>{mask}</visibility_mask></lidar></sensor>"
+        );
+        let (sensor, problems) = parse(&text);
+        let mask = sensor.and_then(|sensor| sensor.kind.ray().map(|ray| ray.visibility_mask));
+        (mask, problems.concat())
+    };
+    for kind in ["gpu_ray", "gpu_lidar"] {
+        assert_eq!(lidar(kind, "0xFFFFFFFD"), (Some(0xFFFF_FFFD), String::new()));
+    }
+    for kind in ["ray", "lidar"] {
+        assert_eq!(lidar(kind, "0xffffffff"), (Some(u32::MAX), String::new()));
+        assert!(lidar(kind, "1").1.contains("warning: <visibility_mask> of sensor 's' is without effect"));
+    }
+    let (mask, problems) = lidar("gpu_ray", "-1");
+    assert!(mask.is_none() && problems.contains("error: <visibility_mask> is '-1'"), "{problems}");
+}
+
+#[test]
 fn beams_may_be_told_by_the_plugin_alone() {
     let ray = |max: &str| {
         format!(

@@ -3,7 +3,7 @@
 use super::sees_visuals;
 use crate::model::{RaySensor, ScanAxis};
 use crate::sensor::reader::Reader;
-use crate::values::child_text;
+use crate::values::{child_bits, child_text};
 use crate::xml::Element;
 use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
 
@@ -49,6 +49,8 @@ impl Reader<'_> {
         let resolution = self.not_negative(range, "resolution");
         let noise = self.noise(ray);
 
+        let visibility_mask = self.visibility_mask(sensor, described);
+
         let (horizontal, vertical) = (horizontal?, vertical?);
         let beams = u64::from(horizontal.samples) * u64::from(vertical.samples);
         if beams > u64::from(MAX_BEAMS) {
@@ -65,6 +67,7 @@ impl Reader<'_> {
         let (range_min_m, range_max_m) = limits?;
         Some(RaySensor {
             sees_visuals: sees_visuals(sensor),
+            visibility_mask: visibility_mask?,
             horizontal,
             vertical,
             range_min_m,
@@ -72,6 +75,26 @@ impl Reader<'_> {
             range_resolution_m: resolution?,
             noise: noise?,
         })
+    }
+
+    /// Which visuals a lidar sees, by their `<visibility_flags>`: all, unless its `<visibility_mask>` says otherwise. One that
+    /// hits collision shapes has no use for it, because these have no flags.
+    pub(super) fn visibility_mask(&mut self, sensor: &Element, described: &Element) -> Option<u32> {
+        let Some(written) = beams_of(described).filter(|ray| ray.child("visibility_mask").is_some()) else {
+            return Some(u32::MAX);
+        };
+        let mask = child_bits(written, "visibility_mask", self.diagnostics)?;
+        if mask != u32::MAX && !sees_visuals(sensor) {
+            self.diagnostics.warning(
+                Self::place(Some(written), "visibility_mask", written),
+                format!(
+                    "{} is without effect: it hits collision shapes, which have no flags",
+                    self.what("visibility_mask")
+                ),
+                "make it a gpu_ray or gpu_lidar, which sees visuals, or take it out",
+            );
+        }
+        Some(mask)
     }
 
     fn axis(&mut self, scan: Option<&Element>, name: &str, default_samples: u32) -> Option<ScanAxis> {

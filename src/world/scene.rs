@@ -1,19 +1,20 @@
 //! [`WorldScene`]: the world's shapes, materials and lights as a `sensors` scene, kept in step with physics.
 
 mod assembly;
+mod flags;
 mod looks;
 
+pub use flags::flag_bits;
 pub use looks::Looks;
 
 use crate::description::diagnostics::Problem;
-use crate::description::housing::{Part, ShapeIndex};
+use crate::description::housing::ShapeIndex;
 use crate::description::model as description;
 use crate::description::model::{LinkIndex, Model, World};
 use crate::world::physics::{ModelIndex, Physics};
 use assembly::{Assembly, Placed, of_link, refused};
 use belvedere_sensors::scene::{
     ColourSpace, Environment, InstanceId, LightConfig, LightKind, Scene, SceneBuilder, SceneError, Shape,
-    visibility,
 };
 use belvedere_sensors::{Moment, Pose};
 
@@ -114,14 +115,10 @@ impl WorldScene {
     /// Hides shapes of a model, so that rays pass through them, or shows them again.
     pub fn hide(&mut self, model: ModelIndex, shapes: &[ShapeIndex], hidden: bool) {
         for (link, part) in shapes {
-            let seen = match part {
-                // Not 0, so that nothing else in the scene changes.
-                _ if hidden => HIDDEN,
-                Part::Visual(_) => visibility::VISUAL,
-                Part::Collision(_) => visibility::COLLISION,
-            };
             let placed = of_link(&self.assembly.placed, (model, *link)).iter();
             for placed in placed.filter(|placed| placed.part == *part) {
+                // Not 0, so that nothing else in the scene changes.
+                let seen = if hidden { HIDDEN } else { placed.visibility };
                 // This cannot fail, because the instance exists.
                 let _ = self.assembly.builder.set_visibility(placed.instance, seen);
             }

@@ -5,9 +5,12 @@ mod sdf;
 
 mod actors;
 mod budget;
+mod frames;
+mod frames_at_random;
 mod mesh;
 mod of_others;
 mod of_others_sensors;
+mod parameters;
 mod robot;
 mod shapes;
 mod world;

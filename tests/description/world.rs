@@ -251,6 +251,27 @@ fn visual_with_frame() -> String {
 }
 
 #[test]
+fn a_light_or_an_actor_alone_is_a_world() {
+    let folder = Folder::new();
+    let load_alone = |inside: &str| {
+        let path = folder.write("alone.sdf", format!("<sdf version='1.9'>{inside}</sdf>"));
+        let (world, problems) = load(path.to_str().unwrap(), false);
+        assert!(problems.is_empty(), "{problems:#?}");
+        world.unwrap()
+    };
+    let world = load_alone("<light name='lamp' type='point'><pose>0 0 3 0 0 0</pose></light>");
+    let [lamp] = &world.lights[..] else { panic!("{:?}", world.lights) };
+    assert_eq!((world.name.as_str(), lamp.name.as_str(), world.models.len()), ("default", "lamp", 0));
+    close(lamp.world_from_light.translation(), DVec3::new(0.0, 0.0, 3.0));
+    let actor = "<actor name='walker'><link name='l'><visual name='v'><geometry><sphere><radius>1</radius></sphere></geometry>\
+        </visual></link><script><trajectory id='0' type='walk'><waypoint><time>0</time><pose>0 0 1 0 0 0</pose></waypoint>\
+        <waypoint><time>1</time><pose>1 0 1 0 0 0</pose></waypoint></trajectory></script></actor>";
+    let world = load_alone(actor);
+    let [walker] = &world.models[..] else { panic!("{:?}", world.models) };
+    assert!(walker.name == "walker" && walker.trajectory.is_some() && world.lights.is_empty());
+}
+
+#[test]
 fn degrees_and_quaternions_of_1_9() {
     let world = good(
         "1.9",

@@ -71,3 +71,45 @@ fn a_gpu_lidar_sees_through_its_housing() {
     let robot = lidar("gpu_ray", "ray").replace("</visual><collision name='c'>", post);
     assert_sees(&robot, [2.9, 0.48, 1.9, FREE], [7.0, 0.0, 0.0, 0.0]);
 }
+
+/// The lidar of the case looks through water, which has another flag, at a wall that has all.
+#[test]
+fn a_mask_hides_visuals_that_have_none_of_its_flags() {
+    let water = "<sdf version='1.9'><model name='water'><static>1</static><pose>2 0 1 0 0 0</pose><link name='l'><visual name='v'>\
+        <visibility_flags>0x02</visibility_flags><geometry><box><size>.1 4 4</size></box></geometry></visual></link></model></sdf>";
+    let wall = "<sdf version='1.9'><model name='wall'><static>1</static><pose>6 0 1 0 0 0</pose><link name='l'><visual name='v'>\
+        <geometry><box><size>.1 10 10</size></box></geometry></visual></link></model></sdf>";
+    let ahead = |kind: &str, mask: &str| {
+        let element = if kind.ends_with("ray") { "ray" } else { "lidar" };
+        let sensor = lidar(kind, element).replace(
+            &format!("<{element}>"),
+            &format!("<{element}><visibility_mask>{mask}</visibility_mask>"),
+        );
+        let mut simulation = Simulation::builder(load::world("empty").unwrap()).build().unwrap();
+        for model in [water, wall, sensor.as_str()] {
+            simulation.spawn(&load::model(model).unwrap(), SpawnOptions::default()).unwrap();
+        }
+        let mut frame = FrameBuf::default();
+        simulation.render("scan", &mut frame).unwrap();
+        let planes: &[f32] = bytemuck::cast_slice(frame.view().payload());
+        planes[0]
+    };
+    for kind in ["gpu_ray", "gpu_lidar"] {
+        for (mask, range) in [
+            ("0xFFFFFFFD", 5.95),
+            ("4294967293", 5.95),
+            ("0x02", 1.95),
+            ("3", 1.95),
+            ("0xFFFFFFFF", 1.95),
+            ("0x10000000", 5.95),
+            ("0", FREE),
+        ] {
+            let found = ahead(kind, mask);
+            assert!(found == range || (found - range).abs() < 1e-5, "{kind}, {mask}: {found} is not {range}");
+        }
+    }
+    // Collision shapes have no flags, and there are none here.
+    for kind in ["ray", "lidar"] {
+        assert_eq!(ahead(kind, "0x02"), FREE);
+    }
+}

@@ -98,6 +98,11 @@ pub(crate) fn report<'e>(
     }
 }
 
+/// Whether the tables have a context of that name.
+pub(crate) fn has_context(name: &str) -> bool {
+    CONTEXTS.contains_key(name)
+}
+
 fn inside<'t>(contexts: &'t BTreeMap<&'static str, Vec<Row>>, context: &str) -> &'t [Row] {
     contexts.get(context).map_or(&[], Vec::as_slice)
 }

@@ -78,6 +78,19 @@ pub fn child_bool(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -
     }
 }
 
+/// The 32 bits inside the child element `name`, as a number such as 3 or 0x03.
+pub(crate) fn child_bits(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<u32> {
+    let child = parent.child(name)?;
+    let text = child.text();
+    let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
+    let number = digits.map_or_else(|| text.parse(), |digits| u32::from_str_radix(digits, 16));
+    if number.is_err() {
+        let what = format!("<{name}> is '{text}'");
+        diagnostics.error(&child.source, what, "write a number of 32 bits, such as 1 or 0x01");
+    }
+    number.ok()
+}
+
 /// Reads SDF's `<pose>` inside `parent`; the identity if there is none.
 pub fn child_pose(parent: &Element, gazebo_compat: bool, diagnostics: &mut Diagnostics) -> Pose {
     parent

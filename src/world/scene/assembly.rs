@@ -18,6 +18,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use super::PlacedFiducial;
+use super::flags::flag_bits;
 
 /// Edge length in metres of the rectangle that represents an infinite collision plane.
 const INFINITE_M: f64 = 20_000.0;
@@ -31,6 +32,8 @@ pub(super) struct Placed {
     pub(super) material: MaterialId,
     /// The visual or collision of the link that it shows.
     pub(super) part: Part,
+    /// Its visibility bits in the scene.
+    pub(super) visibility: u32,
 }
 
 /// A scene that is being built. Files and meshes that are used several times are added once.
@@ -68,7 +71,7 @@ impl Assembly {
                 shape,
                 world_from_instance,
                 material,
-                visibility: visibility::VISUAL,
+                visibility: visibility::VISUAL | flag_bits(visual.visibility_flags),
                 laser_retro: visual.laser_retro,
                 class: visual.label.unwrap_or(class),
                 ..Default::default()
@@ -123,7 +126,7 @@ impl Assembly {
     ) -> Result<InstanceId, Problem> {
         let config = config(*world_from_link * link_from_shape);
         let instance = self.builder.add_instance(&config).map_err(|error| refused(error, source))?;
-        let InstanceConfig { shape, material, .. } = config;
+        let InstanceConfig { shape, material, visibility, .. } = config;
         let (model, link) = key;
         if self.placed.len() <= model {
             self.placed.resize_with(model + 1, Vec::new);
@@ -132,7 +135,7 @@ impl Assembly {
         if links.len() <= link {
             links.resize_with(link + 1, Vec::new);
         }
-        links[link].push(Placed { instance, link_from_shape, shape, material, part });
+        links[link].push(Placed { instance, link_from_shape, shape, material, part, visibility });
         Ok(instance)
     }
 

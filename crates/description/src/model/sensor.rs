@@ -33,6 +33,8 @@ pub struct CameraSensor {
 pub struct RaySensor {
     /// True for Gazebo's GPU lidars: they see the outside of visuals, the others hit collision shapes.
     pub sees_visuals: bool,
+    /// It sees the visuals whose flags have one of these bits (`<visibility_mask>`); collision shapes have no flags.
+    pub visibility_mask: u32,
     /// Beams of a scan line.
     pub horizontal: ScanAxis,
     /// Scan lines; one at angle 0 for a 2D lidar.

@@ -76,6 +76,7 @@ impl Loader<'_> {
             link_from_visual: Pose::IDENTITY,
             material: mesh.material.clone().unwrap_or_default(),
             label: None,
+            visibility_flags: u32::MAX,
             laser_retro: 0.0,
             optics: Optics::default(),
             fiducials: Vec::new(),

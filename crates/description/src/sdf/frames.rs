@@ -1,49 +1,335 @@
-//! `<pose>`, and the frames that poses are relative to.
+//! The frames of a model or world, which poses are relative to.
 //!
-//! Up to SDF 1.6 a pose is relative to its parent element (a joint's to its child link). From 1.7 on
-//! `relative_to` may name any frame of the same model or world: links, joints, frames and nested models.
+//! `relative_to`, `attached_to`, `placement_frame` and the ends of joints may name a link, joint, frame or nested model, or
+//! one of those inside a nested model (`arm::gripper::tip`).
 
+use super::pose::WrittenPose;
 use super::{Loader, Version};
 use crate::diagnostics::{Diagnostics, Source};
 use crate::suggestion::did_you_mean;
-use crate::values::parse_pose;
 use crate::xml::Element;
 use belvedere_sensors::Pose;
-use std::collections::HashMap;
+use std::cell::{Cell, OnceCell};
+use std::collections::BTreeMap;
 
-/// A pose as the file writes it.
-pub(super) struct WrittenPose {
-    pub(super) pose: Pose,
-    /// The frame that the pose is relative to; none for the default of the element's kind.
-    pub(super) relative_to: Option<String>,
-    pub(super) source: Source,
+/// So many names are compared with one that is not known.
+const MOST_COMPARED: usize = 1000;
+
+/// What a frame moves with.
+enum Attachment {
+    /// The frame is a link itself.
+    Link,
+    /// The frame is that of a nested model.
+    Model,
+    /// It moves with the frame of this name.
+    To(String),
 }
 
-impl Loader<'_> {
-    /// Reads the `<pose>` inside `parent`; the identity if there is none.
-    pub(super) fn pose(&mut self, parent: &Element, version: Version) -> WrittenPose {
-        let Some(element) = parent.child("pose") else {
-            return WrittenPose { pose: Pose::IDENTITY, relative_to: None, source: parent.source.clone() };
+/// How far the pose of a frame is known.
+#[derive(Clone, Copy)]
+enum Progress {
+    New,
+    /// The frame is in the chain that is being followed; to meet it again means a circle.
+    Begun,
+    /// Its pose in the root.
+    Known(Pose),
+    /// It has none, which was told.
+    Failed,
+}
+
+struct Frame {
+    parent: String,
+    attachment: Attachment,
+    /// Pose in the parent.
+    pose: Pose,
+    source: Source,
+    progress: Cell<Progress>,
+    /// The name of the link that it moves with, once that was asked for.
+    link: OnceCell<Option<String>>,
+}
+
+impl Frame {
+    fn new(parent: String, attachment: Attachment, written: &WrittenPose) -> Self {
+        Self {
+            parent,
+            attachment,
+            pose: written.pose,
+            source: written.source.clone(),
+            progress: Cell::new(Progress::New),
+            link: OnceCell::new(),
+        }
+    }
+}
+
+/// The frames of one model or world.
+pub(super) struct Frames {
+    root: &'static str,
+    own: BTreeMap<String, Frame>,
+    /// Those of joints. A name that a link, frame or model has too means that one, as in libsdformat before SDF 1.7.
+    joints: BTreeMap<String, Frame>,
+    /// Those of nested models, by the models' names.
+    nested: BTreeMap<String, Frames>,
+    /// The frame with whose link the root moves: of the canonical link, or of a nested model that has it.
+    canonical: Option<String>,
+}
+
+/// A step of a chain from a frame to the root.
+struct Step<'f> {
+    name: &'f str,
+    /// None for the way out of a nested model.
+    frame: Option<&'f Frame>,
+    /// The pose in what comes next.
+    pose: Pose,
+}
+
+impl Frames {
+    /// `root` is the name of the frame that everything hangs on: `__model__` or `world`.
+    pub(super) fn new(root: &'static str) -> Self {
+        Self { root, own: BTreeMap::new(), joints: BTreeMap::new(), nested: BTreeMap::new(), canonical: None }
+    }
+
+    /// Adds the frame of a link.
+    pub(super) fn add_link(&mut self, name: &str, written: &WrittenPose) {
+        let parent = written.relative_to.as_deref().unwrap_or(self.root).to_owned();
+        self.own.insert(name.to_owned(), Frame::new(parent, Attachment::Link, written));
+    }
+
+    /// Adds a `<frame>`, whose pose is relative to what it is attached to unless it says otherwise.
+    pub(super) fn add(&mut self, name: &str, written: &WrittenPose, attached_to: Option<&str>) {
+        let attached_to = attached_to.unwrap_or(self.root).to_owned();
+        let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
+        self.own.insert(name.to_owned(), Frame::new(parent, Attachment::To(attached_to), written));
+    }
+
+    /// Adds a joint's frame, whose pose is relative to the joint's child unless it says otherwise. The first of several that
+    /// have one name is kept.
+    pub(super) fn add_joint(&mut self, name: &str, written: &WrittenPose, child: Option<&str>) {
+        let child = child.unwrap_or(self.root).to_owned();
+        let parent = written.relative_to.clone().unwrap_or_else(|| child.clone());
+        let frame = || Frame::new(parent, Attachment::To(child), written);
+        self.joints.entry(name.to_owned()).or_insert_with(frame);
+    }
+
+    /// Adds the frame of a nested model, and as `model::frame` those inside it.
+    pub(super) fn add_model(&mut self, name: &str, written: &WrittenPose, inside: Frames) {
+        let parent = written.relative_to.as_deref().unwrap_or(self.root).to_owned();
+        self.own.insert(name.to_owned(), Frame::new(parent, Attachment::Model, written));
+        self.nested.insert(name.to_owned(), inside);
+    }
+
+    /// Adds the frames of a merged model under their own names, and the frame that was the root of them as `name`. Returns
+    /// the names that are taken already: they go on to mean what they meant.
+    pub(super) fn merge(&mut self, name: &str, written: &WrittenPose, inside: Frames) -> Vec<String> {
+        let canonical = inside.canonical.as_deref().unwrap_or(self.root);
+        let parent = written.relative_to.as_deref().unwrap_or(self.root).to_owned();
+        let root = Frame::new(parent, Attachment::To(canonical.to_owned()), written);
+        let mut taken = Vec::new();
+        let outwards = |mut frame: Frame| {
+            for to in std::iter::once(&mut frame.parent).chain(match &mut frame.attachment {
+                Attachment::To(to) => Some(to),
+                _ => None,
+            }) {
+                if to == inside.root {
+                    name.clone_into(to);
+                }
+            }
+            // What was found out holds for the merged model's own root.
+            Frame { progress: Cell::new(Progress::New), link: OnceCell::new(), ..frame }
         };
-        let mut relative_to = element.attribute("relative_to").filter(|name| !name.is_empty());
-        if version < (1, 7) {
-            // SDF 1.5 and 1.6 had `frame`, whose meaning was never settled; Gazebo ignores it.
-            if let Some(name) = relative_to.take().or(element.attribute("frame").filter(|f| !f.is_empty())) {
-                self.diagnostics.warning(
-                    &element.source,
-                    format!("the frame '{name}' of <pose> is ignored in SDF {}.{}", version.0, version.1),
-                    "write <sdf version=\"1.7\"> and relative_to",
-                );
+        for (key, frame) in inside.own {
+            if self.has(&key) {
+                taken.push(key);
+                continue;
+            }
+            self.own.insert(key, outwards(frame));
+        }
+        for (key, frame) in inside.joints {
+            if self.joints.contains_key(&key) {
+                taken.push(key);
+                continue;
+            }
+            self.joints.insert(key, outwards(frame));
+        }
+        for (key, frames) in inside.nested {
+            self.nested.entry(key).or_insert(frames);
+        }
+        self.own.insert(name.to_owned(), root);
+        taken
+    }
+
+    /// Names the frame with whose link the root moves.
+    pub(super) fn set_canonical(&mut self, name: Option<String>) {
+        self.canonical = name;
+    }
+
+    /// Whether a link, frame or nested model has that name.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.own.contains_key(name)
+    }
+
+    fn get(&self, name: &str) -> Option<&Frame> {
+        self.own.get(name).or_else(|| self.joints.get(name))
+    }
+
+    /// The frames of the nested model that a name begins with, the model's name, and the rest of the name.
+    fn inside<'n>(&self, name: &'n str) -> Option<(&Frames, &'n str, &'n str)> {
+        let mut cuts = name.match_indices("::").map(|(at, _)| (&name[..at], &name[at + 2..]));
+        cuts.find_map(|(model, rest)| Some((self.nested.get(model)?, model, rest)))
+    }
+
+    /// Whether a name, which may begin with those of nested models, is that of a frame.
+    fn knows(&self, name: &str) -> bool {
+        name == self.root
+            || self.get(name).is_some()
+            || self.inside(name).is_some_and(|(inner, _, rest)| inner.knows(rest))
+    }
+
+    /// The pose of a joint's frame in the root.
+    pub(super) fn resolve_joint(
+        &self,
+        name: &str,
+        source: &Source,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Pose> {
+        let (name, frame) = self.joints.get_key_value(name)?;
+        self.follow(name, Some(frame), source, diagnostics)
+    }
+
+    /// The pose in the root of what was written in the world or model itself.
+    pub(super) fn place(&self, written: &WrittenPose, diagnostics: &mut Diagnostics) -> Pose {
+        let outer = written
+            .relative_to
+            .as_deref()
+            .and_then(|frame| self.resolve(frame, &written.source, diagnostics));
+        outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
+    }
+
+    /// The pose of a frame in the root. `source` is where it is asked for.
+    pub(super) fn resolve(&self, name: &str, source: &Source, diagnostics: &mut Diagnostics) -> Option<Pose> {
+        self.follow(name, None, source, diagnostics)
+    }
+
+    /// Follows the chain from a frame to the root. Each frame on the way keeps its pose, so that a chain is followed once.
+    fn follow<'f>(
+        &'f self,
+        mut name: &'f str,
+        first: Option<&'f Frame>,
+        source: &'f Source,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<Pose> {
+        let mut source = source;
+        let mut steps: Vec<Step<'f>> = Vec::new();
+        let mut frame = first.or_else(|| self.get(name));
+        let end = loop {
+            if let Some(frame) = frame {
+                match frame.progress.get() {
+                    Progress::Known(pose) => break Some(pose),
+                    Progress::Failed => break None,
+                    Progress::Begun => {
+                        tell_circle(&steps, frame, diagnostics);
+                        break None;
+                    }
+                    Progress::New => {}
+                }
+                frame.progress.set(Progress::Begun);
+                steps.push(Step { name, frame: Some(frame), pose: frame.pose });
+                (name, source) = (&frame.parent, &frame.source);
+            } else if name == self.root {
+                break Some(Pose::IDENTITY);
+            } else if let Some((inner, model, rest)) =
+                self.inside(name).filter(|(inner, _, rest)| inner.knows(rest))
+            {
+                let Some(pose) = inner.resolve(rest, source, diagnostics) else { break None };
+                steps.push(Step { name, frame: None, pose });
+                name = model;
+            } else {
+                self.tell_unknown(name, source, diagnostics);
+                break None;
+            }
+            frame = self.get(name);
+        };
+        let mut pose = end;
+        for step in steps.iter().rev() {
+            pose = pose.map(|pose| pose * step.pose);
+            if let Some(frame) = step.frame {
+                frame.progress.set(pose.map_or(Progress::Failed, Progress::Known));
             }
         }
-        WrittenPose {
-            pose: parse_pose(element, self.rules.gazebo_compat, self.diagnostics).unwrap_or(Pose::IDENTITY),
-            relative_to: relative_to.map(str::to_owned),
-            source: element.source.clone(),
+        pose
+    }
+
+    fn tell_unknown(&self, name: &str, source: &Source, diagnostics: &mut Diagnostics) {
+        let mut known = vec![self.root.to_owned()];
+        self.collect_names("", &mut known);
+        let meant = did_you_mean(name, known.iter().map(String::as_str));
+        diagnostics.error(
+            source,
+            format!("there is no frame '{name}' here"),
+            format!(
+                "name a link, joint, frame or nested model of the same model{}",
+                meant.map(|meant| format!(" ({meant})")).unwrap_or_default()
+            ),
+        );
+    }
+
+    /// Adds the names of the frames, up to as many as an unknown one is compared with.
+    fn collect_names(&self, before: &str, names: &mut Vec<String>) {
+        let left = MOST_COMPARED.saturating_sub(names.len());
+        let own = self.own.keys().chain(self.joints.keys()).take(left);
+        names.extend(own.map(|name| format!("{before}{name}")));
+        for (model, inside) in &self.nested {
+            if names.len() >= MOST_COMPARED {
+                return;
+            }
+            inside.collect_names(&format!("{before}{model}::"), names);
         }
     }
 
-    /// Reads the pose of a part of a link (visual, collision, sensor, …) in that link.
+    /// The name of the link that a frame moves with, as this model calls it.
+    pub(super) fn link_of(&self, name: &str) -> Option<String> {
+        let mut name = name;
+        let mut chain: Vec<&Frame> = Vec::new();
+        let link = loop {
+            if name == self.root {
+                let Some(canonical) = &self.canonical else { break None };
+                name = canonical;
+            }
+            let Some(frame) = self.get(name) else {
+                break self.inside(name).and_then(|(inner, model, rest)| inner.link_called(rest, model));
+            };
+            if let Some(found) = frame.link.get() {
+                break found.clone();
+            }
+            match &frame.attachment {
+                Attachment::Link => break Some(name.to_owned()),
+                Attachment::Model => {
+                    break self.nested.get(name).and_then(|inner| inner.link_called(inner.root, name));
+                }
+                Attachment::To(to) => {
+                    chain.push(frame);
+                    // A chain longer than there are frames goes in a circle.
+                    if chain.len() > self.own.len() + self.joints.len() + 1 {
+                        break None;
+                    }
+                    name = to;
+                }
+            }
+        };
+        for frame in chain {
+            // A frame that comes again in a circle has its link, which is none, already.
+            let _ = frame.link.set(link.clone());
+        }
+        link
+    }
+
+    /// The name of the link that a frame of a nested model moves with, as the outer model calls it.
+    fn link_called(&self, name: &str, model: &str) -> Option<String> {
+        self.link_of(name).map(|link| format!("{model}::{link}"))
+    }
+}
+
+impl Loader<'_> {
+    /// The pose of a part of a link (visual, collision, sensor, …) in that link.
     pub(super) fn pose_in_link(
         &mut self,
         part: &Element,
@@ -64,168 +350,17 @@ impl Loader<'_> {
     }
 }
 
-struct Frame {
-    parent: String,
-    /// The frame that it moves with.
-    attached_to: String,
-    /// Pose in the parent frame.
-    pose: Pose,
-    source: Source,
-}
-
-/// Prefix of the names under which the frames of joints are stored; no XML name can contain it.
-const JOINT: char = '\0';
-
-fn joint_key(name: &str) -> String {
-    format!("{JOINT}{name}")
-}
-
-/// The frames of one model or world.
-pub(super) struct Frames {
-    root: &'static str,
-    own: HashMap<String, Frame>,
-    /// The frames of nested models, by the models' names.
-    nested: HashMap<String, Frames>,
-}
-
-impl Frames {
-    /// Creates the frames of a model or world; `root` is the frame that all others hang on: `__model__` or `world`.
-    pub(super) fn new(root: &'static str) -> Self {
-        Self { root, own: HashMap::new(), nested: HashMap::new() }
-    }
-
-    /// Adds a frame with the pose `written`, which is relative to `default_parent` if it names no frame.
-    pub(super) fn add(&mut self, name: &str, written: &WrittenPose, default_parent: Option<&str>) {
-        let attached_to = default_parent.unwrap_or(self.root).to_owned();
-        let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
-        let frame = Frame { parent, attached_to, pose: written.pose, source: written.source.clone() };
-        self.own.insert(name.to_owned(), frame);
-    }
-
-    /// Adds the frames of a nested model, to be named as `model::frame`.
-    pub(super) fn add_nested(&mut self, model: &str, frames: Frames) {
-        self.nested.insert(model.to_owned(), frames);
-    }
-
-    /// Finds the nested model that a name begins with; returns its frames, its name and the rest of the name.
-    fn nested<'n>(&self, name: &'n str) -> Option<(&Frames, &'n str, &'n str)> {
-        let (model, rest) = name.split_once("::")?;
-        Some((self.nested.get(model)?, model, rest))
-    }
-
-    /// Adds a joint's frame. If a link or frame has the same name, the name means that one, as in libsdformat;
-    /// [`Frames::resolve_joint`] still finds the joint's own frame.
-    pub(super) fn add_joint(&mut self, name: &str, written: &WrittenPose, child: Option<&str>) {
-        if !self.own.contains_key(name) {
-            self.add_known(name.to_owned(), &joint_key(name), Pose::IDENTITY, &written.source);
-        }
-        self.add(&joint_key(name), written, child);
-    }
-
-    /// Returns the pose of a joint's frame in the root.
-    pub(super) fn resolve_joint(
-        &self,
-        name: &str,
-        source: &Source,
-        diagnostics: &mut Diagnostics,
-    ) -> Option<Pose> {
-        self.resolve(&joint_key(name), source, diagnostics)
-    }
-
-    /// Returns the pose in the root of a pose that was written in the world or model itself.
-    pub(super) fn place(&self, written: &WrittenPose, diagnostics: &mut Diagnostics) -> Pose {
-        let outer = written
-            .relative_to
-            .as_deref()
-            .and_then(|frame| self.resolve(frame, &written.source, diagnostics));
-        outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
-    }
-
-    /// Returns true if there is a frame of that name.
-    pub(super) fn has(&self, name: &str) -> bool {
-        self.own.contains_key(name)
-    }
-
-    /// Returns the link that a frame moves with: the first frame in its chain of attachments that `link` knows as a link.
-    pub(super) fn link_of<T>(&self, name: &str, link: &dyn Fn(&str) -> Option<T>) -> Option<T> {
-        let mut name = name;
-        // A chain that is longer than the number of frames is a circle.
-        for _ in 0..=self.own.len() {
-            if let Some(found) = link(name) {
-                return Some(found);
-            }
-            if let Some(frame) = self.own.get(name) {
-                name = &frame.attached_to;
-                continue;
-            }
-            let (inner, model, rest) = self.nested(name)?;
-            return inner.link_of(rest, &|name: &str| link(&format!("{model}::{name}")));
-        }
-        None
-    }
-
-    /// Adds a frame whose pose in another frame is known.
-    pub(super) fn add_known(&mut self, name: String, parent: &str, pose: Pose, source: &Source) {
-        let frame = Frame { parent: parent.into(), attached_to: parent.into(), pose, source: source.clone() };
-        self.own.insert(name, frame);
-    }
-
-    /// Returns the pose of a frame in the root. `source` is the place that refers to the frame.
-    pub(super) fn resolve(&self, name: &str, source: &Source, diagnostics: &mut Diagnostics) -> Option<Pose> {
-        let mut root_from_frame = Pose::IDENTITY;
-        let (mut name, mut source) = (name, source);
-        // A chain that is longer than the number of frames is a circle.
-        for _ in 0..=self.own.len() {
-            if name == self.root {
-                return Some(root_from_frame);
-            }
-            if !self.own.contains_key(name)
-                && let Some((inner, model, rest)) = self.nested(name)
-            {
-                root_from_frame = inner.resolve(rest, source, diagnostics)? * root_from_frame;
-                name = model;
-                continue;
-            }
-            let Some(frame) = self.own.get(name) else {
-                let known = self.own.keys().map(String::as_str).filter(|key| !key.starts_with(JOINT));
-                let meant = did_you_mean(name, known.chain([self.root]));
-                diagnostics.error(
-                    source,
-                    format!("there is no frame '{name}' here"),
-                    format!(
-                        "name a link, joint, frame or nested model of the same model{}",
-                        meant.map(|meant| format!(" ({meant})")).unwrap_or_default()
-                    ),
-                );
-                return None;
-            };
-            root_from_frame = frame.pose * root_from_frame;
-            (name, source) = (&frame.parent, &frame.source);
-        }
-        let (name, source) = self.first_of_circle(name, source);
+/// Says that frames are relative to one another in a circle, which the last of the steps closes at `again`. The frame of
+/// the circle that is written first is told: the same wherever one enters the circle.
+fn tell_circle(steps: &[Step<'_>], again: &Frame, diagnostics: &mut Diagnostics) {
+    let begin = steps.iter().position(|step| step.frame.is_some_and(|frame| std::ptr::eq(frame, again)));
+    let circle = steps[begin.unwrap_or(0)..].iter().filter_map(|step| Some((step.name, step.frame?)));
+    let first = circle.min_by_key(|(name, frame)| (frame.source.line, *name));
+    if let Some((name, frame)) = first {
         diagnostics.error(
-            source,
-            format!("the frame '{}' is relative to itself", name.trim_start_matches(JOINT)),
+            &frame.source,
+            format!("the frame '{name}' is relative to itself"),
             "break the circle of relative_to and attached_to",
         );
-        None
-    }
-
-    /// Returns the first frame of a circle in the order of the file, and its place. It is the same wherever the circle is
-    /// entered, so the problem is reported once for all frames that depend on it.
-    fn first_of_circle<'f>(&'f self, name: &'f str, source: &'f Source) -> (&'f str, &'f Source) {
-        let mut first = (name, source);
-        let mut next = name;
-        for place in 0..=self.own.len() {
-            let Some(frame) = self.own.get(next) else { return first };
-            if place == 0 || (frame.source.line, next) < (first.1.line, first.0) {
-                first = (next, &frame.source);
-            }
-            next = &frame.parent;
-            if next == name {
-                break;
-            }
-        }
-        first
     }
 }

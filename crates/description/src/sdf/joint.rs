@@ -22,17 +22,22 @@ fn world_link(source: &Source) -> Link {
     Link { is_static: true, ..Link::empty(WORLD.into(), source.clone()) }
 }
 
-/// Returns the link of that name, or the first link of the model of that name.
-fn link_called(name: &str, links: &[Link]) -> Option<LinkIndex> {
-    let inside = |link: &Link| link.name.strip_prefix(name).is_some_and(|rest| rest.starts_with("::"));
-    let exact = links.iter().position(|link| link.name == name);
-    let first = (name == "__model__" && !links.is_empty()).then_some(0);
-    exact.or(first).or_else(|| links.iter().position(inside))
-}
-
 impl Loader<'_> {
-    pub(super) fn joint(&mut self, element: &Element, scope: Scope<'_>, frames: &Frames, parts: &mut Parts) {
-        let name = name_of(element);
+    pub(super) fn joint(
+        &mut self,
+        element: &Element,
+        scope: Scope<'_>,
+        frames: &mut Frames,
+        parts: &mut Parts,
+    ) {
+        let Parts { joint_sources, joint_names, .. } = parts;
+        let first = |index: usize| &joint_sources[index];
+        let Some(name) = self.own_name(element, joint_names, joint_sources.len(), first) else { return };
+        joint_sources.push(element.source.clone());
+        if name != name_of(element) {
+            let pose = self.pose(element, scope.version);
+            frames.add_joint(&name, &pose, child_text(element, "child").as_deref());
+        }
         let kind_name = element.attribute("type").unwrap_or_default();
         let Some(child) = self.joint_end(element, "child", frames, parts) else { return };
         if child_text(element, "parent").as_deref() == Some(WORLD) {
@@ -40,11 +45,20 @@ impl Loader<'_> {
                 parts.links[child].is_static = true;
                 return;
             }
-            if !parts.links.iter().any(|link| link.name == WORLD) {
+            if !parts.by_name.contains_key(WORLD) {
+                parts.by_name.insert(WORLD.into(), parts.links.len());
                 parts.links.push(world_link(&element.source));
             }
         }
         let Some(parent) = self.joint_end(element, "parent", frames, parts) else { return };
+        if parent == child {
+            let what = format!(
+                "<parent> and <child> of the joint '{name}' both belong to the link '{}'",
+                parts.links[child].name
+            );
+            self.diagnostics.error(&element.source, what, "name two links, or frames of two links");
+            return;
+        }
 
         let model_from_joint =
             frames.resolve_joint(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
@@ -137,16 +151,25 @@ impl Loader<'_> {
             );
             return None;
         };
-        let found = frames.link_of(&name, &|name: &str| link_called(name, links));
+        if end == "child" && name == WORLD {
+            let what = format!("the joint '{}' has the world as its <child>", name_of(joint));
+            self.diagnostics.error(&joint.source, what, "write the world as the <parent>");
+            return None;
+        }
+        let name_in = |name: &str| parts.by_name.get(name).copied();
+        let found = match name.as_str() {
+            WORLD => name_in(WORLD),
+            _ => frames.link_of(&name).and_then(|link| name_in(&link)),
+        };
         if found.is_none() && parts.lacks {
             let what = format!("the joint '{}' is left out with its {end} '{name}'", name_of(joint));
             self.diagnostics.warning(&joint.source, what, "get the models that are missing");
         } else if found.is_none() {
-            let meant = did_you_mean(&name, links.iter().map(|link| link.name.as_str()));
+            let meant = did_you_mean(&name, links.iter().take(1000).map(|link| link.name.as_str()));
             self.diagnostics.error(
                 &joint.source,
                 format!("the joint '{}' names the {end} '{name}', which is no link", name_of(joint)),
-                meant.unwrap_or_default(),
+                meant.unwrap_or_else(|| "name a link, or a frame that moves with one".to_owned()),
             );
         }
         found

@@ -2,7 +2,6 @@
 
 use super::frames::Frames;
 use super::model::Parts;
-use super::names::Again;
 use super::{Loader, Scope, name_of};
 use crate::fiducial::fiducials;
 use crate::inertia;
@@ -11,7 +10,9 @@ use crate::model::{Collision, Contact, Inertial, Link, Visual};
 use crate::optics::optics;
 use crate::sensor::parse_sensor;
 use crate::solid::Solid;
-use crate::values::{child_bool, child_number, child_text, friction_coefficient, not_negative, share};
+use crate::values::{
+    child_bits, child_bool, child_number, child_text, friction_coefficient, not_negative, share,
+};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -34,24 +35,12 @@ impl Loader<'_> {
         is_static: bool,
         parts: &mut Parts,
     ) {
-        let mut name = name_of(element);
-        if name.is_empty() {
-            self.diagnostics.error(&element.source, "<link> has no name", "write <link name=\"…\">");
-            return;
-        }
-        if let Err(Again { first, unique }) = parts.link_names.take(&name, parts.links.len()) {
-            let first = &parts.links[first].source;
-            let what = format!("two links of this model are called '{name}' (the first at {first})");
-            if !self.rules.gazebo_compat {
-                self.diagnostics.error(&element.source, what, "rename one");
-                return;
-            }
-            let what = format!("{what}: this one becomes '{unique}'");
-            self.diagnostics.warning(&element.source, what, "rename one");
-            // Files that Gazebo saved contain such links. Joints and frames refer to the first.
-            name = unique;
+        let Parts { links, link_names, .. } = parts;
+        let first = |index: usize| &links[index].source;
+        let Some(name) = self.own_name(element, link_names, links.len(), first) else { return };
+        if !frames.has(&name) {
             let pose = self.pose(element, scope.version);
-            frames.add(&name, &pose, None);
+            frames.add_link(&name, &pose);
         }
         let model_from_link =
             frames.resolve(&name, &element.source, self.diagnostics).unwrap_or(Pose::IDENTITY);
@@ -192,6 +181,7 @@ impl Loader<'_> {
         let material = self.material(element, scope);
         let label = label(element, self.diagnostics);
         let laser_retro = child_number(element, "laser_retro", self.diagnostics).unwrap_or(0.0) as f32;
+        let visibility_flags = child_bits(element, "visibility_flags", self.diagnostics).unwrap_or(u32::MAX);
         let optics = optics(element, self.diagnostics).unwrap_or_default();
         let mut fiducials = fiducials(element, self.diagnostics);
         // A mesh of several materials becomes one visual for each; the first visual has the tags.
@@ -204,6 +194,7 @@ impl Loader<'_> {
                 link_from_visual,
                 material,
                 label,
+                visibility_flags,
                 laser_retro,
                 optics,
                 fiducials: std::mem::take(&mut fiducials),
@@ -265,18 +256,8 @@ impl Loader<'_> {
         if let Some(contact) = surface.child("contact") {
             read.is_solid =
                 !child_bool(contact, "collide_without_contact", self.diagnostics).unwrap_or(false);
-            if let Some(mask) = contact.child("collide_bitmask") {
-                let text = mask.text();
-                let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
-                let number = digits.map_or_else(|| text.parse(), |digits| u32::from_str_radix(digits, 16));
-                match number {
-                    Ok(number) => read.collide_bitmask = number,
-                    Err(_) => self.diagnostics.error(
-                        &mask.source,
-                        format!("<collide_bitmask> is '{text}'"),
-                        "write a number of 32 bits, such as 1 or 0x01",
-                    ),
-                }
+            if let Some(mask) = child_bits(contact, "collide_bitmask", self.diagnostics) {
+                read.collide_bitmask = mask;
             }
         }
         read

@@ -4,11 +4,15 @@
 //! | file | reads |
 //! |---|---|
 //! | `world` | `<world>`: scene, physics, models, lights, `<state>` |
-//! | `model` | `<model>` with nested models flattened, and `<include>` |
-//! | `nested` | models inside models |
-//! | `link`, `joint`, `light` | `<link>`, `<joint>`, `<light>` |
+//! | `model` | `<model>` with nested models flattened |
+//! | `include` | `<include>` |
+//! | `params` | `<experimental:params>` of an `<include>` |
+//! | `nested` | models inside of models |
+//! | `link`, `joint`, `light` | those elements |
 //! | `geometry`, `polyline`, `height_map`, `material` | shapes and their looks |
-//! | `frames` | `<pose>`, and `relative_to` from SDF 1.7 on |
+//! | `pose` | `<pose>`, and `relative_to` from SDF 1.7 on |
+//! | `frames` | what the names of frames mean |
+//! | `names`, `siblings` | names that come again, and those that must not |
 //! | `fuel` | models that Gazebo's tools have downloaded |
 //! | `resources` | resolution of `model://` and other URIs |
 //!
@@ -20,6 +24,7 @@ mod frames;
 mod fuel;
 mod geometry;
 mod height_map;
+mod include;
 mod joint;
 mod light;
 mod link;
@@ -27,8 +32,11 @@ mod material;
 mod model;
 mod names;
 mod nested;
+mod params;
 mod polyline;
+mod pose;
 mod resources;
+mod siblings;
 mod world;
 
 use super::budget::{Budget, Spent};
@@ -40,7 +48,7 @@ use super::ogre_material::OgreMaterial;
 use super::package::PackagePath;
 use super::rules::Rules;
 use super::values::{child_number, numbers};
-use super::xml::Element;
+use super::xml::{Element, Node};
 use resources::Resources;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -52,7 +60,10 @@ type Version = (u32, u32);
 /// The word for the image of a surface in problems.
 const TEXTURE: &str = "texture";
 
-/// The version that is assumed for a file that names none.
+/// Opening a file takes as long as so many elements.
+const A_FILE: usize = 20;
+
+/// What is taken for a file that names no version.
 const ASSUMED_VERSION: Version = (1, 6);
 
 /// Meshes already read, by file, part and scale.
@@ -110,19 +121,32 @@ pub(super) fn load_world(
     let path = root.source.file.clone();
     let mut loader = Loader::new(&path, packages, rules, diagnostics);
     let version = loader.version(root)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let scope = Scope { folder, version };
     let Some(world) = root.child("world") else {
+        if let Some(world) = world_of_parts(root) {
+            return Some(loader.world(&world, scope));
+        }
         loader.diagnostics.error(
             &root.source,
             "no <world> in this file",
-            "put the models into a <world name=\"…\">; a model file alone is used with <include>",
+            "put the models into a <world name=\"…\">; a file of one model is a robot (--robot), or used with <include>",
         );
         return None;
     };
     if let Some(second) = root.elements_named("world").nth(1) {
         loader.diagnostics.warning(&second.source, "only the first <world> is loaded", "");
     }
-    let folder = path.parent().unwrap_or(Path::new(""));
-    Some(loader.world(world, Scope { folder, version }))
+    Some(loader.world(world, scope))
+}
+
+/// The world that stands for a file of a light or an actor alone, as Gazebo makes one: with nothing else in it.
+fn world_of_parts(root: &Element) -> Option<Element> {
+    let is_part = |child: &&Element| matches!(child.name.as_str(), "light" | "actor");
+    let children: Vec<Node> = root.elements().filter(is_part).cloned().map(Node::Element).collect();
+    let attributes = vec![("name".into(), "default".into())];
+    let is_alone = !children.is_empty() && root.child("model").is_none();
+    is_alone.then(|| Element { name: "world".into(), attributes, children, source: root.source.clone() })
 }
 
 /// Reads the `<model>` of parsed SDF; its `<pose>` is its pose in the world.

@@ -1,18 +1,18 @@
-//! `<model>` and `<include>`. A nested model is merged into the outer one: its links and joints are named
-//! `inner::name`, as in Gazebo.
+//! `<model>`. A model inside a model is dissolved into its outer one: its links and joints go by
+//! `inner::name`, as Gazebo calls them.
 
-use super::frames::{Frames, WrittenPose};
+use super::frames::Frames;
 use super::names::Names;
-use super::resources::Resolved;
-use super::{Loader, Scope, Version, canonical, name_of, resources};
+use super::pose::WrittenPose;
+use super::{Loader, Scope, Version, name_of};
 use crate::diagnostics::Source;
 use crate::label::label;
 use crate::model::{Joint, JointIndex, JointKind, Light, Link, LinkIndex, Model, ModelPlugin, Sensor};
 use crate::plugin;
-use crate::suggestion::{did_you_mean, nearest};
+use crate::suggestion::did_you_mean;
 use crate::values::{child_bool, child_text};
-use crate::xml::{Element, Weight};
-use std::path::{Path, PathBuf};
+use crate::xml::Element;
+use std::collections::HashMap;
 
 /// A model whose pose in its parent is not resolved yet.
 pub(super) struct ParsedModel {
@@ -26,25 +26,19 @@ pub(super) struct ParsedModel {
     pub(super) frames: Frames,
 }
 
-/// The models and lights that an `<include>` brings in.
-#[derive(Default)]
-pub(super) struct Included {
-    pub(super) models: Vec<ParsedModel>,
-    /// Each light with its pose in the including model or world.
-    pub(super) lights: Vec<(Light, WrittenPose)>,
-}
-
-/// Cost of opening a file, in elements.
-const A_FILE: usize = 20;
-
 /// The parts of a model while it is put together.
 #[derive(Default)]
 pub(super) struct Parts {
     pub(super) links: Vec<Link>,
     /// The names of its own links.
     pub(super) link_names: Names,
+    /// All links, those of nested models too, once they are complete.
+    pub(super) by_name: HashMap<String, LinkIndex>,
     pub(super) joints: Vec<Joint>,
-    /// Joints with `<mimic>`, resolved last because it may name later joints.
+    /// Of its own joints.
+    pub(super) joint_names: Names,
+    pub(super) joint_sources: Vec<Source>,
+    /// `<mimic>` of joints, which may name later ones.
     pub(super) mimics: Vec<(JointIndex, Element)>,
     pub(super) sensors: Vec<Sensor>,
     pub(super) plugins: Vec<ModelPlugin>,
@@ -70,7 +64,71 @@ impl Loader<'_> {
         }
         let is_static = child_bool(element, "static", self.diagnostics).unwrap_or(false);
         let link_names = Names::of(element.elements_named("link").map(name_of));
-        let (mut nested, mut parts) = (Vec::new(), Parts { link_names, ..Parts::default() });
+        let joint_names = Names::of(element.elements_named("joint").map(name_of));
+        let mut parts = Parts { link_names, joint_names, ..Parts::default() };
+        let mut nested = self.inside(element, scope, &mut parts);
+        self.make_names_unique(&mut nested);
+        self.check_names(element, &nested, scope.version);
+        let mut frames = self.model_frames(element, &mut nested, scope.version);
+        for child in element.elements_named("link") {
+            self.link(child, scope, &mut frames, is_static, &mut parts);
+        }
+        if child_bool(element, "self_collide", self.diagnostics) == Some(true) {
+            parts.links.iter_mut().for_each(|link| link.self_collide = true);
+        }
+        for inner in nested {
+            self.dissolve(inner, &frames, &mut parts);
+        }
+        if parts.links.is_empty() && parts.lacks {
+            // What it would consist of was left out, and that was told.
+            return None;
+        }
+        if parts.links.is_empty() {
+            self.missing(
+                &element.source,
+                format!("the model '{name}' has no link"),
+                "give it a <link> with a <visual> or a <collision>",
+            );
+            return None;
+        }
+        for (index, link) in parts.links.iter().enumerate() {
+            parts.by_name.entry(link.name.clone()).or_insert(index);
+        }
+        for child in element.elements_named("joint") {
+            self.joint(child, scope, &mut frames, &mut parts);
+        }
+        self.follow(&mut parts);
+        let stands = parts.links.iter().any(|link| link.is_static)
+            && parts.joints.iter().all(|joint| joint.kind == JointKind::Fixed)
+            && is_one_body(&parts);
+
+        let mut pose = self.pose(element, scope.version);
+        let placement = element.attribute("placement_frame").filter(|frame| !frame.is_empty());
+        self.place_by(placement, &frames, &mut pose, &element.source);
+        if let Some(label) = label(element, self.diagnostics) {
+            for visual in parts.links.iter_mut().flat_map(|link| &mut link.visuals) {
+                visual.label.get_or_insert(label);
+            }
+        }
+        let canonical_link = frames.link_of("__model__").and_then(|link| parts.by_name.get(&link).copied());
+        let source = element.source.clone();
+        let mut model = Model {
+            canonical_link: canonical_link.unwrap_or(0),
+            is_static: is_static || stands,
+            may_sleep: child_bool(element, "allow_auto_disable", self.diagnostics).unwrap_or(true),
+            links: parts.links,
+            joints: parts.joints,
+            sensors: parts.sensors,
+            plugins: parts.plugins,
+            ..Model::empty(name, source)
+        };
+        plugin::read(element, &mut model, self.rules, self.diagnostics);
+        Some(ParsedModel { model, pose, lights: parts.lights, is_merged: false, frames })
+    }
+
+    /// The models inside a model, included ones too.
+    fn inside(&mut self, element: &Element, scope: Scope<'_>, parts: &mut Parts) -> Vec<ParsedModel> {
+        let mut nested = Vec::new();
         for child in element.elements() {
             match child.name.as_str() {
                 "model" => match self.model(child, scope) {
@@ -90,82 +148,43 @@ impl Loader<'_> {
                 _ => {}
             }
         }
-
-        self.make_names_unique(&mut nested);
-        let mut frames = self.model_frames(element, &nested, scope.version);
-        for child in element.elements_named("link") {
-            self.link(child, scope, &mut frames, is_static, &mut parts);
-        }
-        if child_bool(element, "self_collide", self.diagnostics) == Some(true) {
-            parts.links.iter_mut().for_each(|link| link.self_collide = true);
-        }
-        for inner in nested {
-            let (name, inner_frames) = self.dissolve(inner, &frames, &mut parts);
-            frames.add_nested(&name, inner_frames);
-        }
-        if parts.links.is_empty() && parts.lacks {
-            // All its parts were left out, which has been reported already.
-            return None;
-        }
-        if parts.links.is_empty() {
-            self.missing(
-                &element.source,
-                format!("the model '{name}' has no link"),
-                "give it a <link> with a <visual> or a <collision>",
-            );
-            return None;
-        }
-        for child in element.elements_named("joint") {
-            self.joint(child, scope, &frames, &mut parts);
-        }
-        self.follow(&mut parts);
-        let stands = parts.links.iter().any(|link| link.is_static)
-            && parts.joints.iter().all(|joint| joint.kind == JointKind::Fixed)
-            && is_one_body(&parts);
-
-        let mut pose = self.pose(element, scope.version);
-        let placement = element.attribute("placement_frame").filter(|frame| !frame.is_empty());
-        self.place_by(placement, &frames, &mut pose, &element.source);
-        if let Some(label) = label(element, self.diagnostics) {
-            for visual in parts.links.iter_mut().flat_map(|link| &mut link.visuals) {
-                visual.label.get_or_insert(label);
-            }
-        }
-        let canonical_link = self.canonical_link(element, &parts.links);
-        let source = element.source.clone();
-        let mut model = Model {
-            canonical_link,
-            is_static: is_static || stands,
-            may_sleep: child_bool(element, "allow_auto_disable", self.diagnostics).unwrap_or(true),
-            links: parts.links,
-            joints: parts.joints,
-            sensors: parts.sensors,
-            plugins: parts.plugins,
-            ..Model::empty(name, source)
-        };
-        plugin::read(element, &mut model, self.rules, self.diagnostics);
-        Some(ParsedModel { model, pose, lights: parts.lights, is_merged: false, frames })
+        nested
     }
 
-    /// Returns the link that `canonical_link` names, or the first one.
-    fn canonical_link(&mut self, element: &Element, links: &[Link]) -> LinkIndex {
-        let Some(name) = element.attribute("canonical_link").filter(|name| !name.is_empty()) else {
-            return 0;
-        };
-        let found = links.iter().position(|link| link.name == name);
-        if found.is_none() {
-            let meant = did_you_mean(name, links.iter().map(|link| link.name.as_str()));
+    /// The frame with whose link a model moves: what `canonical_link` names, or its first link, or else its first nested
+    /// model.
+    fn canonical(&mut self, element: &Element, nested: &[ParsedModel], frames: &Frames) -> Option<String> {
+        let is_link = |name: &str| frames.link_of(name).is_some_and(|link| link == name);
+        if let Some(name) = element.attribute("canonical_link").filter(|name| !name.is_empty()) {
+            if is_link(name) {
+                return Some(name.to_owned());
+            }
+            let links = element.elements_named("link").map(name_of).filter(|link| is_link(link));
+            let links: Vec<String> = links.take(1000).collect();
+            let meant = did_you_mean(name, links.iter().map(String::as_str));
             self.missing(
                 &element.source,
                 format!("canonical_link is '{name}', which is no link of this model"),
                 meant.unwrap_or_else(|| "name one of its links".to_owned()),
             );
         }
-        found.unwrap_or(0)
+        let own = element.elements_named("link").map(name_of).find(|name| is_link(name));
+        own.or_else(|| {
+            nested
+                .iter()
+                .map(|inner| inner.frame_name().into_owned())
+                .find(|name| frames.link_of(name).is_some())
+        })
     }
 
-    /// Applies `placement_frame`: the pose is that of this frame of the model, not of the model's own.
-    fn place_by(&mut self, frame: Option<&str>, frames: &Frames, pose: &mut WrittenPose, source: &Source) {
+    /// `placement_frame`: the pose is that of this frame of the model, not of the model's own.
+    pub(super) fn place_by(
+        &mut self,
+        frame: Option<&str>,
+        frames: &Frames,
+        pose: &mut WrittenPose,
+        source: &Source,
+    ) {
         if let Some(frame) = frame
             && let Some(model_from_frame) = frames.resolve(frame, source, self.diagnostics)
         {
@@ -173,203 +192,66 @@ impl Loader<'_> {
         }
     }
 
-    /// Collects the frames that poses of this model can be relative to.
-    fn model_frames(&mut self, element: &Element, nested: &[ParsedModel], version: Version) -> Frames {
+    /// The frames that poses of this model can be relative to.
+    fn model_frames(&mut self, element: &Element, nested: &mut [ParsedModel], version: Version) -> Frames {
         let mut frames = Frames::new("__model__");
-        for inner in nested {
-            frames.add(&inner.model.name, &inner.pose, None);
-            for link in &inner.model.links {
-                let name = inner.naming()(&link.name);
-                frames.add_known(name, &inner.model.name, link.model_from_link, &link.source);
-            }
+        for inner in nested.iter_mut().filter(|inner| !inner.is_merged) {
+            self.add_frames(inner, &mut frames);
         }
         for child in element.elements() {
-            let parent = match child.name.as_str() {
-                "link" => None,
-                "frame" => child.attribute("attached_to").filter(|name| !name.is_empty()),
-                _ => continue,
-            };
-            let pose = self.pose(child, version);
-            // If two have the same name, it means the first.
-            if !frames.has(&name_of(child)) {
-                frames.add(&name_of(child), &pose, parent);
-            }
-        }
-        for child in element.elements_named("joint") {
-            let pose = self.pose(child, version);
-            frames.add_joint(&name_of(child), &pose, child_text(child, "child").as_deref());
-        }
-        frames
-    }
-
-    /// Reads `<include>`: the models and lights of another file, with name, pose and static overridden.
-    pub(super) fn include(&mut self, element: &Element, scope: Scope<'_>) -> Option<Included> {
-        let spent = self.budget.take(1, 0);
-        self.afford(spent, &element.source)?;
-        let Some(uri) = child_text(element, "uri") else {
-            self.diagnostics.error(
-                &element.source,
-                "<include> has no <uri>",
-                "write <include><uri>model://NAME</uri></include>",
-            );
-            return None;
-        };
-        let path = self.included_file(element, &uri, scope.folder)?;
-        let key = canonical(&path);
-        if self.open_files.contains(&key) {
-            let chain: Vec<String> =
-                self.open_files.iter().chain([&key]).map(|file| file.display().to_string()).collect();
-            self.diagnostics.error(
-                &element.source,
-                format!("'{uri}' includes itself: {}", chain.join(" → ")),
-                "remove one <include> of this circle",
-            );
-            return None;
-        }
-        let spent = self.budget.enter(1);
-        self.afford(spent, &element.source)?;
-        self.open_files.push(key);
-        let included = self.read_included(element, &path, scope);
-        self.open_files.pop();
-        self.budget.leave(1);
-        included
-    }
-
-    fn read_included(&mut self, element: &Element, path: &Path, outer: Scope<'_>) -> Option<Included> {
-        let (root, version) = self.read_root(path)?;
-        let Weight { elements, bytes, .. } = root.weight();
-        let spent = self.budget.take(elements + A_FILE, bytes);
-        self.afford(spent, &element.source)?;
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let scope = Scope { folder, version };
-        let name = child_text(element, "name");
-        let is_static = child_bool(element, "static", self.diagnostics);
-        let pose = element.child("pose").is_some().then(|| self.pose(element, outer.version));
-
-        let mut included = Included::default();
-        for child in root.elements() {
             match child.name.as_str() {
-                "model" => included.models.extend(self.model(child, scope)),
-                "actor" => included.models.extend(self.actor(child, scope)),
-                "light" => {
+                // Of two that have one name, it is the first's.
+                "link" if !frames.has(&name_of(child)) => {
                     let pose = self.pose(child, version);
-                    included.lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));
+                    frames.add_link(&name_of(child), &pose);
+                }
+                "frame" => self.add_frame(child, version, &mut frames),
+                "joint" => {
+                    let pose = self.pose(child, version);
+                    frames.add_joint(&name_of(child), &pose, child_text(child, "child").as_deref());
                 }
                 _ => {}
             }
         }
-        // The format allows one model or light per file.
-        if let Some(parsed) = included.models.first_mut() {
-            plugin::read(element, &mut parsed.model, self.rules, self.diagnostics);
-            if let Some(name) = &name {
-                parsed.model.name.clone_from(name);
-            }
-            if let Some(is_static) = is_static {
-                parsed.model.is_static = is_static;
-            }
-            if let Some(pose) = pose {
-                parsed.pose = pose;
-                let placement = child_text(element, "placement_frame");
-                self.place_by(placement.as_deref(), &parsed.frames, &mut parsed.pose, &element.source);
-            }
-        } else if let Some((light, light_pose)) = included.lights.first_mut() {
-            if let Some(name) = name {
-                light.name = name;
-            }
-            if let Some(pose) = pose {
-                *light_pose = pose;
-            }
-        } else if !self.diagnostics.has_errors() {
-            self.diagnostics.error(
-                &root.source,
-                "no <model> and no <light> in this file",
-                "an included file holds one of them inside <sdf>",
-            );
+        for inner in nested.iter_mut().filter(|inner| inner.is_merged) {
+            self.add_frames(inner, &mut frames);
         }
-        Some(included)
+        let canonical = self.canonical(element, nested, &frames);
+        frames.set_canonical(canonical);
+        frames
     }
 
-    /// Returns the SDF file that the URI of an `<include>` refers to: the file itself, or in a folder the file that
-    /// `model.config` names, else `model.sdf`.
-    fn included_file(&mut self, element: &Element, uri: &str, folder: &Path) -> Option<PathBuf> {
-        let uri = uri.trim_end_matches('/');
-        let path = match self.resources.resolve(uri, folder) {
-            Resolved::Found(path) => path,
-            Resolved::NotFound(places) => {
-                let name = uri.rsplit('/').next().unwrap_or(uri);
-                let names = self.resources.model_names();
-                let near = nearest(name, names.iter().map(String::as_str));
-                let meant = near.map_or_else(String::new, |near| format!("did you mean 'model://{near}'? "));
-                self.missing(
-                    &element.source,
-                    format!("there is no model '{uri}': looked for {}", resources::list(&places)),
-                    format!("{meant}Add the folder that contains it to GAZEBO_MODEL_PATH or --package-path"),
-                );
-                return None;
-            }
-            Resolved::UnknownScheme(scheme) => {
-                self.missing(
-                    &element.source,
-                    format!("'{uri}' cannot be fetched: '{scheme}://' is unsupported"),
-                    "download it with `gz fuel download -u`, or put its folder into GAZEBO_MODEL_PATH; write model://NAME otherwise",
-                );
-                return None;
-            }
-        };
-        if path.is_file() {
-            return Some(path);
+    /// Adds a `<frame>`, unless something else has its name.
+    pub(super) fn add_frame(&mut self, element: &Element, version: Version, frames: &mut Frames) {
+        let name = name_of(element);
+        if !frames.has(&name) {
+            let pose = self.pose(element, version);
+            frames.add(&name, &pose, element.attribute("attached_to").filter(|name| !name.is_empty()));
         }
-        let config = path.join("model.config");
-        if config.is_file() {
-            return self.file_of_config(&config);
-        }
-        let file = path.join("model.sdf");
-        if file.is_file() {
-            return Some(file);
-        }
-        self.missing(
-            &element.source,
-            format!("the folder {} holds neither model.config nor model.sdf", path.display()),
-            "check the <uri>",
-        );
-        None
-    }
-
-    /// Returns the `<sdf>` file of the highest version that a `model.config` names.
-    fn file_of_config(&mut self, config: &Path) -> Option<PathBuf> {
-        self.diagnostics.opened(config);
-        let root = match Element::parse_file(config) {
-            Ok(root) => root,
-            Err(problem) => {
-                self.diagnostics.add(problem);
-                return None;
-            }
-        };
-        let version = |sdf: &&Element| -> Option<Version> {
-            let (major, minor) = sdf.attribute("version")?.split_once('.')?;
-            Some((major.parse().ok()?, minor.parse().ok()?))
-        };
-        let sdf = root.elements_named("sdf").max_by_key(version);
-        let file = config.with_file_name(sdf.map_or_else(|| "model.sdf".into(), Element::text));
-        if file.is_file() {
-            return Some(file);
-        }
-        self.missing(
-            sdf.map_or(&root.source, |sdf| &sdf.source),
-            format!("there is no file {}", file.display()),
-            "correct the <sdf> element",
-        );
-        None
     }
 }
 
 /// Returns true if each group of links that joints connect contains a static link.
 fn is_one_body(parts: &Parts) -> bool {
-    let mut body: Vec<usize> = (0..parts.links.len()).collect();
+    let mut above: Vec<LinkIndex> = (0..parts.links.len()).collect();
     for joint in &parts.joints {
-        let (keep, drop) = (body[joint.parent], body[joint.child]);
-        body.iter_mut().filter(|of| **of == drop).for_each(|of| *of = keep);
+        let (parent, child) = (top(&mut above, joint.parent), top(&mut above, joint.child));
+        above[child] = parent;
     }
-    let stands = |of: usize| parts.links.iter().zip(&body).any(|(link, body)| *body == of && link.is_static);
-    body.iter().all(|of| stands(*of))
+    let body: Vec<LinkIndex> = (0..parts.links.len()).map(|link| top(&mut above, link)).collect();
+    let mut stands = vec![false; body.len()];
+    for (link, body) in parts.links.iter().zip(&body) {
+        stands[*body] |= link.is_static;
+    }
+    body.iter().all(|body| stands[*body])
+}
+
+/// The link that stands for the body of another one, given the link above each. It halves the way there, so that the ways
+/// stay short.
+fn top(above: &mut [LinkIndex], mut link: LinkIndex) -> LinkIndex {
+    while above[link] != link {
+        above[link] = above[above[link]];
+        link = above[link];
+    }
+    link
 }

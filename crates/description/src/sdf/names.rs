@@ -1,5 +1,8 @@
 //! Repeated names: as in Gazebo, the later ones get a number.
 
+use super::{Loader, name_of};
+use crate::diagnostics::Source;
+use crate::xml::Element;
 use std::collections::{HashMap, HashSet};
 
 /// The names of one kind of element in one model or world.
@@ -47,5 +50,38 @@ impl Names {
         self.taken.insert(name.to_owned(), Taken { first, next });
         self.taken.insert(unique.clone(), Taken { first: index, next: 0 });
         Err(Again { first, unique })
+    }
+}
+
+impl Loader<'_> {
+    /// The name of a link or joint, or the number that it gets with `--gazebo-compat` if an earlier one of the model has
+    /// the name, whose place is `first(index)`. None if that is an error.
+    pub(super) fn own_name<'s>(
+        &mut self,
+        element: &Element,
+        names: &mut Names,
+        index: usize,
+        first: impl Fn(usize) -> &'s Source,
+    ) -> Option<String> {
+        let (kind, name) = (&element.name, name_of(element));
+        if name.is_empty() {
+            let what = format!("<{kind}> has no name");
+            self.diagnostics.error(&element.source, what, format!("write <{kind} name=\"…\">"));
+            return None;
+        }
+        let Err(Again { first: earlier, unique }) = names.take(&name, index) else { return Some(name) };
+        let earlier = first(earlier);
+        let what = format!("two {kind}s of this model are called '{name}' (the first at {earlier})");
+        if !self.rules.gazebo_compat {
+            self.diagnostics.error(&element.source, what, "rename one");
+            return None;
+        }
+        // Files that Gazebo saved have such names. Joints and frames mean the first.
+        self.diagnostics.warning(
+            &element.source,
+            format!("{what}: this one becomes '{unique}'"),
+            "rename one",
+        );
+        Some(unique)
     }
 }

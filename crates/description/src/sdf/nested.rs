@@ -5,6 +5,7 @@ use super::frames::Frames;
 use super::model::{ParsedModel, Parts};
 use super::names::{Again, Names};
 use crate::model::{Model, ModelPlugin};
+use std::borrow::Cow;
 
 impl ParsedModel {
     /// Returns a function that names a link or joint of this model in the outer one.
@@ -12,10 +13,35 @@ impl ParsedModel {
         let before = if self.is_merged { String::new() } else { format!("{}::", self.model.name) };
         move |name| format!("{before}{name}")
     }
+
+    /// What the outer model calls the frame of this one.
+    pub(super) fn frame_name(&self) -> Cow<'_, str> {
+        let name = &self.model.name;
+        if self.is_merged { format!("_merged__{name}__model__").into() } else { name.into() }
+    }
 }
 
 impl Loader<'_> {
-    /// Renames nested models with equal names: the later ones get a number, so that they can be distinguished.
+    /// Adds the frames of a model, its own and those inside it, to what it stands in.
+    pub(super) fn add_frames(&mut self, inner: &mut ParsedModel, frames: &mut Frames) {
+        let inside = std::mem::replace(&mut inner.frames, Frames::new("__model__"));
+        if !inner.is_merged {
+            frames.add_model(&inner.model.name, &inner.pose, inside);
+            return;
+        }
+        for name in frames.merge(&inner.frame_name(), &inner.pose, inside) {
+            self.diagnostics.error(
+                &inner.pose.source,
+                format!(
+                    "the merged model '{}' has a part called '{name}', as the model around it has",
+                    inner.model.name
+                ),
+                "rename one, or include it without merge",
+            );
+        }
+    }
+
+    /// Two models of one name cannot be told apart: the later one gets a number.
     pub(super) fn make_names_unique(&mut self, models: &mut [ParsedModel]) {
         let mut names = Names::of(models.iter().map(|parsed| parsed.model.name.clone()));
         for (index, Model { name, source, .. }) in
@@ -32,20 +58,13 @@ impl Loader<'_> {
         }
     }
 
-    /// Merges the links, joints and sensors of a nested model into the outer one.
-    /// Returns the nested model's name and frames.
-    pub(super) fn dissolve(
-        &mut self,
-        inner: ParsedModel,
-        frames: &Frames,
-        parts: &mut Parts,
-    ) -> (String, Frames) {
+    /// Makes the links, joints and sensors of a nested model those of the outer one.
+    pub(super) fn dissolve(&mut self, inner: ParsedModel, frames: &Frames, parts: &mut Parts) {
         let outer_from_inner = frames
-            .resolve(&inner.model.name, &inner.pose.source, self.diagnostics)
+            .resolve(&inner.frame_name(), &inner.pose.source, self.diagnostics)
             .unwrap_or(inner.pose.pose);
         let outer_name = inner.naming();
-        let ParsedModel { model, lights, frames: inner_frames, .. } = inner;
-        let name = model.name;
+        let ParsedModel { model, lights, .. } = inner;
         let (first, first_joint) = (parts.links.len(), parts.joints.len());
         parts.links.extend(model.links.into_iter().map(|mut link| {
             link.name = outer_name(&link.name);
@@ -73,6 +92,5 @@ impl Loader<'_> {
             light.world_from_light = outer_from_inner * light.world_from_light;
             light
         }));
-        (name, inner_frames)
     }
 }

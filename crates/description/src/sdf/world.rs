@@ -1,7 +1,8 @@
 //! `<world>`: scene, physics, models, and `<state>`.
 
-use super::frames::{Frames, WrittenPose};
+use super::frames::Frames;
 use super::model::ParsedModel;
+use super::pose::WrittenPose;
 use super::{Loader, Scope, name_of};
 use crate::model::{Earth, Light, Model, World};
 use crate::suggestion::did_you_mean;
@@ -44,28 +45,15 @@ impl Loader<'_> {
         self.make_names_unique(&mut models);
         // Models may be posed relative to one another.
         let mut frames = Frames::new("world");
-        for parsed in &models {
-            frames.add(&parsed.model.name, &parsed.pose, None);
-            for (link, pose) in parsed.model.links.iter().zip(parsed.model.rest_poses()) {
-                let name = format!("{}::{}", parsed.model.name, link.name);
-                frames.add_known(name, &parsed.model.name, pose, &link.source);
-            }
+        self.check_names(element, &models, scope.version);
+        for parsed in &mut models {
+            self.add_frames(parsed, &mut frames);
         }
         for child in element.elements_named("frame") {
-            let pose = self.pose(child, scope.version);
-            frames.add(
-                &name_of(child),
-                &pose,
-                child.attribute("attached_to").filter(|name| !name.is_empty()),
-            );
+            self.add_frame(child, scope.version, &mut frames);
         }
         let mut placed: Vec<(Model, Vec<_>)> = Vec::new();
-        let mut parsed = Vec::new();
-        for ParsedModel { model, pose, lights, frames: inner, .. } in models {
-            frames.add_nested(&model.name, inner);
-            parsed.push((model, pose, lights));
-        }
-        for (mut model, pose, lights) in parsed {
+        for ParsedModel { mut model, pose, lights, .. } in models {
             model.world_from_model =
                 frames.resolve(&model.name, &pose.source, self.diagnostics).unwrap_or(pose.pose);
             placed.push((model, lights));

@@ -1,5 +1,6 @@
 //! Lidars: `<ray>` and `<lidar>` (angles of the beams, range, noise), and the plugins that publish scans.
 
+mod beams;
 mod physics;
 mod profile;
 mod ray_sensor;
@@ -14,7 +15,6 @@ use crate::diagnostics::Diagnostics;
 use crate::model::{CloudLayout, LaserPlugin, Noise, RaySensor, ScanAxis};
 use crate::values::{child_bool, child_text};
 use crate::xml::Element;
-use belvedere_sensors::lidar::{MAX_BEAMS, MAX_SAMPLES};
 use belvedere_sensors::scanner::presets::{self, Maker, Mode, Preset};
 use belvedere_sensors::scanner::{Axis, Columns, Pattern, Raster, Weather};
 pub use physics::BeamPhysics;
@@ -65,7 +65,10 @@ impl Reader<'_> {
         let (physics, profile) = self.beam_physics(sensor, preset.as_ref())?;
         let is_cloud = preset.as_ref().is_some_and(is_cloud);
         let mut ray = match &preset {
-            Some(preset) => ray_of(preset, sensor),
+            Some(preset) => {
+                let visibility_mask = self.visibility_mask(sensor, sensor)?;
+                RaySensor { visibility_mask, ..ray_of(preset, sensor) }
+            }
             None => self.ray(sensor)?,
         };
         let mut plugin = match self.plugin(sensor, &KIND) {
@@ -132,84 +135,7 @@ impl Reader<'_> {
         Some(())
     }
 
-    /// Reads the `<ray>` or `<lidar>` of a sensor.
-    pub(super) fn ray(&mut self, sensor: &Element) -> Option<RaySensor> {
-        let ray = sensor.child("ray").or_else(|| sensor.child("lidar"));
-        let scan = ray.and_then(|ray| ray.child("scan"));
-        let horizontal = self.axis(scan, "horizontal", 640);
-        let vertical = self.axis(scan, "vertical", 1);
-        let range = ray.and_then(|ray| ray.child("range"));
-        let limits = self.range(range, sensor);
-        let resolution = self.not_negative(range, "resolution");
-        let noise = self.noise(ray);
-
-        let (horizontal, vertical) = (horizontal?, vertical?);
-        let beams = u64::from(horizontal.samples) * u64::from(vertical.samples);
-        if beams > u64::from(MAX_BEAMS) {
-            self.diagnostics.error(
-                Self::place(ray, "scan", sensor),
-                format!(
-                    "sensor '{}' has {} × {} = {beams} beams",
-                    self.sensor, horizontal.samples, vertical.samples
-                ),
-                format!("write fewer <samples>: at most {MAX_BEAMS} beams in all"),
-            );
-            return None;
-        }
-        let (range_min_m, range_max_m) = limits?;
-        Some(RaySensor {
-            sees_visuals: sees_visuals(sensor),
-            horizontal,
-            vertical,
-            range_min_m,
-            range_max_m,
-            range_resolution_m: resolution?,
-            noise: noise?,
-        })
-    }
-
-    fn axis(&mut self, scan: Option<&Element>, name: &str, default_samples: u32) -> Option<ScanAxis> {
-        let axis = scan.and_then(|scan| scan.child(name));
-        let samples = self.truncated(axis, "samples", default_samples, MAX_SAMPLES);
-        let min = self.number(axis, "min_angle", 0.0);
-        let max = self.number(axis, "max_angle", 0.0);
-        let (samples, min_angle_rad, max_angle_rad) = (samples?, min?, max?);
-        if min_angle_rad > max_angle_rad {
-            if let Some(axis) = axis {
-                self.diagnostics.warning(
-                    Self::place(Some(axis), "min_angle", axis),
-                    format!(
-                        "{} is {min_angle_rad} and <max_angle> is {max_angle_rad} (<{name}>): they are swapped",
-                        self.what("min_angle")
-                    ),
-                    "write <min_angle> not above <max_angle>",
-                );
-            }
-            return Some(ScanAxis { samples, min_angle_rad: max_angle_rad, max_angle_rad: min_angle_rad });
-        }
-        Some(ScanAxis { samples, min_angle_rad, max_angle_rad })
-    }
-
-    /// Reads the smallest and largest range; the largest may be `inf`.
-    fn range(&mut self, range: Option<&Element>, sensor: &Element) -> Option<(f64, f64)> {
-        let min = self.not_negative(range, "min");
-        let is_infinite = range
-            .and_then(|range| child_text(range, "max"))
-            .is_some_and(|text| matches!(text.to_ascii_lowercase().as_str(), "inf" | "+inf" | "infinity"));
-        let max = if is_infinite { Some(f64::INFINITY) } else { self.number(range, "max", 0.0) };
-        let (min, max) = (min?, max?);
-        if min < max {
-            return Some((min, max));
-        }
-        self.diagnostics.error(
-            Self::place(range, "max", sensor),
-            format!("the <range> of sensor '{}' has <min> {min} and <max> {max}", self.sensor),
-            "write <range><min> below <max>, in metres; <max> may be inf",
-        );
-        None
-    }
-
-    /// Reads the plugin that publishes a lidar. Its changes to the measurement are applied to the sensor.
+    /// What it does to what the sensor measures becomes the sensor's.
     fn laser_plugin(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<LaserPlugin> {
         let name = plain_name(plugin);
         if name == "gazebo_ros_ray_sensor" {
@@ -382,6 +308,7 @@ fn ray_of(preset: &Preset, sensor: &Element) -> RaySensor {
     let [range_min_m, range_max_m] = preset.range_m;
     RaySensor {
         sees_visuals: sees_visuals(sensor),
+        visibility_mask: u32::MAX,
         horizontal: horizontal_of(preset),
         vertical,
         range_min_m,

@@ -86,6 +86,7 @@ impl Reader<'_> {
             range_resolution_m: 0.0,
             noise: Noise::default(),
             sees_visuals: false,
+            visibility_mask: u32::MAX,
         };
         let of_topic = || {
             let (radiation, frame_name) = (Radiation::Ultrasound, frame_name(sensor));

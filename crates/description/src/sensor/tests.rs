@@ -195,7 +195,7 @@ fn every_wrong_value_gives_one_error_that_names_it() {
         ),
         (scan("<samples>0</samples>"), "<samples> of sensor 'r' is 0"),
         (scan("<samples>32768</samples>"), "<samples> of sensor 'r' is 32768"),
-        ("<sensor name='r' type='ray'/>".into(), "<min> 0 and <max> 0"),
+        ("<sensor name='r' type='ray'><ray/></sensor>".into(), "<min> 0 and <max> 0"),
         (
             ray(
                 "<scan><horizontal><samples>30000</samples></horizontal><vertical><samples>700</samples></vertical></scan>",
@@ -260,6 +260,58 @@ fn what_gazebo_goes_on_with_is_a_warning() {
     let ScanAxis { samples, min_angle_rad, max_angle_rad } = ray.horizontal;
     assert_eq!((samples, min_angle_rad, max_angle_rad), (20, -2.0, 1.0));
     assert!(problems.len() == 2 && problems[1].contains("is 1 and <max_angle> is -2"), "{problems:?}");
+}
+
+#[test]
+fn a_mask_of_a_lidar_that_hits_collision_shapes_is_without_effect() {
+    let lidar = |kind: &str, mask: &str| {
+        let text = format!(
+            "<sensor name='s' type='{kind}'><lidar><range><max>5</max></range><visibility_mask>{mask}</visibility_mask></lidar></sensor>"
+        );
+        let (sensor, problems) = parse(&text);
+        let mask = sensor.and_then(|sensor| sensor.kind.ray().map(|ray| ray.visibility_mask));
+        (mask, problems.concat())
+    };
+    for kind in ["gpu_ray", "gpu_lidar"] {
+        assert_eq!(lidar(kind, "0xFFFFFFFD"), (Some(0xFFFF_FFFD), String::new()));
+    }
+    for kind in ["ray", "lidar"] {
+        assert_eq!(lidar(kind, "0xffffffff"), (Some(u32::MAX), String::new()));
+        assert!(lidar(kind, "1").1.contains("warning: <visibility_mask> of sensor 's' is without effect"));
+    }
+    let (mask, problems) = lidar("gpu_ray", "-1");
+    assert!(mask.is_none() && problems.contains("error: <visibility_mask> is '-1'"), "{problems}");
+}
+
+#[test]
+fn beams_may_be_told_by_the_plugin_alone() {
+    let ray = |max: &str| {
+        format!(
+            "<ray><scan><horizontal><samples>100</samples><max_angle>6.28</max_angle></horizontal></scan>\
+             <range><min>0.1</min><max>{max}</max></range></ray>"
+        )
+    };
+    let livox = |inside: &str| {
+        format!(
+            "<sensor name='s' type='ray'>{inside}<plugin filename='liblivox_laser_simulation.so'>{}</plugin></sensor>",
+            ray("200")
+        )
+    };
+    let (sensor, problems) = parse(&livox(""));
+    let SensorKind::Ray(lidar) = sensor.unwrap().kind else { panic!() };
+    assert_eq!((lidar.ray.horizontal.samples, lidar.ray.range_max_m), (100, 200.0));
+    assert!(problems.iter().all(|problem| problem.contains(": warning: ")), "{problems:?}");
+    assert!(
+        problems.concat().contains("has the beams of that in the plugin 'liblivox_laser_simulation.so'"),
+        "{problems:?}"
+    );
+    // A sensor's own come first.
+    let (sensor, _) = parse(&livox(&ray("50")));
+    let SensorKind::Ray(lidar) = sensor.unwrap().kind else { panic!() };
+    assert_eq!(lidar.ray.range_max_m, 50.0);
+    let (sensor, problems) = parse("<sensor name='s' type='gpu_lidar'/>");
+    let [only] = &problems[..] else { panic!("{problems:?}") };
+    assert!(sensor.is_none() && only.contains("warning: sensor 's' has no <ray> and no <lidar>"), "{only}");
 }
 
 #[test]

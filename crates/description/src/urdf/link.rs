@@ -94,6 +94,7 @@ impl Loader<'_> {
             geometry,
             material: material.clone().or(own_material).unwrap_or_default(),
             label: None,
+            visibility_flags: u32::MAX,
             laser_retro: 0.0,
             optics: Optics::default(),
             fiducials: Vec::new(),

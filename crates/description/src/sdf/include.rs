@@ -1,0 +1,191 @@
+//! `<include>`: the file that it means, and what it says of the model or light in it.
+
+use super::model::ParsedModel;
+use super::pose::WrittenPose;
+use super::resources::Resolved;
+use super::{A_FILE, Loader, Scope, Version, canonical, resources};
+use crate::model::Light;
+use crate::plugin;
+use crate::suggestion::nearest;
+use crate::values::{child_bool, child_text};
+use crate::xml::{Element, Weight};
+use std::path::{Path, PathBuf};
+
+/// What an `<include>` brought.
+#[derive(Default)]
+pub(super) struct Included {
+    pub(super) models: Vec<ParsedModel>,
+    /// Each with its place in what includes it.
+    pub(super) lights: Vec<(Light, WrittenPose)>,
+}
+
+impl Loader<'_> {
+    /// `<include>`: the models and lights of another file, with name, pose and static overridden.
+    pub(super) fn include(&mut self, element: &Element, scope: Scope<'_>) -> Option<Included> {
+        let spent = self.budget.take(1, 0);
+        self.afford(spent, &element.source)?;
+        let Some(uri) = child_text(element, "uri") else {
+            self.diagnostics.error(
+                &element.source,
+                "<include> has no <uri>",
+                "write <include><uri>model://NAME</uri></include>",
+            );
+            return None;
+        };
+        let path = self.included_file(element, &uri, scope.folder)?;
+        let key = canonical(&path);
+        if self.open_files.contains(&key) {
+            let chain: Vec<String> =
+                self.open_files.iter().chain([&key]).map(|file| file.display().to_string()).collect();
+            self.diagnostics.error(
+                &element.source,
+                format!("'{uri}' includes itself: {}", chain.join(" → ")),
+                "remove one <include> of this circle",
+            );
+            return None;
+        }
+        let spent = self.budget.enter(1);
+        self.afford(spent, &element.source)?;
+        self.open_files.push(key);
+        let included = self.read_included(element, &path, scope);
+        self.open_files.pop();
+        self.budget.leave(1);
+        included
+    }
+
+    fn read_included(&mut self, element: &Element, path: &Path, outer: Scope<'_>) -> Option<Included> {
+        let (mut root, version) = self.read_root(path)?;
+        let Weight { elements, bytes, .. } = root.weight();
+        let spent = self.budget.take(elements + A_FILE, bytes);
+        self.afford(spent, &element.source)?;
+        let folder = path.parent().unwrap_or(Path::new(""));
+        self.alter(element, &mut root, folder)?;
+        let scope = Scope { folder, version };
+        let name = child_text(element, "name");
+        let is_static = child_bool(element, "static", self.diagnostics);
+        let pose = element.child("pose").is_some().then(|| self.pose(element, outer.version));
+
+        let mut included = Included::default();
+        for child in root.elements() {
+            match child.name.as_str() {
+                "model" => included.models.extend(self.model(child, scope)),
+                "actor" => included.models.extend(self.actor(child, scope)),
+                "light" => {
+                    let pose = self.pose(child, version);
+                    included.lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));
+                }
+                _ => {}
+            }
+        }
+        if let Some(placement) = element.child("placement_frame").filter(|_| element.child("pose").is_none())
+        {
+            self.diagnostics.error(
+                &placement.source,
+                "<placement_frame> without <pose> in this <include>",
+                "write the <pose> that the frame is to have",
+            );
+        }
+        // The format allows one model or light a file.
+        if let Some(parsed) = included.models.first_mut() {
+            plugin::read(element, &mut parsed.model, self.rules, self.diagnostics);
+            if let Some(name) = &name {
+                parsed.model.name.clone_from(name);
+            }
+            if let Some(is_static) = is_static {
+                parsed.model.is_static = is_static;
+            }
+            if let Some(pose) = pose {
+                parsed.pose = pose;
+                let placement = child_text(element, "placement_frame");
+                self.place_by(placement.as_deref(), &parsed.frames, &mut parsed.pose, &element.source);
+            }
+        } else if let Some((light, light_pose)) = included.lights.first_mut() {
+            if let Some(name) = name {
+                light.name = name;
+            }
+            if let Some(pose) = pose {
+                *light_pose = pose;
+            }
+        } else if !self.diagnostics.has_errors() {
+            self.diagnostics.error(
+                &root.source,
+                "no <model> and no <light> in this file",
+                "an included file holds one of them inside <sdf>",
+            );
+        }
+        Some(included)
+    }
+
+    /// The SDF file that a URI of an `<include>` means: the file itself, or what the folder's `model.config`
+    /// names, or its `model.sdf`.
+    pub(super) fn included_file(&mut self, element: &Element, uri: &str, folder: &Path) -> Option<PathBuf> {
+        let uri = uri.trim_end_matches('/');
+        let path = match self.resources.resolve(uri, folder) {
+            Resolved::Found(path) => path,
+            Resolved::NotFound(places) => {
+                let name = uri.rsplit('/').next().unwrap_or(uri);
+                let names = self.resources.model_names();
+                let near = nearest(name, names.iter().map(String::as_str));
+                let meant = near.map_or_else(String::new, |near| format!("did you mean 'model://{near}'? "));
+                self.missing(
+                    &element.source,
+                    format!("there is no model '{uri}': looked for {}", resources::list(&places)),
+                    format!("{meant}Add the folder that contains it to GAZEBO_MODEL_PATH or --package-path"),
+                );
+                return None;
+            }
+            Resolved::UnknownScheme(scheme) => {
+                self.missing(
+                    &element.source,
+                    format!("'{uri}' cannot be fetched: '{scheme}://' is not read"),
+                    "download it with `gz fuel download -u`, or put its folder into GAZEBO_MODEL_PATH; write model://NAME otherwise",
+                );
+                return None;
+            }
+        };
+        if path.is_file() {
+            return Some(path);
+        }
+        let config = path.join("model.config");
+        if config.is_file() {
+            return self.file_of_config(&config);
+        }
+        let file = path.join("model.sdf");
+        if file.is_file() {
+            return Some(file);
+        }
+        self.missing(
+            &element.source,
+            format!("the folder {} holds neither model.config nor model.sdf", path.display()),
+            "check the <uri>",
+        );
+        None
+    }
+
+    /// The `<sdf>` of the highest version that a `model.config` names.
+    fn file_of_config(&mut self, config: &Path) -> Option<PathBuf> {
+        self.diagnostics.opened(config);
+        let root = match Element::parse_file(config) {
+            Ok(root) => root,
+            Err(problem) => {
+                self.diagnostics.add(problem);
+                return None;
+            }
+        };
+        let version = |sdf: &&Element| -> Option<Version> {
+            let (major, minor) = sdf.attribute("version")?.split_once('.')?;
+            Some((major.parse().ok()?, minor.parse().ok()?))
+        };
+        let sdf = root.elements_named("sdf").max_by_key(version);
+        let file = config.with_file_name(sdf.map_or_else(|| "model.sdf".into(), Element::text));
+        if file.is_file() {
+            return Some(file);
+        }
+        self.missing(
+            sdf.map_or(&root.source, |sdf| &sdf.source),
+            format!("there is no file {}", file.display()),
+            "correct the <sdf> element",
+        );
+        None
+    }
+}

@@ -8,6 +8,7 @@ mod sdf;
 mod bases;
 mod depth_presets;
 mod dynamics;
+mod force_torque;
 mod gpu_lidar;
 mod inertial;
 mod instruments;

@@ -4,7 +4,8 @@
 //! names; a program that projects with them by tf is then wrong by a turn of 120° about the diagonal.
 //!
 //! Other data are in the axes of their sensor. Where the file names no frame and the sensor has a `<pose>` in its link, the
-//! link is not that frame, so the sensor gets one of its own, by the name that gz-sim has for it: `MODEL/LINK/SENSOR`.
+//! link is not that frame, so the sensor gets one of its own, by the name that gz-sim has for it: `MODEL/LINK/SENSOR`, or
+//! `MODEL/JOINT/SENSOR`.
 
 use super::model::{LinkIndex, Model, Sensor, SensorKind};
 use belvedere_sensors::Pose;
@@ -63,6 +64,7 @@ fn named_frame(kind: &SensorKind) -> Option<(&str, bool)> {
         SensorKind::Magnetometer(magnetometer) => &magnetometer.plugin.as_ref()?.frame_name,
         SensorKind::Altimeter(altimeter) => &altimeter.plugin.as_ref()?.frame_name,
         SensorKind::AirPressure(barometer) => &barometer.plugin.as_ref()?.frame_name,
+        SensorKind::ForceTorque(it) => &it.plugin.as_ref()?.frame_name,
     };
     Some((name, false))
 }
@@ -93,7 +95,7 @@ fn own_frame(model: &Model, index: usize, room: usize, frames: &[SensorFrame]) -
         return None;
     }
     let parts =
-        [&model.name, &model.links[sensor.link].name, &sensor.name].map(|part| part.replace("::", "/"));
+        [model.name.as_str(), model.place_of(sensor), &sensor.name].map(|part| part.replace("::", "/"));
     // A message has no room for a long name: then without the model, and without the link. Two sensors of one name on a
     // link have numbers.
     let names = (0..3).map(|first| parts[first..].join("/"));

@@ -111,6 +111,7 @@ impl Physics {
             world_from_model: *world_from_model,
             links,
             joints,
+            gauges: Vec::new(),
             first_body,
             end_body: self.bodies.len(),
             leading,
@@ -119,6 +120,7 @@ impl Physics {
             Some(place) => *place = placed,
             None => self.models.push(placed),
         }
+        self.add_gauges(index, model, carried);
     }
 
     /// Makes what holds or drives two bodies; none if nothing moves, or nothing that has a position.

@@ -4,7 +4,7 @@ use super::Loader;
 use super::frames::Frames;
 use super::model::{ParsedModel, Parts};
 use super::names::{Again, Names};
-use crate::model::{Model, ModelPlugin};
+use crate::model::{Model, ModelPlugin, SensorKind};
 
 impl ParsedModel {
     /// What the outer model calls a link or joint of this one.
@@ -65,6 +65,9 @@ impl Loader<'_> {
         }));
         parts.sensors.extend(model.sensors.into_iter().map(|mut sensor| {
             sensor.link += first;
+            if let SensorKind::ForceTorque(it) = &mut sensor.kind {
+                it.joint += first_joint;
+            }
             sensor
         }));
         let renamed = |plugin: ModelPlugin| plugin.nested(first, first_joint, &outer_name);

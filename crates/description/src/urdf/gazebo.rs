@@ -1,7 +1,7 @@
 //! `<gazebo>`: sensors, and what Gazebo overrides of a link.
 //!
 //! Read are, for a link: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, `kinematic`, `dampingFactor`,
-//! the plugin `Label` and our own `<visual><fiducial>`; for a joint: `springStiffness` and `springReference`; for the whole
+//! the plugin `Label` and our own `<visual><fiducial>`; for a joint: `sensor`, `springStiffness` and `springReference`; for the whole
 //! robot: `static`, `self_collide` and its plugins. The rest is accepted: contact parameters of ODE (`mu2`, `kp`, `kd`,
 //! `minDepth`, `maxVel`, …), which another physics engine does not have.
 
@@ -13,10 +13,11 @@ use crate::label::label;
 use crate::model::{JointDynamics, LinkIndex, Model};
 use crate::optics::optics;
 use crate::plugin;
-use crate::sensor::parse_sensor;
+use crate::sensor::{JointMount, parse_joint_sensor, parse_sensor};
 use crate::suggestion::{closest, did_you_mean_or};
 use crate::values::{child_bool, child_pose, child_text, friction_coefficient, not_negative, number, share};
 use crate::xml::Element;
+use belvedere_sensors::Pose;
 
 /// What an extension is set to: its attribute `value`, or else its text, as libsdformat reads it.
 fn value(extension: &Element) -> String {
@@ -167,14 +168,13 @@ impl Loader<'_> {
     /// A reference to something that is no link: a joint, or a mistake.
     fn unknown_reference(&mut self, element: &Element, name: &str, model: &mut Model) {
         let near = nearest_link(name, &model.links);
-        if let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == name) {
-            self.extend_joint(element, &mut joint.dynamics);
+        if let Some(index) = model.joints.iter().position(|joint| joint.name == name) {
+            self.extend_joint(element, &mut model.joints[index].dynamics);
+            let mount = JointMount { joint: &model.joints[index], index, child_from_joint: Pose::IDENTITY };
             for sensor in element.elements_named("sensor") {
-                let what = format!(
-                    "the sensor '{}' is on the joint '{name}': sensors of joints are not simulated, and it is left out",
-                    sensor.attribute("name").unwrap_or_default()
-                );
-                self.diagnostics.warning(&sensor.source, what, "put sensors of other kinds on a link");
+                let pose = child_pose(sensor, self.rules.gazebo_compat, self.diagnostics);
+                let read = parse_joint_sensor(sensor, &mount, pose, self.rules, self.diagnostics);
+                model.sensors.extend(read);
             }
             return;
         }

@@ -1,0 +1,402 @@
+//! What passes through a joint: the force and the torque by which one side of it moves the other.
+//!
+//! It follows from how the links on one side move, by Newton and Euler: what accelerates them besides gravity, contacts and
+//! the drive of a base has come through the joint. So it holds for fixed joints, which join links into one body, as for
+//! those that move, and whatever moves them: motors, springs, limits, dry friction. Forces are means of a step.
+
+use super::convert::vector;
+use super::{ModelIndex, Physics};
+use crate::description::diagnostics::{Problem, Severity};
+use crate::description::inertia::{of_a_body, tensor};
+use crate::description::model::{
+    Collision, Geometry, Inertial, JointIndex, JointKind, Link, LinkIndex, Model, Sensor, SensorKind,
+};
+use belvedere_sensors::Pose;
+use glam::{DMat3, DVec3};
+use rapier3d::dynamics::{RigidBody, RigidBodyHandle};
+use rapier3d::geometry::{ColliderHandle, ContactData, ContactManifold};
+use rapier3d::math::Vector;
+use rapier3d::utils::OrthonormalBasis;
+use std::collections::{HashMap, HashSet};
+
+/// What a body has without a mass of its links.
+const UNTOLD: Inertial =
+    Inertial { link_from_inertial: Pose::IDENTITY, mass_kg: 1.0, inertia: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] };
+
+/// A force and a torque, or what they have given in a time: N and N·m, or N·s and N·m·s.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Wrench {
+    /// The force.
+    pub force: DVec3,
+    /// The torque about the origin of the frame in which they are.
+    pub torque: DVec3,
+}
+
+impl Wrench {
+    fn add(&mut self, force: DVec3, at: DVec3) {
+        self.force += force;
+        self.torque += at.cross(force);
+    }
+
+    /// The mean wrench, in N and N·m, that has given this since it had given `earlier`.
+    pub fn mean_since(&self, earlier: &Self, period_s: f64) -> Self {
+        let mean = |now: DVec3, earlier: DVec3| (now - earlier) / period_s;
+        Self { force: mean(self.force, earlier.force), torque: mean(self.torque, earlier.torque) }
+    }
+
+    /// From here to another one.
+    fn to(self, other: Self, fraction: f64) -> Self {
+        let between = |one: DVec3, other: DVec3| one + (other - one) * fraction;
+        Self { force: between(self.force, other.force), torque: between(self.torque, other.torque) }
+    }
+}
+
+/// What measures a joint, for a sensor.
+pub(super) struct Gauge {
+    /// The frame in which it measures.
+    link: LinkIndex,
+    link_from_gauge: Pose,
+    /// The links on one side of the joint, which nothing but the joint holds, and what of them has a mass.
+    links: Vec<LinkIndex>,
+    part: Vec<Piece>,
+    /// 1 if they are on the side of its child, −1 if on that of its parent.
+    sign: f64,
+    /// Those of them at which their bodies are pushed.
+    pushed: Vec<LinkIndex>,
+    /// Before the step: where the frame was, and how each piece moved.
+    world_from_gauge: Pose,
+    before: Vec<Motion>,
+    /// What has passed from the parent to the child, until the last step but one and until the last.
+    passed: [Wrench; 2],
+    /// A step has been made.
+    has_measured: bool,
+}
+
+/// A link with what accelerates it.
+struct Piece {
+    link: LinkIndex,
+    /// Centre of mass and inertia about it, along the link's axes.
+    centre: DVec3,
+    mass_kg: f64,
+    inertia: DMat3,
+    gravity: bool,
+}
+
+/// How a link moves, in the world: its centre of mass, that one's velocity, and its spin.
+#[derive(Clone, Copy)]
+struct Motion {
+    centre: DVec3,
+    velocity: DVec3,
+    spin: DVec3,
+}
+
+impl Physics {
+    /// Makes the gauges of a model that has been placed: one for each force-torque sensor, in their order.
+    pub(super) fn add_gauges(&mut self, index: ModelIndex, model: &Model, carried: &[JointIndex]) {
+        let joint_of = |sensor: &Sensor| match &sensor.kind {
+            SensorKind::ForceTorque(it) => Some(it.joint),
+            _ => None,
+        };
+        let mut sensors =
+            model.sensors.iter().filter_map(|sensor| Some((sensor, joint_of(sensor)?))).peekable();
+        if sensors.peek().is_none() {
+            return;
+        }
+        let near = self.neighbours(index, model);
+        let pushed = self.pushed_links(index);
+        let mut gauges = Vec::new();
+        for (sensor, joint) in sensors {
+            let side = if carried.contains(&joint) {
+                Err("it is that of a wheel, which is part of its base here")
+            } else {
+                Self::side(model, joint, &near)
+            };
+            gauges.push(match side {
+                Ok((sign, links)) => Some(Gauge {
+                    link: sensor.link,
+                    link_from_gauge: sensor.link_from_sensor,
+                    pushed: pushed.iter().copied().filter(|link| links.contains(link)).collect(),
+                    part: self.pieces(index, model, &links),
+                    links,
+                    sign,
+                    world_from_gauge: Pose::IDENTITY,
+                    before: Vec::new(),
+                    passed: [Wrench::default(); 2],
+                    has_measured: false,
+                }),
+                Err(why) => {
+                    self.notes.push(Problem {
+                        severity: Severity::Warning,
+                        source: sensor.source.clone(),
+                        what: format!(
+                            "the sensor '{}' cannot measure the joint '{}': {why}. It is left out",
+                            sensor.name, model.joints[joint].name
+                        ),
+                        remedy: "put it on another joint".into(),
+                    });
+                    None
+                }
+            });
+        }
+        self.models[index].gauges = gauges;
+    }
+
+    /// For each link those that a joint holds to it, with the joint.
+    fn neighbours(&self, index: ModelIndex, model: &Model) -> Vec<Vec<(JointIndex, LinkIndex)>> {
+        let links = &self.models[index].links;
+        let mut near = vec![Vec::new(); links.len()];
+        for (number, joint) in model.joints.iter().enumerate() {
+            // What has no body is a mere frame: a joint that moves does not hold it.
+            let holds = match joint.kind {
+                JointKind::Fixed => true,
+                JointKind::Floating => false,
+                _ => [joint.parent, joint.child].iter().all(|link| links[*link].body.is_some()),
+            };
+            if holds {
+                near[joint.parent].push((number, joint.child));
+                near[joint.child].push((number, joint.parent));
+            }
+        }
+        near
+    }
+
+    /// The links on that side of a joint which nothing else holds, and 1 for the child's side or −1 for the parent's.
+    fn side(
+        model: &Model,
+        joint: JointIndex,
+        near: &[Vec<(JointIndex, LinkIndex)>],
+    ) -> Result<(f64, Vec<LinkIndex>), &'static str> {
+        let ends = [model.joints[joint].child, model.joints[joint].parent];
+        let [child, parent] = ends.map(|end| {
+            let (mut seen, mut reached) = (vec![false; near.len()], vec![end]);
+            seen[end] = true;
+            let mut at = 0;
+            while let Some(link) = reached.get(at) {
+                let next = near[*link].iter().filter(|(by, _)| *by != joint).map(|(_, next)| *next);
+                let new: Vec<LinkIndex> =
+                    next.filter(|next| !std::mem::replace(&mut seen[*next], true)).collect();
+                reached.extend(new);
+                at += 1;
+            }
+            reached
+        });
+        if child.contains(&ends[1]) {
+            return Err("it is part of a loop of joints");
+        }
+        let stands = model.is_static && !model.links.iter().any(|link| link.is_static);
+        let is_held = |side: &[LinkIndex]| stands || side.iter().any(|link| is_held(&model.links[*link]));
+        let is_world = |side: &[LinkIndex]| {
+            side.iter().all(|link| {
+                let link = &model.links[*link];
+                link.name.rsplit("::").next() == Some("world") && link.collisions.is_empty()
+            })
+        };
+        if !is_held(&child) || is_world(&parent) {
+            Ok((1.0, child))
+        } else if !is_held(&parent) || is_world(&child) {
+            Ok((-1.0, parent))
+        } else {
+            Err("both of its sides stand still")
+        }
+    }
+
+    /// For each body of a model the link at which [`Physics::push`] acts: a wheel on it, or else its root.
+    fn pushed_links(&self, index: ModelIndex) -> Vec<LinkIndex> {
+        let mut first: HashMap<RigidBodyHandle, (u8, LinkIndex)> = HashMap::new();
+        for (number, link) in self.models[index].links.iter().enumerate() {
+            let Some(body) = link.body.map(|body| &self.bodies[body]) else { continue };
+            let rank = match (body.is_carried(), link.body_from_link == Pose::IDENTITY) {
+                (true, _) => 0,
+                (_, true) => 1,
+                _ => 2,
+            };
+            let first = first.entry(body.handle).or_insert((rank, number));
+            *first = (*first).min((rank, number));
+        }
+        let mut links: Vec<LinkIndex> = first.into_values().map(|(_, link)| link).collect();
+        links.sort_unstable();
+        links
+    }
+
+    /// The links that have a mass.
+    fn pieces(&self, index: ModelIndex, model: &Model, links: &[LinkIndex]) -> Vec<Piece> {
+        let placed = &self.models[index].links;
+        let weighed = |link: LinkIndex| model.links[link].inertial.filter(|inertial| inertial.mass_kg > 0.0);
+        let heavy: HashSet<Option<usize>> =
+            (0..placed.len()).filter(|link| weighed(*link).is_some()).map(|link| placed[link].body).collect();
+        // A body of which no link has a mass has that of its root, as `BodyMass` says.
+        let untold = |link: LinkIndex| {
+            let is_root = placed[link].body_from_link == Pose::IDENTITY && placed[link].body.is_some();
+            (is_root && !heavy.contains(&placed[link].body)).then_some(UNTOLD)
+        };
+        let piece = |link: &LinkIndex| {
+            let inertial = weighed(*link).or_else(|| untold(*link))?;
+            let turn = inertial.link_from_inertial.rotation_matrix();
+            Some(Piece {
+                link: *link,
+                centre: inertial.link_from_inertial.translation(),
+                mass_kg: inertial.mass_kg,
+                inertia: turn * of_a_body(tensor(inertial.inertia)) * turn.transpose(),
+                gravity: model.links[*link].gravity,
+            })
+        };
+        links.iter().filter_map(piece).collect()
+    }
+
+    /// Notes how everything moves that is measured, before a step.
+    pub(super) fn begin_gauges(&mut self) {
+        for index in 0..self.models.len() {
+            let mut gauges = std::mem::take(&mut self.models[index].gauges);
+            for gauge in gauges.iter_mut().flatten() {
+                gauge.world_from_gauge = self.world_from_gauge(index, gauge);
+                gauge.before.clear();
+                gauge.before.extend(gauge.part.iter().map(|piece| self.motion(index, piece)));
+            }
+            self.models[index].gauges = gauges;
+        }
+    }
+
+    /// Adds up what has passed through joints, after a step.
+    pub(super) fn end_gauges(&mut self) {
+        for index in 0..self.models.len() {
+            let mut gauges = std::mem::take(&mut self.models[index].gauges);
+            for gauge in gauges.iter_mut().flatten() {
+                let passed = self.passed_in_step(index, gauge);
+                gauge.has_measured = true;
+                gauge.passed[0] = gauge.passed[1];
+                gauge.passed[1].force += passed.force;
+                gauge.passed[1].torque += passed.torque;
+            }
+            self.models[index].gauges = gauges;
+        }
+    }
+
+    /// What has passed from the parent to the child of a joint until a time between the last two steps, in N·s and N·m·s, as
+    /// a sensor measures it: along the axes of its frame and about its origin. The sensor is the force-torque sensor of that
+    /// number in its model. None for a joint that cannot be measured.
+    pub fn passed_at(&self, model: ModelIndex, sensor: usize, stamp_ns: u64) -> Option<Wrench> {
+        let [from, to] = self.models[model].gauges.get(sensor)?.as_ref()?.passed;
+        Some(from.to(to, self.fraction(stamp_ns)))
+    }
+
+    /// The mean wrench of the last step, in N and N·m; none before the first step, and for a joint that cannot be measured.
+    pub fn wrench(&self, model: ModelIndex, sensor: usize) -> Option<Wrench> {
+        let gauge = self.models[model].gauges.get(sensor)?.as_ref()?;
+        let [from, to] = gauge.passed;
+        gauge.has_measured.then(|| to.mean_since(&from, self.step_s()))
+    }
+
+    fn world_from_gauge(&self, index: ModelIndex, gauge: &Gauge) -> Pose {
+        self.world_from_link(index, gauge.link) * gauge.link_from_gauge
+    }
+
+    fn motion(&self, index: ModelIndex, piece: &Piece) -> Motion {
+        let world_from_link = self.world_from_link(index, piece.link);
+        let centre = world_from_link.transform_point(piece.centre);
+        let body = self.models[index].links[piece.link].body;
+        let still = Motion { centre, velocity: DVec3::ZERO, spin: DVec3::ZERO };
+        body.map_or(still, |body| {
+            let rigid = &self.rapier.bodies[self.bodies[body].handle];
+            let turn = world_from_link.rotation_matrix();
+            let spin = turn * (piece.inertia * (turn.transpose() * wide(rigid.angvel())));
+            Motion { centre, velocity: wide(rigid.velocity_at_point(vector(centre))), spin }
+        })
+    }
+
+    /// What has passed in the last step, in N·s and N·m·s along the axes of the gauge, from the parent to the child.
+    fn passed_in_step(&self, index: ModelIndex, gauge: &Gauge) -> Wrench {
+        let step_s = self.step_s();
+        let world_from_gauge = gauge.world_from_gauge.interpolate(&self.world_from_gauge(index, gauge), 0.5);
+        let origin = world_from_gauge.translation();
+        let mut passed = Wrench::default();
+        for (piece, before) in gauge.part.iter().zip(&gauge.before) {
+            let after = self.motion(index, piece);
+            let [linear, angular] = self.damping_of(index, piece.link);
+            let way = after.centre - before.centre;
+            // What the air has taken is not missing.
+            let gained = after.velocity - before.velocity + way * linear;
+            let fallen = if piece.gravity { self.gravity() * step_s } else { DVec3::ZERO };
+            let arm = 0.5 * (before.centre + after.centre) - origin;
+            passed.add((gained - fallen) * piece.mass_kg, arm);
+            passed.torque += after.spin - before.spin;
+            passed.torque += 0.5 * (before.spin + after.spin) * (angular * step_s);
+        }
+        let links = gauge.links.iter().map(|link| &self.models[index].links[*link]);
+        for (impulse, at) in links.flat_map(|link| &link.colliders).flat_map(|of| self.contacts_of(*of)) {
+            passed.add(-impulse, at - origin);
+        }
+        for link in &gauge.pushed {
+            let Some(body) = self.models[index].links[*link].body else { continue };
+            let rigid = &self.rapier.bodies[self.bodies[body].handle];
+            passed.add(-wide(rigid.user_force()) * step_s, self.centre_in_step(rigid) - origin);
+            passed.torque -= wide(rigid.user_torque()) * step_s;
+        }
+        let gauge_from_world = world_from_gauge.inverse();
+        Wrench {
+            force: gauge_from_world.transform_vector(passed.force) * gauge.sign,
+            torque: gauge_from_world.transform_vector(passed.torque) * gauge.sign,
+        }
+    }
+
+    /// rapier's linear and angular damping of a link's body, in 1/s.
+    fn damping_of(&self, index: ModelIndex, link: LinkIndex) -> [f64; 2] {
+        let body = self.models[index].links[link].body;
+        body.map_or([0.0; 2], |body| {
+            let rigid = &self.rapier.bodies[self.bodies[body].handle];
+            [f64::from(rigid.linear_damping()), f64::from(rigid.angular_damping())]
+        })
+    }
+
+    /// The centre of mass of a body in the middle of the last step.
+    fn centre_in_step(&self, rigid: &RigidBody) -> DVec3 {
+        wide(rigid.center_of_mass()) - wide(rigid.linvel()) * (0.5 * self.step_s())
+    }
+
+    /// The impulses in N·s that a collider has got in the last step by contacts, with the points where.
+    fn contacts_of(&self, collider: ColliderHandle) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
+        let pairs = self.rapier.narrow_phase.contact_pairs_with(collider);
+        pairs.filter_map(|pair| Some((pair, pair.rigid()?))).flat_map(move |(pair, contacts)| {
+            // rapier's impulses are those on the first body.
+            let sign = if pair.collider1 == collider { 1.0 } else { -1.0 };
+            contacts.solver_manifolds().iter().flat_map(move |manifold| {
+                let points =
+                    manifold.data.solver_contacts.iter().flat_map(|contact| contact.contact_indices());
+                points.filter_map(move |point| {
+                    let contact = &manifold.points.get(point as usize)?.data;
+                    Some((impulse(manifold, contact) * sign, self.place(manifold, contact)?))
+                })
+            })
+        })
+    }
+
+    /// Where a contact was in the last step. rapier keeps it relative to the centre of a body that moves.
+    fn place(&self, manifold: &ContactManifold, contact: &ContactData) -> Option<DVec3> {
+        let arms = [contact.solver_dp1, contact.solver_dp2];
+        let bodies = [manifold.data.rigid_body1, manifold.data.rigid_body2];
+        bodies.into_iter().zip(arms).find_map(|(body, arm)| {
+            let rigid = self.rapier.bodies.get(body?).filter(|rigid| rigid.is_dynamic())?;
+            Some(self.centre_in_step(rigid) + wide(arm))
+        })
+    }
+}
+
+/// Whether something else than joints holds a link, or moves it.
+fn is_held(link: &Link) -> bool {
+    let is_endless =
+        |shape: &Collision| matches!(shape.geometry, Geometry::Plane { .. } | Geometry::HeightMap(_));
+    link.is_static || link.is_kinematic || link.collisions.iter().any(is_endless)
+}
+
+/// The impulse in N·s that a contact has given to the first of its bodies in the last step: along the normal, and by friction
+/// along the two tangents that rapier derives from it.
+fn impulse(manifold: &ContactManifold, contact: &ContactData) -> DVec3 {
+    let push = -manifold.data.normal;
+    let tangent = push.orthonormal_vector();
+    let [along, across] = [contact.tangent_impulse.x, contact.tangent_impulse.y];
+    wide(push * contact.impulse + tangent * along + push.cross(tangent) * across)
+}
+
+/// Widens a vector.
+fn wide(vector: Vector) -> DVec3 {
+    vector.as_dvec3()
+}

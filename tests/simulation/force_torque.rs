@@ -1,9 +1,11 @@
 //! Force-torque sensors: what they read of known forces, in which direction, and in which axes.
 
-use belvedere::description::diagnostics::{Diagnostics, Problem, Severity};
+mod files;
+
 use belvedere::description::load;
 use belvedere::description::model::{Model, World};
 use belvedere::rig::FrameBuf;
+use belvedere::robot::Command;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere::world::physics::{Physics, Placement};
 use belvedere_bridge::payload::Wrench;
@@ -18,10 +20,6 @@ fn link(name: &str, pose: &str, mass_kg: f64, inside: &str) -> String {
         "<link name='{name}'><pose>{pose}</pose><inertial><mass>{mass_kg}</mass><inertia><ixx>0.01</ixx><iyy>0.01</iyy>
            <izz>0.01</izz></inertia></inertial>{inside}</link>"
     )
-}
-
-fn boxed(size: &str) -> String {
-    format!("<collision name='c'><geometry><box><size>{size}</size></box></geometry></collision>")
 }
 
 fn sensor(inside: &str) -> String {
@@ -391,186 +389,54 @@ fn noise_has_its_deviation_and_is_the_same_again() {
     }
 }
 
-/// A robot as in the files of iCub, with more inside.
-fn robot(inside: &str) -> String {
-    let link = |name: &str| {
-        format!(
-            "<link name='{name}'><inertial><mass value='1'/><inertia ixx='.01' iyy='.01' izz='.01' ixy='0' ixz='0' iyz='0'/>
-               </inertial></link>"
-        )
+/// A plate of 1 kg on a base of 5 kg with two wheels, which is driven by them. The plate is the root.
+fn driving(on_wheel: &str, on_plate: &str) -> String {
+    let wheel = |side: &str, y: f64, inside: &str| {
+        let shape =
+            "<collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision>";
+        let inside = format!("<axis><xyz>0 1 0</xyz></axis>{inside}");
+        link(side, &format!("0 {y} 0.1 0 0 0"), 1.0, shape)
+            + &joint(&format!("{side}_joint"), "revolute", "base", side, &inside)
     };
-    format!(
-        "<robot name='r'><link name='world'/>{}{}<joint name='stand' type='fixed'><parent link='world'/>
-           <child link='base'/></joint><joint name='ankle' type='fixed'><parent link='base'/><child link='foot'/>
-           <origin xyz='0 0 -1'/></joint>\n{inside}</robot>",
-        link("base"),
-        link("foot")
-    )
-}
-
-fn loaded(text: &str, gazebo_compat: bool) -> (Option<Model>, Vec<Problem>) {
-    let mut diagnostics = Diagnostics::default();
-    let rules = belvedere::description::Rules { gazebo_compat, ..Default::default() };
-    let packages = belvedere::description::models::package_path([], None);
-    let model = load::load_model_text(text, "text", &packages, rules, &mut diagnostics);
-    (model, diagnostics.problems().to_vec())
-}
-
-#[test]
-fn a_urdf_has_them_on_its_joints() {
-    let on = |what: &str| format!("<gazebo reference='ankle'>{what}</gazebo>");
-    let (model, problems) = loaded(&robot(&on("<sensor name='ft' type='force_torque'/>")), false);
-    assert!(problems.is_empty(), "{problems:?}");
-    let mut bench = Bench::new(ground(), &model.unwrap(), at(2.0));
-    let topic = "/world/empty/model/r/joint/ankle/sensor/ft/forcetorque";
-    assert!(
-        bench.simulation.topics().unwrap().contains(&topic.to_owned()),
-        "{:?}",
-        bench.simulation.topics()
-    );
-    bench.simulation.run_for(Duration::from_millis(100));
-    let (read, frame_id) = bench.read_from(topic);
-    near(read.force, DVec3::NEG_Z * G, 1e-3);
-    assert_eq!(frame_id, "foot");
-
-    // What only links have is left out of a joint, and what only joints have of a link.
-    let link = "<gazebo reference='foot'><sensor name='ft' type='force_torque'/></gazebo>".to_owned();
-    for (file, what) in [
-        (on("<sensor name='s' type='imu'/>"), "'s' of type 'imu' is on the joint 'ankle': it is left out"),
-        (on("<sensor name='s' type='nonsense'/>"), "of type 'nonsense' is on the joint 'ankle'"),
-        (link, "'ft' of type 'force_torque' is on a link: it is left out"),
-    ] {
-        let (model, problems) = loaded(&robot(&file), false);
-        let [problem] = &problems[..] else { panic!("{problems:?}") };
-        assert!(problem.severity == Severity::Warning && problem.what.contains(what), "{problem}");
-        let mut bench = Bench::new(ground(), &model.unwrap(), at(2.0));
-        bench.simulation.run_for(Duration::from_millis(10));
-        assert!(bench.simulation.topics().unwrap().iter().all(|topic| !topic.contains("sensor")));
-    }
-}
-
-#[test]
-fn what_is_written_wrong_is_one_error() {
-    for (inside, what) in [
-        ("<frame>world</frame>", "<frame> of sensor 'ft' is 'world'; write child or parent or sensor"),
-        ("<measure_direction>up</measure_direction>", "<measure_direction> of sensor 'ft' is 'up'"),
-        (
-            "<force><x><noise type='gaussian'><stddev>-1</stddev></noise></x></force>",
-            "<stddev> of sensor 'ft' is -1",
-        ),
-    ] {
-        let text = format!("<sdf version='1.7'><model name='m'>{}</model></sdf>", hanging("fixed", inside));
-        let (_, problems) = loaded(&text, false);
-        let [problem] = &problems[..] else { panic!("{problems:?}") };
-        let told = problem.to_string();
-        assert!(problem.severity == Severity::Error && told.contains(what), "{told}");
-    }
-}
-
-#[test]
-fn the_plugins_of_ros_publish_a_joint() {
-    let plugin = |inside: &str| {
-        format!("<gazebo><plugin name='p' filename='libgazebo_ros_ft_sensor.so'>{inside}</plugin></gazebo>")
-    };
-    for (inside, topic, rate_hz) in [
-        (
-            "<jointName>ankle</jointName><topicName>foot/wrench</topicName><robotNamespace>r</robotNamespace>
-             <updateRate>50</updateRate>",
-            "/r/foot/wrench",
-            50.0,
-        ),
-        (
-            "<ros><namespace>ns</namespace><remapping>wrench:=foot_ft</remapping></ros><joint_name>ankle</joint_name>
-             <update_rate>25</update_rate>",
-            "/ns/foot_ft",
-            25.0,
-        ),
-    ] {
-        let (model, problems) = loaded(&robot(&plugin(inside)), false);
-        assert!(problems.is_empty(), "{problems:?}");
-        let model = model.unwrap();
-        assert_eq!(model.sensors[0].effective_rate_hz(), Some(rate_hz));
-        let mut bench = Bench::new(ground(), &model, at(2.0));
-        bench.simulation.run_for(Duration::from_millis(100));
-        let (read, frame_id) = bench.read_from(topic);
-        near(read.force, DVec3::NEG_Z * G, 1e-3);
-        assert_eq!(frame_id, "foot");
-    }
-    for (inside, what) in [
-        ("<jointName>ankel</jointName>", "'ankel', and there is no such joint"),
-        ("<topicName>t</topicName>", "plugin 'p' has no <jointName>"),
-        ("<body_name>foot</body_name>", "measures the forces on a link, which is not simulated"),
-    ] {
-        let told = |gazebo_compat: bool| {
-            let (_, problems) = loaded(&robot(&plugin(inside)), gazebo_compat);
-            let [problem] = &problems[..] else { panic!("{problems:?}") };
-            assert!(problem.what.contains(what), "{problem}");
-            problem.severity
-        };
-        assert_eq!([told(false), told(true)], [Severity::Error, Severity::Warning]);
-    }
-    let noisy =
-        plugin("<jointName>ankle</jointName><topicName>t</topicName><gaussianNoise>0.5</gaussianNoise>");
-    let mut bench = Bench::new(ground(), &loaded(&robot(&noisy), false).0.unwrap(), at(2.0));
-    bench.simulation.run_for(Duration::from_millis(100));
-    let off = DVec3::from(bench.read_from("t").0.force) + DVec3::Z * G;
-    assert!((1e-3..3.0).contains(&off.length()), "{off}");
-}
-
-/// The joint of a nested model keeps its sensor, whatever comes before it.
-#[test]
-fn a_nested_model_keeps_its_sensor() {
-    let inside = link("first", "0 0 0 0 0 0", 1.0, "")
-        + &link("second", "0 0 0 0 0 0", 1.0, "")
-        + &joint("other", "fixed", "first", "second", "");
-    let nested = format!("{inside}<model name='in'>{}</model>", hanging("revolute", ""));
-    let text = nested.replace("<topic>ft</topic>", "");
-    let mut bench = Bench::new(ground(), &model(&text), at(2.0));
-    bench.simulation.run_for(Duration::from_millis(50));
-    let topic = "/world/empty/model/m/model/in/joint/hinge/sensor/ft/forcetorque";
-    near(bench.read_from(topic).0.force, DVec3::NEG_Z * G, 1e-3);
-}
-
-#[test]
-fn a_joint_that_cannot_be_measured_is_told() {
-    let loop_of_joints = link("a", "0 0 0 0 0 0", 1.0, "")
-        + &link("b", "1 0 0 0 0 0", 1.0, "")
-        + &link("c", "0 1 0 0 0 0", 1.0, "")
-        + &joint("ab", "revolute", "a", "b", &format!("<axis><xyz>0 0 1</xyz></axis>{}", sensor("")))
-        + &joint("bc", "revolute", "b", "c", "<axis><xyz>0 0 1</xyz></axis>")
-        + &joint("ca", "revolute", "c", "a", "<axis><xyz>0 0 1</xyz></axis>");
-    let standing = "<static>true</static>".to_owned()
-        + &link("a", "0 0 0 0 0 0", 1.0, "")
-        + &link("b", "1 0 0 0 0 0", 1.0, "")
-        + &joint("ab", "fixed", "a", "b", &sensor(""));
-    let wheel = link("base", "0 0 0.1 0 0 0", 5.0, &boxed("0.4 0.2 0.1"))
-        + &["left", "right"]
-            .map(|side| {
-                let y = if side == "left" { 0.2 } else { -0.2 };
-                let shape = "<collision name='c'><geometry><sphere><radius>0.1</radius></sphere></geometry></collision>";
-                let of_sensor = if side == "left" { sensor("") } else { String::new() };
-                link(side, &format!("0 {y} 0.1 0 0 0"), 1.0, shape)
-                    + &joint(
-                        &format!("{side}_joint"),
-                        "revolute",
-                        "base",
-                        side,
-                        &format!("<axis><xyz>0 1 0</xyz></axis>{of_sensor}"),
-                    )
-            })
-            .concat()
+    let slider =
+        "<collision name='s'><pose>-0.2 0 -0.05 0 0 0</pose><geometry><sphere><radius>0.05</radius></sphere>
+        </geometry><surface><friction><ode><mu>0</mu></ode></friction></surface></collision>
+        <collision name='t'><pose>0.2 0 -0.05 0 0 0</pose><geometry><sphere><radius>0.05</radius></sphere>
+        </geometry><surface><friction><ode><mu>0</mu></ode></friction></surface></collision>";
+    link("plate", "0.1 0 0.3 0 0 0", 1.0, "")
+        + &link("base", "0 0 0.1 0 0 0", 5.0, slider)
+        + &joint("mount", "fixed", "plate", "base", on_plate)
+        + &wheel("left", 0.2, on_wheel)
+        + &wheel("right", -0.2, "")
         + "<plugin name='d' filename='libgazebo_ros_diff_drive.so'><leftJoint>left_joint</leftJoint>
            <rightJoint>right_joint</rightJoint><wheelSeparation>0.4</wheelSeparation><wheelDiameter>0.2</wheelDiameter>
-           <robotBaseFrame>base</robotBaseFrame></plugin>";
-    for (inside, what) in [
-        (loop_of_joints, "cannot measure the joint 'ab': it is part of a loop of joints"),
-        (standing, "cannot measure the joint 'ab': both of its sides stand still"),
-        (wheel, "cannot measure the joint 'left_joint': it is that of a wheel"),
-    ] {
-        let mut bench = Bench::new(ground(), &model(&inside), at(0.5));
-        let notes: Vec<String> = bench.simulation.notes().iter().map(Problem::to_string).collect();
-        assert_eq!(notes.iter().filter(|note| note.contains(what)).count(), 1, "{what}: {notes:#?}");
-        bench.simulation.run_for(Duration::from_millis(50));
-        assert!(bench.simulation.topics().unwrap().iter().all(|topic| topic != "/ft"));
+           <robotBaseFrame>base</robotBaseFrame></plugin>"
+}
+
+/// What drives a base acts on its wheels, and reaches the plate through the joint.
+#[test]
+fn a_base_that_drives_carries_its_plate_along() {
+    let mut simulation = Simulation::builder(ground()).seed(4).build().unwrap();
+    let id = simulation.spawn(&model(&driving("", &sensor(""))), SpawnOptions::default()).unwrap();
+    let index = id.index();
+    simulation.run_for(Duration::from_millis(500));
+    let mut before = simulation.physics().link_velocity(index, 0).0;
+    let (mut worst, mut fastest) = (0.0_f64, 0.0_f64);
+    for step in 0..1000 {
+        let turn = if step < 500 { 0.0 } else { 1.5 };
+        simulation.command(id, Command::new(0.5, turn)).unwrap();
+        simulation.step();
+        let physics = simulation.physics();
+        let after = physics.link_velocity(index, 0).0;
+        let acceleration = (after - before) / physics.step_s();
+        before = after;
+        let read = physics.wrench(index, 0).unwrap().force;
+        // The parent is the plate: what it does to the base is the opposite of what carries it.
+        let read = physics.world_from_link(index, 1).transform_vector(read);
+        let expected = physics.gravity() - acceleration;
+        worst = worst.max((read - expected).length() / (1.0 + expected.length()));
+        fastest = fastest.max(DVec3::new(acceleration.x, acceleration.y, 0.0).length());
     }
+    assert!(fastest > 0.3, "it has not driven: {fastest}");
+    assert!(worst < 0.02, "{worst}");
 }

@@ -406,7 +406,7 @@ fn elements_that_are_not_simulated_are_counted_and_errors_if_strict() {
     std::fs::write(&file, world).unwrap();
     let file = file.to_str().unwrap();
     let warning =
-        format!("{file}:3: warning: the sensor 's' of type 'imu' is on the joint 'j': it is left out");
+        format!("{file}:2: warning: the sensor 's' of type 'imu' is on the joint 'j': it is left out");
     let checked = output(&["check", file, "--robot", "none"]);
     let text = String::from_utf8_lossy(&checked.stdout);
     assert!(checked.status.success() && text.contains(&warning), "{text}");

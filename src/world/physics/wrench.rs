@@ -14,7 +14,7 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 use part::Piece;
 use rapier3d::dynamics::RigidBody;
-use rapier3d::geometry::{ColliderHandle, ContactData, ContactManifold};
+use rapier3d::geometry::{ColliderHandle, ContactData, ContactManifold, SolverContact};
 use rapier3d::math::Vector;
 use rapier3d::utils::OrthonormalBasis;
 use std::collections::HashSet;
@@ -35,6 +35,7 @@ impl Wrench {
     }
 
     /// The mean wrench, in N and N·m, that has given this since it had given `earlier`.
+    #[must_use]
     pub fn mean_since(&self, earlier: &Self, period_s: f64) -> Self {
         let mean = |now: DVec3, earlier: DVec3| (now - earlier) / period_s;
         Self { force: mean(self.force, earlier.force), torque: mean(self.torque, earlier.torque) }
@@ -51,7 +52,7 @@ impl Wrench {
 pub(super) struct Gauge {
     /// The frame in which it measures.
     link: LinkIndex,
-    link_from_gauge: Pose,
+    link_from_sensor: Pose,
     /// The links on one side of the joint, which nothing but the joint holds, and what of them has a mass.
     links: Vec<LinkIndex>,
     part: Vec<Piece>,
@@ -60,7 +61,7 @@ pub(super) struct Gauge {
     /// Those of them at which their bodies are pushed.
     pushed: Vec<LinkIndex>,
     /// Before the step: where the frame was, and how each piece moved.
-    world_from_gauge: Pose,
+    world_from_sensor: Pose,
     before: Vec<Motion>,
     /// What has passed from the parent to the child, until the last step but one and until the last.
     passed: [Wrench; 2],
@@ -102,12 +103,12 @@ impl Physics {
                     let is_there: HashSet<LinkIndex> = links.iter().copied().collect();
                     Some(Gauge {
                         link: sensor.link,
-                        link_from_gauge: sensor.link_from_sensor,
+                        link_from_sensor: sensor.link_from_sensor,
                         pushed: pushed.iter().copied().filter(|link| is_there.contains(link)).collect(),
                         part: self.pieces(index, model, &links),
                         links,
                         sign,
-                        world_from_gauge: Pose::IDENTITY,
+                        world_from_sensor: Pose::IDENTITY,
                         before: Vec::new(),
                         passed: [Wrench::default(); 2],
                         has_measured: false,
@@ -135,7 +136,7 @@ impl Physics {
         for index in 0..self.models.len() {
             let mut gauges = std::mem::take(&mut self.models[index].gauges);
             for gauge in gauges.iter_mut().flatten() {
-                gauge.world_from_gauge = self.world_from_gauge(index, gauge);
+                gauge.world_from_sensor = self.world_from_sensor(index, gauge);
                 gauge.before.clear();
                 gauge.before.extend(gauge.part.iter().map(|piece| self.motion(index, piece)));
             }
@@ -173,8 +174,8 @@ impl Physics {
         gauge.has_measured.then(|| to.mean_since(&from, self.step_s()))
     }
 
-    fn world_from_gauge(&self, index: ModelIndex, gauge: &Gauge) -> Pose {
-        self.world_from_link(index, gauge.link) * gauge.link_from_gauge
+    fn world_from_sensor(&self, index: ModelIndex, gauge: &Gauge) -> Pose {
+        self.world_from_link(index, gauge.link) * gauge.link_from_sensor
     }
 
     fn motion(&self, index: ModelIndex, piece: &Piece) -> Motion {
@@ -193,8 +194,9 @@ impl Physics {
     /// What has passed in the last step, in N·s and N·m·s along the axes of the gauge, from the parent to the child.
     fn passed_in_step(&self, index: ModelIndex, gauge: &Gauge) -> Wrench {
         let step_s = self.step_s();
-        let world_from_gauge = gauge.world_from_gauge.interpolate(&self.world_from_gauge(index, gauge), 0.5);
-        let origin = world_from_gauge.translation();
+        let world_from_sensor =
+            gauge.world_from_sensor.interpolate(&self.world_from_sensor(index, gauge), 0.5);
+        let origin = world_from_sensor.translation();
         let mut passed = Wrench::default();
         for (piece, before) in gauge.part.iter().zip(&gauge.before) {
             let after = self.motion(index, piece);
@@ -218,10 +220,10 @@ impl Physics {
             passed.add(-wide(rigid.user_force()) * step_s, self.centre_in_step(rigid) - origin);
             passed.torque -= wide(rigid.user_torque()) * step_s;
         }
-        let gauge_from_world = world_from_gauge.inverse();
+        let sensor_from_world = world_from_sensor.inverse();
         Wrench {
-            force: gauge_from_world.transform_vector(passed.force) * gauge.sign,
-            torque: gauge_from_world.transform_vector(passed.torque) * gauge.sign,
+            force: sensor_from_world.transform_vector(passed.force) * gauge.sign,
+            torque: sensor_from_world.transform_vector(passed.torque) * gauge.sign,
         }
     }
 
@@ -246,8 +248,7 @@ impl Physics {
             // rapier's impulses are those on the first body.
             let sign = if pair.collider1 == collider { 1.0 } else { -1.0 };
             contacts.solver_manifolds().iter().flat_map(move |manifold| {
-                let points =
-                    manifold.data.solver_contacts.iter().flat_map(|contact| contact.contact_indices());
+                let points = manifold.data.solver_contacts.iter().flat_map(SolverContact::contact_indices);
                 points.filter_map(move |point| {
                     let contact = &manifold.points.get(point as usize)?.data;
                     Some((impulse(manifold, contact) * sign, self.place(manifold, contact)?))

@@ -32,7 +32,7 @@ pub use altimeter::Altimeter;
 pub use camera::Camera;
 pub use depth::DepthCamera;
 pub use force_torque::{ForceTorque, MeasureFrame};
-pub(crate) use force_torque::{JointMount, parse_joint_sensor};
+pub(crate) use force_torque::{JointMount, is_on_joint, parse_joint_sensor};
 pub use imu::{Imu, OrientationReference};
 pub use imu_profile::ImuProfile;
 pub use instrument::InstrumentPlugin;
@@ -173,7 +173,7 @@ pub fn parse_sensor(
         );
         return None;
     };
-    if force_torque::KIND.has_type(sensor) {
+    if is_on_joint(sensor) {
         let what =
             format!("the sensor '{name}' of type 'force_torque' is on a link: it is left out, as in Gazebo");
         diagnostics.warning(&sensor.source, what, "put it on a joint");

@@ -49,6 +49,11 @@ fn a_urdf_has_them_on_its_joints() {
     near(read.force, DVec3::NEG_Z * G, 1e-3);
     assert_eq!(frame_id, "foot");
 
+    // Where a link has the name of the joint, the sensor is on the joint all the same.
+    let named = robot(&on("<sensor name='ft' type='force_torque'/>")).replace("'foot'", "'ankle'");
+    let (model, problems) = loaded(&named, false);
+    assert!(problems.is_empty() && model.unwrap().sensors.len() == 1, "{problems:?}");
+
     // What only links have is left out of a joint, and what only joints have of a link.
     let link = "<gazebo reference='foot'><sensor name='ft' type='force_torque'/></gazebo>".to_owned();
     for (file, what) in [

@@ -78,6 +78,11 @@ impl JointMount<'_> {
     }
 }
 
+/// Whether a `<sensor>` is of a type that measures a joint.
+pub(crate) fn is_on_joint(sensor: &Element) -> bool {
+    KIND.has_type(sensor)
+}
+
 /// Reads a `<sensor>` on a joint. `joint_from_sensor` is what its `<pose>` says. Of other types than `force_torque` there is
 /// none, and a warning.
 pub(crate) fn parse_joint_sensor(
@@ -87,7 +92,7 @@ pub(crate) fn parse_joint_sensor(
     rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<Sensor> {
-    if !KIND.has_type(sensor) {
+    if !is_on_joint(sensor) {
         let what = format!(
             "the sensor '{}' of type '{}' is on the joint '{}': it is left out",
             sensor.attribute("name").unwrap_or_default(),

@@ -10,10 +10,10 @@ use crate::diagnostics::Diagnostics;
 use crate::fiducial::fiducials;
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::label::label;
-use crate::model::{JointDynamics, LinkIndex, Model};
+use crate::model::{JointDynamics, JointIndex, LinkIndex, Model};
 use crate::optics::optics;
 use crate::plugin;
-use crate::sensor::{JointMount, parse_joint_sensor, parse_sensor};
+use crate::sensor::{JointMount, is_on_joint, parse_joint_sensor, parse_sensor};
 use crate::suggestion::{closest, did_you_mean_or};
 use crate::values::{child_bool, child_pose, child_text, friction_coefficient, not_negative, number, share};
 use crate::xml::Element;
@@ -68,6 +68,14 @@ impl Loader<'_> {
 
     fn extend_link(&mut self, element: &Element, index: LinkIndex, model: &mut Model) {
         for sensor in element.elements_named("sensor") {
+            // A name may be that of a link and of a joint: each sensor is on what it can be on.
+            let link = &model.links[index].name;
+            if is_on_joint(sensor)
+                && let Some(joint) = model.joints.iter().position(|joint| joint.name == *link)
+            {
+                self.joint_sensor(sensor, joint, model);
+                continue;
+            }
             let pose = child_pose(sensor, self.rules.gazebo_compat, self.diagnostics);
             model.sensors.extend(parse_sensor(sensor, index, pose, self.rules, self.diagnostics));
         }
@@ -154,6 +162,14 @@ impl Loader<'_> {
         }
     }
 
+    /// A sensor on a joint, whose frame is that of its child.
+    fn joint_sensor(&mut self, sensor: &Element, index: JointIndex, model: &mut Model) {
+        let mount = JointMount { joint: &model.joints[index], index, child_from_joint: Pose::IDENTITY };
+        let pose = child_pose(sensor, self.rules.gazebo_compat, self.diagnostics);
+        let read = parse_joint_sensor(sensor, &mount, pose, self.rules, self.diagnostics);
+        model.sensors.extend(read);
+    }
+
     /// The spring of a joint.
     fn extend_joint(&mut self, element: &Element, dynamics: &mut JointDynamics) {
         if let Some(stiffness) = number_of(element, "springStiffness", self.diagnostics) {
@@ -170,11 +186,8 @@ impl Loader<'_> {
         let near = nearest_link(name, &model.links);
         if let Some(index) = model.joints.iter().position(|joint| joint.name == name) {
             self.extend_joint(element, &mut model.joints[index].dynamics);
-            let mount = JointMount { joint: &model.joints[index], index, child_from_joint: Pose::IDENTITY };
             for sensor in element.elements_named("sensor") {
-                let pose = child_pose(sensor, self.rules.gazebo_compat, self.diagnostics);
-                let read = parse_joint_sensor(sensor, &mount, pose, self.rules, self.diagnostics);
-                model.sensors.extend(read);
+                self.joint_sensor(sensor, index, model);
             }
             return;
         }

@@ -11,7 +11,8 @@ fn a_load_cell_is_listed_published_and_printed() {
     let checked = output(&["check", ROBOT]);
     let text = String::from_utf8_lossy(&checked.stdout);
     for line in [
-        "force-torque sensor",
+        "force-torque sensor load_cell",
+        "joint        mount",
         "direction    of the joint's child on its parent",
         "publishes    /load/wrench: wrench, 100 Hz, frame load",
     ] {

@@ -35,5 +35,6 @@ pub(super) fn behaviour(sensor: &Sensor) -> &dyn Behaviour {
         SensorKind::Magnetometer(magnetometer) => &**magnetometer,
         SensorKind::Altimeter(altimeter) => &**altimeter,
         SensorKind::AirPressure(barometer) => &**barometer,
+        SensorKind::ForceTorque(sensor) => &**sensor,
     }
 }

@@ -16,6 +16,7 @@ pub mod cost;
 mod depth;
 mod error;
 pub(crate) mod eye;
+mod force_torque;
 mod imu;
 mod instrument;
 mod joint_states;

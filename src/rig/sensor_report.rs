@@ -1,7 +1,7 @@
 //! Describes a sensor with all its parameters after defaults and plugins, for people.
 
 use super::behaviour::behaviour;
-use crate::description::model::{Model, Sensor};
+use crate::description::model::{Model, Sensor, SensorKind};
 use crate::description::text::{number, pose};
 
 /// Describes everything that a sensor will do, except for its streams, in lines of text.
@@ -11,6 +11,9 @@ pub fn sensor_report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec
     let mut say = |what: &str, value: String| lines.push(format!("  {what:12} {value}"));
     let link = &model.links[sensor.link].name;
     say("link", format!("{link} {}", pose(&sensor.link_from_sensor)));
+    if let SensorKind::ForceTorque(it) = &sensor.kind {
+        say("joint", model.joints[it.joint].name.clone());
+    }
     say("rate", rate(sensor));
     kind.report(gazebo_compat, &mut say);
     lines

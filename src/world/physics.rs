@@ -27,8 +27,10 @@ mod rest;
 mod shape;
 mod start;
 mod touch;
+mod wrench;
 
 pub use joint::JointState;
+pub use wrench::Wrench;
 
 use crate::description::diagnostics::{Problem, Severity};
 pub use crate::description::model::JointIndex;
@@ -44,6 +46,7 @@ use rapier3d_f64::geometry::ColliderHandle;
 use rapier3d_f64::pipeline::PhysicsWorld;
 use rest::Rest;
 use std::sync::Arc;
+use wrench::Gauge;
 
 /// Index of a model: those of the world file first, in its order, then the robots.
 pub type ModelIndex = usize;
@@ -142,6 +145,8 @@ struct PlacedModel {
     links: Vec<PlacedLink>,
     /// None for a joint that does not move.
     joints: Vec<Option<MovingJoint>>,
+    /// Of its force-torque sensors, in their order; none for one that cannot measure.
+    gauges: Vec<Option<Gauge>>,
     /// Its bodies are `bodies[first_body..end_body]`.
     first_body: usize,
     end_body: usize,
@@ -267,6 +272,7 @@ impl Physics {
             }
         }
         self.lead_followers();
+        self.begin_gauges();
         self.rapier.step_with_events(&Contacts, &());
         for body in &mut self.bodies {
             if let Follows::Dynamics = body.follows {
@@ -296,6 +302,7 @@ impl Physics {
             joint.update(world_from_body, handles, &rapier.bodies, &mut rapier.impulse_joints, step_s);
         }
         self.carry();
+        self.end_gauges();
         self.history.add(self.time_ns, &self.bodies);
     }
 

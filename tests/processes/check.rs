@@ -402,11 +402,11 @@ fn elements_that_are_not_simulated_are_counted_and_errors_if_strict() {
     let file = folder.path().join("door.world");
     let world = "<sdf version='1.8'><world name='w'><model name='m'><link name='a'/><link name='b'/>\n\
                  <joint name='j' type='revolute'><parent>a</parent><child>b</child><axis><xyz>0 0 1</xyz>\
-                 </axis><sensor name='s' type='force_torque'/><physics><ode/></physics></joint></model></world></sdf>";
+                 </axis><sensor name='s' type='imu'/><physics><ode/></physics></joint></model></world></sdf>";
     std::fs::write(&file, world).unwrap();
     let file = file.to_str().unwrap();
     let warning =
-        format!("{file}:2: warning: <sensor> of <joint> is not simulated: sensors of joints do not measure");
+        format!("{file}:2: warning: the sensor 's' of type 'imu' is on the joint 'j': it is left out");
     let checked = output(&["check", file, "--robot", "none"]);
     let text = String::from_utf8_lossy(&checked.stdout);
     assert!(checked.status.success() && text.contains(&warning), "{text}");

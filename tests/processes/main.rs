@@ -23,6 +23,7 @@ mod control_models;
 mod control_time;
 mod dataset;
 mod dataset_looks;
+mod force_torque;
 mod foxglove;
 mod housings;
 mod interest;

@@ -22,6 +22,7 @@ SUMS = {
     "sensor_msgs/FluidPressure": "804dc5cea1c5306d6a2eb80b9833befe",
     "geometry_msgs/PointStamped": "c63aecb41bfdfd6b7e1fac37c7cbe7bf",
     "geometry_msgs/Vector3Stamped": "7b324c7325e683bf02a9b14b01090ec7",
+    "geometry_msgs/WrenchStamped": "d78d3cb249ce23087ade7e7d0c40cfa7",
     "nav_msgs/Odometry": "cd5e73d190d741a2f92e81eda573aca7",
     "tf2_msgs/TFMessage": "94810edda583a504dfda3829e70d7eec",
     "rosgraph_msgs/Clock": "a9c97c1d230cfc112e270351a944ee47",
@@ -95,6 +96,9 @@ def check_instrument(name: str | None, message, payload: bytes) -> None:
         assert (message.point.x, message.point.y, message.point.z) == (0, 0, *numbers(0, 1))
     elif name == "geometry_msgs/Vector3Stamped":
         assert (message.vector.x, message.vector.y, message.vector.z) == numbers(0, 3)
+    elif name == "geometry_msgs/WrenchStamped":
+        force, torque = message.wrench.force, message.wrench.torque
+        assert (force.x, force.y, force.z, torque.x, torque.y, torque.z) == numbers(0, 6)
 
 
 def check_message(name: str, message) -> None:

@@ -9,6 +9,7 @@ mod bases;
 mod depth_presets;
 mod dynamics;
 mod far;
+mod force_torque;
 mod gpu_lidar;
 mod inertial;
 mod instruments;

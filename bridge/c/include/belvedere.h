@@ -107,6 +107,8 @@ enum bv_kind
     BV_KIND_ALTIMETER = 27,
     // One bv_vector3.
     BV_KIND_VECTOR3 = 28,
+    // One bv_wrench.
+    BV_KIND_WRENCH = 29,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -621,6 +623,15 @@ typedef struct bv_vector3 {
     double vector[3];
 } bv_vector3;
 
+// A force and a torque, as in geometry_msgs/WrenchStamped, along the axes of the header's frame_id and about its
+// origin.
+typedef struct bv_wrench {
+    // Force in newtons.
+    double force[3];
+    // Torque in newton metres.
+    double torque[3];
+} bv_wrench;
+
 // A distance to the nearest surface within the field of view, as in sensor_msgs/Range.
 typedef struct bv_range {
     // 0 ultrasound, 1 infrared.
@@ -732,6 +743,7 @@ typedef struct bv_tag_detection {
     X(bv_fluid_pressure, 16) \
     X(bv_altimeter, 32) \
     X(bv_vector3, 24) \
+    X(bv_wrench, 48) \
     X(bv_range, 20) \
     X(bv_setting, 24) \
     X(bv_sensor_settings, 1696) \
@@ -760,6 +772,7 @@ typedef struct bv_tag_detection {
     X(bv_fluid_pressure, BV_KIND_FLUID_PRESSURE) \
     X(bv_altimeter, BV_KIND_ALTIMETER) \
     X(bv_vector3, BV_KIND_VECTOR3) \
+    X(bv_wrench, BV_KIND_WRENCH) \
     X(bv_range, BV_KIND_RANGE) \
     X(bv_sensor_settings, BV_KIND_SENSOR_SETTINGS) \
     X(bv_bounding_box, BV_KIND_BOUNDING_BOXES) \

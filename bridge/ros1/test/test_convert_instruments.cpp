@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/Vector3Stamped.h>
+#include <geometry_msgs/WrenchStamped.h>
 #include <sensor_msgs/FluidPressure.h>
 #include <sensor_msgs/MagneticField.h>
 #include <sensor_msgs/NavSatFix.h>
@@ -66,6 +67,14 @@ TEST(Vector3, IsStamped) {
     expect_header(vector->header);
     EXPECT_EQ(vector->vector.y, 2);
     EXPECT_EQ(vector->vector.z, 3);
+}
+
+TEST(Wrench, IsStamped) {
+    auto known = Known::structs<bv_wrench>(BV_KIND_WRENCH, {{{1, 2, 3}, {4, 5, 6}}});
+    const auto wrench = received<geometry_msgs::WrenchStamped>(known.sample());
+    expect_header(wrench->header);
+    EXPECT_EQ(wrench->wrench.force.z, 3);
+    EXPECT_EQ(wrench->wrench.torque.y, 5);
 }
 
 }  // namespace

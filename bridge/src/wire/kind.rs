@@ -63,6 +63,8 @@ wire_enum! {
         Altimeter = 27 "altimeter",
         /// One [`Vector3`](crate::payload::Vector3).
         Vector3 = 28 "vector3",
+        /// One [`Wrench`](crate::payload::Wrench).
+        Wrench = 29 "wrench",
     }
 }
 

@@ -13,9 +13,9 @@ mod shape;
 mod trajectory;
 
 pub use super::sensor::{
-    AirPressure, Altimeter, BeamPhysics, Camera, DepthCamera, Imu, ImuProfile, InstrumentPlugin, Lidar,
-    Magnetometer, NavSat, OrientationReference, PacketProfile, PluginField, Rangefinder, Sensor, SensorKind,
-    choices,
+    AirPressure, Altimeter, BeamPhysics, Camera, DepthCamera, ForceTorque, Imu, ImuProfile, InstrumentPlugin,
+    Lidar, Magnetometer, MeasureFrame, NavSat, OrientationReference, PacketProfile, PluginField, Rangefinder,
+    Sensor, SensorKind, choices,
 };
 pub use base::{
     AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,
@@ -138,11 +138,17 @@ impl Model {
     }
 
     /// Names the topics of sensors for which the file names none, as gz-sim does:
-    /// `/world/WORLD/model/NAME/link/LINK/sensor/SENSOR/scan`. The simulation calls it when a model is added to a world.
+    /// `/world/WORLD/model/NAME/link/LINK/sensor/SENSOR/scan`, or `…/joint/JOINT/…`. The simulation calls it when a model is added to a world.
     /// Returns a warning for each sensor that has the same name as another one.
     pub fn name_sensor_topics(&mut self, world: &str) -> Vec<Problem> {
-        let link_name = |link: LinkIndex| self.links[link].name.as_str();
-        super::sensor::gz::name_topics(&mut self.sensors, link_name, &self.name, world)
+        let (links, joints) = (&self.links, &self.joints);
+        let place = |sensor: &Sensor| place_of(sensor, links, joints);
+        super::sensor::gz::name_topics(&mut self.sensors, place, &self.name, world)
+    }
+
+    /// The name of the link or the joint that a sensor is on.
+    pub(crate) fn place_of(&self, sensor: &Sensor) -> &str {
+        place_of(sensor, &self.links, &self.joints).1
     }
 
     /// Returns the plugin that drives it, if there is one.
@@ -176,6 +182,14 @@ impl Model {
     /// [`Link::model_from_link`], so this is a plain read.
     pub fn rest_poses(&self) -> Vec<Pose> {
         self.links.iter().map(|link| link.model_from_link).collect()
+    }
+}
+
+/// Returns whether a sensor is on a link or on a joint, and the name of that link or joint.
+fn place_of<'m>(sensor: &Sensor, links: &'m [Link], joints: &'m [Joint]) -> (&'static str, &'m str) {
+    match &sensor.kind {
+        SensorKind::ForceTorque(it) => ("joint", &joints[it.joint].name),
+        _ => ("link", &links[sensor.link].name),
     }
 }
 

@@ -9,6 +9,7 @@ mod camera;
 mod camera_plugin;
 mod depth;
 mod device;
+mod force_torque;
 pub(crate) mod gz;
 mod imu;
 mod imu_profile;
@@ -22,7 +23,7 @@ mod plugin;
 mod preset;
 mod range;
 mod reader;
-mod ros2;
+pub(crate) mod ros2;
 #[cfg(test)]
 mod tests;
 
@@ -30,6 +31,8 @@ pub use air_pressure::AirPressure;
 pub use altimeter::Altimeter;
 pub use camera::Camera;
 pub use depth::DepthCamera;
+pub use force_torque::{ForceTorque, MeasureFrame};
+pub(crate) use force_torque::{JointMount, is_on_joint, parse_joint_sensor};
 pub use imu::{Imu, OrientationReference};
 pub use imu_profile::ImuProfile;
 pub use instrument::InstrumentPlugin;
@@ -48,12 +51,12 @@ use plugin::plain_name;
 use reader::Reader;
 use std::collections::HashSet;
 
-/// A sensor on a link.
+/// A sensor on a link, or on a joint.
 #[derive(Debug, Clone)]
 pub struct Sensor {
     /// Name in the file.
     pub name: String,
-    /// The link it is fixed to.
+    /// The link it is fixed to; of one on a joint, the link in whose axes it measures.
     pub link: LinkIndex,
     /// Pose of the sensor in its link; the sensor looks along its x, z is up.
     pub link_from_sensor: Pose,
@@ -101,6 +104,8 @@ pub enum SensorKind {
     Altimeter(Box<Altimeter>),
     /// Barometer.
     AirPressure(Box<AirPressure>),
+    /// Sensor of the force and torque in a joint.
+    ForceTorque(Box<ForceTorque>),
 }
 
 impl SensorKind {
@@ -134,7 +139,7 @@ impl Kind {
 }
 
 /// All kinds. If several have the same type, the plugin decides; without one it is the first.
-static KINDS: [Kind; 9] = [
+static KINDS: [Kind; 10] = [
     camera::KIND,
     depth::KIND,
     lidar::KIND,
@@ -144,6 +149,7 @@ static KINDS: [Kind; 9] = [
     magnetometer::KIND,
     altimeter::KIND,
     air_pressure::KIND,
+    force_torque::KIND,
 ];
 
 /// Reads a `<sensor>` with its plugin. A sensor of an unsupported type gives none and a warning; a sensor
@@ -155,11 +161,7 @@ pub fn parse_sensor(
     rules: Rules,
     diagnostics: &mut Diagnostics,
 ) -> Option<Sensor> {
-    let name = sensor.attribute("name").unwrap_or_default().to_owned();
-    if name.is_empty() {
-        diagnostics.error(&sensor.source, "<sensor> has no name", "write <sensor name=\"…\" type=\"…\">");
-        return None;
-    }
+    let name = named(sensor, diagnostics)?;
     let Some(kind) = kind_of(sensor) else {
         let written = sensor.attribute("type").unwrap_or_default();
         let what = if written.is_empty() { "no type".into() } else { format!("the type '{written}'") };
@@ -171,6 +173,25 @@ pub fn parse_sensor(
         );
         return None;
     };
+    if is_on_joint(sensor) {
+        let what =
+            format!("the sensor '{name}' of type 'force_torque' is on a link: it is left out, as in Gazebo");
+        diagnostics.warning(&sensor.source, what, "put it on a joint");
+        return None;
+    }
+    read_sensor(sensor, kind, link, link_from_sensor, rules, diagnostics)
+}
+
+/// Reads a `<sensor>` of a known kind.
+fn read_sensor(
+    sensor: &Element,
+    kind: &Kind,
+    link: LinkIndex,
+    link_from_sensor: Pose,
+    rules: Rules,
+    diagnostics: &mut Diagnostics,
+) -> Option<Sensor> {
+    let name = named(sensor, diagnostics)?;
     let mut reader = Reader { sensor: name.clone(), plugin_rate_hz: None, rules, diagnostics };
     let read = (kind.read)(&mut reader, sensor);
     let update_rate_hz = reader.rate(sensor, "update_rate");
@@ -188,6 +209,15 @@ pub fn parse_sensor(
     camera::warn_of_long_readout(&read, sensor, diagnostics);
     lidar::turn(&mut read, sensor, diagnostics)?;
     Some(read)
+}
+
+/// Returns the name of a `<sensor>`; none and an error if it has none.
+fn named(sensor: &Element, diagnostics: &mut Diagnostics) -> Option<String> {
+    let name = sensor.attribute("name").filter(|name| !name.is_empty());
+    if name.is_none() {
+        diagnostics.error(&sensor.source, "<sensor> has no name", "write <sensor name=\"…\" type=\"…\">");
+    }
+    name.map(str::to_owned)
 }
 
 /// Returns the words in their order, without repetitions.

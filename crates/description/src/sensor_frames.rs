@@ -4,7 +4,8 @@
 //! names, often not an optical one; programs that project with it through tf are then wrong by 120° about the diagonal.
 //!
 //! Other data are in the axes of their sensor. If the file names no frame and the sensor has a `<pose>` in its link, the
-//! link is not that frame, so the sensor gets its own, with gz-sim's name for it: `MODEL/LINK/SENSOR`.
+//! link is not that frame, so the sensor gets its own, with gz-sim's name for it: `MODEL/LINK/SENSOR`, or
+//! `MODEL/JOINT/SENSOR`.
 
 use super::model::{LinkIndex, Model, Sensor, SensorKind};
 use belvedere_sensors::Pose;
@@ -63,6 +64,7 @@ fn named_frame(kind: &SensorKind) -> Option<(&str, bool)> {
         SensorKind::Magnetometer(magnetometer) => &magnetometer.plugin.as_ref()?.frame_name,
         SensorKind::Altimeter(altimeter) => &altimeter.plugin.as_ref()?.frame_name,
         SensorKind::AirPressure(barometer) => &barometer.plugin.as_ref()?.frame_name,
+        SensorKind::ForceTorque(it) => &it.plugin.as_ref()?.frame_name,
     };
     Some((name, false))
 }
@@ -93,7 +95,7 @@ fn own_frame(model: &Model, index: usize, room: usize, frames: &[SensorFrame]) -
         return None;
     }
     let parts =
-        [&model.name, &model.links[sensor.link].name, &sensor.name].map(|part| part.replace("::", "/"));
+        [model.name.as_str(), model.place_of(sensor), &sensor.name].map(|part| part.replace("::", "/"));
     // A message has no room for a long name: then the model is omitted, and then the link. Two sensors with the same name on a
     // link get numbers.
     let names = (0..3).map(|first| parts[first..].join("/"));

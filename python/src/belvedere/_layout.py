@@ -83,6 +83,8 @@ class Kind(IntEnum):
     ALTIMETER = 27
     #: One Vector3.
     VECTOR3 = 28
+    #: One Wrench.
+    WRENCH = 29
 
 
 class Encoding(IntEnum):
@@ -431,6 +433,12 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
     Kind.VECTOR3: np.dtype(
         [
             ("vector", "<f8", 3),
+        ]
+    ),
+    Kind.WRENCH: np.dtype(
+        [
+            ("force", "<f8", 3),
+            ("torque", "<f8", 3),
         ]
     ),
     Kind.RANGE: np.dtype(

@@ -116,6 +116,7 @@ impl Physics {
             world_from_model: *world_from_model,
             links,
             joints,
+            gauges: Vec::new(),
             first_body,
             end_body: self.bodies.len(),
             leading,
@@ -124,6 +125,7 @@ impl Physics {
             Some(place) => *place = placed,
             None => self.models.push(placed),
         }
+        self.add_gauges(index, model, carried);
     }
 
     /// Adds a joint between two bodies. Returns none if neither moves, or if the joint has no position.

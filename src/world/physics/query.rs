@@ -121,7 +121,7 @@ impl Physics {
     }
 
     /// Where `stamp_ns` lies between the last two steps, in [0, 1].
-    fn fraction(&self, stamp_ns: u64) -> f64 {
+    pub(super) fn fraction(&self, stamp_ns: u64) -> f64 {
         let before_ns = self.time_ns.saturating_sub(stamp_ns).min(self.step_ns);
         1.0 - before_ns as f64 / self.step_ns as f64
     }

@@ -1,4 +1,4 @@
-//! Measurements of instruments: satellite receivers, magnetometers, barometers, altimeters.
+//! Measurements of instruments: satellite receivers, magnetometers, barometers, altimeters, force-torque sensors.
 
 use super::Message;
 use crate::wire::{
@@ -59,6 +59,16 @@ wire_structs! {
     pub struct Vector3, 24 bytes, of [Kind::Vector3] {
         /// Components x y z.
         pub vector: [f64; 3] = 0,
+    }
+
+    /// A force and a torque, as in `geometry_msgs/WrenchStamped`, along the axes of the header's `frame_id` and about its
+    /// origin.
+    with #[derive(PartialEq)]
+    pub struct Wrench, 48 bytes, of [Kind::Wrench] {
+        /// Force in newtons.
+        pub force: [f64; 3] = 0,
+        /// Torque in newton metres.
+        pub torque: [f64; 3] = 24,
     }
 }
 
@@ -162,6 +172,20 @@ impl Describe for Vector3 {
     fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
         fields.header(None);
         fields.vector("vector", self.vector);
+        Some(())
+    }
+}
+
+impl Describe for Wrench {
+    const ROS: &'static [RosType] =
+        &[RosType::new("geometry_msgs/WrenchStamped", "d78d3cb249ce23087ade7e7d0c40cfa7")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.header(None);
+        fields.part("wrench", "geometry_msgs/Wrench", &mut |fields| {
+            fields.vector("force", self.force);
+            fields.vector("torque", self.torque);
+        });
         Some(())
     }
 }

@@ -3,6 +3,7 @@
 
 mod ackermann;
 mod differential;
+mod force_torque;
 mod imu;
 mod instruments;
 mod joint_states;
@@ -21,7 +22,7 @@ use parameters::Parameters;
 /// The supported plugins, for messages.
 const SUPPORTED: &str = "libgazebo_ros_kobuki.so, libgazebo_ros_create.so, libgazebo_ros_diff_drive.so, \
     libgazebo_ros_skid_steer_drive.so, libgazebo_ros_planar_move.so, libgazebo_ros_force_based_move.so, libgazebo_ros_ackermann_drive.so, gz-sim's DiffDrive, \
-    AckermannSteering and JointStatePublisher, libgazebo_ros_imu.so, libhector_gazebo_ros_imu.so, librotors_gazebo_imu_plugin.so, libhector_gazebo_ros_gps.so, libhector_gazebo_ros_magnetic.so, libhector_gazebo_ros_baro.so, librotors_gazebo_pressure_plugin.so, libgazebo_ros_p3d.so and libgazebo_ros_joint_state_publisher.so";
+    AckermannSteering and JointStatePublisher, libgazebo_ros_imu.so, libhector_gazebo_ros_imu.so, librotors_gazebo_imu_plugin.so, libhector_gazebo_ros_gps.so, libhector_gazebo_ros_magnetic.so, libhector_gazebo_ros_baro.so, librotors_gazebo_pressure_plugin.so, libgazebo_ros_ft_sensor.so, libgazebo_ros_p3d.so and libgazebo_ros_joint_state_publisher.so";
 
 /// Returns the plugin's file name without `lib` and `.so`, with gz-sim's old names converted to its new one.
 fn plain_name(file: &str) -> String {
@@ -54,6 +55,7 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
             "hector_gazebo_ros_magnetic" => Some(instruments::magnetic(&mut given)),
             "hector_gazebo_ros_baro" => Some(instruments::baro(&mut given)),
             "rotors_gazebo_pressure_plugin" => Some(instruments::pressure(&mut given)),
+            "gazebo_ros_ft_sensor" => Some(force_torque::force_torque(&mut given)),
             _ => None,
         };
         if let Some(sensor) = sensor {

@@ -249,7 +249,7 @@ impl<'a> Parameters<'a> {
     }
 
     /// Reports that the plugin cannot be used: an error, or a warning where Gazebo continues without it, as gz-sim does.
-    fn unusable(&mut self, element: &Element, what: String, remedy: &str) {
+    pub(super) fn unusable(&mut self, element: &Element, what: String, remedy: &str) {
         let file = self.plugin.attribute("filename").unwrap_or_default();
         if self.rules.gazebo_compat || super::plain_name(file).starts_with("gz-sim") {
             self.diagnostics.warning(

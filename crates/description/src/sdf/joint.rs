@@ -5,6 +5,7 @@ use super::model::Parts;
 use super::{Loader, Scope, Version, name_of};
 use crate::diagnostics::Source;
 use crate::model::{Joint, JointDynamics, JointKind, Link, LinkIndex, Mimic};
+use crate::sensor::{JointMount, parse_joint_sensor};
 use crate::suggestion::did_you_mean;
 use crate::values::{child_bool, child_number, child_text, not_negative};
 use crate::xml::Element;
@@ -43,7 +44,10 @@ impl Loader<'_> {
         if child_text(element, "parent").as_deref() == Some(WORLD) {
             if kind_name == "fixed" {
                 parts.links[child].is_static = true;
-                return;
+                // What the world does to the link is of interest only if it is measured.
+                if element.child("sensor").is_none() {
+                    return;
+                }
             }
             if !parts.by_name.contains_key(WORLD) {
                 parts.by_name.insert(WORLD.into(), parts.links.len());
@@ -71,8 +75,7 @@ impl Loader<'_> {
             parts.mimics.push((parts.joints.len(), mimic.clone()));
         }
         let source = element.source.clone();
-
-        parts.joints.push(Joint {
+        let joint = Joint {
             name,
             kind,
             parent,
@@ -82,7 +85,28 @@ impl Loader<'_> {
             pivot: (model_from_child.inverse() * model_from_joint).translation(),
             dynamics,
             source,
-        });
+        };
+        let child_from_joint = model_from_child.inverse() * model_from_joint;
+        let mount = JointMount { joint: &joint, index: parts.joints.len(), child_from_joint };
+        for sensor in element.elements_named("sensor") {
+            let pose = self.pose_in_joint(sensor, scope.version, model_from_joint, frames);
+            parts.sensors.extend(parse_joint_sensor(sensor, &mount, pose, self.rules, self.diagnostics));
+        }
+        parts.joints.push(joint);
+    }
+
+    /// The pose of a sensor in the frame of its joint.
+    fn pose_in_joint(
+        &mut self,
+        sensor: &Element,
+        version: Version,
+        model_from_joint: Pose,
+        frames: &Frames,
+    ) -> Pose {
+        let written = self.pose(sensor, version);
+        let frame = written.relative_to.as_deref();
+        let model_from_frame = frame.and_then(|name| frames.resolve(name, &written.source, self.diagnostics));
+        model_from_frame.map_or(written.pose, |frame| model_from_joint.inverse() * frame * written.pose)
     }
 
     /// Reads damping, friction and spring from `<dynamics>`, the limits of the motor, and the initial position.

@@ -4,7 +4,7 @@ use super::Loader;
 use super::frames::Frames;
 use super::model::{ParsedModel, Parts};
 use super::names::{Again, Names};
-use crate::model::{Model, ModelPlugin};
+use crate::model::{Model, ModelPlugin, SensorKind};
 use std::borrow::Cow;
 
 impl ParsedModel {
@@ -84,6 +84,9 @@ impl Loader<'_> {
         }));
         parts.sensors.extend(model.sensors.into_iter().map(|mut sensor| {
             sensor.link += first;
+            if let SensorKind::ForceTorque(it) = &mut sensor.kind {
+                it.joint += first_joint;
+            }
             sensor
         }));
         let renamed = |plugin: ModelPlugin| plugin.nested(first, first_joint, &outer_name);

@@ -1,7 +1,7 @@
 //! Sensors without a simulated plugin: they publish as gz-sim's sensors do, under the names that its bridge to ROS uses.
 
 use super::plugin::{absolute, is_ours, plain_name};
-use super::{KINDS, LinkIndex, Sensor, SensorKind};
+use super::{KINDS, Sensor, SensorKind};
 use crate::diagnostics::{Problem, Severity};
 use crate::values::child_text;
 use crate::xml::Element;
@@ -30,6 +30,7 @@ pub(super) fn gz_topic(sensor: &Element) -> Option<String> {
             "rgbd" | "rgbd_camera" => "",
             "ray" | "gpu_ray" | "lidar" | "gpu_lidar" => "scan",
             "gps" => "navsat",
+            "force_torque" => "forcetorque",
             kind => kind,
         };
         Some(absolute(&[SCOPE, end]))
@@ -44,9 +45,11 @@ pub(super) fn frame_name(sensor: &Element) -> String {
 
 /// Names the topics of sensors without a `<topic>` as gz-sim does: `/world/W/model/M/link/L/sensor/S/…`. A nested model
 /// `M::N` becomes `M/model/N`. If two sensors have the same name, the second gets different topics and a warning.
+///
+/// `place` returns `link` or `joint`, and the name of the link or joint that a sensor is on.
 pub(crate) fn name_topics<'l>(
     sensors: &mut [Sensor],
-    link_name: impl Fn(LinkIndex) -> &'l str,
+    place: impl Fn(&Sensor) -> (&'static str, &'l str),
     model: &str,
     world: &str,
 ) -> Vec<Problem> {
@@ -55,14 +58,14 @@ pub(crate) fn name_topics<'l>(
         if !topics(&mut sensor.kind).iter().any(|topic| topic.starts_with(SCOPE)) {
             continue;
         }
-        let link = link_name(sensor.link);
-        let (inner, link) = link.rsplit_once("::").unwrap_or(("", link));
+        let (kind, name) = place(sensor);
+        let (inner, name) = name.rsplit_once("::").unwrap_or(("", name));
         let models = std::iter::once(model).chain(inner.split("::").filter(|name| !name.is_empty()));
         let models = models.map(part).collect::<Vec<_>>().join("/model/");
         let mut scope = format!(
-            "/world/{}/model/{models}/link/{}/sensor/{}",
+            "/world/{}/model/{models}/{kind}/{}/sensor/{}",
             part(world),
-            part(link),
+            part(name),
             part(&sensor.name)
         );
         let count = taken.entry(scope.clone()).or_insert(0_u32);
@@ -123,5 +126,6 @@ fn topics(kind: &mut SensorKind) -> Vec<&mut String> {
         SensorKind::Magnetometer(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
         SensorKind::Altimeter(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
         SensorKind::AirPressure(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::ForceTorque(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
     }
 }

@@ -15,7 +15,7 @@ pub(super) fn is_ros2(plugin: &Element) -> bool {
 }
 
 /// Returns the absolute topic that a plugin calls `name`, and files may call one of `aliases`, after remapping.
-pub(super) fn topic(plugin: &Element, name: &str, aliases: &[&str]) -> String {
+pub(crate) fn topic(plugin: &Element, name: &str, aliases: &[&str]) -> String {
     let ros = plugin.child("ros");
     let namespace = ros.and_then(|ros| child_text(ros, "namespace")).unwrap_or_default();
     let own = plugin.attribute("name").unwrap_or(plain_name(plugin));

@@ -1,7 +1,7 @@
 //! `<gazebo>`: sensors, and the properties of a link that Gazebo overrides.
 //!
 //! For a link, these are read: `sensor`, `material`, `mu1`, `laserRetro`, `turnGravityOff`, `selfCollide`, `kinematic`,
-//! `dampingFactor`, the plugin `Label` and our own `<visual><fiducial>`; for a joint: `springStiffness` and `springReference`;
+//! `dampingFactor`, the plugin `Label` and our own `<visual><fiducial>`; for a joint: `sensor`, `springStiffness` and `springReference`;
 //! for the whole robot: `static`, `self_collide` and its plugins. The rest is accepted and ignored: contact parameters of ODE
 //! (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which other physics engines do not have.
 
@@ -10,13 +10,14 @@ use crate::diagnostics::Diagnostics;
 use crate::fiducial::fiducials;
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::label::label;
-use crate::model::{JointDynamics, LinkIndex, Model};
+use crate::model::{JointDynamics, JointIndex, LinkIndex, Model};
 use crate::optics::optics;
 use crate::plugin;
-use crate::sensor::parse_sensor;
+use crate::sensor::{JointMount, is_on_joint, parse_joint_sensor, parse_sensor};
 use crate::suggestion::{closest, did_you_mean_or};
 use crate::values::{child_bool, child_pose, child_text, friction_coefficient, not_negative, number, share};
 use crate::xml::Element;
+use belvedere_sensors::Pose;
 
 /// Returns the value of an extension: its attribute `value`, or else its text, as libsdformat reads it.
 fn value(extension: &Element) -> String {
@@ -67,6 +68,14 @@ impl Loader<'_> {
 
     fn extend_link(&mut self, element: &Element, index: LinkIndex, model: &mut Model) {
         for sensor in element.elements_named("sensor") {
+            // A name may be that of a link and of a joint: each sensor is on what it can be on.
+            let link = &model.links[index].name;
+            if is_on_joint(sensor)
+                && let Some(joint) = model.joints.iter().position(|joint| joint.name == *link)
+            {
+                self.joint_sensor(sensor, joint, model);
+                continue;
+            }
             let pose = child_pose(sensor, self.rules.gazebo_compat, self.diagnostics);
             model.sensors.extend(parse_sensor(sensor, index, pose, self.rules, self.diagnostics));
         }
@@ -153,6 +162,14 @@ impl Loader<'_> {
         }
     }
 
+    /// Reads a sensor on a joint. The sensor's frame is that of the joint's child.
+    fn joint_sensor(&mut self, sensor: &Element, index: JointIndex, model: &mut Model) {
+        let mount = JointMount { joint: &model.joints[index], index, child_from_joint: Pose::IDENTITY };
+        let pose = child_pose(sensor, self.rules.gazebo_compat, self.diagnostics);
+        let read = parse_joint_sensor(sensor, &mount, pose, self.rules, self.diagnostics);
+        model.sensors.extend(read);
+    }
+
     /// Reads the spring of a joint.
     fn extend_joint(&mut self, element: &Element, dynamics: &mut JointDynamics) {
         if let Some(stiffness) = number_of(element, "springStiffness", self.diagnostics) {
@@ -167,14 +184,10 @@ impl Loader<'_> {
     /// Handles a reference that is not the name of a link: a joint, or a mistake.
     fn unknown_reference(&mut self, element: &Element, name: &str, model: &mut Model) {
         let near = nearest_link(name, &model.links);
-        if let Some(joint) = model.joints.iter_mut().find(|joint| joint.name == name) {
-            self.extend_joint(element, &mut joint.dynamics);
+        if let Some(index) = model.joints.iter().position(|joint| joint.name == name) {
+            self.extend_joint(element, &mut model.joints[index].dynamics);
             for sensor in element.elements_named("sensor") {
-                let what = format!(
-                    "the sensor '{}' is on the joint '{name}': sensors of joints are not simulated, and it is left out",
-                    sensor.attribute("name").unwrap_or_default()
-                );
-                self.diagnostics.warning(&sensor.source, what, "put sensors of other kinds on a link");
+                self.joint_sensor(sensor, index, model);
             }
             return;
         }

@@ -6,17 +6,15 @@
 
 mod part;
 
-use super::convert::vector;
 use super::{ModelIndex, Physics};
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::model::{JointIndex, LinkIndex, Model, Sensor, SensorKind};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use part::Piece;
-use rapier3d::dynamics::RigidBody;
-use rapier3d::geometry::{ColliderHandle, ContactData, ContactManifold, SolverContact};
-use rapier3d::math::Vector;
-use rapier3d::utils::OrthonormalBasis;
+use rapier3d_f64::dynamics::RigidBody;
+use rapier3d_f64::geometry::{ColliderHandle, ContactData, ContactManifold, SolverContact};
+use rapier3d_f64::utils::OrthonormalBasis;
 use std::collections::HashSet;
 
 /// A force and a torque, or what they have given in a time: N and N·m, or N·s and N·m·s.
@@ -186,8 +184,8 @@ impl Physics {
         body.map_or(still, |body| {
             let rigid = &self.rapier.bodies[self.bodies[body].handle];
             let turn = world_from_link.rotation_matrix();
-            let spin = turn * (piece.inertia * (turn.transpose() * wide(rigid.angvel())));
-            Motion { centre, velocity: wide(rigid.velocity_at_point(vector(centre))), spin }
+            let spin = turn * (piece.inertia * (turn.transpose() * rigid.angvel()));
+            Motion { centre, velocity: rigid.velocity_at_point(centre), spin }
         })
     }
 
@@ -217,8 +215,8 @@ impl Physics {
         for link in &gauge.pushed {
             let Some(body) = self.models[index].links[*link].body else { continue };
             let rigid = &self.rapier.bodies[self.bodies[body].handle];
-            passed.add(-wide(rigid.user_force()) * step_s, self.centre_in_step(rigid) - origin);
-            passed.torque -= wide(rigid.user_torque()) * step_s;
+            passed.add(-rigid.user_force() * step_s, self.centre_in_step(rigid) - origin);
+            passed.torque -= rigid.user_torque() * step_s;
         }
         let sensor_from_world = world_from_sensor.inverse();
         Wrench {
@@ -232,13 +230,13 @@ impl Physics {
         let body = self.models[index].links[link].body;
         body.map_or([0.0; 2], |body| {
             let rigid = &self.rapier.bodies[self.bodies[body].handle];
-            [f64::from(rigid.linear_damping()), f64::from(rigid.angular_damping())]
+            [rigid.linear_damping(), rigid.angular_damping()]
         })
     }
 
     /// The centre of mass of a body in the middle of the last step.
     fn centre_in_step(&self, rigid: &RigidBody) -> DVec3 {
-        wide(rigid.center_of_mass()) - wide(rigid.linvel()) * (0.5 * self.step_s())
+        rigid.center_of_mass() - rigid.linvel() * (0.5 * self.step_s())
     }
 
     /// The impulses in N·s that a collider has got in the last step by contacts, with the points where.
@@ -263,7 +261,7 @@ impl Physics {
         let bodies = [manifold.data.rigid_body1, manifold.data.rigid_body2];
         bodies.into_iter().zip(arms).find_map(|(body, arm)| {
             let rigid = self.rapier.bodies.get(body?).filter(|rigid| rigid.is_dynamic())?;
-            Some(self.centre_in_step(rigid) + wide(arm))
+            Some(self.centre_in_step(rigid) + arm)
         })
     }
 }
@@ -274,10 +272,5 @@ fn impulse(manifold: &ContactManifold, contact: &ContactData) -> DVec3 {
     let push = -manifold.data.normal;
     let tangent = push.orthonormal_vector();
     let [along, across] = [contact.tangent_impulse.x, contact.tangent_impulse.y];
-    wide(push * contact.impulse + tangent * along + push.cross(tangent) * across)
-}
-
-/// Widens a vector.
-fn wide(vector: Vector) -> DVec3 {
-    vector.as_dvec3()
+    push * contact.impulse + tangent * along + push.cross(tangent) * across
 }

@@ -7,7 +7,7 @@ use crate::description::model::{
 };
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
-use rapier3d::dynamics::RigidBodyHandle;
+use rapier3d_f64::dynamics::RigidBodyHandle;
 use std::collections::{HashMap, HashSet};
 
 /// What a body has without a mass of its links.

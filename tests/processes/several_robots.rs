@@ -22,6 +22,15 @@ fn hashed(robots: &[[&str; 3]], more: &[&str]) -> Output {
     belvedere().args(arguments).output().unwrap()
 }
 
+#[test]
+fn poses_may_be_coordinates_of_utm() {
+    let output = hashed(&[[ROBOT, "anna", "448262.27,5428765.81"]], &[]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = hashed(&[[ROBOT, "anna", "0,1e8"]], &[]);
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(!output.status.success() && told.contains("'0,1e8' is too far away"), "{told}");
+}
+
 /// The order in which robots are given does not affect any byte; each robot has its own topics.
 #[test]
 fn bytes_do_not_depend_on_the_order_of_robots() {

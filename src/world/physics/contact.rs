@@ -69,12 +69,9 @@ impl PhysicsHooks for Contacts {
     }
 
     fn modify_solver_contacts(&self, context: &mut ContactModificationContext) {
-        let threshold = |collider| {
-            context.colliders.get(collider).map_or(0.0, |collider| Owner::of(collider).bounce_threshold_m_s)
-        };
-        let threshold_m_s = threshold(context.collider1).min(threshold(context.collider2));
         let bodies = [context.rigid_body1, context.rigid_body2]
             .map(|body| body.and_then(|body| context.bodies.get(body)));
+        let (colliders, pair) = (context.colliders, [context.collider1, context.collider2]);
         let Some(manifold) = context.rigid_mut() else { return };
         let normal = *manifold.normal;
         if *manifold.friction > 0.0 {
@@ -83,6 +80,10 @@ impl PhysicsHooks for Contacts {
         if *manifold.restitution == 0.0 {
             return;
         }
+        let [one, other] = pair.map(|collider| {
+            colliders.get(collider).map_or(0.0, |collider| Owner::of(collider).bounce_threshold_m_s)
+        });
+        let threshold_m_s = one.min(other);
         let approach = manifold.solver_contacts.iter().map(|contact| {
             let speed = |side: usize, point| {
                 bodies[side].map_or(0.0, |body| body.velocity_at_point(point).dot(normal))

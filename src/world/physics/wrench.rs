@@ -103,7 +103,7 @@ impl Physics {
                         link: sensor.link,
                         link_from_sensor: sensor.link_from_sensor,
                         pushed: pushed.iter().copied().filter(|link| is_there.contains(link)).collect(),
-                        part: self.pieces(index, model, &links),
+                        part: Self::pieces(model, &links),
                         links,
                         sign,
                         world_from_sensor: Pose::IDENTITY,
@@ -131,28 +131,31 @@ impl Physics {
 
     /// Notes how everything moves that is measured, before a step.
     pub(super) fn begin_gauges(&mut self) {
-        for index in 0..self.models.len() {
-            let mut gauges = std::mem::take(&mut self.models[index].gauges);
-            for gauge in gauges.iter_mut().flatten() {
-                gauge.world_from_sensor = self.world_from_sensor(index, gauge);
-                gauge.before.clear();
-                gauge.before.extend(gauge.part.iter().map(|piece| self.motion(index, piece)));
-            }
-            self.models[index].gauges = gauges;
-        }
+        self.for_each_gauge(|physics, index, gauge| {
+            gauge.world_from_sensor = physics.world_from_sensor(index, gauge);
+            gauge.before.clear();
+            gauge.before.extend(gauge.part.iter().map(|piece| physics.motion(index, piece)));
+        });
     }
 
     /// Adds up what has passed through joints, after a step.
     pub(super) fn end_gauges(&mut self) {
+        self.for_each_gauge(|physics, index, gauge| {
+            let passed = physics.passed_in_step(index, gauge);
+            gauge.has_measured = true;
+            gauge.passed[0] = gauge.passed[1];
+            gauge.passed[1].force += passed.force;
+            gauge.passed[1].torque += passed.torque;
+        });
+    }
+
+    fn for_each_gauge(&mut self, act: impl Fn(&Self, ModelIndex, &mut Gauge)) {
         for index in 0..self.models.len() {
-            let mut gauges = std::mem::take(&mut self.models[index].gauges);
-            for gauge in gauges.iter_mut().flatten() {
-                let passed = self.passed_in_step(index, gauge);
-                gauge.has_measured = true;
-                gauge.passed[0] = gauge.passed[1];
-                gauge.passed[1].force += passed.force;
-                gauge.passed[1].torque += passed.torque;
+            if self.models[index].gauges.is_empty() {
+                continue;
             }
+            let mut gauges = std::mem::take(&mut self.models[index].gauges);
+            gauges.iter_mut().flatten().for_each(|gauge| act(self, index, gauge));
             self.models[index].gauges = gauges;
         }
     }

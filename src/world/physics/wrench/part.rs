@@ -2,17 +2,10 @@
 
 use super::{ModelIndex, Physics};
 use crate::description::inertia::{of_a_body, tensor};
-use crate::description::model::{
-    Collision, Geometry, Inertial, JointIndex, JointKind, Link, LinkIndex, Model,
-};
-use belvedere_sensors::Pose;
+use crate::description::model::{Collision, Geometry, JointIndex, JointKind, Link, LinkIndex, Model};
 use glam::{DMat3, DVec3};
 use rapier3d_f64::dynamics::RigidBodyHandle;
-use std::collections::{HashMap, HashSet};
-
-/// What a body has without a mass of its links.
-const UNTOLD: Inertial =
-    Inertial { link_from_inertial: Pose::IDENTITY, mass_kg: 1.0, inertia: [1.0, 1.0, 1.0, 0.0, 0.0, 0.0] };
+use std::collections::HashMap;
 
 /// A link with what accelerates it.
 pub(super) struct Piece {
@@ -89,7 +82,7 @@ impl Physics {
         let mut first: HashMap<RigidBodyHandle, (u8, LinkIndex)> = HashMap::new();
         for (number, link) in self.models[index].links.iter().enumerate() {
             let Some(body) = link.body.map(|body| &self.bodies[body]) else { continue };
-            let rank = match (body.is_carried(), link.body_from_link == Pose::IDENTITY) {
+            let rank = match (body.is_carried(), link.model_from_link == body.model_at_rest) {
                 (true, _) => 0,
                 (_, true) => 1,
                 _ => 2,
@@ -102,19 +95,11 @@ impl Physics {
         links
     }
 
-    /// The links that have a mass.
-    pub(super) fn pieces(&self, index: ModelIndex, model: &Model, links: &[LinkIndex]) -> Vec<Piece> {
-        let placed = &self.models[index].links;
-        let weighed = |link: LinkIndex| model.links[link].inertial.filter(|inertial| inertial.mass_kg > 0.0);
-        let heavy: HashSet<Option<usize>> =
-            (0..placed.len()).filter(|link| weighed(*link).is_some()).map(|link| placed[link].body).collect();
-        // A body of which no link has a mass has that of its root, as `BodyMass` says.
-        let untold = |link: LinkIndex| {
-            let is_root = placed[link].body_from_link == Pose::IDENTITY && placed[link].body.is_some();
-            (is_root && !heavy.contains(&placed[link].body)).then_some(UNTOLD)
-        };
+    /// The links that have a mass. A body without any has 1 kg in rapier, but that is at the root of a robot, which no joint
+    /// bears.
+    pub(super) fn pieces(model: &Model, links: &[LinkIndex]) -> Vec<Piece> {
         let piece = |link: &LinkIndex| {
-            let inertial = weighed(*link).or_else(|| untold(*link))?;
+            let inertial = model.links[*link].inertial.filter(|inertial| inertial.mass_kg > 0.0)?;
             let turn = inertial.link_from_inertial.rotation_matrix();
             Some(Piece {
                 link: *link,

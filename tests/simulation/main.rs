@@ -19,3 +19,4 @@ mod physics;
 mod rest;
 mod robot;
 mod streams;
+mod visibility;

@@ -3,6 +3,7 @@
 pub(super) mod report;
 
 use super::pictures::noise;
+use super::sight::visuals_of;
 use super::{Opening, Settings};
 use crate::description::model::{
     AngleFunction, AngleMap, CameraDevice, CameraPlugin, CameraSensor, Lens, LensIntrinsics, LensModel,
@@ -23,6 +24,7 @@ pub(super) struct Eye {
     format: PixelFormat,
     near_m: f64,
     far_m: f64,
+    visibility: u32,
     exposure: f32,
     edges: Edges,
     noise: GaussianNoise,
@@ -62,6 +64,7 @@ impl Eye {
             format: camera.format,
             near_m: camera.near_m,
             far_m: camera.far_m,
+            visibility: visuals_of(camera.visibility_mask),
             exposure: 1.0,
             // Gazebo classic draws every image with sharp edges, whatever the file says.
             edges: if camera.anti_aliasing > 1 && !opening.gazebo_compat {
@@ -91,6 +94,7 @@ impl Eye {
             .format(self.format)
             .near_m(self.near_m)
             .far_m(self.far_m)
+            .visibility(self.visibility)
             .exposure(self.exposure)
             .edges(self.edges)
             .noise(self.noise)

@@ -184,6 +184,7 @@ mod tests {
             anti_aliasing: 0,
             near_m: 0.1,
             far_m: 100.0,
+            visibility_mask: u32::MAX,
             noise: Noise::default(),
             device: None,
             lens: Lens { model, intrinsics, has_own_focal_length: false, projection: None },

@@ -1,4 +1,4 @@
-//! Selects the shapes that the rays of a lidar or a rangefinder see.
+//! Selects the shapes that sensors see.
 
 use crate::description::model::RaySensor;
 use crate::world::scene::flag_bits;
@@ -10,7 +10,12 @@ pub(super) fn sight(ray: &RaySensor) -> (u32, Faces) {
     // Gazebo's GPU lidars render visuals, without back faces; its CPU lidars cast rays at collision shapes.
     match ray.visibility_mask {
         _ if !ray.sees_visuals => (visibility::COLLISION, Faces::Both),
-        u32::MAX => (visibility::VISUAL, Faces::Front),
-        mask => (flag_bits(mask), Faces::Front),
+        mask => (visuals_of(mask), Faces::Front),
     }
+}
+
+/// Returns the visibility mask of a sensor that sees the visuals whose flags have a bit of `mask`.
+pub(super) fn visuals_of(mask: u32) -> u32 {
+    // A visual without any flag is seen by all sensors that have no mask.
+    if mask == u32::MAX { visibility::VISUAL } else { flag_bits(mask) }
 }

@@ -5,6 +5,7 @@ mod sdf;
 
 mod actors;
 mod budget;
+mod concave;
 mod frames;
 mod frames_at_random;
 mod mesh;

@@ -21,3 +21,4 @@ mod physics;
 mod rest;
 mod robot;
 mod streams;
+mod visibility;

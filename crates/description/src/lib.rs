@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![forbid(unsafe_code)]
 
+mod concave;
 mod elements;
 mod fiducial;
 pub mod gazebo_materials;

@@ -25,6 +25,7 @@ mod tree;
 
 pub(super) use plain::{add_sensor_frames, make_plain};
 
+use super::concave::warn_of_hulls;
 use super::diagnostics::{Diagnostics, Source};
 use super::elements;
 use super::housing;
@@ -75,6 +76,7 @@ pub(super) fn load_urdf(
     loader.compare_elements(robot, &model);
     if is_tree {
         housing::report(&model, rules.gazebo_compat, loader.diagnostics);
+        warn_of_hulls([&model], loader.diagnostics);
     }
     is_tree.then_some(model)
 }

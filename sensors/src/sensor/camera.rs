@@ -17,7 +17,7 @@ use crate::memory::lines;
 use crate::moment::{Capture, Shutter};
 use crate::noise::{Stream, normals64};
 use crate::optics::Optics;
-use crate::scene::{ColourSpace, Scene, visibility};
+use crate::scene::{ColourSpace, Scene};
 use crate::shade::Colours;
 use crate::simd::LANES;
 use crate::trace::error::check_output;
@@ -251,7 +251,8 @@ impl Sensor for Camera<'_> {
         let execution = workspace.execution;
         let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
         let optics = &self.config.optics;
-        let frame = Frame::new(scene, optics, &capture.shutter, visibility::VISUAL, execution, &mut memory)?;
+        let sees = self.config.visibility;
+        let frame = Frame::new(scene, optics, &capture.shutter, sees, execution, &mut memory)?;
         let Picture { mut colour, truth } = output;
         let marks = memory.take(self.marks(&capture.shutter));
         let drawn = (colour.as_deref_mut(), &mut *marks);

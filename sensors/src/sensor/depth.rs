@@ -36,7 +36,7 @@ use crate::moment::Capture;
 use crate::noise::{GaussianNoise, Stream, normal_columns, normal_lines};
 #[cfg(feature = "alloc")]
 use crate::optics::Optics;
-use crate::scene::{Scene, visibility};
+use crate::scene::Scene;
 pub use crate::trace::TooNear;
 use crate::trace::error::check_output;
 use crate::trace::grid::place::Place;
@@ -233,7 +233,8 @@ impl Sensor for DepthCamera<'_> {
         let execution = workspace.execution;
         let mut memory = workspace.cut(self.workspace_len(scene, capture))?;
         let (optics, shutter) = (&self.config.camera.optics, &capture.shutter);
-        let frame = Frame::new(scene, optics, shutter, visibility::VISUAL, execution, &mut memory)?;
+        let sees = self.config.camera.visibility;
+        let frame = Frame::new(scene, optics, shutter, sees, execution, &mut memory)?;
         let sight = self.camera.sight();
         let wants_depth = depth_32fc1.is_some() || depth_16uc1.is_some() || points.is_some() || xyz.is_some();
         let blocks = self.config.too_near == TooNear::Blocks;

@@ -20,6 +20,8 @@ pub struct CameraSensor {
     pub near_m: f64,
     /// Far clip distance in metres.
     pub far_m: f64,
+    /// It sees the visuals whose flags have one of these bits (`<visibility_mask>`).
+    pub visibility_mask: u32,
     /// Noise of a colour value in [0, 1].
     pub noise: Noise,
     /// SDF `<lens>` and `<distortion>`.

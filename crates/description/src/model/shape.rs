@@ -20,7 +20,7 @@ pub struct Visual {
     pub material: Material,
     /// Its class, if the file labels it or its model.
     pub label: Option<u32>,
-    /// A lidar that sees visuals sees it if its mask has one of these bits (`<visibility_flags>`).
+    /// A sensor that sees visuals sees it if its mask has one of these bits (`<visibility_flags>`).
     pub visibility_flags: u32,
     /// Reflectivity that a lidar which sees visuals reports as intensity (`<laser_retro>`), 0 if not given.
     pub laser_retro: f32,

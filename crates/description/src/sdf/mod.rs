@@ -40,6 +40,7 @@ mod siblings;
 mod world;
 
 use super::budget::{Budget, Spent};
+use super::concave::warn_of_hulls;
 use super::diagnostics::{Diagnostics, Source};
 use super::elements;
 use super::mesh::Submesh;
@@ -137,7 +138,9 @@ pub(super) fn load_world(
     if let Some(second) = root.elements_named("world").nth(1) {
         loader.diagnostics.warning(&second.source, "only the first <world> is loaded", "");
     }
-    Some(loader.world(world, scope))
+    let world = loader.world(world, scope);
+    warn_of_hulls(&world.models, loader.diagnostics);
+    Some(world)
 }
 
 /// The world that stands for a file of a light or an actor alone, as Gazebo makes one: with nothing else in it.
@@ -186,7 +189,9 @@ pub(super) fn load_model(
             "put the <light> into the world file where it is to shine",
         );
     }
-    Some(Model { world_from_model: parsed.pose.pose, ..parsed.model })
+    let model = Model { world_from_model: parsed.pose.pose, ..parsed.model };
+    warn_of_hulls([&model], loader.diagnostics);
+    Some(model)
 }
 
 impl<'a> Loader<'a> {

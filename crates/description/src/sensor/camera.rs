@@ -8,7 +8,7 @@ use super::reader::Reader;
 use super::{DepthCamera, Kind, Sensor, SensorKind, depth};
 use crate::diagnostics::Diagnostics;
 use crate::model::{CameraPlugin, CameraSensor, Mosaic, PixelFormat};
-use crate::values::child_text;
+use crate::values::{child_bits, child_text};
 use crate::xml::Element;
 
 /// The largest width and height of an image, in pixels.
@@ -79,6 +79,10 @@ impl Reader<'_> {
         let distances = self.clip(clip, sensor, far_m);
         let noise = self.noise(camera);
         let device = self.device(camera, device);
+        let visibility_mask = match camera.filter(|camera| camera.child("visibility_mask").is_some()) {
+            Some(camera) => child_bits(camera, "visibility_mask", self.diagnostics),
+            None => Some(u32::MAX),
+        };
         self.not_simulated_by_sensor(sensor);
         self.not_simulated(camera, is_gz(sensor));
         let (width, height) = (width?, height?);
@@ -104,6 +108,7 @@ impl Reader<'_> {
             anti_aliasing: anti_aliasing?,
             near_m,
             far_m,
+            visibility_mask: visibility_mask?,
             noise: noise?,
             lens,
             device: device?,
@@ -187,17 +192,16 @@ impl Reader<'_> {
         for child in camera.elements() {
             let text = child.text();
             let remedy = match child.name.as_str() {
-                "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" | "device" => continue,
+                "horizontal_fov" | "image" | "clip" | "noise" | "distortion" | "lens" | "device"
+                | "visibility_mask" => continue,
                 "save" => match child.attribute("enabled").unwrap_or_default() {
                     "true" | "1" => "remove it, and keep pictures with `belvedere snapshot`",
                     _ => continue,
                 },
                 "camera_info_topic" | "optical_frame_id" if is_gz => continue,
                 "triggered" if text == "false" || text == "0" => continue,
-                "visibility_mask" if text == "4294967295" => continue,
                 "pose" if text.split_whitespace().all(|number| number.parse() == Ok(0.0)) => continue,
                 "triggered" | "trigger_topic" => "remove it: pictures are sent at <update_rate>",
-                "visibility_mask" => "remove it: a camera sees every visual",
                 "pose" => "write it in <sensor>, where it applies to all that the sensor measures",
                 "depth_camera" => "write <clip> in <camera>, and the limits of the depth in the plugin",
                 "camera_info_topic" => "write <cameraInfoTopicName> in the plugin",

@@ -4,6 +4,7 @@ use crate::ParameterError;
 use crate::device::{DeviceConfig, PixelFormat};
 use crate::noise::GaussianNoise;
 use crate::optics::Optics;
+use crate::scene::visibility;
 use crate::sensor::edges::Edges;
 use crate::trace::Faces;
 
@@ -39,6 +40,9 @@ pub struct CameraConfig<'a> {
     /// far side or nothing. With [`Faces::Both`] no surface is seen through: back faces are visible too, shaded with
     /// their normal turned towards the camera.
     pub faces: Faces,
+    /// The instances that are visible: those whose [visibility](crate::scene::InstanceConfig::visibility) has a bit in
+    /// common with this mask. Hidden ones cast no shadow either. The default is [`visibility::VISUAL`].
+    pub visibility: u32,
     /// The factor by which light is multiplied before it reaches the sensor, finite and at least 0; 1 leaves the scene
     /// as it is lit. Colours are proportional to it until they saturate at 1, as the electrons of a sensor are to its
     /// exposure time (the linear model of EMVA 1288). Shading computes such linear colours, without gamma. The default
@@ -68,6 +72,7 @@ impl<'a> CameraConfig<'a> {
             near_m: 0.02,
             far_m: 300.0,
             faces: Faces::Front,
+            visibility: visibility::VISUAL,
             exposure: 1.0,
             edges: Edges::Sharp,
             noise: GaussianNoise::NONE,
@@ -86,6 +91,8 @@ impl<'a> CameraConfig<'a> {
         far_m: f64,
         /// Sets which sides of surfaces are visible.
         faces: Faces,
+        /// Sets the mask of the instances that are visible.
+        visibility: u32,
         /// Sets the factor by which light is multiplied.
         exposure: f32,
         /// Sets the treatment of edges.
@@ -103,14 +110,27 @@ impl<'a> CameraConfig<'a> {
     /// Returns the same configuration with other optics, which may have another lifetime.
     #[cfg(feature = "alloc")]
     pub(crate) fn with_optics<'b>(&self, optics: &Optics<'b>) -> CameraConfig<'b> {
-        let Self { optics: _, format, near_m, far_m, faces, exposure, edges, noise, device, seed, sensor } =
-            *self;
+        let Self {
+            optics: _,
+            format,
+            near_m,
+            far_m,
+            faces,
+            visibility,
+            exposure,
+            edges,
+            noise,
+            device,
+            seed,
+            sensor,
+        } = *self;
         CameraConfig {
             optics: *optics,
             format,
             near_m,
             far_m,
             faces,
+            visibility,
             exposure,
             edges,
             noise,

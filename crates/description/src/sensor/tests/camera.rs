@@ -7,7 +7,6 @@ fn what_a_camera_does_not_honour_gives_a_warning_with_its_line() {
     for (kind, inside, expected) in [
         ("camera", "<save enabled='true'><path>p</path></save>", "<save> of sensor 'c' is not simulated"),
         ("camera", "<depth_camera><output>points</output></depth_camera>", "<depth_camera> of sensor 'c'"),
-        ("camera", "<visibility_mask>1</visibility_mask>", "a camera sees every visual"),
         ("camera", "<pose>0 0 1 0 0 0</pose>", "write it in <sensor>"),
         ("camera", "<segmentation_type>semantic</segmentation_type>", "<segmentation_type> of sensor 'c'"),
         ("camera", "<clip><near>.1</near><fog>1</fog></clip>", "<fog> of sensor 'c' is not simulated"),

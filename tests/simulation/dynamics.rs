@@ -153,7 +153,7 @@ fn a_joint_begins_at_its_initial_position_and_stays_where_its_limits_are_one() {
 fn a_joint_follows_the_one_that_it_mimics() {
     let slide = |mimic: &str| {
         format!(
-            "<joint name='f' type='prismatic'><parent>l</parent><child>f</child><axis><xyz>1 0 0</xyz>{mimic}</axis></joint>
+            "<joint name='slide' type='prismatic'><parent>l</parent><child>f</child><axis><xyz>1 0 0</xyz>{mimic}</axis></joint>
              <link name='f'><pose>1 0 3 0 0 0</pose><inertial><mass>0.1</mass>
              <inertia><ixx>.0001</ixx><iyy>.0001</iyy><izz>.0001</izz></inertia></inertial></link>"
         )

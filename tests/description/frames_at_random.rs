@@ -153,7 +153,7 @@ impl Generator<'_> {
         let hinge = Hinge {
             parent: parent_of.link,
             child: child_of.link.clone(),
-            at: at.translation.into(),
+            at: at.translation,
             axis: axis_in.transform_vector3(axis).normalize(),
         };
         scope.joints.insert(name.clone(), hinge);
@@ -165,8 +165,8 @@ impl Generator<'_> {
         )
     }
 
-    /// A model's attributes and content, and what is in it. `__model__` is one of its frames.
-    fn model(&mut self, depth: usize) -> (String, String, Scope) {
+    /// A model's content as text, and what is in it. `__model__` is one of its frames.
+    fn model(&mut self, depth: usize) -> (String, Scope) {
         let mut scope = Scope::default();
         // The first link is the canonical one, and no frame is called `__model__` before there is one.
         let first = self.link(&mut scope);
@@ -188,7 +188,7 @@ impl Generator<'_> {
             let next = self.random.below(parts.len());
             text.push_str(&parts.swap_remove(next));
         }
-        (String::new(), text, scope)
+        (text, scope)
     }
 
     /// Draws a frame that places a model whose content is known.
@@ -201,25 +201,25 @@ impl Generator<'_> {
     }
 
     fn nested(&mut self, scope: &mut Scope, depth: usize) -> String {
-        let (attributes, text, inside) = self.model(depth);
+        let (text, inside) = self.model(depth);
         let name = self.name("model");
         let (pose, placed_at) = self.pose(scope, DAffine3::IDENTITY, false);
         let placement = self.placement(&inside);
         let attribute =
             placement.as_ref().map_or_else(String::new, |(frame, _)| format!(" placement_frame='{frame}'"));
         let at = placement.map_or(placed_at, |(_, inner)| placed_at * inner.inverse());
-        self.add(scope, inside, &name, at);
-        format!("<model name='{name}'{attributes}{attribute}>{pose}\n{text}</model>\n")
+        Self::add(scope, inside, &name, at);
+        format!("<model name='{name}'{attribute}>{pose}\n{text}</model>\n")
     }
 
-    fn add(&mut self, scope: &mut Scope, inside: Scope, name: &str, at: DAffine3) {
+    fn add(scope: &mut Scope, inside: Scope, name: &str, at: DAffine3) {
         let link = inside.frames["__model__"].link.clone();
         scope.take(inside, at, &|inner| format!("{name}::{inner}"));
         scope.frames.insert(name.to_owned(), Named { at, link: format!("{name}::{link}") });
     }
 
     fn include(&mut self, scope: &mut Scope, depth: usize, may_merge: bool) -> String {
-        let (attributes, text, mut inside) = self.model(depth);
+        let (text, mut inside) = self.model(depth);
         let file = self.name("file");
         let own_placement = self.placement(&inside);
         let (own_pose, own_at) = self.pose(&Scope::default(), DAffine3::IDENTITY, false);
@@ -228,9 +228,7 @@ impl Generator<'_> {
             .map_or_else(String::new, |(frame, _)| format!(" placement_frame='{frame}'"));
         self.folder.write(
             &format!("{file}/model.sdf"),
-            format!(
-                "<sdf version='1.9'><model name='{file}'{attributes}{attribute}>{own_pose}{text}</model></sdf>"
-            ),
+            format!("<sdf version='1.9'><model name='{file}'{attribute}>{own_pose}{text}</model></sdf>"),
         );
         let mut include = format!("<uri>model://{file}</uri>");
         let mut at = own_placement.map_or(own_at, |(_, inner)| own_at * inner.inverse());
@@ -256,7 +254,7 @@ impl Generator<'_> {
             name = self.name("model");
             let _ = write!(include, "<name>{name}</name>");
         }
-        self.add(scope, inside, &name, at);
+        Self::add(scope, inside, &name, at);
         format!("<include>{include}</include>\n")
     }
 

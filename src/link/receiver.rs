@@ -195,7 +195,8 @@ impl LinkReceiver {
         }
         let new: Vec<_> =
             announced.into_iter().filter(|(topic, _)| !self.mirrors.contains_key(*topic)).collect();
-        let most_bytes = self.room.largest_pool(taken, new.iter().map(|(_, (_, spec))| spec));
+        let specs: Vec<&StreamSpec> = new.iter().map(|(_, (_, spec))| spec).collect();
+        let most_bytes = self.room.largest_pool(taken, &specs);
         let mut left_out: Vec<(&str, Box<dyn std::error::Error>)> = Vec::new();
         for (topic, (described, spec)) in new {
             let spec = most_bytes.map_or_else(|| spec.clone(), |bytes| spec.within(bytes));

@@ -65,18 +65,18 @@ impl Room {
 
     /// Returns the limit of each pool with which these streams fit beside those in `taken`; `None` if they fit with full
     /// pools. If they do not fit with the smallest pools, it returns that limit.
-    pub(super) fn largest_pool<'a>(
-        &self,
-        taken: Taken,
-        streams: impl Iterator<Item = &'a StreamSpec> + Clone,
-    ) -> Option<u64> {
-        let fit = |bytes: Option<u64>| {
-            let mut taken = taken;
-            for spec in streams.clone() {
-                taken.add(wire::pool_bytes(&bytes.map_or_else(|| spec.clone(), |bytes| spec.within(bytes))));
-            }
-            taken.bytes <= self.memory
-        };
+    pub(super) fn largest_pool(&self, taken: Taken, streams: &[&StreamSpec]) -> Option<u64> {
+        let fit =
+            |bytes: Option<u64>| {
+                let mut taken = taken;
+                for &spec in streams {
+                    taken.add(bytes.map_or_else(
+                        || wire::pool_bytes(spec),
+                        |bytes| wire::pool_bytes(&spec.within(bytes)),
+                    ));
+                }
+                taken.bytes <= self.memory
+            };
         if fit(None) {
             return None;
         }
@@ -156,10 +156,11 @@ mod tests {
             image("points", 9_830_400),
             image("scan", 2560),
         ];
+        let all: Vec<&StreamSpec> = streams.iter().collect();
         let full: u64 = streams.iter().map(wire::pool_bytes).sum();
-        assert_eq!(Room::new(full + 4 * BOOKS).largest_pool(Taken::default(), streams.iter()), None);
+        assert_eq!(Room::new(full + 4 * BOOKS).largest_pool(Taken::default(), &all), None);
         let room = Room::new(128 << 20);
-        let bytes = room.largest_pool(Taken::default(), streams.iter()).expect("a limit");
+        let bytes = room.largest_pool(Taken::default(), &all).expect("a limit");
         let mut taken = Taken::default();
         for spec in &streams {
             room.take(&mut taken, wire::pool_bytes(&spec.within(bytes))).unwrap();
@@ -169,11 +170,10 @@ mod tests {
         let twice: u64 = streams.iter().map(|spec| wire::pool_bytes(&spec.within(2 * bytes)) + BOOKS).sum();
         assert!(twice > 128 << 20, "{twice}");
         // Streams that are already open leave less.
-        let later =
-            room.largest_pool(Taken { streams: 1, bytes: 64 << 20 }, streams.iter()).expect("a limit");
+        let later = room.largest_pool(Taken { streams: 1, bytes: 64 << 20 }, &all).expect("a limit");
         assert!(later < bytes, "{later} {bytes}");
         // It ends if nothing fits.
-        assert_eq!(Room::new(0).largest_pool(Taken::default(), streams.iter()), Some(SMALLEST));
+        assert_eq!(Room::new(0).largest_pool(Taken::default(), &all), Some(SMALLEST));
     }
 
     #[test]

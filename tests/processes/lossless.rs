@@ -61,11 +61,11 @@ fn a_consumer_that_blocks_the_simulation_is_named() {
 fn a_signal_ends_a_simulation_that_waits_for_a_consumer() {
     let domain = own_domain();
     let simulator = start(&domain, &["--wait-for", "mapper", "--patience", "600"]);
+    let mut poses = follow(&domain, "other", &["odom"]);
     let mut images = follow(&domain, "mapper", &["image_raw"]);
     next_frame(&mut images[0]);
-    // The simulator waits once no frame of another stream arrives either.
-    let mut poses = follow(&domain, "other", &["odom"]);
     next_frame(&mut poses[0]);
+    // The simulator waits once no frame of another stream arrives either.
     while poses[0].wait(Duration::from_secs(1)).unwrap() {
         while poses[0].take().unwrap().is_some() {}
     }

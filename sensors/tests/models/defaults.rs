@@ -67,6 +67,7 @@ fn sensors_document_their_defaults() {
         near_m: "0.02" = 0.02;
         far_m: "300" = 300.0;
         faces: "Faces::Front" = Faces::Front;
+        visibility: "visibility::VISUAL" = visibility::VISUAL;
         exposure: "1" = 1.0;
         edges: "Edges::Sharp" = Edges::Sharp;
         noise: "GaussianNoise::NONE" = GaussianNoise::NONE;

@@ -54,13 +54,13 @@ struct ForceTorqueChannel {
     sign: f64,
     force: Running<3>,
     torque: Running<3>,
-    /// Time of the last frame, and what had passed through the joint until then.
+    /// Time of the last frame, and the impulse that the joint had transmitted by then.
     last: (u64, physics::Wrench),
     wrench: Outlet,
 }
 
 impl ForceTorqueChannel {
-    /// Returns none for a joint that physics cannot measure, of which it has told.
+    /// Creates the sensor. Returns `None` for a joint that physics cannot measure, which it has reported.
     fn open(
         sensor: &Sensor,
         described: &model::ForceTorque,
@@ -97,8 +97,8 @@ impl Channel for ForceTorqueChannel {
         let RigContext { physics, stamp_ns, .. } = *context;
         let Some(passed) = physics.passed_at(self.id.index(), self.number, stamp_ns) else { return };
         let (last_ns, last) = std::mem::replace(&mut self.last, (stamp_ns, passed));
-        // The mean since the last frame, so that no impact between two frames is lost; for the first frame that of the last
-        // step. Before the first step, nothing is known.
+        // The mean since the last frame, so that no impact between two frames is lost. The first frame has the mean of the
+        // last step. Before the first step there is no value.
         let period_s = stamp_ns.saturating_sub(last_ns) as f64 * 1e-9;
         let mean = if period_s > 0.0 {
             Some(passed.mean_since(&last, period_s))

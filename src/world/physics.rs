@@ -51,15 +51,15 @@ use wrench::Gauge;
 /// Index of a model: those of the world file first, in its order, then the robots.
 pub type ModelIndex = usize;
 
-/// Farthest coordinate in m at which a model may be placed by a command. Every UTM coordinate and every point of the earth is
-/// nearer. Double precision has a step of 2 nm there.
+/// Farthest coordinate in m at which a command may place a model. All UTM coordinates and all points of the earth are
+/// nearer. Numbers in double precision are 2 nm apart there.
 pub const FARTHEST_M: f64 = 1e7;
 
 /// Shortest physics step, in ns.
 const MIN_STEP_NS: u64 = 1_000;
 /// Longest physics step, in ns.
 const MAX_STEP_NS: u64 = 100_000_000;
-/// Number of substeps into which rapier divides a step. The impulse that it reports of a motor is that of the last one.
+/// Number of substeps into which rapier divides a step. It reports the impulse of a motor in the last one only.
 const SUBSTEPS: usize = 4;
 
 /// The moving state of a world.
@@ -73,7 +73,7 @@ pub struct Physics {
     models: Vec<PlacedModel>,
     moving: Vec<MovingLink>,
     history: History,
-    /// Indices of models that were taken out.
+    /// Indices of removed models.
     free: Vec<ModelIndex>,
     notes: Vec<Problem>,
 }
@@ -84,13 +84,13 @@ struct Body {
     follows: Follows,
     /// Its pose in its model while every joint is at zero.
     model_at_rest: Pose,
-    /// Its pose in its model while every joint is where it begins.
+    /// Its pose in its model while every joint is at its initial position.
     model_at_start: Pose,
     /// Pose in the world after the last step but one.
     previous: Pose,
     /// Pose in the world after the last step.
     current: Pose,
-    /// Decides whether it may sleep; none for a body that never sleeps.
+    /// Decides whether it may sleep; `None` for a body that never sleeps.
     rest: Option<Rest>,
 }
 
@@ -115,7 +115,7 @@ pub struct Placement<'a> {
     pub world_from_model: Pose,
     /// Joints of wheels that belong to the body that carries them. The base turns them, not physics.
     pub carried: Vec<JointIndex>,
-    /// Whether its bodies never sleep. A sleeping body would not feel the force that a base sets in each step.
+    /// True if its bodies never sleep. A sleeping body would ignore the force that a base applies in each step.
     pub stays_awake: bool,
 }
 
@@ -137,20 +137,20 @@ impl<'a> Placement<'a> {
     }
 }
 
-/// The links and joints of a model; both are empty if it was taken out.
+/// The links and joints of a model; both are empty if it was removed.
 #[derive(Default)]
 struct PlacedModel {
     /// Pose of a model that never moves, and of the parts that never move of another one.
     world_from_model: Pose,
     links: Vec<PlacedLink>,
-    /// None for a joint that does not move.
+    /// The movable joints; `None` for one that does not move.
     joints: Vec<Option<MovingJoint>>,
-    /// Of its force-torque sensors, in their order; none for one that cannot measure.
+    /// The gauges of its force-torque sensors, in their order; `None` for a joint that cannot be measured.
     gauges: Vec<Option<Gauge>>,
     /// Its bodies are `bodies[first_body..end_body]`.
     first_body: usize,
     end_body: usize,
-    /// The body that the model's frame follows; none if no part of the model moves.
+    /// The body that the model's frame moves with; `None` if no part of the model moves.
     leading: Option<usize>,
 }
 
@@ -164,7 +164,7 @@ struct PlacedLink {
     shapes: Vec<Pose>,
 }
 
-/// A link that moves, with its body and its pose in that.
+/// A link that can move, with its body and its pose in the body.
 struct MovingLink {
     model: ModelIndex,
     link: LinkIndex,
@@ -239,22 +239,22 @@ impl Physics {
         Ok(physics)
     }
 
-    /// Takes the notes about what was decided for the user and what is ignored, since the last call.
+    /// Returns the notes since the last call: about values that were chosen for the user, and about ignored input.
     pub fn take_notes(&mut self) -> Vec<Problem> {
         std::mem::take(&mut self.notes)
     }
 
-    /// Length of a step in ns.
+    /// Returns the length of a step in ns.
     pub fn step_ns(&self) -> u64 {
         self.step_ns
     }
 
-    /// Length of a step in seconds.
+    /// Returns the length of a step in seconds.
     pub fn step_s(&self) -> f64 {
         self.step_ns as f64 * 1e-9
     }
 
-    /// Simulated time in ns: that of the poses.
+    /// Returns the simulated time of the current poses, in ns.
     pub fn time_ns(&self) -> u64 {
         self.time_ns
     }
@@ -337,7 +337,7 @@ impl Physics {
         }
     }
 
-    /// Lets a joint's motor hold a velocity in rad/s or m/s from the next step on, with at most `max_effort` in
+    /// Makes a joint's motor hold a velocity in rad/s or m/s from the next step on, with at most `max_effort` in
     /// N·m or N. Does nothing for a joint that does not move, or follows another.
     pub fn drive_joint(&mut self, model: ModelIndex, joint: JointIndex, velocity: f64, max_effort: f64) {
         if let Some(joint) = &self.models[model].joints[joint]
@@ -347,7 +347,7 @@ impl Physics {
         }
     }
 
-    /// Turns a wheel that its body carries, at a rate in rad/s from the next step on, and notes the effort of
+    /// Turns a wheel that its body carries, at a rate in rad/s from the next step on, and stores the effort of
     /// its motor in N·m. Does nothing for any other joint.
     pub(crate) fn roll_joint(&mut self, model: ModelIndex, joint: JointIndex, rate: f64, effort: f64) {
         if let Some(MovingJoint { motion: motion @ Motion::Rolled { .. }, .. }) =
@@ -357,8 +357,8 @@ impl Physics {
         }
     }
 
-    /// Lets a force in N through its centre of mass, and a torque in N·m, both in the world frame, act on the
-    /// body that a link belongs to, from the next step on and in place of any earlier one.
+    /// Applies a force in N at the centre of mass, and a torque in N·m, both in the world frame, to the body that a link
+    /// belongs to, from the next step on. They replace earlier ones.
     ///
     /// rapier spreads forces over its substeps as it does gravity, so a force can hold a weight without a residue. An impulse
     /// before the step could not.

@@ -1,16 +1,16 @@
-//! Collision meshes of things that move: they touch as their convex hull, which a concave one differs from.
+//! Warns of concave collision meshes that move, because they are simulated as their convex hull.
 
 use crate::diagnostics::Diagnostics;
 use crate::model::{Collision, Geometry, Link, Mesh, Model};
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Sine of the angle by which the faces at an edge may be bent inwards: what files round is less.
+/// Sine of the largest inward bend at an edge that still counts as convex; rounding in files causes less.
 const FLAT: f64 = 0.02;
 
-/// How many faces are compared with all corners.
+/// Number of faces that are compared with all corners.
 const COMPARED: usize = 64;
-/// How far beyond such a face a corner may be, as a share of the distance from the first corner to the farthest.
+/// Largest distance of a corner beyond such a face, as a share of the distance from the first corner to the farthest.
 const FAR: f64 = 0.01;
 
 /// Adds a warning for each model that moves and has concave collision meshes: at the first of them, with their number.
@@ -44,19 +44,20 @@ pub(crate) fn warn_of_hulls<'m>(models: impl IntoIterator<Item = &'m Model>, dia
     }
 }
 
-/// Whether a collision shape is solid where its convex hull is and the shape is not.
+/// Returns true if a collision shape differs from its convex hull.
 fn is_hull(collision: &Collision, known: &mut HashMap<*const Mesh, bool>) -> bool {
     let Geometry::Mesh(mesh) = &collision.geometry else { return false };
     collision.contact.is_solid && *known.entry(Arc::as_ptr(mesh)).or_insert_with(|| is_concave(mesh))
 }
 
-/// Whether the faces at some edge of a mesh are bent inwards, a corner lies beyond a face, or the mesh has several parts.
+/// Returns true if the faces at an edge of the mesh bend inwards, a corner lies beyond a face, or the mesh has several
+/// parts.
 fn is_concave(mesh: &Mesh) -> bool {
     let triangles = welded(mesh);
     let opposite: HashMap<[u32; 2], u32> =
         triangles.iter().flat_map(|&[a, b, c]| [([a, b], c), ([b, c], a), ([c, a], b)]).collect();
     let point = |index: u32| glam::Vec3::from_array(mesh.positions[index as usize]).as_dvec3();
-    // Of a mesh that is inside out, the faces look the other way.
+    // If the mesh is inside out, its faces point the other way.
     let volume: f64 = triangles.iter().map(|&[a, b, c]| point(a).dot(point(b).cross(point(c)))).sum();
     let normal = |&[a, b, c]: &[u32; 3]| {
         (point(b) - point(a)).cross(point(c) - point(a)).normalize_or_zero() * volume.signum()
@@ -82,7 +83,7 @@ fn is_concave(mesh: &Mesh) -> bool {
     some.any(is_beyond) || triangles.iter().any(is_bent) || parts(&triangles) > 1
 }
 
-/// The triangles of a mesh, with one number for all vertices in one place.
+/// Returns the triangles of a mesh. Vertices at the same place have the same number.
 fn welded(mesh: &Mesh) -> Vec<[u32; 3]> {
     let mut places: HashMap<[u32; 3], u32> = HashMap::new();
     let first: Vec<u32> = mesh
@@ -98,7 +99,7 @@ fn welded(mesh: &Mesh) -> Vec<[u32; 3]> {
     welded.filter(|[a, b, c]| a != b && b != c && c != a).collect()
 }
 
-/// How many parts triangles form that have no vertex in common.
+/// Returns the number of parts of a mesh that share no vertex.
 fn parts(triangles: &[[u32; 3]]) -> usize {
     let mut above: HashMap<u32, u32> = triangles.iter().flatten().map(|vertex| (*vertex, *vertex)).collect();
     let mut count = above.len();
@@ -114,7 +115,7 @@ fn parts(triangles: &[[u32; 3]]) -> usize {
     count
 }
 
-/// The vertex that stands for the part of another one, given the vertex above each. It halves the way there.
+/// Returns the vertex that represents the part of another one, and halves the path to it (union–find).
 fn top(above: &mut HashMap<u32, u32>, mut vertex: u32) -> u32 {
     while above[&vertex] != vertex {
         let over = above[&above[&vertex]];

@@ -8,11 +8,11 @@ use rapier3d_f64::geometry::{
 };
 use rapier3d_f64::pipeline::{ActiveHooks, ContactModificationContext, PairFilterContext, PhysicsHooks};
 
-/// What a collider knows of its link, packed into its user data.
+/// The properties of a link that its colliders carry, packed into their user data.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Owner {
     pub(super) model: ModelIndex,
-    /// Whether its link collides with others of its model.
+    /// True if its link collides with others of its model.
     pub(super) self_collide: bool,
     /// The lowest speed of an impact, in m/s, after which it bounces.
     pub(super) bounce_threshold_m_s: f64,
@@ -45,7 +45,7 @@ pub(super) fn with_surface(collider: ColliderBuilder, contact: &Contact) -> Coll
     if contact.is_solid { collider } else { collider.solver_groups(InteractionGroups::none()) }
 }
 
-/// Returns the hooks that a collider needs. Of two that touch, one can move, so those that cannot need none.
+/// Returns the hooks that a collider needs. At least one of two touching colliders can move, so static ones need none.
 pub(super) fn hooks(moves: bool) -> ActiveHooks {
     if moves {
         ActiveHooks::FILTER_CONTACT_PAIRS | ActiveHooks::MODIFY_SOLVER_CONTACTS
@@ -54,8 +54,8 @@ pub(super) fn hooks(moves: bool) -> ActiveHooks {
     }
 }
 
-/// Keeps the links of one model from touching each other, unless one of them says that it does, keeps slow things from
-/// bouncing, and lets friction act against the slip.
+/// Ignores contacts between links of the same model without `<self_collide>`, stops slow bodies from bouncing, and makes
+/// friction act against the slip.
 pub(super) struct Contacts;
 
 impl PhysicsHooks for Contacts {

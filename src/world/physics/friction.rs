@@ -1,4 +1,4 @@
-//! Friction of contacts that slip: it has to act against the slip, as Coulomb's law says.
+//! Makes the friction of slipping contacts act against the slip, as Coulomb's law requires.
 //!
 //! rapier solves the friction of a point by two tangents. It computes the impulse that would stop the point, −K⁻¹·v, where K
 //! says how the point yields to an impulse, and shortens it to μ times the normal impulse. A point beside the centre of mass
@@ -13,17 +13,17 @@ use glam::DVec3;
 use rapier3d_f64::dynamics::RigidBody;
 use rapier3d_f64::geometry::SolverContact;
 
-/// How two points that touch yield to an impulse between them, in a plane with two axes.
+/// The velocity between two touching points per unit of impulse between them, in a plane with two axes.
 #[derive(Default)]
 struct Yield {
-    /// Along the first axis by an impulse along it, and along the second by one along that.
+    /// Along each axis, for an impulse along the same axis.
     along: [f64; 2],
-    /// Along one axis by an impulse along the other.
+    /// Along one axis, for an impulse along the other.
     across: f64,
 }
 
 impl Yield {
-    /// Adds that of a body at a point of the world. What is not moved by forces does not yield.
+    /// Adds the share of a body at a point of the world. Bodies that forces do not move have none.
     fn add(&mut self, body: &RigidBody, point: DVec3, axes: [DVec3; 2]) {
         if !body.is_dynamic() {
             return;

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 /// Poses of all bodies after each of the last steps.
 #[derive(Debug, Default)]
 pub(super) struct History {
-    /// How far back poses are known. Nothing is kept if it is 0.
+    /// The time for which poses are kept; 0 to keep none.
     window_ns: u64,
     steps: VecDeque<Step>,
 }
@@ -19,14 +19,14 @@ struct Step {
 }
 
 impl History {
-    /// Keeps poses for this time, from now on.
+    /// Sets the time for which poses are kept.
     pub(super) fn keep(&mut self, window_ns: u64, time_ns: u64, bodies: &[Body]) {
         *self = Self { window_ns, steps: VecDeque::new() };
         self.add(time_ns, bodies);
     }
 
-    /// Notes where bodies are now: after a step, or after they were moved by hand since. Of two notes of one time, the
-    /// later one holds from then on and the earlier one before.
+    /// Stores the current poses, after a step or after bodies were moved by a command. If poses are stored twice for the same
+    /// time, the first ones end the interval before it, and the second ones begin the interval after it.
     pub(super) fn add(&mut self, time_ns: u64, bodies: &[Body]) {
         if self.window_ns == 0 {
             return;
@@ -42,7 +42,7 @@ impl History {
         self.steps.push_back(Step { time_ns, poses });
     }
 
-    /// Forgets bodies that are taken out.
+    /// Drops the poses of removed bodies.
     pub(super) fn remove(&mut self, bodies: std::ops::Range<usize>) {
         for step in &mut self.steps {
             let known = step.poses.len();
@@ -50,8 +50,8 @@ impl History {
         }
     }
 
-    /// The pose of a body at a time before the last step; that of the first step which is known if that is later. None for
-    /// a body that was not there.
+    /// Returns the pose of a body at a time before the last step, or its first stored pose if the time is before that.
+    /// Returns `None` for a body that did not exist.
     pub(super) fn pose(&self, body: usize, time_ns: u64) -> Option<Pose> {
         let next = self.steps.partition_point(|step| step.time_ns <= time_ns);
         let of = |step: &Step| step.poses.get(body).copied();

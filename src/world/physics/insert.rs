@@ -23,7 +23,7 @@ use std::sync::Arc;
 const DEFAULT_FRICTION: f64 = 1.0;
 
 impl Physics {
-    /// Adds a model's bodies, joints and shapes, at the index of one that was taken out or the next one.
+    /// Adds a model's bodies, joints and shapes, at the index of a removed model or at the next one.
     pub(super) fn add(&mut self, index: ModelIndex, placement: &Placement<'_>) {
         let Placement { model, ref world_from_model, ref carried, stays_awake } = *placement;
         self.notes.extend(place::too_far(model, world_from_model));
@@ -50,7 +50,7 @@ impl Physics {
             let wheel_of = |root: LinkIndex| {
                 carried.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
             };
-            // The body that carries a link in the end: a wheel may be on a link that steers it, and that on the base.
+            // The body that finally carries a link: a wheel may be on a steered link, which is on the base.
             let carrier_of = |link: LinkIndex| {
                 let mut root = lumps.root[link];
                 // A tree has fewer steps to its root than links.
@@ -107,7 +107,7 @@ impl Physics {
         for link in order {
             self.add_colliders(model, index, link, &mut links[link]);
         }
-        // rapier does so only in the next step. Until then a body would have no mass, and its centre would be at the origin of
+        // rapier does this only in the next step. Until then a body would have no mass, and its centre would be at the origin of
         // the world, so a model that is given a velocity at once would get a wrong one.
         for body in &self.bodies[first_body..] {
             self.rapier.bodies[body.handle].recompute_mass_properties_from_colliders(&self.rapier.colliders);
@@ -374,8 +374,8 @@ impl Physics {
     }
 }
 
-/// Returns the inertia, with at least that of a ball of 1 cm of the same mass about every axis: a body without inertia
-/// would count as one that cannot turn at all.
+/// Returns the inertia, raised to at least that of a ball of 1 cm with the same mass about every axis. rapier treats a body
+/// without inertia as one that cannot turn.
 fn inertia_of(mass: &BodyMass) -> DMat3 {
     const BALL_INERTIA_PER_KG: f64 = 0.4 * 0.01 * 0.01;
     let least = DMat3::from_diagonal(DVec3::splat(mass.mass_kg * BALL_INERTIA_PER_KG));

@@ -1,4 +1,4 @@
-//! Joints that move: the joints of rapier that stand for them, and their position, velocity and effort.
+//! Movable joints: their counterparts in rapier, and their position, velocity and effort.
 
 use super::SUBSTEPS;
 use super::convert::to_rapier;
@@ -14,7 +14,7 @@ use std::f64::consts::{PI, TAU};
 /// State of a joint at one time.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
-    /// Position in rad or m. An angle is not wrapped, so it counts the turns of a wheel.
+    /// Position in rad or m. An angle is not wrapped, so it includes the turns of a wheel.
     pub position: f64,
     /// Velocity in rad/s or m/s.
     pub velocity: f64,
@@ -22,21 +22,21 @@ pub struct JointState {
     pub effort: f64,
 }
 
-/// What moves a joint.
+/// The way in which a joint is moved.
 #[derive(Debug)]
 pub(super) enum Motion {
-    /// Forces on the two bodies move it, in a joint of rapier.
+    /// By forces on the two bodies, as a joint of rapier.
     Forces(ImpulseJointHandle),
-    /// It is the joint of a wheel, which a base turns at a given rate. The first body carries the second.
+    /// As the joint of a wheel, which a base turns at a given rate. The first body carries the second.
     Rolled {
-        /// rad/s.
+        /// Angular velocity in rad/s.
         rate: f64,
-        /// N·m.
+        /// Torque in N·m.
         effort: f64,
     },
 }
 
-/// A joint that moves.
+/// A movable joint.
 #[derive(Debug)]
 pub(super) struct MovingJoint {
     pub(super) motion: Motion,
@@ -45,7 +45,7 @@ pub(super) struct MovingJoint {
     /// The joint's frame in each of them; it moves along or about its x.
     pub(super) body_from_joint: [Pose; 2],
     pub(super) axis: JointAxis,
-    /// Limits of an angle that are too far apart for rapier, which gets the part of them that is near the position.
+    /// Limits of an angle that are too far apart for rapier. Only the part near the position is given to rapier.
     pub(super) wide_limits: Option<[f64; 2]>,
     /// The limits of its position, if it has some.
     pub(super) limits: Option<[f64; 2]>,
@@ -93,7 +93,7 @@ impl MovingJoint {
         Self::between(body_from_joint, JointAxesMask::LIN_AXES).build()
     }
 
-    /// Returns a joint of rapier that locks some axes of two bodies, which then do not touch each other.
+    /// Returns a joint of rapier that locks some axes of two bodies. The two do not collide with each other.
     pub(super) fn between(body_from_joint: &[Pose; 2], locked: JointAxesMask) -> GenericJointBuilder {
         GenericJointBuilder::new(locked)
             .local_frame1(to_rapier(&body_from_joint[0]))
@@ -101,15 +101,15 @@ impl MovingJoint {
             .contacts_enabled(false)
     }
 
-    /// Sets what the motor aims at: a velocity in rad/s or m/s, with at most `max_effort` N·m or N, and no more of both than
-    /// the joint's own limits.
+    /// Sets the motor's target velocity in rad/s or m/s, and its largest effort in N·m or N. The joint's own limits apply to
+    /// both.
     pub(super) fn drive(&self, joints: &mut ImpulseJointSet, velocity: f64, max_effort: f64) {
         let most = self.dynamics.max_velocity;
         self.aim(joints, velocity.clamp(-most, most), max_effort.min(self.dynamics.max_effort));
     }
 
-    /// Lets the motor follow a leader, so that what the joint is off by is made up for in `time_s`. Files give followers
-    /// limits of 0, which are none here.
+    /// Makes the motor follow a leader, so that the joint's error is corrected in `time_s`. Limits of 0, which files give to
+    /// followers, count as none.
     pub(super) fn follow(
         &self,
         joints: &mut ImpulseJointSet,
@@ -138,7 +138,7 @@ impl MovingJoint {
         }
     }
 
-    /// Position along or about x of the second joint frame in the first, the angle within (−π, π].
+    /// Returns the position of the second joint frame in the first, along or about x; an angle is within (−π, π].
     pub(super) fn position(&self, world_from_body: [Pose; 2]) -> f64 {
         let world_from_joint = [0, 1].map(|side| world_from_body[side] * self.body_from_joint[side]);
         let first_from_second = world_from_joint[0].inverse() * world_from_joint[1];
@@ -160,13 +160,13 @@ impl MovingJoint {
         }
     }
 
-    /// Pose of the second body of a rolled joint, from that of the first.
+    /// Returns the pose of the second body of a rolled joint, from that of the first.
     pub(super) fn carried(&self, world_from_first: Pose) -> Pose {
         let turn = Self::moved(self.axis, self.current.position);
         world_from_first * self.body_from_joint[0] * turn * self.body_from_joint[1].inverse()
     }
 
-    /// The second joint frame in the first, at a position.
+    /// Returns the pose of the second joint frame in the first, at a position.
     pub(super) fn moved(axis: JointAxis, position: f64) -> Pose {
         if axis != JointAxis::AngX {
             return Pose::from_translation(DVec3::X * position);
@@ -182,7 +182,7 @@ impl MovingJoint {
         self.follow_limits(joints);
     }
 
-    /// The joint's free axis; none for a kind that has none, or several.
+    /// Returns the joint's free axis; `None` for a kind with no or several free axes.
     pub(super) fn axis_of(kind: JointKind) -> Option<JointAxis> {
         match kind {
             JointKind::Fixed | JointKind::Ball | JointKind::Floating => None,

@@ -1,4 +1,4 @@
-//! Which links are one rigid body: those held together by fixed joints, as Gazebo lumps them.
+//! Combines links that are connected by fixed joints into one rigid body, as Gazebo does.
 
 use super::JointIndex;
 use crate::description::diagnostics::{Problem, Severity};
@@ -9,14 +9,14 @@ use glam::{DMat3, DVec3};
 
 /// The links of a model sorted into rigid bodies.
 pub(super) struct Lumps {
-    /// For each link the link that stands for its body: the body's frame is that link's frame.
+    /// For each link, the root of its body: the body's frame is that link's frame.
     pub(super) root: Vec<LinkIndex>,
     /// The links in the order of [`tree_order`].
     order: Vec<LinkIndex>,
 }
 
-/// All links, parents before their children and otherwise by name: the same whatever the order of the file. Links in a
-/// loop come at the end.
+/// Returns all links, parents before their children and otherwise by name, so that the order of the file has no effect.
+/// Links in a loop are at the end.
 pub(super) fn tree_order(model: &Model) -> Vec<LinkIndex> {
     let mut children = vec![Vec::new(); model.links.len()];
     let mut is_child = vec![false; model.links.len()];
@@ -24,7 +24,7 @@ pub(super) fn tree_order(model: &Model) -> Vec<LinkIndex> {
         children[joint.parent].push(joint.child);
         is_child[joint.child] = true;
     }
-    // The last is taken first.
+    // The last one is processed first.
     let by_name = |links: &mut Vec<LinkIndex>| {
         links.sort_by(|one, other| model.links[*other].name.cmp(&model.links[*one].name));
     };
@@ -46,7 +46,7 @@ pub(super) fn tree_order(model: &Model) -> Vec<LinkIndex> {
     order
 }
 
-/// All joints in the order of their children, and by name where a child has several.
+/// Returns all joints in the order of their children; joints with the same child by name.
 pub(super) fn joints_in(order: &[LinkIndex], model: &Model) -> Vec<JointIndex> {
     let mut place = vec![0; order.len()];
     for (number, link) in order.iter().enumerate() {
@@ -57,10 +57,10 @@ pub(super) fn joints_in(order: &[LinkIndex], model: &Model) -> Vec<JointIndex> {
     joints
 }
 
-/// The link that a link hangs on in the end; none in a model without links.
+/// Returns the root of a link's tree; `None` in a model without links.
 pub(super) fn root_above(model: &Model, link: LinkIndex) -> Option<LinkIndex> {
     let mut at = (link < model.links.len()).then_some(link)?;
-    // More steps up than there are links go around in a loop.
+    // A path with more steps than links is a loop.
     for _ in 0..model.links.len() {
         let Some(joint) = model.joint_above(at) else { break };
         at = joint.parent;
@@ -69,8 +69,8 @@ pub(super) fn root_above(model: &Model, link: LinkIndex) -> Option<LinkIndex> {
 }
 
 impl Lumps {
-    /// Joins links over fixed joints, and over joints whose child has no mass and thus could not be moved by
-    /// any force; of the latter a note is made. `rolled` joints are left alone: their wheels are carried along.
+    /// Combines links across fixed joints. It also does so, with a note, across joints whose child has no mass, because no
+    /// force could move that child. `rolled` joints are left alone: their wheels are carried.
     pub(super) fn of(
         model: &Model,
         order: &[LinkIndex],
@@ -109,7 +109,7 @@ impl Lumps {
         lumps
     }
 
-    /// Makes the bodies of two links one, named after the parent's.
+    /// Combines the bodies of two links; the parent's root becomes the root of both.
     fn weld(&mut self, parent: LinkIndex, child: LinkIndex) {
         let (keep, drop) = (self.root[parent], self.root[child]);
         for root in &mut self.root {
@@ -119,7 +119,7 @@ impl Lumps {
         }
     }
 
-    /// The links of the body named after `root`.
+    /// Returns the links of the body with this root.
     pub(super) fn links(&self, root: LinkIndex) -> impl Iterator<Item = LinkIndex> + '_ {
         self.order.iter().copied().filter(move |link| self.root[*link] == root)
     }
@@ -134,14 +134,14 @@ impl Lumps {
 pub(super) struct BodyMass {
     pub(super) mass_kg: f64,
     pub(super) centre: DVec3,
-    /// About the centre of mass, along the axes of the body's frame.
+    /// The inertia about the centre of mass, along the axes of the body's frame.
     pub(super) inertia: DMat3,
-    /// Part of the mass that gravity acts on, in [0, 1].
+    /// The share of the mass that gravity acts on, in [0, 1].
     pub(super) gravity_share: f64,
 }
 
 impl BodyMass {
-    /// Adds up the links of a body; none if they have no mass at all. Inertias are turned into the body's axes
+    /// Adds up the links of a body. Returns `None` if they have no mass at all. Inertias are rotated into the body's axes
     /// and shifted to the common centre of mass by the parallel axis theorem, I = R·I'·Rᵀ + m·(d²·1 − d·dᵀ).
     pub(super) fn of(links: impl Iterator<Item = (Pose, Inertial, bool)> + Clone) -> Option<Self> {
         let (mut mass_kg, mut moment, mut attracted_kg) = (0.0, DVec3::ZERO, 0.0);

@@ -1,4 +1,4 @@
-//! Models are moved, put back, added and taken out while the world runs.
+//! Moves, resets, adds and removes models while the world runs.
 
 use super::convert::{from_rapier, to_rapier};
 use super::joint::Motion;
@@ -9,19 +9,19 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 
 impl Physics {
-    /// Pose of a model's frame at a time between the last two steps.
+    /// Returns the pose of a model's frame at a time between the last two steps.
     pub fn world_from_model_at(&self, model: ModelIndex, stamp_ns: u64) -> Pose {
         self.models[model].leading.map_or(self.models[model].world_from_model, |body| {
             self.body_at(body, stamp_ns) * self.bodies[body].model_at_start.inverse()
         })
     }
 
-    /// Pose of a model's frame now: it goes along with the root of its tree of links.
+    /// Returns the current pose of a model's frame, which moves with the root of its tree of links.
     pub fn world_from_model(&self, model: ModelIndex) -> Pose {
         self.world_from_model_at(model, self.time_ns)
     }
 
-    /// Velocity of a model's origin in m/s and its rate of turn in rad/s, both in the world frame.
+    /// Returns the velocity of a model's origin in m/s and its angular velocity in rad/s, both in the world frame.
     pub fn model_velocity(&self, model: ModelIndex) -> (DVec3, DVec3) {
         let Some(body) = self.models[model].leading else { return (DVec3::ZERO, DVec3::ZERO) };
         let origin = self.world_from_model(model).translation();
@@ -29,9 +29,9 @@ impl Physics {
         (rigid.velocity_at_point(origin), rigid.angvel())
     }
 
-    /// Moves a model as it is, joints included, so that its frame comes to `world_from_model`, and gives its origin a
-    /// velocity in m/s and a rate of turn in rad/s, both in the world frame. What is static moves too, and stands.
-    /// The wheels of a Kobuki do not turn by it: its odometry does not notice that it was carried.
+    /// Moves a model with its current joint positions, so that its frame is at `world_from_model`, and sets the velocity of
+    /// its origin in m/s and its angular velocity in rad/s, both in the world frame. Static parts are moved, too, but get no
+    /// velocity. The wheels of a Kobuki do not turn, so its odometry does not change.
     pub fn move_model(&mut self, model: ModelIndex, world_from_model: &Pose, linear: DVec3, angular: DVec3) {
         let moved_from_world = *world_from_model * self.world_from_model(model).inverse();
         for index in self.models[model].first_body..self.models[model].end_body {
@@ -43,12 +43,12 @@ impl Physics {
         self.settle(model, world_from_model);
     }
 
-    /// Whether a model follows a script, so that it cannot be moved.
+    /// Returns true if a model follows a script, so that it cannot be moved.
     pub fn follows_script(&self, model: ModelIndex) -> bool {
         self.models[model].leading.is_some_and(|body| matches!(self.bodies[body].follows, Follows::Path(_)))
     }
 
-    /// Puts a model somewhere as it was at the start: at rest, with its joints where they begin. The wheels of a Kobuki keep
+    /// Places a model as it was at the start: at rest, with its joints at their initial positions. The wheels of a Kobuki keep
     /// the turns that its encoders have counted.
     pub fn place_model(&mut self, model: ModelIndex, world_from_model: &Pose) {
         let placed = &mut self.models[model];
@@ -79,7 +79,7 @@ impl Physics {
         body.current = from_rapier(rigid.position());
     }
 
-    /// Moves what does not move by itself, and forgets where the model came from.
+    /// Moves the static parts, and makes the new pose the model's previous pose as well.
     fn settle(&mut self, model: ModelIndex, world_from_model: &Pose) {
         self.carry();
         let placed = &mut self.models[model];
@@ -96,12 +96,12 @@ impl Physics {
             }
         }
         self.history.add(self.time_ns, &self.bodies);
-        // What rested on it or beside it may have to move now.
+        // Bodies that rested on it or against it may have to move now.
         self.rapier.wake_up_all(true);
     }
 
-    /// Adds a model to the running world, its frame at `world_from_model`. What was decided for the user is added to
-    /// [`Physics::take_notes`].
+    /// Adds a model to the running world, with its frame at `world_from_model`. Values that were chosen for the user are
+    /// reported by [`Physics::take_notes`].
     ///
     /// # Errors
     /// If a pose is not finite.
@@ -113,8 +113,8 @@ impl Physics {
         Ok(index)
     }
 
-    /// Takes a model out of the running world. Its index is given to the next that comes; those of the others stay as
-    /// they are.
+    /// Removes a model from the running world. The next model that is added gets its index; those of the others do not
+    /// change.
     pub fn remove_model(&mut self, model: ModelIndex) {
         self.free.push(model);
         let removed = std::mem::take(&mut self.models[model]);

@@ -7,7 +7,7 @@ use belvedere_sensors::Pose;
 use glam::DVec3;
 
 impl Physics {
-    /// Pose of a link now.
+    /// Returns the current pose of a link.
     ///
     /// # Panics
     /// If there is no such model or link; so do the other methods that take an index.
@@ -16,26 +16,26 @@ impl Physics {
         placed.body.map_or(placed.body_from_link, |body| self.bodies[body].current * placed.body_from_link)
     }
 
-    /// Pose of a link at a time between the last two steps; a stamp outside takes the nearer of the two. Before that,
-    /// poses are those that [`Physics::remember`] keeps.
+    /// Returns the pose of a link at a time between the last two steps, or at the nearer of the two. Earlier poses are
+    /// those that [`Physics::remember`] keeps.
     pub fn world_from_link_at(&self, model: ModelIndex, link: LinkIndex, stamp_ns: u64) -> Pose {
         let placed = &self.models[model].links[link];
         placed.body.map_or(placed.body_from_link, |body| self.body_at(body, stamp_ns) * placed.body_from_link)
     }
 
-    /// Every link that can move, with its pose now.
+    /// Returns every link that can move, with its current pose.
     pub fn moving_links(&self) -> impl Iterator<Item = (ModelIndex, LinkIndex, Pose)> + '_ {
         self.moving_links_at(self.time_ns)
     }
 
-    /// Every link that can move, with its pose at a time between the last two steps.
+    /// Returns every link that can move, with its pose at a time between the last two steps.
     pub fn moving_links_at(&self, stamp_ns: u64) -> impl Iterator<Item = (ModelIndex, LinkIndex, Pose)> + '_ {
         self.moving.iter().map(move |moving| {
             (moving.model, moving.link, self.body_at(moving.body, stamp_ns) * moving.body_from_link)
         })
     }
 
-    /// Velocity of a link's origin in m/s and its rate of turn in rad/s, both in the world frame; zero for a
+    /// Returns the velocity of a link's origin in m/s and its angular velocity in rad/s, both in the world frame; zero for a
     /// link that never moves.
     pub fn link_velocity(&self, model: ModelIndex, link: LinkIndex) -> (DVec3, DVec3) {
         let placed = &self.models[model].links[link];
@@ -46,12 +46,12 @@ impl Physics {
         (body.velocity_at_point(origin), body.angvel())
     }
 
-    /// State of a joint now; none for a joint that does not move.
+    /// Returns the current state of a joint; `None` for a joint that does not move.
     pub fn joint_state(&self, model: ModelIndex, joint: JointIndex) -> Option<JointState> {
         self.models[model].joints[joint].as_ref().map(|joint| joint.current)
     }
 
-    /// State of a joint at a time between the last two steps; none for a joint that does not move.
+    /// Returns the state of a joint at a time between the last two steps; `None` for a joint that does not move.
     pub fn joint_state_at(&self, model: ModelIndex, joint: JointIndex, stamp_ns: u64) -> Option<JointState> {
         let (joint, fraction) = (self.models[model].joints[joint].as_ref()?, self.fraction(stamp_ns));
         let between = |from: f64, to: f64| from + (to - from) * fraction;
@@ -72,8 +72,8 @@ impl Physics {
         })
     }
 
-    /// Mass in kg, centre of mass in the world, and moment of inertia in kg·m² about an axis through it, of the
-    /// body that a link belongs to; none for a link that never moves.
+    /// Returns the mass in kg, the centre of mass in the world, and the moment of inertia in kg·m² about an axis through it,
+    /// of the body that a link belongs to; `None` for a link that never moves.
     pub(crate) fn body_mass(
         &self,
         model: ModelIndex,
@@ -87,15 +87,15 @@ impl Physics {
         Some((rigid.mass(), rigid.center_of_mass(), axis.dot(inertia * axis)))
     }
 
-    /// Mass in kg of all of a model that moves.
+    /// Returns the mass in kg of all parts of a model that can move.
     pub(crate) fn model_mass(&self, model: ModelIndex) -> f64 {
         let placed = &self.models[model];
         let own = self.bodies[placed.first_body..placed.end_body].iter().filter(|body| !body.is_carried());
         own.map(|body| self.rapier.bodies[body.handle].mass()).sum()
     }
 
-    /// The normal of the ground that a link stood on in the last step, as the mean of its contacts whose
-    /// normals point along `up_in_world` within 60°; none if it stood on nothing.
+    /// Returns the normal of the ground that a link stood on in the last step: the mean of its contacts whose normals are
+    /// within 60° of `up_in_world`. Returns `None` if it stood on nothing.
     pub(crate) fn ground_normal(
         &self,
         model: ModelIndex,
@@ -115,12 +115,12 @@ impl Physics {
         sum.try_normalize()
     }
 
-    /// Gravity in m/s², in the world frame.
+    /// Returns gravity in m/s², in the world frame.
     pub fn gravity(&self) -> DVec3 {
         self.rapier.gravity
     }
 
-    /// Where `stamp_ns` lies between the last two steps, in [0, 1].
+    /// Returns the position of `stamp_ns` between the last two steps, in [0, 1].
     pub(super) fn fraction(&self, stamp_ns: u64) -> f64 {
         let before_ns = self.time_ns.saturating_sub(stamp_ns).min(self.step_ns);
         1.0 - before_ns as f64 / self.step_ns as f64

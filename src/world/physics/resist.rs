@@ -1,23 +1,23 @@
-//! Joints of rapier for what resists a joint: its spring and damper, and its dry friction.
+//! The spring, damper and dry friction of a joint, as joints of rapier.
 //!
-//! rapier has one motor for each axis of a joint, and that is what a robot drives. A spring with a damper is a motor, too, and
-//! dry friction is one that holds still with a force that is limited. So each of them is another joint between the same two
-//! bodies, which leaves all axes free. All are solved at once, at the end of the step, so that none is too stiff for it.
+//! rapier has one motor for each axis of a joint, which the robot's drive needs. A spring with a damper is a motor as well, and
+//! dry friction is a motor of velocity 0 with limited force. So each of them is another joint between the same two bodies that
+//! leaves all axes free. They are solved implicitly, so that none is too stiff for the step.
 
 use super::joint::MovingJoint;
 use crate::description::model::JointDynamics;
 use belvedere_sensors::Pose;
 use rapier3d_f64::dynamics::{GenericJoint, GenericJointBuilder, JointAxesMask, JointAxis, MotorModel};
 
-/// How hard dry friction holds still, in N·m·s/rad or N·s/m: with 10 N·m it creeps by 10⁻⁵ rad/s.
+/// Stiffness with which dry friction holds, in N·m·s/rad or N·s/m: under 10 N·m a joint creeps by 10⁻⁵ rad/s.
 const HOLDING: f64 = 1e6;
 
-/// Largest stiffness or damping. It is rigid, and rapier's products of it are still finite.
+/// Largest stiffness or damping: practically rigid, but rapier's products with it are still finite.
 const STIFFEST: f64 = 1e30;
 /// Farthest reference of a spring, in rad or m.
 const FARTHEST: f64 = 1e6;
 
-/// Returns the joints of rapier for what resists a joint that moves along or about `axis`.
+/// Returns the joints of rapier for the spring, damper and friction of a joint that moves along or about `axis`.
 pub(super) fn joints(
     dynamics: &JointDynamics,
     axis: JointAxis,

@@ -8,19 +8,17 @@ use rapier3d_f64::parry::utils::Array2;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::ops::RangeInclusive;
 
-/// Sizes in m that a shape may have. Beyond them, the squares and products that parry makes of sizes would be 0 or
-/// infinite.
+/// Sizes in m that a shape may have. With others, parry's squares and products of sizes would be 0 or infinite.
 const SIZES_M: RangeInclusive<f64> = f32::MIN_POSITIVE as f64..=f32::MAX as f64;
 
 /// Returns a shape and its pose in the frame of the geometry, or the reason why it cannot collide.
 ///
-/// The triangles of something that moves become their convex hull. A triangle mesh is hollow, so moving ones would sink into
-/// each other.
+/// A mesh that moves becomes its convex hull. A triangle mesh is hollow, so moving ones would sink into each other.
 pub(super) fn shape(geometry: &Geometry, moves: bool) -> Result<(SharedShape, Pose), String> {
     let positive = |value: f64, what: &str| {
         if SIZES_M.contains(&value) { Ok(value) } else { Err(format!("its {what} is {value}, not above 0")) }
     };
-    // parry's cylinders stand along y, ours along z.
+    // The axis of parry's cylinders is y; here it is z.
     let z_from_y = Pose::new(DVec3::ZERO, DQuat::from_xyzw(FRAC_1_SQRT_2, 0.0, 0.0, FRAC_1_SQRT_2));
     Ok(match geometry {
         Geometry::Box { size } => {
@@ -53,7 +51,7 @@ pub(super) fn shape(geometry: &Geometry, moves: bool) -> Result<(SharedShape, Po
             let ([rows, columns], [x, y]) = (map.heights.grid, map.heights.size);
             let metres = Array2::new(rows as usize, columns as usize, by_columns(&map.heights));
             let size = DVec3::new(positive(x, "size")?, 1.0, positive(y, "size")?);
-            // parry's rows go along z, which this turns to −y: from the top of the picture to its bottom.
+            // parry's rows go along z, which this turns to −y: from the top of the image to its bottom.
             (SharedShape::heightfield(metres, size), Pose::new(map.offset, z_from_y.rotation()))
         }
     })

@@ -5,7 +5,7 @@ use super::lump::joints_in;
 use crate::description::model::{Joint, JointIndex, LinkIndex, Model};
 use belvedere_sensors::Pose;
 
-/// Returns the initial position of a joint. It is within its limits, and that of a follower is given by its leader.
+/// Returns the initial position of a joint, within its limits. That of a follower results from its leader.
 pub(super) fn position(model: &Model, joint: JointIndex) -> f64 {
     let (mut factor, mut offset, mut at) = (1.0, 0.0, joint);
     // The descriptions let no joint follow itself.
@@ -38,7 +38,7 @@ pub(super) fn link_poses(model: &Model, order: &[LinkIndex], carried: &[JointInd
         }
         let axis = MovingJoint::axis_of(joint.kind).filter(|_| !carried.contains(&number));
         let motion = axis.map_or(Pose::IDENTITY, |axis| MovingJoint::moved(axis, position(model, number)));
-        // Also what hangs on a link that is not at its own place follows it.
+        // This also moves the links that are attached to a moved link.
         if motion != Pose::IDENTITY || poses[joint.parent] != model.links[joint.parent].model_from_link {
             let child_from_joint = child_from_joint(joint);
             let parent_from_child =

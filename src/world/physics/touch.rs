@@ -21,7 +21,7 @@ pub(crate) struct Touch {
 
 impl Physics {
     /// Returns a link of this model and another model if the middle of the largest shape of the link is inside that other
-    /// model. A model that stands a little in the floor is pushed out of it, so its middle decides.
+    /// model. Only the middle counts, because physics pushes out a model that is slightly inside the floor.
     pub(crate) fn inside(&self, model: ModelIndex) -> Option<(LinkIndex, ModelIndex)> {
         let colliders = &self.rapier.colliders;
         let world_from = |collider: &Collider| self.world_from_collider(collider);
@@ -37,11 +37,11 @@ impl Physics {
     }
 
     /// Returns true if no shape of another model is nearer than `clearance_m` to those of this one, or to its origin if it has
-    /// none. What is below it may be nearer, because it stands there.
+    /// none. The floor below it may be nearer.
     pub(crate) fn is_clear(&self, model: ModelIndex, clearance_m: f64) -> bool {
-        /// The least z of the normal of a floor: it is inclined by 45° at most.
+        /// The least z of a floor's normal: a floor is inclined by at most 45°.
         const FLOOR: f64 = 0.707;
-        /// Depth in m to which a model may stand in a floor.
+        /// Depth in m to which a model may be inside a floor.
         const SUNK_M: f64 = 0.02;
         let colliders = &self.rapier.colliders;
         let origin = Ball::new(1e-3);
@@ -139,7 +139,7 @@ impl Physics {
     }
 }
 
-/// Returns how far up a shape begins.
+/// Returns the height of the lowest point of a shape.
 fn lowest(shape: &dyn RapierShape, world_from_shape: &RapierPose, up: DVec3) -> f64 {
     if let Some(shape) = shape.as_support_map() {
         return shape.support_point(world_from_shape, -up).dot(up);

@@ -1,8 +1,9 @@
-//! What passes through a joint: the force and the torque by which one side of it moves the other.
+//! The wrench of a joint: the force and the torque that it transmits from one of its sides to the other.
 //!
-//! It follows from how the links on one side move, by Newton and Euler: what accelerates them besides gravity, contacts and
-//! the drive of a base has come through the joint. So it holds for fixed joints, which join links into one body, as for
-//! those that move, and whatever moves them: motors, springs, limits, dry friction. Forces are means of a step.
+//! It is computed from the motion of the links on one side, by the laws of Newton and Euler: the joint transmits everything
+//! that accelerates them except gravity, contacts and the drive of a base. This works for fixed joints, whose links form one
+//! body, as well as for movable ones, whether motors, springs, limits or dry friction act in them. Forces are means over a
+//! step.
 
 mod part;
 
@@ -17,12 +18,12 @@ use rapier3d_f64::geometry::{ColliderHandle, ContactData, ContactManifold, Solve
 use rapier3d_f64::utils::OrthonormalBasis;
 use std::collections::HashSet;
 
-/// A force and a torque, or what they have given in a time: N and N·m, or N·s and N·m·s.
+/// A force and a torque in N and N·m, or their integrals over time in N·s and N·m·s.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
     /// The force.
     pub force: DVec3,
-    /// The torque about the origin of the frame in which they are.
+    /// The torque about the origin of the frame.
     pub torque: DVec3,
 }
 
@@ -32,42 +33,42 @@ impl Wrench {
         self.torque += at.cross(force);
     }
 
-    /// The mean wrench, in N and N·m, that has given this since it had given `earlier`.
+    /// Returns the mean wrench in N and N·m, if this is the integral now and `earlier` was the integral a period ago.
     #[must_use]
     pub fn mean_since(&self, earlier: &Self, period_s: f64) -> Self {
         let mean = |now: DVec3, earlier: DVec3| (now - earlier) / period_s;
         Self { force: mean(self.force, earlier.force), torque: mean(self.torque, earlier.torque) }
     }
 
-    /// From here to another one.
+    /// Interpolates between two wrenches.
     fn to(self, other: Self, fraction: f64) -> Self {
         let between = |one: DVec3, other: DVec3| one + (other - one) * fraction;
         Self { force: between(self.force, other.force), torque: between(self.torque, other.torque) }
     }
 }
 
-/// What measures a joint, for a sensor.
+/// The measurement of a joint for one sensor.
 pub(super) struct Gauge {
-    /// The frame in which it measures.
+    /// The link of the frame in which it measures.
     link: LinkIndex,
     link_from_sensor: Pose,
-    /// The links on one side of the joint, which nothing but the joint holds, and what of them has a mass.
+    /// The links on one side of the joint, which only the joint holds; and those of them that have a mass.
     links: Vec<LinkIndex>,
     part: Vec<Piece>,
-    /// 1 if they are on the side of its child, −1 if on that of its parent.
+    /// 1 if they are on the child's side of the joint, −1 if they are on the parent's.
     sign: f64,
-    /// Those of them at which their bodies are pushed.
+    /// Those of them at which the drive of a base pushes their bodies.
     pushed: Vec<LinkIndex>,
-    /// Before the step: where the frame was, and how each piece moved.
+    /// The pose of the frame, and the motion of each piece, before the step.
     world_from_sensor: Pose,
     before: Vec<Motion>,
-    /// What has passed from the parent to the child, until the last step but one and until the last.
+    /// The integral of the wrench of the parent on the child, up to the last step but one and up to the last.
     passed: [Wrench; 2],
-    /// A step has been made.
+    /// True after the first step.
     has_measured: bool,
 }
 
-/// How a link moves, in the world: its centre of mass, that one's velocity, and its spin.
+/// The motion of a link in the world: its centre of mass, the centre's velocity, and the angular momentum about it.
 #[derive(Clone, Copy)]
 struct Motion {
     centre: DVec3,
@@ -76,7 +77,7 @@ struct Motion {
 }
 
 impl Physics {
-    /// Makes the gauges of a model that has been placed: one for each force-torque sensor, in their order.
+    /// Creates the gauges of a model that has been placed: one for each force-torque sensor, in their order.
     pub(super) fn add_gauges(&mut self, index: ModelIndex, model: &Model, carried: &[JointIndex]) {
         let joint_of = |sensor: &Sensor| match &sensor.kind {
             SensorKind::ForceTorque(it) => Some(it.joint),
@@ -129,7 +130,7 @@ impl Physics {
         self.models[index].gauges = gauges;
     }
 
-    /// Notes how everything moves that is measured, before a step.
+    /// Stores the motion of all measured links before a step.
     pub(super) fn begin_gauges(&mut self) {
         self.for_each_gauge(|physics, index, gauge| {
             gauge.world_from_sensor = physics.world_from_sensor(index, gauge);
@@ -138,7 +139,7 @@ impl Physics {
         });
     }
 
-    /// Adds up what has passed through joints, after a step.
+    /// Adds the wrenches of the last step to the integrals.
     pub(super) fn end_gauges(&mut self) {
         self.for_each_gauge(|physics, index, gauge| {
             let passed = physics.passed_in_step(index, gauge);
@@ -160,15 +161,16 @@ impl Physics {
         }
     }
 
-    /// What has passed from the parent to the child of a joint until a time between the last two steps, in N·s and N·m·s, as
-    /// a sensor measures it: along the axes of its frame and about its origin. The sensor is the force-torque sensor of that
-    /// number in its model. None for a joint that cannot be measured.
+    /// Returns the integral of the wrench of a joint's parent on its child up to a time between the last two steps, in N·s and
+    /// N·m·s, along the axes of the sensor's frame and about its origin. `sensor` is the index among the model's force-torque
+    /// sensors. Returns `None` for a joint that cannot be measured.
     pub fn passed_at(&self, model: ModelIndex, sensor: usize, stamp_ns: u64) -> Option<Wrench> {
         let [from, to] = self.models[model].gauges.get(sensor)?.as_ref()?.passed;
         Some(from.to(to, self.fraction(stamp_ns)))
     }
 
-    /// The mean wrench of the last step, in N and N·m; none before the first step, and for a joint that cannot be measured.
+    /// Returns the mean wrench of the last step, in N and N·m; `None` before the first step, and for a joint that cannot be
+    /// measured.
     pub fn wrench(&self, model: ModelIndex, sensor: usize) -> Option<Wrench> {
         let gauge = self.models[model].gauges.get(sensor)?.as_ref()?;
         let [from, to] = gauge.passed;
@@ -192,7 +194,8 @@ impl Physics {
         })
     }
 
-    /// What has passed in the last step, in N·s and N·m·s along the axes of the gauge, from the parent to the child.
+    /// Returns the integral of the wrench of the parent on the child over the last step, in N·s and N·m·s, along the axes of
+    /// the gauge.
     fn passed_in_step(&self, index: ModelIndex, gauge: &Gauge) -> Wrench {
         let step_s = self.step_s();
         let world_from_sensor =
@@ -203,7 +206,7 @@ impl Physics {
             let after = self.motion(index, piece);
             let [linear, angular] = self.damping_of(index, piece.link);
             let way = after.centre - before.centre;
-            // What the air has taken is not missing.
+            // Damping by air is not a force of the joint.
             let gained = after.velocity - before.velocity + way * linear;
             let fallen = if piece.gravity { self.gravity() * step_s } else { DVec3::ZERO };
             let arm = 0.5 * (before.centre + after.centre) - origin;
@@ -228,7 +231,7 @@ impl Physics {
         }
     }
 
-    /// rapier's linear and angular damping of a link's body, in 1/s.
+    /// Returns rapier's linear and angular damping of a link's body, in 1/s.
     fn damping_of(&self, index: ModelIndex, link: LinkIndex) -> [f64; 2] {
         let body = self.models[index].links[link].body;
         body.map_or([0.0; 2], |body| {
@@ -237,12 +240,12 @@ impl Physics {
         })
     }
 
-    /// The centre of mass of a body in the middle of the last step.
+    /// Returns the centre of mass of a body in the middle of the last step.
     fn centre_in_step(&self, rigid: &RigidBody) -> DVec3 {
         rigid.center_of_mass() - rigid.linvel() * (0.5 * self.step_s())
     }
 
-    /// The impulses in N·s that a collider has got in the last step by contacts, with the points where.
+    /// Returns the impulses of contacts on a collider in the last step, in N·s, with their points.
     fn contacts_of(&self, collider: ColliderHandle) -> impl Iterator<Item = (DVec3, DVec3)> + '_ {
         let pairs = self.rapier.narrow_phase.contact_pairs_with(collider);
         pairs.filter_map(|pair| Some((pair, pair.rigid()?))).flat_map(move |(pair, contacts)| {
@@ -258,7 +261,7 @@ impl Physics {
         })
     }
 
-    /// Where a contact was in the last step. rapier keeps it relative to the centre of a body that moves.
+    /// Returns the position of a contact in the last step. rapier stores it relative to the centre of a moving body.
     fn place(&self, manifold: &ContactManifold, contact: &ContactData) -> Option<DVec3> {
         let arms = [contact.solver_dp1, contact.solver_dp2];
         let bodies = [manifold.data.rigid_body1, manifold.data.rigid_body2];
@@ -269,7 +272,7 @@ impl Physics {
     }
 }
 
-/// The impulse in N·s that a contact has given to the first of its bodies in the last step: along the normal, and by friction
+/// Returns the impulse of a contact on the first of its bodies in the last step, in N·s: along the normal, and by friction
 /// along the two tangents that rapier derives from it.
 fn impulse(manifold: &ContactManifold, contact: &ContactData) -> DVec3 {
     let push = -manifold.data.normal;

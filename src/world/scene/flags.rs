@@ -3,7 +3,7 @@
 /// The first two bits are those of [`visibility`](belvedere_sensors::scene::visibility), and the last is that of shapes
 /// that are hidden, so that a visual that has all flags is not one of them.
 const FIRST: u32 = 2;
-/// Gazebo keeps the four highest flags to itself; they share one bit.
+/// Gazebo reserves the four highest flags; they share one bit.
 const OWN: u32 = 0xF000_0000;
 
 /// Returns the visibility bits of `<visibility_flags>` or of a `<visibility_mask>`: two have a bit in common where the

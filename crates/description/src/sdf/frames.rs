@@ -12,10 +12,10 @@ use belvedere_sensors::Pose;
 use std::cell::{Cell, OnceCell};
 use std::collections::BTreeMap;
 
-/// So many names are compared with one that is not known.
+/// The most names that are compared with an unknown one for a suggestion.
 const MOST_COMPARED: usize = 1000;
 
-/// What a frame moves with.
+/// The frame or link that a frame moves with.
 enum Attachment {
     /// The frame is a link itself.
     Link,
@@ -25,15 +25,15 @@ enum Attachment {
     To(String),
 }
 
-/// How far the pose of a frame is known.
+/// Whether the pose of a frame has been computed.
 #[derive(Clone, Copy)]
 enum Progress {
     New,
-    /// The frame is in the chain that is being followed; to meet it again means a circle.
+    /// The frame is in the chain that is being followed. If it comes again, the chain is a circle.
     Begun,
-    /// Its pose in the root.
+    /// The pose in the root.
     Known(Pose),
-    /// It has none, which was told.
+    /// It has no pose, and an error was reported.
     Failed,
 }
 
@@ -44,7 +44,7 @@ struct Frame {
     pose: Pose,
     source: Source,
     progress: Cell<Progress>,
-    /// The name of the link that it moves with, once that was asked for.
+    /// The name of the link that it moves with; computed at the first use.
     link: OnceCell<Option<String>>,
 }
 
@@ -65,25 +65,26 @@ impl Frame {
 pub(super) struct Frames {
     root: &'static str,
     own: BTreeMap<String, Frame>,
-    /// Those of joints. A name that a link, frame or model has too means that one, as in libsdformat before SDF 1.7.
+    /// The frames of joints. If a link, frame or model has the same name, the name refers to that one, as in libsdformat
+    /// before SDF 1.7.
     joints: BTreeMap<String, Frame>,
-    /// Those of nested models, by the models' names.
+    /// The frames of nested models, by the models' names.
     nested: BTreeMap<String, Frames>,
-    /// The frame with whose link the root moves: of the canonical link, or of a nested model that has it.
+    /// The frame that the root moves with: that of the canonical link, or of the nested model that contains it.
     canonical: Option<String>,
 }
 
 /// A step of a chain from a frame to the root.
 struct Step<'f> {
     name: &'f str,
-    /// None for the way out of a nested model.
+    /// `None` for the step from a nested model to the outer one.
     frame: Option<&'f Frame>,
-    /// The pose in what comes next.
+    /// The pose relative to the next step.
     pose: Pose,
 }
 
 impl Frames {
-    /// `root` is the name of the frame that everything hangs on: `__model__` or `world`.
+    /// Creates frames without content. `root` is the name of the root frame: `__model__` or `world`.
     pub(super) fn new(root: &'static str) -> Self {
         Self { root, own: BTreeMap::new(), joints: BTreeMap::new(), nested: BTreeMap::new(), canonical: None }
     }
@@ -94,15 +95,15 @@ impl Frames {
         self.own.insert(name.to_owned(), Frame::new(parent, Attachment::Link, written));
     }
 
-    /// Adds a `<frame>`, whose pose is relative to what it is attached to unless it says otherwise.
+    /// Adds a `<frame>`. Without `relative_to`, its pose is relative to the frame that it is attached to.
     pub(super) fn add(&mut self, name: &str, written: &WrittenPose, attached_to: Option<&str>) {
         let attached_to = attached_to.unwrap_or(self.root).to_owned();
         let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
         self.own.insert(name.to_owned(), Frame::new(parent, Attachment::To(attached_to), written));
     }
 
-    /// Adds a joint's frame, whose pose is relative to the joint's child unless it says otherwise. The first of several that
-    /// have one name is kept.
+    /// Adds a joint's frame. Without `relative_to`, its pose is relative to the joint's child. Of several with the same name,
+    /// the first is kept.
     pub(super) fn add_joint(&mut self, name: &str, written: &WrittenPose, child: Option<&str>) {
         let child = child.unwrap_or(self.root).to_owned();
         let parent = written.relative_to.clone().unwrap_or_else(|| child.clone());
@@ -110,15 +111,15 @@ impl Frames {
         self.joints.entry(name.to_owned()).or_insert_with(frame);
     }
 
-    /// Adds the frame of a nested model, and as `model::frame` those inside it.
+    /// Adds the frame of a nested model, and the frames inside it as `model::frame`.
     pub(super) fn add_model(&mut self, name: &str, written: &WrittenPose, inside: Frames) {
         let parent = written.relative_to.as_deref().unwrap_or(self.root).to_owned();
         self.own.insert(name.to_owned(), Frame::new(parent, Attachment::Model, written));
         self.nested.insert(name.to_owned(), inside);
     }
 
-    /// Adds the frames of a merged model under their own names, and the frame that was the root of them as `name`. Returns
-    /// the names that are taken already: they go on to mean what they meant.
+    /// Adds the frames of a merged model under their own names, and its root frame as `name`. Returns the names that were
+    /// already taken; they keep their meaning.
     pub(super) fn merge(&mut self, name: &str, written: &WrittenPose, inside: Frames) -> Vec<String> {
         let canonical = inside.canonical.as_deref().unwrap_or(self.root);
         let parent = written.relative_to.as_deref().unwrap_or(self.root).to_owned();
@@ -133,7 +134,7 @@ impl Frames {
                     name.clone_into(to);
                 }
             }
-            // What was found out holds for the merged model's own root.
+            // Earlier results are relative to the merged model's own root.
             Frame { progress: Cell::new(Progress::New), link: OnceCell::new(), ..frame }
         };
         for (key, frame) in inside.own {
@@ -157,12 +158,12 @@ impl Frames {
         taken
     }
 
-    /// Names the frame with whose link the root moves.
+    /// Sets the frame that the root moves with.
     pub(super) fn set_canonical(&mut self, name: Option<String>) {
         self.canonical = name;
     }
 
-    /// Whether a link, frame or nested model has that name.
+    /// Returns true if a link, frame or nested model has this name.
     pub(super) fn has(&self, name: &str) -> bool {
         self.own.contains_key(name)
     }
@@ -171,20 +172,20 @@ impl Frames {
         self.own.get(name).or_else(|| self.joints.get(name))
     }
 
-    /// The frames of the nested model that a name begins with, the model's name, and the rest of the name.
+    /// Splits a name that begins with that of a nested model. Returns the model's frames, its name, and the rest.
     fn inside<'n>(&self, name: &'n str) -> Option<(&Frames, &'n str, &'n str)> {
         let mut cuts = name.match_indices("::").map(|(at, _)| (&name[..at], &name[at + 2..]));
         cuts.find_map(|(model, rest)| Some((self.nested.get(model)?, model, rest)))
     }
 
-    /// Whether a name, which may begin with those of nested models, is that of a frame.
+    /// Returns true if a frame has this name, which may begin with the names of nested models.
     fn knows(&self, name: &str) -> bool {
         name == self.root
             || self.get(name).is_some()
             || self.inside(name).is_some_and(|(inner, _, rest)| inner.knows(rest))
     }
 
-    /// The pose of a joint's frame in the root.
+    /// Returns the pose of a joint's frame in the root.
     pub(super) fn resolve_joint(
         &self,
         name: &str,
@@ -195,7 +196,7 @@ impl Frames {
         self.follow(name, Some(frame), source, diagnostics)
     }
 
-    /// The pose in the root of what was written in the world or model itself.
+    /// Returns the pose in the root of an element of the world or model itself.
     pub(super) fn place(&self, written: &WrittenPose, diagnostics: &mut Diagnostics) -> Pose {
         let outer = written
             .relative_to
@@ -204,12 +205,12 @@ impl Frames {
         outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
     }
 
-    /// The pose of a frame in the root. `source` is where it is asked for.
+    /// Returns the pose of a frame in the root. `source` is the element that refers to it, for errors.
     pub(super) fn resolve(&self, name: &str, source: &Source, diagnostics: &mut Diagnostics) -> Option<Pose> {
         self.follow(name, None, source, diagnostics)
     }
 
-    /// Follows the chain from a frame to the root. Each frame on the way keeps its pose, so that a chain is followed once.
+    /// Follows the chain from a frame to the root. Each frame on the way stores its pose, so no chain is followed twice.
     fn follow<'f>(
         &'f self,
         mut name: &'f str,
@@ -272,7 +273,7 @@ impl Frames {
         );
     }
 
-    /// Adds the names of the frames, up to as many as an unknown one is compared with.
+    /// Appends the names of the frames, up to the number that is compared with an unknown one.
     fn collect_names(&self, before: &str, names: &mut Vec<String>) {
         let left = MOST_COMPARED.saturating_sub(names.len());
         let own = self.own.keys().chain(self.joints.keys()).take(left);
@@ -285,7 +286,7 @@ impl Frames {
         }
     }
 
-    /// The name of the link that a frame moves with, as this model calls it.
+    /// Returns the link that a frame moves with, by its name in this model.
     pub(super) fn link_of(&self, name: &str) -> Option<String> {
         let mut name = name;
         let mut chain: Vec<&Frame> = Vec::new();
@@ -316,20 +317,20 @@ impl Frames {
             }
         };
         for frame in chain {
-            // A frame that comes again in a circle has its link, which is none, already.
+            // A frame that comes again in a circle already has its result: no link.
             let _ = frame.link.set(link.clone());
         }
         link
     }
 
-    /// The name of the link that a frame of a nested model moves with, as the outer model calls it.
+    /// Returns the link that a frame of a nested model moves with, by its name in the outer model.
     fn link_called(&self, name: &str, model: &str) -> Option<String> {
         self.link_of(name).map(|link| format!("{model}::{link}"))
     }
 }
 
 impl Loader<'_> {
-    /// The pose of a part of a link (visual, collision, sensor, …) in that link.
+    /// Returns the pose of a part of a link (visual, collision, sensor, …) in that link.
     pub(super) fn pose_in_link(
         &mut self,
         part: &Element,
@@ -350,8 +351,8 @@ impl Loader<'_> {
     }
 }
 
-/// Says that frames are relative to one another in a circle, which the last of the steps closes at `again`. The frame of
-/// the circle that is written first is told: the same wherever one enters the circle.
+/// Reports a circle of frames, which the last step closes at `again`. The error names the frame of the circle that comes
+/// first in the file, wherever the circle was entered.
 fn tell_circle(steps: &[Step<'_>], again: &Frame, diagnostics: &mut Diagnostics) {
     let begin = steps.iter().position(|step| step.frame.is_some_and(|frame| std::ptr::eq(frame, again)));
     let circle = steps[begin.unwrap_or(0)..].iter().filter_map(|step| Some((step.name, step.frame?)));

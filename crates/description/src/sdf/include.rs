@@ -1,4 +1,4 @@
-//! `<include>`: the file that it means, and what it says of the model or light in it.
+//! `<include>`: finds the file, and applies name, pose and other overrides to the model or light in it.
 
 use super::model::ParsedModel;
 use super::pose::WrittenPose;
@@ -11,16 +11,16 @@ use crate::values::{child_bool, child_text};
 use crate::xml::{Element, Weight};
 use std::path::{Path, PathBuf};
 
-/// What an `<include>` brought.
+/// The content of an `<include>`.
 #[derive(Default)]
 pub(super) struct Included {
     pub(super) models: Vec<ParsedModel>,
-    /// Each with its place in what includes it.
+    /// Each with its pose in the including model or world.
     pub(super) lights: Vec<(Light, WrittenPose)>,
 }
 
 impl Loader<'_> {
-    /// `<include>`: the models and lights of another file, with name, pose and static overridden.
+    /// Reads an `<include>`: the models and lights of another file, with name, pose and static overridden.
     pub(super) fn include(&mut self, element: &Element, scope: Scope<'_>) -> Option<Included> {
         let spent = self.budget.take(1, 0);
         self.afford(spent, &element.source)?;
@@ -85,7 +85,7 @@ impl Loader<'_> {
                 "write the <pose> that the frame is to have",
             );
         }
-        // The format allows one model or light a file.
+        // The format allows one model or light per file.
         if let Some(parsed) = included.models.first_mut() {
             plugin::read(element, &mut parsed.model, self.rules, self.diagnostics);
             if let Some(name) = &name {
@@ -116,8 +116,8 @@ impl Loader<'_> {
         Some(included)
     }
 
-    /// The SDF file that a URI of an `<include>` means: the file itself, or what the folder's `model.config`
-    /// names, or its `model.sdf`.
+    /// Returns the SDF file that the URI of an `<include>` refers to: the file itself, or the file that the folder's
+    /// `model.config` names, or its `model.sdf`.
     pub(super) fn included_file(&mut self, element: &Element, uri: &str, folder: &Path) -> Option<PathBuf> {
         let uri = uri.trim_end_matches('/');
         let path = match self.resources.resolve(uri, folder) {
@@ -162,7 +162,7 @@ impl Loader<'_> {
         None
     }
 
-    /// The `<sdf>` of the highest version that a `model.config` names.
+    /// Returns the `<sdf>` with the highest version in a `model.config`.
     fn file_of_config(&mut self, config: &Path) -> Option<PathBuf> {
         self.diagnostics.opened(config);
         let root = match Element::parse_file(config) {

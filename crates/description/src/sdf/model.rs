@@ -35,7 +35,7 @@ pub(super) struct Parts {
     /// All links, those of nested models too, once they are complete.
     pub(super) by_name: HashMap<String, LinkIndex>,
     pub(super) joints: Vec<Joint>,
-    /// Of its own joints.
+    /// The names of its own joints.
     pub(super) joint_names: Names,
     pub(super) joint_sources: Vec<Source>,
     /// `<mimic>` of joints, which may name later ones.
@@ -80,7 +80,7 @@ impl Loader<'_> {
             self.dissolve(inner, &frames, &mut parts);
         }
         if parts.links.is_empty() && parts.lacks {
-            // What it would consist of was left out, and that was told.
+            // Its content was left out, which was already reported.
             return None;
         }
         if parts.links.is_empty() {
@@ -126,7 +126,7 @@ impl Loader<'_> {
         Some(ParsedModel { model, pose, lights: parts.lights, is_merged: false, frames })
     }
 
-    /// The models inside a model, included ones too.
+    /// Reads the models inside a model, including those of `<include>`.
     fn inside(&mut self, element: &Element, scope: Scope<'_>, parts: &mut Parts) -> Vec<ParsedModel> {
         let mut nested = Vec::new();
         for child in element.elements() {
@@ -151,8 +151,7 @@ impl Loader<'_> {
         nested
     }
 
-    /// The frame with whose link a model moves: what `canonical_link` names, or its first link, or else its first nested
-    /// model.
+    /// Returns the frame that a model moves with: the `canonical_link`, or the first link, or else the first nested model.
     fn canonical(&mut self, element: &Element, nested: &[ParsedModel], frames: &Frames) -> Option<String> {
         let is_link = |name: &str| frames.link_of(name).is_some_and(|link| link == name);
         if let Some(name) = element.attribute("canonical_link").filter(|name| !name.is_empty()) {
@@ -177,7 +176,7 @@ impl Loader<'_> {
         })
     }
 
-    /// `placement_frame`: the pose is that of this frame of the model, not of the model's own.
+    /// Applies `placement_frame`: the pose is that of this frame of the model instead of the model's own frame.
     pub(super) fn place_by(
         &mut self,
         frame: Option<&str>,
@@ -192,7 +191,7 @@ impl Loader<'_> {
         }
     }
 
-    /// The frames that poses of this model can be relative to.
+    /// Collects the frames that poses of this model can be relative to.
     fn model_frames(&mut self, element: &Element, nested: &mut [ParsedModel], version: Version) -> Frames {
         let mut frames = Frames::new("__model__");
         for inner in nested.iter_mut().filter(|inner| !inner.is_merged) {
@@ -200,7 +199,7 @@ impl Loader<'_> {
         }
         for child in element.elements() {
             match child.name.as_str() {
-                // Of two that have one name, it is the first's.
+                // If two have the same name, the first is used.
                 "link" if !frames.has(&name_of(child)) => {
                     let pose = self.pose(child, version);
                     frames.add_link(&name_of(child), &pose);
@@ -246,8 +245,7 @@ fn is_one_body(parts: &Parts) -> bool {
     body.iter().all(|body| stands[*body])
 }
 
-/// The link that stands for the body of another one, given the link above each. It halves the way there, so that the ways
-/// stay short.
+/// Returns the link that represents the body of another one, and halves the path to it (union–find).
 fn top(above: &mut [LinkIndex], mut link: LinkIndex) -> LinkIndex {
     while above[link] != link {
         above[link] = above[above[link]];

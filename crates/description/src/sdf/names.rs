@@ -54,8 +54,8 @@ impl Names {
 }
 
 impl Loader<'_> {
-    /// The name of a link or joint, or the number that it gets with `--gazebo-compat` if an earlier one of the model has
-    /// the name, whose place is `first(index)`. None if that is an error.
+    /// Returns the name of a link or joint. If an earlier one of the model, at `first(index)`, has the same name, that is an
+    /// error and the result is `None`; with `--gazebo-compat` the name gets a number.
     pub(super) fn own_name<'s>(
         &mut self,
         element: &Element,
@@ -76,7 +76,7 @@ impl Loader<'_> {
             self.diagnostics.error(&element.source, what, "rename one");
             return None;
         }
-        // Files that Gazebo saved have such names. Joints and frames mean the first.
+        // Files saved by Gazebo have such names. Joints and frames refer to the first.
         self.diagnostics.warning(
             &element.source,
             format!("{what}: this one becomes '{unique}'"),

@@ -14,7 +14,7 @@ impl ParsedModel {
         move |name| format!("{before}{name}")
     }
 
-    /// What the outer model calls the frame of this one.
+    /// Returns the name of this model's frame in the outer model.
     pub(super) fn frame_name(&self) -> Cow<'_, str> {
         let name = &self.model.name;
         if self.is_merged { format!("_merged__{name}__model__").into() } else { name.into() }
@@ -22,7 +22,7 @@ impl ParsedModel {
 }
 
 impl Loader<'_> {
-    /// Adds the frames of a model, its own and those inside it, to what it stands in.
+    /// Adds the frames of a model, its own and those inside it, to the outer model or world.
     pub(super) fn add_frames(&mut self, inner: &mut ParsedModel, frames: &mut Frames) {
         let inside = std::mem::replace(&mut inner.frames, Frames::new("__model__"));
         if !inner.is_merged {
@@ -41,7 +41,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Two models of one name cannot be told apart: the later one gets a number.
+    /// Gives a model a number if an earlier one has the same name, because they could not be distinguished.
     pub(super) fn make_names_unique(&mut self, models: &mut [ParsedModel]) {
         let mut names = Names::of(models.iter().map(|parsed| parsed.model.name.clone()));
         for (index, Model { name, source, .. }) in
@@ -58,7 +58,7 @@ impl Loader<'_> {
         }
     }
 
-    /// Makes the links, joints and sensors of a nested model those of the outer one.
+    /// Moves the links, joints and sensors of a nested model to the outer one.
     pub(super) fn dissolve(&mut self, inner: ParsedModel, frames: &Frames, parts: &mut Parts) {
         let outer_from_inner = frames
             .resolve(&inner.frame_name(), &inner.pose.source, self.diagnostics)

@@ -1,12 +1,12 @@
-//! `<experimental:params>` of an `<include>`: elements of the included model that are added, modified, removed or replaced.
+//! `<experimental:params>` of an `<include>`: adds, modifies, removes and replaces elements of the included model.
 //!
-//! | in `<experimental:params>` | what happens |
+//! | in `<experimental:params>` | effect |
 //! |---|---|
-//! | `<sensor element_id="LINK::SENSOR" action="modify">` | its attributes and the elements in it get these values |
-//! | `action="remove"` | the element is taken out, or those of its elements that are named inside |
+//! | `<sensor element_id="LINK::SENSOR" action="modify">` | the element's attributes and children get these values |
+//! | `action="remove"` | the element is removed, or only those of its children that are listed inside |
 //! | `action="replace"` | this element takes its place |
 //! | `<sensor name="NEW" element_id="LINK" action="add">` | this element is added to the link; to the model if the id is empty |
-//! | no `action` | each element inside has an action of its own |
+//! | no `action` | each element inside has its own action |
 
 mod find;
 
@@ -18,10 +18,10 @@ use find::{Found, Target, Way, at, collect_names};
 use std::path::Path;
 
 const PARAMS: &str = "experimental:params";
-/// The attributes of an alteration that are no attributes of the element.
+/// Attributes of the alteration itself, which are not attributes of the altered element.
 const ELEMENT_ID: &str = "element_id";
 const ACTION: &str = "action";
-/// So many names are compared with one that is not known.
+/// The most names that are compared with an unknown one for a suggestion.
 const MOST_COMPARED: usize = 1000;
 
 #[derive(Clone, Copy, PartialEq)]
@@ -33,7 +33,7 @@ enum Action {
 }
 
 impl Loader<'_> {
-    /// Alters the model, actor or light of an included file as an `<include>` says.
+    /// Applies the `<experimental:params>` of an `<include>` to the model, actor or light of the included file.
     pub(super) fn alter(&mut self, include: &Element, root: &mut Element, folder: &Path) -> Option<()> {
         let is_included = |child: &&mut Element| matches!(child.name.as_str(), "model" | "actor" | "light");
         let Some(included) = elements_mut(root).find(is_included) else { return Some(()) };
@@ -114,7 +114,7 @@ impl Loader<'_> {
         None
     }
 
-    /// Hands an alteration to an `<include>` in the included file, after what that says itself.
+    /// Passes an alteration on to an `<include>` in the included file, after that one's own alterations.
     fn pass_on(
         &mut self,
         action: Option<Action>,

@@ -1,7 +1,7 @@
 //! `<pose>`: its numbers, and the frame that it is relative to.
 //!
-//! Up to SDF 1.6 a pose is relative to the element that it stands in (a joint's to its child link). From 1.7 on
-//! `relative_to` may name any frame of the same model or world.
+//! Up to SDF 1.6 a pose is relative to its parent element (a joint's to its child link). From 1.7 on `relative_to` may
+//! name any frame of the same model or world.
 
 use super::{Loader, Version};
 use crate::diagnostics::Source;
@@ -9,16 +9,16 @@ use crate::values::parse_pose;
 use crate::xml::Element;
 use belvedere_sensors::Pose;
 
-/// A pose as written.
+/// A pose as the file writes it.
 pub(super) struct WrittenPose {
     pub(super) pose: Pose,
-    /// None: relative to what the element's kind says.
+    /// The frame that the pose is relative to; `None` for the default of the element's kind.
     pub(super) relative_to: Option<String>,
     pub(super) source: Source,
 }
 
 impl Loader<'_> {
-    /// The `<pose>` inside `parent`; identity if there is none.
+    /// Reads the `<pose>` inside `parent`; the identity if there is none.
     pub(super) fn pose(&mut self, parent: &Element, version: Version) -> WrittenPose {
         let Some(element) = parent.child("pose") else {
             return WrittenPose { pose: Pose::IDENTITY, relative_to: None, source: parent.source.clone() };

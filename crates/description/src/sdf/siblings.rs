@@ -1,4 +1,4 @@
-//! Names that the parts of one model or world may not share.
+//! Checks that the parts of a model or world have different names.
 
 use super::model::ParsedModel;
 use super::{Loader, Version, name_of};
@@ -6,14 +6,14 @@ use crate::diagnostics::Source;
 use crate::xml::Element;
 use std::collections::HashMap;
 
-/// Whether libsdformat keeps a name for itself.
+/// Returns true if libsdformat reserves the name.
 fn is_reserved(name: &str) -> bool {
     name == "world" || name.len() >= 4 && name.starts_with("__") && name.ends_with("__")
 }
 
 impl Loader<'_> {
-    /// From SDF 1.7 on, links, joints, frames and models in one place must have different names, because a frame is called
-    /// by its name alone.
+    /// Checks the names of links, joints, frames and models of one parent. From SDF 1.7 on they must differ, because a frame
+    /// is referred to by its name alone.
     pub(super) fn check_names(&mut self, parent: &Element, models: &[ParsedModel], version: Version) {
         if version < (1, 7) {
             return;
@@ -35,7 +35,7 @@ impl Loader<'_> {
                 continue;
             }
             match seen.get(&name) {
-                // Two links or joints are told by `own_name`.
+                // Two links or joints of the same name are reported by `own_name`.
                 Some((other, _)) if *other == kind && kind != "frame" => {}
                 Some((other, place)) => {
                     let other = if *other == kind { "another frame".into() } else { format!("a {other}") };

@@ -13,33 +13,33 @@ use belvedere_sensors::Pose;
 use belvedere_sensors::noise::InstrumentConfig;
 use glam::DQuat;
 
-/// A sensor of the force and the torque that pass through a joint. Its link and its pose there are the frame in which it
-/// measures.
+/// A sensor that measures the force and the torque that a joint transmits. It measures in the frame of the sensor's link
+/// and pose.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ForceTorque {
     /// The joint.
     pub joint: JointIndex,
-    /// Whose axes it measures along.
+    /// The axes along which it measures.
     pub frame: MeasureFrame,
-    /// It measures what the parent does to the child; otherwise what the child does to the parent, as by default.
+    /// True if it measures the wrench of the parent on the child; by default it measures that of the child on the parent.
     pub parent_to_child: bool,
-    /// Errors of the force in N.
+    /// Noise of the force, in N.
     pub force: InstrumentConfig<3>,
-    /// Errors of the torque in N·m.
+    /// Noise of the torque, in N·m.
     pub torque: InstrumentConfig<3>,
-    /// What publishes it.
+    /// The plugin that publishes it.
     pub plugin: Option<InstrumentPlugin>,
 }
 
-/// Whose axes a force-torque sensor measures along.
+/// The axes along which a force-torque sensor measures.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum MeasureFrame {
-    /// Those of the joint's child link.
+    /// The axes of the joint's child link.
     #[default]
     Child,
-    /// Those of the joint's parent link.
+    /// The axes of the joint's parent link.
     Parent,
-    /// Those of the sensor, by its pose in the joint.
+    /// The axes of the sensor, from its pose in the joint.
     Sensor,
 }
 
@@ -60,9 +60,9 @@ pub(crate) struct JointMount<'a> {
 }
 
 impl JointMount<'_> {
-    /// The link and the pose in it at which a sensor measures whose pose in the joint is this one, along these axes.
+    /// Returns the link, and the pose in it, at which a sensor with this pose in the joint measures along these axes.
     ///
-    /// A joint that turns has the same place in both of its links, and one that slides the same axes.
+    /// A revolute joint has the same position in both of its links, and a prismatic joint the same axes.
     pub(crate) fn place(&self, frame: MeasureFrame, joint_from_sensor: Pose) -> (usize, Pose) {
         let Joint { parent_from_child, parent, child, kind, .. } = *self.joint;
         let child_from_sensor = self.child_from_joint * joint_from_sensor;
@@ -78,13 +78,13 @@ impl JointMount<'_> {
     }
 }
 
-/// Whether a `<sensor>` is of a type that measures a joint.
+/// Returns true if a `<sensor>` has a type that measures a joint.
 pub(crate) fn is_on_joint(sensor: &Element) -> bool {
     KIND.has_type(sensor)
 }
 
-/// Reads a `<sensor>` on a joint. `joint_from_sensor` is what its `<pose>` says. Of other types than `force_torque` there is
-/// none, and a warning.
+/// Reads a `<sensor>` on a joint. `joint_from_sensor` is its `<pose>`. Any type other than `force_torque` gives none and a
+/// warning.
 pub(crate) fn parse_joint_sensor(
     sensor: &Element,
     mount: &JointMount<'_>,
@@ -131,7 +131,7 @@ impl Reader<'_> {
         }
         let plugin = self.instrument_plugin(sensor, &KIND);
         Some(ForceTorque {
-            // Known to what the sensor is mounted on.
+            // The caller knows where the sensor is mounted.
             joint: 0,
             frame: frame?,
             parent_to_child: parent_to_child?,
@@ -141,7 +141,7 @@ impl Reader<'_> {
         })
     }
 
-    /// The errors of three axes, each with a `<noise>` of its own.
+    /// Reads the noise of three axes, each with its own `<noise>`.
     fn axes(&mut self, parent: Option<&Element>, name: &str) -> Option<InstrumentConfig<3>> {
         let element = parent.and_then(|parent| parent.child(name));
         let names = ["x", "y", "z"];
@@ -152,7 +152,7 @@ impl Reader<'_> {
         Some(instrument([x?, y?, z?]))
     }
 
-    /// The value of the word in the child element `name`, the first if there is none.
+    /// Returns the value of the word in the child element `name`; the first one if there is no such element.
     fn choice<T: Copy>(&mut self, parent: Option<&Element>, name: &str, words: &[(&str, T)]) -> Option<T> {
         let Some(element) = parent.and_then(|parent| parent.child(name)) else { return Some(words[0].1) };
         let written = parent.and_then(|parent| child_text(parent, name)).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The links on one side of a joint, from whose motion follows what passes through it.
+//! The links on one side of a joint, whose motion gives the wrench of the joint.
 
 use super::{ModelIndex, Physics};
 use crate::description::inertia::{of_a_body, tensor};
@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use rapier3d_f64::dynamics::RigidBodyHandle;
 use std::collections::HashMap;
 
-/// A link with what accelerates it.
+/// A link with a mass.
 pub(super) struct Piece {
     pub(super) link: LinkIndex,
     /// Centre of mass and inertia about it, along the link's axes.
@@ -18,12 +18,12 @@ pub(super) struct Piece {
 }
 
 impl Physics {
-    /// For each link those that a joint holds to it, with the joint.
+    /// Returns, for each link, the links that a joint connects to it, with the joint.
     pub(super) fn neighbours(&self, index: ModelIndex, model: &Model) -> Vec<Vec<(JointIndex, LinkIndex)>> {
         let links = &self.models[index].links;
         let mut near = vec![Vec::new(); links.len()];
         for (number, joint) in model.joints.iter().enumerate() {
-            // What has no body is a mere frame: a joint that moves does not hold it.
+            // A link without a body is only a frame, which a movable joint does not hold.
             let holds = match joint.kind {
                 JointKind::Fixed => true,
                 JointKind::Floating => false,
@@ -37,7 +37,7 @@ impl Physics {
         near
     }
 
-    /// The links on that side of a joint which nothing else holds, and 1 for the child's side or −1 for the parent's.
+    /// Returns the links on the side of a joint that nothing else holds, with 1 for the child's side or −1 for the parent's.
     pub(super) fn side(
         model: &Model,
         joint: JointIndex,
@@ -77,7 +77,7 @@ impl Physics {
         }
     }
 
-    /// For each body of a model the link at which [`Physics::push`] acts: a wheel on it, or else its root.
+    /// Returns, for each body of a model, the link at which [`Physics::push`] acts: a wheel on it, or else its root.
     pub(super) fn pushed_links(&self, index: ModelIndex) -> Vec<LinkIndex> {
         let mut first: HashMap<RigidBodyHandle, (u8, LinkIndex)> = HashMap::new();
         for (number, link) in self.models[index].links.iter().enumerate() {
@@ -95,7 +95,7 @@ impl Physics {
         links
     }
 
-    /// The links that have a mass. A body without any has 1 kg in rapier, but that is at the root of a robot, which no joint
+    /// Returns those of the links that have a mass. A body without any has 1 kg in rapier, but that is at the root of a robot, which no joint
     /// bears.
     pub(super) fn pieces(model: &Model, links: &[LinkIndex]) -> Vec<Piece> {
         let piece = |link: &LinkIndex| {
@@ -113,7 +113,7 @@ impl Physics {
     }
 }
 
-/// Whether something else than joints holds a link, or moves it.
+/// Returns true if something other than joints holds a link, or moves it.
 fn is_held(link: &Link) -> bool {
     let is_endless =
         |shape: &Collision| matches!(shape.geometry, Geometry::Plane { .. } | Geometry::HeightMap(_));

@@ -131,7 +131,9 @@ def test_missing_sets_are_a_timeout(alone: belvedere.Node) -> None:
     with alone.synchronize(["image_raw", "nothing/of/this"]) as sets:
         assert not sets.wait(0.2)
         assert sets.take() is None
-        with pytest.raises(belvedere.StreamTimeoutError, match=r"image_raw, nothing/of/this for 0.1 s"):
+        with pytest.raises(
+            belvedere.StreamTimeoutError, match=r"image_raw, nothing/of/this with matching stamps for 0.1 s"
+        ):
             next(sets.sets(timeout=0.1))
     with pytest.raises(ValueError, match="two streams"):
         alone.synchronize(["image_raw"])

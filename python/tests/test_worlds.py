@@ -239,7 +239,7 @@ def test_worlds_are_copied_and_not_pickled() -> None:
         assert ahead(other) == 2.5
         assert ahead(world) == 1.5
     for thing in (world, bv.Batch(world, 1), bv.Simulation("empty")):
-        with pytest.raises(TypeError, match=f"a {type(thing).__name__} cannot be pickled: .*make it "):
+        with pytest.raises(TypeError, match=f"a {type(thing).__name__} cannot be pickled: .*create it "):
             pickle.dumps(thing)
 
 

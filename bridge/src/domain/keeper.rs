@@ -129,6 +129,13 @@ impl Keeper {
         remains::clean_up_dead(self.iox(), &self.places, self.is_shared());
     }
 
+    /// Removes streams that no process has open. It opens the description of every stream of the domain, so it is called
+    /// only when a stream can neither be opened nor created.
+    pub(crate) fn remove_deserted_streams(&self) {
+        remains::remove_deserted_services(&self.config, &self.places);
+        remains::remove_orphans(&self.config, &self.places);
+    }
+
     /// Calls [`clean_up_dead`](Self::clean_up_dead), unless any stream of this node did so within `interval`. A cleanup
     /// reads some files for each node of every domain on the machine, which takes about a millisecond.
     pub(crate) fn clean_up_dead_every(&self, interval: Duration) {

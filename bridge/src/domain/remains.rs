@@ -96,10 +96,12 @@ fn is_own(path: &Path) -> bool {
 
 /// Removes the descriptions of streams that no process has open.
 ///
-/// The last process to leave a stream removes it. That fails if the stream's dynamic part in `/dev/shm` belongs to
-/// another user: the stream would then remain marked for removal for ever. The description is in the group's directory,
-/// where every member can remove it. The dynamic part is removed as an orphan when its owner next starts a process.
-fn remove_deserted_services(config: &Config, places: &Places) {
+/// The last process to leave a stream, or to clean up after a killed one, marks the stream as removed and then removes
+/// its files. If it does not get to the files, the stream stays marked for ever: no process can open it or create it
+/// again. There are two reasons: the process is killed in between, or the stream's dynamic part in `/dev/shm` belongs to
+/// another user. In the second case the description is in the group's directory, where every member can remove it. The
+/// dynamic part is removed as an orphan when its owner next starts a process.
+pub(crate) fn remove_deserted_services(config: &Config, places: &Places) {
     let mut deserted = Vec::new();
     let _ = Ipc::list(config, |service| {
         if service.dynamic_details.is_none_or(|details| details.nodes.is_empty()) {

@@ -128,14 +128,18 @@ pub(crate) fn open_or_create(node: &Node, spec: &StreamSpec) -> Result<(Frames, 
                 Err(error) => return Err(node.keeper().failed(format!("making {topic}"), error)),
             }
         }
-        if let Some(error) = problem {
-            let patience = match &error {
-                Error::Incompatible { .. } => deadline - begun,
-                _ => LETTING_GO,
-            };
-            if begun.elapsed() >= patience {
-                return Err(error);
+        match problem {
+            Some(error) => {
+                let patience = match &error {
+                    Error::Incompatible { .. } => deadline - begun,
+                    _ => LETTING_GO,
+                };
+                if begun.elapsed() >= patience {
+                    return Err(error);
+                }
             }
+            // It can be neither opened nor created.
+            None => node.keeper().remove_deserted_streams(),
         }
         node.clean_up_dead();
         std::thread::sleep(Duration::from_millis(20));

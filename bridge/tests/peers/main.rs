@@ -9,6 +9,7 @@ mod access;
 mod busy_poll;
 mod clocks;
 mod consumers;
+mod deserted;
 mod forks;
 mod holders;
 mod killed;

@@ -154,7 +154,7 @@ impl Process {
                 return words.map(|word| word.parse().unwrap()).collect();
             }
         }
-        panic!("process {} did not report \"{what}\" in {timeout:?}", self.child.id());
+        panic!("process {} ended, or {timeout:?} passed, without the report \"{what}\"", self.child.id());
     }
 
     pub fn pid(&self) -> u32 {

@@ -42,7 +42,7 @@ fn publishes_again_after(test: &str, which: impl Fn(&[PathBuf]) -> Vec<PathBuf>)
     }
     drop(publisher);
     for path in &files {
-        assert!(!path.exists(), "the last node has removed {path:?}");
+        assert!(!path.exists(), "the last node has removed {}", path.display());
         fs::rename(kept(path), path).unwrap();
     }
     // A node that listens to the silent stream neither brings it back nor fails.

@@ -84,7 +84,7 @@ pub(super) fn find_cut<S: Simd>(
     centres: &Scratch,
     budget: usize,
 ) -> Option<Cut> {
-    // Step 1: compute the scales from centres to bins. On an axis without extent, or with one too short to divide by,
+    // The scales from centres to bins. On an axis without extent, or with one too short to divide by,
     // all items go into the first bin.
     let c = &centres.lanes;
     let origin = [c[0], c[1], c[2], 0.0];
@@ -95,38 +95,9 @@ pub(super) fn find_cut<S: Simd>(
         scale[axis] = if s.is_finite() { s } else { 0.0 };
     }
 
-    // Step 2: sort into the bins of all three axes at once. Even and odd boxes have separate bins: neighbours often
-    // fall into the same bin, and would wait for each other.
-    let origins = f32x4::from_slice(simd, &origin);
-    let scales = f32x4::from_slice(simd, &scale);
-    let half = f32x4::splat(simd, 0.5);
-    let zero = f32x4::splat(simd, 0.0);
-    let round = f32x4::splat(simd, ROUND);
-    let place = |bounds: f32x8<S>| -> [f32; 4] {
-        (((centre(simd, bounds) - origins) * scales - half).max(zero) + round).into()
-    };
-    let mut bins = Bins::EMPTY;
-    let mut odd_bins = Bins::EMPTY;
-    let (pairs, last) = items.as_chunks::<2>();
-    for [even, odd] in pairs {
-        let even = f32x8::from_slice(simd, &even.lanes);
-        let odd = f32x8::from_slice(simd, &odd.lanes);
-        let (even_place, odd_place) = (place(even), place(odd));
-        for axis in 0..3 {
-            bins.add(simd, axis, even_place[axis], even);
-            odd_bins.add(simd, axis, odd_place[axis], odd);
-        }
-    }
-    for item in last {
-        let bounds = f32x8::from_slice(simd, &item.lanes);
-        let place = place(bounds);
-        for axis in 0..3 {
-            bins.add(simd, axis, place[axis], bounds);
-        }
-    }
-    let Bins { bounds: bins, counts } = bins.joined(simd, &odd_bins);
+    let Bins { bounds: bins, counts } = Bins::of(simd, items, &origin, &scale);
 
-    // Step 3: compare the cuts of each axis, identified by the last bin on the left.
+    // Compare the cuts of each axis, identified by the last bin on the left.
     let mut best = Cheapest::below(f32::INFINITY);
     let mut left_counts = [[0; BINS]; 3];
     let empty = f32x8::splat(simd, f32::INFINITY);
@@ -153,7 +124,7 @@ pub(super) fn find_cut<S: Simd>(
         best.compare(simd, (axis, 0), costs, left_count, items.len(), budget);
     }
 
-    // Step 4: compute the boxes of both sides of the best cut.
+    // The boxes of both sides of the best cut.
     let Cheapest { axis, cut, .. } = best.found()?;
     let union = |bins: &[Scratch]| {
         let mut all = empty;
@@ -178,6 +149,40 @@ struct Bins {
 
 impl Bins {
     const EMPTY: Self = Self { bounds: [[Scratch::EMPTY; BINS]; 3], counts: [[0; BINS]; 3] };
+
+    /// Sorts boxes into the bins of all three axes at once.
+    #[inline(always)]
+    fn of<S: Simd>(simd: S, items: &[Scratch], origin: &[f32; 4], scale: &[f32; 4]) -> Self {
+        let origins = f32x4::from_slice(simd, origin);
+        let scales = f32x4::from_slice(simd, scale);
+        let half = f32x4::splat(simd, 0.5);
+        let zero = f32x4::splat(simd, 0.0);
+        let round = f32x4::splat(simd, ROUND);
+        let place = |bounds: f32x8<S>| -> [f32; 4] {
+            (((centre(simd, bounds) - origins) * scales - half).max(zero) + round).into()
+        };
+        // Even and odd boxes have separate bins: neighbours often fall into the same bin, and would wait for each other.
+        let mut bins = Self::EMPTY;
+        let mut odd_bins = Self::EMPTY;
+        let (pairs, last) = items.as_chunks::<2>();
+        for [even, odd] in pairs {
+            let even = f32x8::from_slice(simd, &even.lanes);
+            let odd = f32x8::from_slice(simd, &odd.lanes);
+            let (even_place, odd_place) = (place(even), place(odd));
+            for axis in 0..3 {
+                bins.add(simd, axis, even_place[axis], even);
+                odd_bins.add(simd, axis, odd_place[axis], odd);
+            }
+        }
+        for item in last {
+            let bounds = f32x8::from_slice(simd, &item.lanes);
+            let place = place(bounds);
+            for axis in 0..3 {
+                bins.add(simd, axis, place[axis], bounds);
+            }
+        }
+        bins.joined(simd, &odd_bins)
+    }
 
     /// `place`: the bin number plus [`ROUND`].
     #[inline(always)]

@@ -84,14 +84,115 @@ const fn sixteens(ray_grid: &RayGrid, first_column: u32) -> usize {
     (first_column as usize % WIDTH + (ray_grid.width as usize).next_multiple_of(WIDTH)).div_ceil(WIDTH)
 }
 
+/// Number of groups of sixteen blocks whose middle directions are stored.
+const fn middles(ray_grid: &RayGrid) -> usize {
+    ray_grid.blocks_across().div_ceil(WIDTH) + 1
+}
+
+/// The tables of a grid, cut out of one slice.
+struct Tables<'a> {
+    cos_azimuth: &'a mut [[f32; WIDTH]],
+    sin_azimuth: &'a mut [[f32; WIDTH]],
+    cos_elevation: &'a mut [[f32; WIDTH]],
+    sin_elevation: &'a mut [[f32; WIDTH]],
+    cos_middle: &'a mut [[f32; WIDTH]],
+    sin_middle: &'a mut [[f32; WIDTH]],
+    levels: &'a mut [[f32; 2]],
+    azimuths: &'a mut [[f64; 2]],
+    elevations: &'a mut [[f64; 2]],
+}
+
+impl<'a> Tables<'a> {
+    #[inline(always)]
+    fn cut(ray_grid: &RayGrid, columns: usize, tables: &'a mut [[f32; WIDTH]]) -> Self {
+        let rows = ray_grid.blocks_down();
+        let middles = middles(ray_grid);
+        let (cos_azimuth, rest) = tables.split_at_mut(columns);
+        let (sin_azimuth, rest) = rest.split_at_mut(columns);
+        let (cos_elevation, rest) = rest.split_at_mut(rows);
+        let (sin_elevation, rest) = rest.split_at_mut(rows);
+        let (cos_middle, rest) = rest.split_at_mut(middles);
+        let (sin_middle, rest) = rest.split_at_mut(middles);
+        let (levels, rest) = rest.split_at_mut((2 * rows).div_ceil(WIDTH));
+        let (azimuths, rest) = rest.split_at_mut(4 * columns);
+        Self {
+            cos_azimuth,
+            sin_azimuth,
+            cos_elevation,
+            sin_elevation,
+            cos_middle,
+            sin_middle,
+            levels: &mut levels.as_flattened_mut().as_chunks_mut::<2>().0[..rows],
+            azimuths: bytemuck::cast_slice_mut(azimuths),
+            elevations: bytemuck::cast_slice_mut(&mut rest[..4 * rows]),
+        }
+    }
+
+    /// Fills the tables. `all_azimuths` starts at the first column of the whole grid, `azimuth` at that of this one. `half`
+    /// is the distance from the corner of a block to its middle, in columns and rows.
+    #[inline(always)]
+    fn fill(
+        &mut self,
+        ray_grid: &RayGrid,
+        first_sixteen: usize,
+        all_azimuths: AngleSteps,
+        (azimuth, elevation): (AngleSteps, AngleSteps),
+        half: [f64; 2],
+    ) {
+        all_azimuths.fill(
+            first_sixteen..first_sixteen + self.cos_azimuth.len(),
+            #[inline(always)]
+            |block, cos, sin| {
+                for lane in 0..WIDTH {
+                    self.azimuths[block * WIDTH + lane] = [cos[lane], sin[lane]];
+                    self.cos_azimuth[block][lane] = cos[lane] as f32;
+                    self.sin_azimuth[block][lane] = sin[lane] as f32;
+                }
+            },
+        );
+        // Computed one by one: there are few rows, and at a pole the sign of the cosine must be right, otherwise the
+        // ray would not belong to its column.
+        for (row, angles) in
+            self.elevations[..ray_grid.blocks_down() << ray_grid.shift_y].iter_mut().enumerate()
+        {
+            let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
+            *angles = [cos, sin];
+        }
+        for block in 0..ray_grid.blocks_down() {
+            for lane in 0..WIDTH {
+                let [cos, sin] =
+                    self.elevations[(block << ray_grid.shift_y) + ray_grid.lane_position(lane).1];
+                self.cos_elevation[block][lane] = cos as f32;
+                self.sin_elevation[block][lane] = sin as f32;
+            }
+        }
+        azimuth.of_blocks(half[0], ray_grid.shift_x).fill(
+            0..self.cos_middle.len(),
+            #[inline(always)]
+            |block, cos, sin| {
+                self.cos_middle[block] = cos.map(|cos| cos as f32);
+                self.sin_middle[block] = sin.map(|sin| sin as f32);
+            },
+        );
+        elevation.of_blocks(half[1], ray_grid.shift_y).fill(
+            0..self.levels.len().div_ceil(WIDTH),
+            #[inline(always)]
+            |block, cos, sin| {
+                for (lane, level) in self.levels[block * WIDTH..].iter_mut().take(WIDTH).enumerate() {
+                    *level = [cos[lane] as f32, sin[lane] as f32];
+                }
+            },
+        );
+    }
+}
+
 impl<'a> SphericalRays<'a> {
     /// Number of arrays of sixteen in the tables of a grid that starts at a column of another grid.
     pub(crate) const fn table_len(ray_grid: &RayGrid, first_column: u32) -> usize {
         let columns = sixteens(ray_grid, first_column);
-        let middles = ray_grid.blocks_across().div_ceil(WIDTH) + 1;
         2 * columns
             + 2 * ray_grid.blocks_down()
-            + 2 * middles
+            + 2 * middles(ray_grid)
             + (2 * ray_grid.blocks_down()).div_ceil(WIDTH)
             + (4 * columns * WIDTH).div_ceil(WIDTH)
             + (4 * ray_grid.blocks_down() * WIDTH).div_ceil(WIDTH)
@@ -109,63 +210,11 @@ impl<'a> SphericalRays<'a> {
             (azimuth.reduced(core::f64::consts::TAU), elevation.reduced(core::f64::consts::PI));
         // The directions of columns are computed in groups of sixteen, counted from the first column of the whole grid.
         let skipped = first_column as usize % WIDTH;
-        let first_sixteen = first_column as usize / WIDTH;
         let azimuth = all_azimuths.from(first_column).reduced(core::f64::consts::TAU);
         let columns = sixteens(&ray_grid, first_column);
-        let (cos_azimuth, rest) = tables.split_at_mut(columns);
-        let (sin_azimuth, rest) = rest.split_at_mut(columns);
-        let (cos_elevation, rest) = rest.split_at_mut(ray_grid.blocks_down());
-        let (sin_elevation, rest) = rest.split_at_mut(ray_grid.blocks_down());
-        let middles = ray_grid.blocks_across().div_ceil(WIDTH) + 1;
-        let (cos_middle, rest) = rest.split_at_mut(middles);
-        let (sin_middle, rest) = rest.split_at_mut(middles);
-        let (levels, rest) = rest.split_at_mut((2 * ray_grid.blocks_down()).div_ceil(WIDTH));
-        let levels = &mut levels.as_flattened_mut().as_chunks_mut::<2>().0[..ray_grid.blocks_down()];
-        let (azimuths, rest) = rest.split_at_mut(4 * columns);
-        let azimuths: &mut [[f64; 2]] = bytemuck::cast_slice_mut(azimuths);
-        let elevations: &mut [[f64; 2]] = bytemuck::cast_slice_mut(&mut rest[..4 * ray_grid.blocks_down()]);
-        all_azimuths.fill(
-            first_sixteen..first_sixteen + columns,
-            #[inline(always)]
-            |block, cos, sin| {
-                for lane in 0..WIDTH {
-                    azimuths[block * WIDTH + lane] = [cos[lane], sin[lane]];
-                    cos_azimuth[block][lane] = cos[lane] as f32;
-                    sin_azimuth[block][lane] = sin[lane] as f32;
-                }
-            },
-        );
-        // Computed one by one: there are few rows, and at a pole the sign of the cosine must be right, otherwise the
-        // ray would not belong to its column.
-        for (row, angles) in elevations[..ray_grid.blocks_down() << ray_grid.shift_y].iter_mut().enumerate() {
-            let (sin, cos) = sin_cos(elevation.first + elevation.step * row as f64);
-            *angles = [cos, sin];
-        }
-        for block in 0..ray_grid.blocks_down() {
-            for lane in 0..WIDTH {
-                let [cos, sin] = elevations[(block << ray_grid.shift_y) + ray_grid.lane_position(lane).1];
-                cos_elevation[block][lane] = cos as f32;
-                sin_elevation[block][lane] = sin as f32;
-            }
-        }
+        let mut cut = Tables::cut(&ray_grid, columns, tables);
         let half = [((1 << ray_grid.shift_x) - 1) as f64 * 0.5, ((1 << ray_grid.shift_y) - 1) as f64 * 0.5];
-        azimuth.of_blocks(half[0], ray_grid.shift_x).fill(
-            0..middles,
-            #[inline(always)]
-            |block, cos, sin| {
-                cos_middle[block] = cos.map(|cos| cos as f32);
-                sin_middle[block] = sin.map(|sin| sin as f32);
-            },
-        );
-        elevation.of_blocks(half[1], ray_grid.shift_y).fill(
-            0..levels.len().div_ceil(WIDTH),
-            #[inline(always)]
-            |block, cos, sin| {
-                for (lane, level) in levels[block * WIDTH..].iter_mut().take(WIDTH).enumerate() {
-                    *level = [cos[lane] as f32, sin[lane] as f32];
-                }
-            },
-        );
+        cut.fill(&ray_grid, first_column as usize / WIDTH, all_azimuths, (azimuth, elevation), half);
         let reach = [half[0] * azimuth.step, half[1] * elevation.step];
         let arc = if reach[0].abs() <= core::f64::consts::FRAC_PI_2 {
             let (sin, cos) = sin_cos(reach[0].abs());
@@ -181,16 +230,16 @@ impl<'a> SphericalRays<'a> {
         let tumbles = beyond(elevation.first) || beyond(elevation.last(ray_grid.height));
         Self {
             ray_grid,
-            azimuths: &azimuths[skipped..],
-            elevations,
+            azimuths: &cut.azimuths[skipped..],
+            elevations: cut.elevations,
             rows: [0, ray_grid.height - 1],
-            cos_azimuth: &cos_azimuth.as_flattened()[skipped..],
-            sin_azimuth: &sin_azimuth.as_flattened()[skipped..],
-            cos_elevation,
-            sin_elevation,
-            cos_middle: cos_middle.as_flattened(),
-            sin_middle: sin_middle.as_flattened(),
-            levels,
+            cos_azimuth: &cut.cos_azimuth.as_flattened()[skipped..],
+            sin_azimuth: &cut.sin_azimuth.as_flattened()[skipped..],
+            cos_elevation: cut.cos_elevation,
+            sin_elevation: cut.sin_elevation,
+            cos_middle: cut.cos_middle.as_flattened(),
+            sin_middle: cut.sin_middle.as_flattened(),
+            levels: cut.levels,
             radius: radius as f32 * 1.0001 + 2e-6,
             arc,
             first_azimuth: azimuth.first as f32,

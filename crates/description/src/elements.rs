@@ -16,6 +16,7 @@
 //! | `name ! values: difference` | not simulated, with that difference, unless it has one of the values; gives a warning |
 //! | `name ? values: difference` | the same for what rarely matters; gives a note |
 //!
+//! The row `others @ context: place` says that the elements of another context belong in that place, and gives a warning.
 //! The row `* *` stands for all other elements of the context, which the parser reports itself.
 //!
 //! A value is a text, numbers, `*` for an empty value, or `=NAME` for the value of the sibling element of that name.
@@ -52,6 +53,11 @@ enum Fate {
         unless: Vec<&'static str>,
         difference: &'static str,
     },
+    /// The elements of this context belong in this place.
+    Elsewhere {
+        context: &'static str,
+        place: &'static str,
+    },
 }
 
 /// Reads the lines of one indentation depth, each with the more deeply indented lines below it.
@@ -67,6 +73,10 @@ fn rows(lines: &mut std::iter::Peekable<std::str::Lines<'static>>, depth: usize)
         let fate = match (rest.chars().next(), rest.get(2..).unwrap_or_default()) {
             (None, _) => Fate::Read,
             (Some('='), context) => Fate::Context(context),
+            (Some('@'), rest) => {
+                let (context, place) = rest.split_once(": ").unwrap_or_default();
+                Fate::Elsewhere { context, place }
+            }
             (Some(mark @ ('!' | '?')), rest) => {
                 let severity = if mark == '!' { Severity::Warning } else { Severity::Note };
                 let (values, difference) = rest.split_once(": ").unwrap_or_default();
@@ -134,17 +144,26 @@ impl Report {
                 Some(row) => match row.fate {
                     Fate::Read => self.inside(child, &row.inside),
                     Fate::Context(context) => self.inside(child, inside(&CONTEXTS, context)),
-                    Fate::Passed => {}
+                    Fate::Passed | Fate::Elsewhere { .. } => {}
                     Fate::NotSimulated { .. } => {
                         let value = child.attribute("value").map_or_else(|| child.text(), str::to_owned);
                         self.not_simulated(row, element, &what, &value, &child.source);
                     }
                 },
                 None if child.name.contains(':') || rows.iter().any(|row| row.name == "*") => {}
-                None => {
-                    let known = rows.iter().map(|row| row.name).filter(|name| !name.starts_with('.'));
-                    self.unknown(element, &what, did_you_mean(&child.name, known), &child.source);
-                }
+                None => match place_of(&child.name, rows) {
+                    Some(place) => {
+                        let parent = &element.name;
+                        let text =
+                            format!("{what} of <{parent}> is left out, because Gazebo reads it from {place}");
+                        let remedy = "move it there".to_owned();
+                        self.add(element, &what, Severity::Warning, &child.source, text, remedy);
+                    }
+                    None => {
+                        let known = rows.iter().map(|row| row.name).filter(|name| !name.starts_with('.'));
+                        self.unknown(element, &what, did_you_mean(&child.name, known), &child.source);
+                    }
+                },
             }
         }
     }
@@ -178,6 +197,16 @@ impl Report {
         let problem = Problem { severity, source: source.clone(), what, remedy };
         self.found.entry((parent.name.clone(), name.to_owned())).or_insert((problem, 0)).1 += 1;
     }
+}
+
+/// Returns where an element belongs that is not one of its parent's, if the rows of the parent say so.
+fn place_of(name: &str, rows: &[Row]) -> Option<&'static str> {
+    rows.iter().find_map(|row| match row.fate {
+        Fate::Elsewhere { context, place } => {
+            inside(&CONTEXTS, context).iter().any(|row| row.name == name).then_some(place)
+        }
+        _ => None,
+    })
 }
 
 /// Returns true if a text is the value in a table.
@@ -252,6 +281,9 @@ mod tests {
             match &row.fate {
                 Fate::Context(context) => assert!(CONTEXTS.contains_key(context), "{at}: {context}"),
                 Fate::NotSimulated { difference, .. } => assert!(difference.len() > 5, "{at}"),
+                Fate::Elsewhere { context, place } => {
+                    assert!(CONTEXTS.contains_key(context) && place.len() > 5, "{at}: {context}");
+                }
                 Fate::Read | Fate::Passed => {}
             }
             let rows = &row.inside;

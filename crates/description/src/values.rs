@@ -78,17 +78,37 @@ pub fn child_bool(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -
     }
 }
 
-/// The 32 bits inside the child element `name`, as a number such as 3 or 0x03.
+/// Returns the 32 bits inside the child element `name`, as a number such as 3 or 0x03. As in libsdformat, a negative number
+/// wraps round, so that -1 is all bits, `true` and `false` are 1 and 0, and only the low 32 bits of a larger number count.
 pub(crate) fn child_bits(parent: &Element, name: &str, diagnostics: &mut Diagnostics) -> Option<u32> {
+    const REMEDY: &str = "write a number of 32 bits, such as 1 or 0x01";
     let child = parent.child(name)?;
     let text = child.text();
-    let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
-    let number = digits.map_or_else(|| text.parse(), |digits| u32::from_str_radix(digits, 16));
-    if number.is_err() {
-        let what = format!("<{name}> is '{text}'");
-        diagnostics.error(&child.source, what, "write a number of 32 bits, such as 1 or 0x01");
+    let Some(bits) = bits(&text) else {
+        diagnostics.error(&child.source, format!("<{name}> is '{text}'"), REMEDY);
+        return None;
+    };
+    let low = bits as u32;
+    if i64::from(low) != bits && i64::from(low as i32) != bits {
+        let what =
+            format!("<{name}> is '{text}', more than 32 bits: the low ones count, {low}, as in Gazebo");
+        diagnostics.warning(&child.source, what, REMEDY);
     }
-    number.ok()
+    Some(low)
+}
+
+/// Returns the number in a text, or none if it is not a whole number of 64 bits.
+fn bits(text: &str) -> Option<i64> {
+    let text = text.to_ascii_lowercase();
+    match text.as_str() {
+        "true" => Some(1),
+        "false" => Some(0),
+        text => match text.strip_prefix("0x") {
+            Some(digits) if digits.starts_with(['+', '-']) => None,
+            Some(digits) => i64::from_str_radix(digits, 16).ok(),
+            None => text.parse().ok(),
+        },
+    }
 }
 
 /// Reads SDF's `<pose>` inside `parent`; the identity if there is none.

@@ -36,6 +36,7 @@ mod macros;
 mod names;
 pub mod package;
 mod scope;
+mod shorten;
 pub mod suggestion;
 mod text;
 mod value;

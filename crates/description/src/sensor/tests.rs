@@ -279,8 +279,20 @@ fn a_mask_of_a_lidar_that_hits_collision_shapes_is_without_effect() {
         assert_eq!(lidar(kind, "0xffffffff"), (Some(u32::MAX), String::new()));
         assert!(lidar(kind, "1").1.contains("warning: <visibility_mask> of sensor 's' is without effect"));
     }
-    let (mask, problems) = lidar("gpu_ray", "-1");
-    assert!(mask.is_none() && problems.contains("error: <visibility_mask> is '-1'"), "{problems}");
+    // libsdformat reads such numbers as C does: they wrap round at 2³².
+    for (text, bits) in [("-1", u32::MAX), ("-2", u32::MAX - 1), ("+3", 3), ("0XfF", 0xff), ("true", 1)] {
+        assert_eq!(lidar("gpu_ray", text), (Some(bits), String::new()), "{text}");
+    }
+    let (mask, problems) = lidar("gpu_ray", "0x100000003");
+    assert_eq!(mask, Some(3));
+    assert!(
+        problems.contains("warning: <visibility_mask> is '0x100000003', more than 32 bits"),
+        "{problems}"
+    );
+    for text in ["", "-", "0x", "0x-1", "--1", "all", "1.5", "99999999999999999999"] {
+        let (mask, problems) = lidar("gpu_ray", text);
+        assert!(mask.is_none() && problems.contains("error: <visibility_mask> is '"), "{text}: {problems}");
+    }
 }
 
 #[test]

@@ -9,7 +9,7 @@ use super::{Loader, nearest_link};
 use crate::diagnostics::Diagnostics;
 use crate::fiducial::fiducials;
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
-use crate::label::label;
+use crate::label::{is_label, label};
 use crate::model::{JointDynamics, JointIndex, LinkIndex, Model};
 use crate::optics::optics;
 use crate::plugin;
@@ -79,6 +79,7 @@ impl Loader<'_> {
             let pose = child_pose(sensor, self.rules.gazebo_compat, self.diagnostics);
             model.sensors.extend(parse_sensor(sensor, index, pose, self.rules, self.diagnostics));
         }
+        self.no_plugins(element, "link", &model.links[index].name);
         let link = &mut model.links[index];
         // Gazebo copies the content of <visual> into each visual of the link.
         for element in std::iter::once(element).chain(element.elements_named("visual")) {
@@ -170,6 +171,20 @@ impl Loader<'_> {
         model.sensors.extend(read);
     }
 
+    /// Warns of plugins of a link or a joint. Gazebo copies them into its `<link>` or `<joint>`, from which it loads none; a
+    /// `Label` is copied further, into the visuals.
+    fn no_plugins(&mut self, element: &Element, kind: &str, name: &str) {
+        for plugin in element.elements_named("plugin").filter(|plugin| kind == "joint" || !is_label(plugin)) {
+            let written = |attribute: &str| plugin.attribute(attribute).unwrap_or_default();
+            let what = format!(
+                "the plugin '{}' ({}) belongs to the {kind} '{name}', and Gazebo loads no plugins of {kind}s: it is left out",
+                written("name"),
+                written("filename")
+            );
+            self.diagnostics.warning(&plugin.source, what, "write it into a <gazebo> without a reference");
+        }
+    }
+
     /// Reads the spring of a joint.
     fn extend_joint(&mut self, element: &Element, dynamics: &mut JointDynamics) {
         if let Some(stiffness) = number_of(element, "springStiffness", self.diagnostics) {
@@ -185,6 +200,7 @@ impl Loader<'_> {
     fn unknown_reference(&mut self, element: &Element, name: &str, model: &mut Model) {
         let near = nearest_link(name, &model.links);
         if let Some(index) = model.joints.iter().position(|joint| joint.name == name) {
+            self.no_plugins(element, "joint", name);
             self.extend_joint(element, &mut model.joints[index].dynamics);
             for sensor in element.elements_named("sensor") {
                 self.joint_sensor(sensor, index, model);

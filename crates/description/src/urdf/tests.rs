@@ -302,3 +302,56 @@ fn tags_belong_to_a_link_of_one_visual() {
     assert!(problems.len() == 1 && problems[0].starts_with("r.urdf:2: error: "), "{problems:?}");
     assert!(problems[0].contains("the link 'head', which needs exactly one visual"), "{problems:?}");
 }
+
+#[test]
+fn plugins_that_gazebo_does_not_load_from_a_link_or_joint_are_told() {
+    let robot = |reference: &str, plugin: &str| {
+        load_as(
+            &format!(
+                "<link name='a'/><link name='b'/>{}<gazebo reference='{reference}'>{plugin}</gazebo>",
+                joint("j", "a", "b")
+            ),
+            false,
+        )
+    };
+    let pump = "\n<plugin name='pump' filename='libpump.so'/>";
+    for (reference, what) in [("j", "joint"), ("a", "link")] {
+        let (model, problems) = robot(reference, pump);
+        let told = format!(
+            "r.urdf:2: warning: the plugin 'pump' (libpump.so) belongs to the {what} '{reference}', and Gazebo loads no plugins of \
+             {what}s: it is left out; write it into a <gazebo> without a reference"
+        );
+        assert!(model.is_some());
+        assert_eq!(problems, [told]);
+    }
+    let label =
+        "<plugin filename='gz-sim-label-system' name='gz::sim::systems::Label'><label>3</label></plugin>";
+    assert_eq!(robot("a", label).1, [""; 0]);
+}
+
+#[test]
+fn extensions_directly_in_a_link_or_joint_are_told_with_their_place() {
+    let one = |inside: &str| {
+        let joint = "<joint name='j' type='fixed'><parent link='a'/><child link='b'/><springStiffness>1</springStiffness></joint>";
+        let (model, problems) =
+            load_as(&format!("<link name='a'>\n{inside}</link><link name='b'/>{joint}"), false);
+        assert!(model.is_some() && problems.len() == 2, "{problems:#?}");
+        assert!(
+            problems[0].contains("<springStiffness> of <joint> is left out")
+                && problems[0].contains("reads it from <gazebo reference=\"JOINT\">"),
+            "{problems:#?}"
+        );
+        problems[1].clone()
+    };
+    for name in ["kinematic", "turnGravityOff", "selfCollide", "mu1", "material", "sensor"] {
+        assert_eq!(
+            one(&format!("<{name}>1</{name}>")),
+            format!(
+                "r.urdf:2: warning: <{name}> of <link> is left out, because Gazebo reads it from <gazebo reference=\"LINK\">; \
+                 move it there"
+            )
+        );
+    }
+    assert!(one("<gravity>0</gravity>").contains("<turnGravityOff>"));
+    assert!(one("<plugin name='p' filename='libp.so'/>").contains("<gazebo> without a reference"));
+}

@@ -2,7 +2,7 @@
 
 use crate::description::model::{LinkIndex, Model, Sensor};
 use crate::description::suggestion::did_you_mean_or;
-use crate::robot::{self, InertialUnit, Robot};
+use crate::robot::{self, Feeler, InertialUnit, Robot};
 use crate::world::physics::{ModelIndex, Physics, Placement};
 use belvedere_sensors::Pose;
 
@@ -93,6 +93,8 @@ pub struct Entity {
     pub robot: Option<Robot>,
     /// Its inertial units, in the order of its sensors.
     pub units: Vec<InertialUnit>,
+    /// What its contact sensors feel, in the order of its sensors.
+    pub feelers: Vec<Feeler>,
 }
 
 impl Entity {
@@ -190,6 +192,11 @@ impl Entities {
         self.places.get(id.index).filter(|place| place.generation == id.generation)?.entity.as_ref()
     }
 
+    /// Returns the model at this index, if there is one.
+    pub(crate) fn at(&self, index: ModelIndex) -> Option<&Entity> {
+        self.places.get(index)?.entity.as_ref()
+    }
+
     /// Like [`Entities::get`], but mutable.
     pub(crate) fn get_mut(&mut self, id: EntityId) -> Option<&mut Entity> {
         self.places.get_mut(id.index).filter(|place| place.generation == id.generation)?.entity.as_mut()
@@ -206,11 +213,12 @@ impl Entities {
         places.filter_map(|(index, place)| Some((place.id(index), place.entity.as_mut()?)))
     }
 
-    /// Reads encoders, gyros and accelerometers after a step.
+    /// Reads encoders, gyros, accelerometers and contacts after a step.
     pub(crate) fn observe(&mut self, physics: &Physics) {
         for (_, entity) in self.iter_mut() {
             entity.robot.iter_mut().for_each(|robot| robot.observe(physics));
             entity.units.iter_mut().for_each(|unit| unit.observe(physics));
+            entity.feelers.iter_mut().for_each(|feeler| feeler.observe(physics));
         }
     }
 

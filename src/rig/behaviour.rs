@@ -36,5 +36,6 @@ pub(super) fn behaviour(sensor: &Sensor) -> &dyn Behaviour {
         SensorKind::Altimeter(altimeter) => &**altimeter,
         SensorKind::AirPressure(barometer) => &**barometer,
         SensorKind::ForceTorque(sensor) => &**sensor,
+        SensorKind::Contact(sensor) => &**sensor,
     }
 }

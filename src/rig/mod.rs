@@ -12,6 +12,7 @@ pub mod base;
 mod behaviour;
 mod camera;
 mod channel;
+mod contact;
 pub mod cost;
 mod depth;
 mod error;

@@ -14,6 +14,11 @@ pub fn sensor_report(model: &Model, sensor: &Sensor, gazebo_compat: bool) -> Vec
     if let SensorKind::ForceTorque(it) = &sensor.kind {
         say("joint", model.joints[it.joint].name.clone());
     }
+    if let SensorKind::Contact(it) = &sensor.kind {
+        for (link, collision) in &it.collisions {
+            say("watches", model.collision_name(*link, *collision));
+        }
+    }
     say("rate", rate(sensor));
     kind.report(gazebo_compat, &mut say);
     lines

@@ -24,7 +24,7 @@ use crate::description::model::{Model, World};
 use crate::description::{Problem, Severity};
 use crate::entities::{Entities, Entity, EntityId, Origin};
 use crate::rig::{RigOptions, Stage};
-use crate::robot::{self, Autopilot, Command, InertialUnit, Robot};
+use crate::robot::{self, Autopilot, Command, Feeler, InertialUnit, Robot};
 use crate::world::physics::{Physics, Placement};
 use crate::world::scene::{Looks, WorldScene};
 use belvedere_sensors::{Execution, Pose};
@@ -100,6 +100,7 @@ impl SimulationBuilder {
                 noise_name: model.name.clone(),
                 robot,
                 units: InertialUnit::all(model, index),
+                feelers: Feeler::all(model, index, &physics),
             };
             entities.add(index, entity);
         }
@@ -367,8 +368,9 @@ impl Simulation {
     pub fn reset(&mut self) -> Result<(), SimulationError> {
         let mut physics = Physics::with_models(&self.world, self.entities.placements())?;
         for entity in self.entities.iter_mut() {
-            let (id, Entity { robot, model, namespace, units, .. }) = entity;
+            let (id, Entity { robot, model, namespace, units, feelers, .. }) = entity;
             *units = InertialUnit::all(model, id.index());
+            *feelers = Feeler::all(model, id.index(), &physics);
             let Some(robot) = robot else { continue };
             let autopilot = robot.autopilot();
             *robot = Robot::new(model, namespace, id.index(), &mut physics).0;

@@ -4,7 +4,7 @@ use super::{Simulation, SimulationError};
 use crate::description::Severity;
 use crate::description::model::Model;
 use crate::entities::{Entity, EntityId, Origin, model_name, namespace};
-use crate::robot::{self, InertialUnit, Robot, has_base};
+use crate::robot::{self, Feeler, InertialUnit, Robot, has_base};
 use crate::world::physics::Placement;
 use belvedere_sensors::Pose;
 
@@ -95,8 +95,9 @@ impl Simulation {
         self.note(notes);
         self.studio = None;
         let units = InertialUnit::all(&model, index);
+        let feelers = Feeler::all(&model, index, &self.physics);
         let noise_name = self.entities.noise_name(&name, &namespace, origin);
-        let entity = Entity { name, namespace, model, start, origin, noise_name, robot, units };
+        let entity = Entity { name, namespace, model, start, origin, noise_name, robot, units, feelers };
         Ok(self.entities.add(index, entity))
     }
 

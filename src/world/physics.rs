@@ -30,6 +30,7 @@ mod touch;
 mod wrench;
 
 pub use joint::JointState;
+pub(crate) use touch::{ShapeHandle, Touch};
 pub use wrench::Wrench;
 
 use crate::description::diagnostics::{Problem, Severity};
@@ -160,6 +161,8 @@ struct PlacedLink {
     body_from_link: Pose,
     model_from_link: Pose,
     colliders: Vec<ColliderHandle>,
+    /// The indices of the link's collisions that the colliders are, in the order of `colliders`.
+    numbers: Vec<usize>,
     /// Poses of the colliders' shapes in the link, in the order of `colliders`.
     shapes: Vec<Pose>,
 }

@@ -17,6 +17,7 @@ mod carried_models;
 mod check;
 mod check_folder;
 mod commands;
+mod contacts;
 mod control_command_line;
 mod control_faults;
 mod control_models;

@@ -27,6 +27,7 @@ SUMS = {
     "tf2_msgs/TFMessage": "94810edda583a504dfda3829e70d7eec",
     "rosgraph_msgs/Clock": "a9c97c1d230cfc112e270351a944ee47",
     "geometry_msgs/Twist": "9f195f881246fdfa2798d1d3eebca84a",
+    "gazebo_msgs/ContactsState": "acbcb1601a8e525bf72509f18e6f668d",
     "gazebo_msgs/ModelStates": "48c080191eb15c41858319b4d8a609c2",
     "gazebo_msgs/LinkStates": "48c080191eb15c41858319b4d8a609c2",
     "kobuki_msgs/SensorState": "430a4bfd78449c8740bfef32b26613a6",
@@ -99,6 +100,15 @@ def check_instrument(name: str | None, message, payload: bytes) -> None:
     elif name == "geometry_msgs/WrenchStamped":
         force, torque = message.wrench.force, message.wrench.torque
         assert (force.x, force.y, force.z, torque.x, torque.y, torque.z) == numbers(0, 6)
+    elif name == "gazebo_msgs/ContactsState":
+        assert sum(len(state.depths) for state in message.states) == len(payload) // 360
+        for state in message.states[:1]:
+            own = payload[:128].rstrip(b"\0").decode()
+            assert state.collision1_name == own == "instruments::base_link::base_link_collision"
+            place, normal, force = state.contact_positions[0], state.contact_normals[0], state.wrenches[0].force
+            assert (place.x, place.y, place.z, normal.x, normal.y, normal.z) == numbers(256, 6)
+            assert (state.depths[0], force.x, force.y, force.z) == numbers(304, 4)
+            assert abs(state.total_wrench.force.z - sum(each.force.z for each in state.wrenches)) < 1e-9
 
 
 def check_message(name: str, message) -> None:

@@ -36,6 +36,7 @@ pub(crate) fn link(name: &str, model_from_link: Pose) -> Link {
 pub(crate) fn collision(link_from_collision: Pose, geometry: Geometry) -> Collision {
     Collision {
         name: String::new(),
+        scoped_name: None,
         link_from_collision,
         geometry,
         friction: None,

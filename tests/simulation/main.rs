@@ -6,6 +6,7 @@ mod robot_models;
 mod sdf;
 
 mod bases;
+mod contacts;
 mod depth_presets;
 mod dynamics;
 mod far;

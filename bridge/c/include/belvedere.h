@@ -109,6 +109,8 @@ enum bv_kind
     BV_KIND_VECTOR3 = 28,
     // One bv_wrench.
     BV_KIND_WRENCH = 29,
+    // An array of bv_contact: all contacts of a sensor since its last frame.
+    BV_KIND_CONTACTS = 30,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -516,6 +518,24 @@ typedef struct bv_motor_power {
     uint32_t state;
 } bv_motor_power;
 
+// A point at which two collision shapes touch each other. The contacts of a pair follow each other.
+typedef struct bv_contact {
+    // The collision that the sensor watches, as in Gazebo: MODEL::LINK::COLLISION.
+    char collision1[128];
+    // The other collision.
+    char collision2[128];
+    // The point, metres.
+    double position[3];
+    // Unit normal of the contact, which points into the first collision.
+    double normal[3];
+    // Depth to which the shapes overlap, metres.
+    double depth;
+    // Force on the first collision, newtons.
+    double force[3];
+    // Torque of that force about the centre of mass of the first collision's body, newton metres.
+    double torque[3];
+} bv_contact;
+
 // A command to a simulator. A text of text_len bytes follows it in the payload.
 typedef struct bv_simulation_command {
     // A random number chosen by the sender; the result repeats it.
@@ -735,6 +755,7 @@ typedef struct bv_tag_detection {
     X(bv_core_sensors, 20) \
     X(bv_reset_odometry, 8) \
     X(bv_motor_power, 4) \
+    X(bv_contact, 360) \
     X(bv_simulation_command, 320) \
     X(bv_simulation_result, 512) \
     X(bv_model_state, 232) \
@@ -764,6 +785,7 @@ typedef struct bv_tag_detection {
     X(bv_core_sensors, BV_KIND_CORE_SENSORS) \
     X(bv_reset_odometry, BV_KIND_RESET_ODOMETRY) \
     X(bv_motor_power, BV_KIND_MOTOR_POWER) \
+    X(bv_contact, BV_KIND_CONTACTS) \
     X(bv_simulation_command, BV_KIND_SIMULATION_COMMAND) \
     X(bv_simulation_result, BV_KIND_SIMULATION_RESULT) \
     X(bv_model_state, BV_KIND_MODEL_STATES) \

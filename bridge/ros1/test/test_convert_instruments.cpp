@@ -1,5 +1,10 @@
-// Tests of satellite receivers, magnetometers, barometers and altimeters.
+// Tests of satellite receivers, magnetometers, barometers, altimeters, and sensors of forces and contacts.
 
+#include <cstring>
+#include <string>
+#include <vector>
+
+#include <gazebo_msgs/ContactsState.h>
 #include <gtest/gtest.h>
 #include <geometry_msgs/PointStamped.h>
 #include <geometry_msgs/Vector3Stamped.h>
@@ -75,6 +80,32 @@ TEST(Wrench, IsStamped) {
     expect_header(wrench->header);
     EXPECT_EQ(wrench->wrench.force.z, 3);
     EXPECT_EQ(wrench->wrench.torque.y, 5);
+}
+
+TEST(Contacts, OfAPairAreOneState) {
+    bv_contact first{}, second{}, other{};
+    std::strcpy(first.collision1, "robot::base::bumper");
+    std::strcpy(first.collision2, "wall::link::collision");
+    first.normal[0] = -1;
+    first.depth = 0.25;
+    first.force[0] = -2;
+    second = other = first;
+    second.position[1] = 3;
+    std::strcpy(other.collision2, "box::link::collision");
+    auto known = Known::structs<bv_contact>(BV_KIND_CONTACTS, {first, second, other});
+    const auto contacts = received<gazebo_msgs::ContactsState>(known.sample());
+    expect_header(contacts->header);
+    ASSERT_EQ(contacts->states.size(), 2U);
+    const auto& pair = contacts->states[0];
+    EXPECT_EQ(pair.collision1_name, "robot::base::bumper");
+    EXPECT_EQ(contacts->states[1].collision2_name, "box::link::collision");
+    ASSERT_EQ(pair.wrenches.size(), 2U);
+    EXPECT_EQ(pair.total_wrench.force.x, -4);
+    EXPECT_EQ(pair.contact_positions[1].y, 3);
+    EXPECT_EQ(pair.contact_normals[0].x, -1);
+    EXPECT_EQ(pair.depths, (std::vector<double>{0.25, 0.25}));
+    auto nobody = Known::structs<bv_contact>(BV_KIND_CONTACTS, {});
+    EXPECT_TRUE(received<gazebo_msgs::ContactsState>(nobody.sample())->states.empty());
 }
 
 }  // namespace

@@ -29,6 +29,8 @@ EXAMPLES = Path(__file__).resolve().parents[3] / "examples" / "ros1"
 
 #: MD5 sums of ROS Noetic's gazebo_msgs.
 SUMS = {
+    msg.ContactState: "48c0ffb054b8c444f870cecea1ee50d9",
+    msg.ContactsState: "acbcb1601a8e525bf72509f18e6f668d",
     msg.LinkState: "0818ebbf28ce3a08d48ab1eaa7309ebe",
     msg.LinkStates: "48c080191eb15c41858319b4d8a609c2",
     msg.ModelState: "9330fd35f2fcd82d457e54bd54e10593",

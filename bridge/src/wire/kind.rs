@@ -65,6 +65,8 @@ wire_enum! {
         Vector3 = 28 "vector3",
         /// One [`Wrench`](crate::payload::Wrench).
         Wrench = 29 "wrench",
+        /// An array of [`Contact`](crate::payload::Contact): all contacts of a sensor since its last frame.
+        Contacts = 30 "contacts",
     }
 }
 

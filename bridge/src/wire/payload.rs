@@ -3,6 +3,7 @@
 //! `frame_id`, at the time of its `stamp_ns`.
 
 mod base;
+mod contact;
 mod control;
 mod instruments;
 mod range;
@@ -10,6 +11,7 @@ mod settings;
 mod truth;
 
 pub use base::*;
+pub use contact::*;
 pub use control::*;
 pub use instruments::*;
 pub use range::*;
@@ -28,6 +30,7 @@ use super::{
 pub(super) const ALL: &[&[Struct]] = &[
     STRUCTS,
     base::STRUCTS,
+    contact::STRUCTS,
     control::STRUCTS,
     instruments::STRUCTS,
     range::STRUCTS,

@@ -13,9 +13,9 @@ mod shape;
 mod trajectory;
 
 pub use super::sensor::{
-    AirPressure, Altimeter, BeamPhysics, Camera, DepthCamera, ForceTorque, Imu, ImuProfile, InstrumentPlugin,
-    Lidar, Magnetometer, MeasureFrame, NavSat, OrientationReference, PacketProfile, PluginField, Rangefinder,
-    Sensor, SensorKind, choices,
+    AirPressure, Altimeter, BeamPhysics, Camera, ContactSensor, DepthCamera, ForceTorque, Imu, ImuProfile,
+    InstrumentPlugin, Lidar, Magnetometer, MeasureFrame, NavSat, OrientationReference, PacketProfile,
+    PluginField, Rangefinder, Sensor, SensorKind, choices,
 };
 pub use base::{
     AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,
@@ -149,6 +149,16 @@ impl Model {
     /// The name of the link or the joint that a sensor is on.
     pub(crate) fn place_of(&self, sensor: &Sensor) -> &str {
         place_of(sensor, &self.links, &self.joints).1
+    }
+
+    /// Returns the name that Gazebo gives a collision of a link: `LINK::COLLISION`.
+    ///
+    /// # Panics
+    /// If there is no such link or collision.
+    pub fn collision_name(&self, link: LinkIndex, collision: usize) -> String {
+        let link = &self.links[link];
+        let collision = &link.collisions[collision];
+        collision.scoped_name.clone().unwrap_or_else(|| format!("{}::{}", link.name, collision.name))
     }
 
     /// Returns the plugin that drives it, if there is one.

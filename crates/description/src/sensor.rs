@@ -7,6 +7,7 @@ mod air_pressure;
 mod altimeter;
 mod camera;
 mod camera_plugin;
+mod contact;
 mod depth;
 mod device;
 mod force_torque;
@@ -30,6 +31,8 @@ mod tests;
 pub use air_pressure::AirPressure;
 pub use altimeter::Altimeter;
 pub use camera::Camera;
+pub use contact::ContactSensor;
+pub(crate) use contact::Known;
 pub use depth::DepthCamera;
 pub use force_torque::{ForceTorque, MeasureFrame};
 pub(crate) use force_torque::{JointMount, is_on_joint, parse_joint_sensor};
@@ -106,6 +109,8 @@ pub enum SensorKind {
     AirPressure(Box<AirPressure>),
     /// Sensor of the force and torque in a joint.
     ForceTorque(Box<ForceTorque>),
+    /// Sensor of what touches a link.
+    Contact(Box<ContactSensor>),
 }
 
 impl SensorKind {
@@ -139,7 +144,7 @@ impl Kind {
 }
 
 /// All kinds. If several have the same type, the plugin decides; without one it is the first.
-static KINDS: [Kind; 10] = [
+static KINDS: [Kind; 11] = [
     camera::KIND,
     depth::KIND,
     lidar::KIND,
@@ -150,6 +155,7 @@ static KINDS: [Kind; 10] = [
     altimeter::KIND,
     air_pressure::KIND,
     force_torque::KIND,
+    contact::KIND,
 ];
 
 /// Reads a `<sensor>` with its plugin. A sensor of an unsupported type gives none and a warning; a sensor

@@ -6,12 +6,14 @@
 //! | `joint` | `<joint>` |
 //! | `tree` | the tree of links and joints, and the poses in it |
 //! | `geometry`, `material` | shapes and their looks |
+//! | `collisions` | the names that Gazebo gives collisions, and the collisions of contact sensors |
 //! | `files` | resolution of `package://` and other file names |
 //! | `plain` | rewrites a robot for stricter parsers |
 //! | `gazebo` | `<gazebo>`: sensors, and properties that Gazebo overrides |
 //!
 //! `<transmission>` and other elements without any effect here are ignored silently.
 
+mod collisions;
 mod files;
 mod gazebo;
 mod geometry;
@@ -75,6 +77,7 @@ pub(super) fn load_urdf(
     loader.extensions(robot, &mut model);
     loader.compare_elements(robot, &model);
     if is_tree {
+        loader.name_collisions(robot, &mut model);
         housing::report(&model, rules.gazebo_compat, loader.diagnostics);
         warn_of_hulls([&model], loader.diagnostics);
     }

@@ -85,6 +85,8 @@ class Kind(IntEnum):
     VECTOR3 = 28
     #: One Wrench.
     WRENCH = 29
+    #: An array of Contact: all contacts of a sensor since its last frame.
+    CONTACTS = 30
 
 
 class Encoding(IntEnum):
@@ -364,6 +366,17 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
     Kind.MOTOR_POWER: np.dtype(
         [
             ("state", "<u4"),
+        ]
+    ),
+    Kind.CONTACTS: np.dtype(
+        [
+            ("collision1", "S128"),
+            ("collision2", "S128"),
+            ("position", "<f8", 3),
+            ("normal", "<f8", 3),
+            ("depth", "<f8"),
+            ("force", "<f8", 3),
+            ("torque", "<f8", 3),
         ]
     ),
     Kind.SIMULATION_COMMAND: np.dtype(

@@ -40,6 +40,7 @@ impl Physics {
                 body_from_link: *world_from_model * *model_from_link,
                 model_from_link: *model_from_link,
                 colliders: Vec::new(),
+                numbers: Vec::new(),
                 shapes: Vec::new(),
             })
             .collect();
@@ -319,7 +320,7 @@ impl Physics {
     }
 
     fn add_colliders(&mut self, model: &Model, index: ModelIndex, link: LinkIndex, placed: &mut PlacedLink) {
-        for collision in &model.links[link].collisions {
+        for (number, collision) in model.links[link].collisions.iter().enumerate() {
             let moves =
                 placed.body.is_some_and(|body| !matches!(self.bodies[body].follows, Follows::Nothing));
             let (shape, collision_from_shape) = match shape::shape(&collision.geometry, moves) {
@@ -369,6 +370,7 @@ impl Physics {
             let collider = contact::with_surface(collider, &collision.contact);
             let parent = placed.body.map(|body| self.bodies[body].handle);
             placed.colliders.push(self.rapier.insert_collider(collider, parent));
+            placed.numbers.push(number);
             placed.shapes.push(link_from_shape);
         }
     }

@@ -1,22 +1,36 @@
-//! Queries about touch and nearness: where a link touches, what is near a model, and what a ray meets.
+//! Queries about touch and nearness: where a shape touches, what is near a model, and what a ray meets.
 
-use super::convert::{from_rapier, to_rapier};
+use super::convert::to_rapier;
+use super::wrench::impulse;
 use super::{ModelIndex, Owner, Physics};
 use crate::description::model::LinkIndex;
 use glam::DVec3;
-use rapier3d_f64::geometry::{Ball, Collider, Ray, Shape as RapierShape};
+use rapier3d_f64::dynamics::RigidBody;
+use rapier3d_f64::geometry::{
+    Ball, Collider, ColliderHandle, ContactManifold, ContactPair, Ray, Shape as RapierShape, SolverContact,
+};
 use rapier3d_f64::math::Pose as RapierPose;
 use rapier3d_f64::parry::bounding_volume::BoundingVolume as _;
 use rapier3d_f64::parry::query::contact;
 use rapier3d_f64::pipeline::QueryFilter;
 
-/// A point where a link touches something, in the world.
+/// A collision shape in the world. A handle is never used again after its shape was removed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub(crate) struct ShapeHandle(ColliderHandle);
+
+/// A point where a shape touches, or nearly touches, another one, in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Touch {
-    /// The point on the link.
+    /// The other shape.
+    pub(crate) other: ShapeHandle,
+    /// The point on the shape.
     pub(crate) point: DVec3,
-    /// Direction out of the link into what it touches.
+    /// Direction out of the shape into the other one.
     pub(crate) outward: DVec3,
+    /// Distance of the two shapes in m; negative if they overlap.
+    pub(crate) gap_m: f64,
+    /// The impulse on the shape in the last step, in N·s.
+    pub(crate) impulse: DVec3,
 }
 
 impl Physics {
@@ -86,6 +100,42 @@ impl Physics {
         }
     }
 
+    /// Returns the shape of a link's collision; `None` if the collision has no shape that can touch anything.
+    pub(crate) fn shape_of(
+        &self,
+        model: ModelIndex,
+        link: LinkIndex,
+        collision: usize,
+    ) -> Option<ShapeHandle> {
+        let placed = &self.models[model].links[link];
+        let number = placed.numbers.iter().position(|number| *number == collision)?;
+        Some(ShapeHandle(placed.colliders[number]))
+    }
+
+    /// Returns the model, the link and the collision to which a shape belongs; `None` if it was removed.
+    pub(crate) fn collision_of(&self, shape: ShapeHandle) -> Option<(ModelIndex, LinkIndex, usize)> {
+        let model = Owner::of(self.rapier.colliders.get(shape.0)?).model;
+        self.models[model].links.iter().enumerate().find_map(|(link, placed)| {
+            let number = placed.colliders.iter().position(|collider| *collider == shape.0)?;
+            Some((model, link, placed.numbers[number]))
+        })
+    }
+
+    /// Returns true unless the shape was removed.
+    pub(crate) fn has_shape(&self, shape: ShapeHandle) -> bool {
+        self.rapier.colliders.get(shape.0).is_some()
+    }
+
+    /// Returns the centre of mass of the body that a link belongs to, or the origin of a link that no force moves.
+    pub(crate) fn balance_point(&self, model: ModelIndex, link: LinkIndex) -> DVec3 {
+        let body = self.models[model].links[link].body;
+        let rigid = body.and_then(|body| self.rapier.bodies.get(self.bodies[body].handle));
+        match rigid.filter(|rigid| rigid.is_dynamic()) {
+            Some(rigid) => RigidBody::center_of_mass(rigid),
+            None => self.world_from_link(model, link).translation(),
+        }
+    }
+
     /// Returns the points where a link touched other models in the last step: all that are less than `gap_m` apart.
     pub(crate) fn touches(
         &self,
@@ -93,33 +143,55 @@ impl Physics {
         link: LinkIndex,
         gap_m: f64,
     ) -> impl Iterator<Item = Touch> + '_ {
-        let colliders = self.models[model].links[link].colliders.iter().copied();
-        colliders.flat_map(move |own| {
-            let world_from_own =
-                self.rapier.colliders.get(own).map(|collider| from_rapier(collider.position()));
-            let is_other = move |collider| {
-                self.rapier.colliders.get(collider).is_some_and(|collider| Owner::of(collider).model != model)
+        let is_other = move |touch: &Touch| {
+            let other = self.rapier.colliders.get(touch.other.0);
+            other.is_some_and(|collider| Owner::of(collider).model != model)
+        };
+        let colliders = self.models[model].links[link].colliders.iter();
+        colliders
+            .flat_map(|own| self.touches_of(ShapeHandle(*own)))
+            .filter(move |touch| touch.gap_m < gap_m)
+            .filter(is_other)
+    }
+
+    /// Returns the points where a shape touched others in the last step, and those where it was near them.
+    pub(crate) fn touches_of(&self, shape: ShapeHandle) -> impl Iterator<Item = Touch> + '_ {
+        let pairs = self.rapier.narrow_phase.contact_pairs_with(shape.0);
+        pairs
+            .flat_map(|pair| pair.solver_manifolds().iter().map(move |manifold| (pair, manifold)))
+            .flat_map(move |(pair, manifold)| self.points(pair, manifold, pair.collider1 == shape.0))
+    }
+
+    /// Returns the points of a manifold as seen by one of its two shapes.
+    fn points<'p>(
+        &'p self,
+        pair: &'p ContactPair,
+        manifold: &'p ContactManifold,
+        is_first: bool,
+    ) -> impl Iterator<Item = Touch> + 'p {
+        let colliders = [pair.collider1, pair.collider2].map(|handle| self.rapier.colliders.get(handle));
+        let subshapes = [manifold.subshape_pos1(), manifold.subshape_pos2()];
+        let normal = manifold.data.normal;
+        manifold.points.iter().enumerate().filter_map(move |(number, point)| {
+            let mut ends = [point.local_p1, point.local_p2];
+            for (end, (subshape, collider)) in ends.iter_mut().zip(subshapes.iter().zip(colliders)) {
+                let in_collider = subshape.map_or(*end, |subshape| *subshape * *end);
+                *end = *collider?.position() * in_collider;
+            }
+            let solved = manifold.data.solver_contacts.iter().flat_map(SolverContact::contact_indices);
+            let on_first = if solved.into_iter().any(|index| index as usize == number) {
+                impulse(manifold, &point.data)
+            } else {
+                DVec3::ZERO
             };
-            let pairs = self.rapier.narrow_phase.contact_pairs_with(own);
-            let pairs = pairs.filter(move |pair| {
-                is_other(if pair.collider1 == own { pair.collider2 } else { pair.collider1 })
-            });
-            pairs.filter_map(move |pair| Some((pair, pair.rigid()?, world_from_own?))).flat_map(
-                move |(pair, contacts, world_from_own)| {
-                    let is_first = pair.collider1 == own;
-                    contacts.manifolds.iter().flat_map(move |manifold| {
-                        let normal = manifold.data.normal;
-                        let near = manifold.points.iter().filter(move |point| point.dist < gap_m);
-                        near.map(move |point| {
-                            let local = if is_first { point.local_p1 } else { point.local_p2 };
-                            Touch {
-                                point: world_from_own.transform_point(local),
-                                outward: if is_first { normal } else { -normal },
-                            }
-                        })
-                    })
-                },
-            )
+            let sign = if is_first { 1.0 } else { -1.0 };
+            Some(Touch {
+                other: ShapeHandle(if is_first { pair.collider2 } else { pair.collider1 }),
+                point: ends[usize::from(!is_first)],
+                outward: normal * sign,
+                gap_m: (ends[1] - ends[0]).dot(normal),
+                impulse: on_first * sign,
+            })
         })
     }
 

@@ -274,7 +274,7 @@ impl Physics {
 
 /// Returns the impulse of a contact on the first of its bodies in the last step, in N·s: along the normal, and by friction
 /// along the two tangents that rapier derives from it.
-fn impulse(manifold: &ContactManifold, contact: &ContactData) -> DVec3 {
+pub(super) fn impulse(manifold: &ContactManifold, contact: &ContactData) -> DVec3 {
     let push = -manifold.data.normal;
     let tangent = push.orthonormal_vector();
     let [along, across] = [contact.tangent_impulse.x, contact.tangent_impulse.y];

@@ -59,6 +59,9 @@ pub struct Fiducial {
 pub struct Collision {
     /// Name; empty if it has none.
     pub name: String,
+    /// The name that Gazebo gives it, behind that of its link: `LINK::COLLISION`. None if it follows from the names of both,
+    /// as in SDF.
+    pub scoped_name: Option<String>,
     /// Pose of the shape in its link.
     pub link_from_collision: Pose,
     /// The shape.

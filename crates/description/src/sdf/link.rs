@@ -6,9 +6,9 @@ use super::{Loader, Scope, name_of};
 use crate::fiducial::fiducials;
 use crate::inertia;
 use crate::label::label;
-use crate::model::{Collision, Contact, Inertial, Link, Visual};
+use crate::model::{Collision, Contact, Inertial, Link, SensorKind, Visual};
 use crate::optics::optics;
-use crate::sensor::parse_sensor;
+use crate::sensor::{Known, parse_sensor};
 use crate::solid::Solid;
 use crate::values::{
     child_bits, child_bool, child_number, child_text, friction_coefficient, not_negative, share,
@@ -60,7 +60,7 @@ impl Loader<'_> {
             is_static: false,
             source: element.source.clone(),
         };
-        let mut densities = Vec::new();
+        let (mut densities, first_sensor) = (Vec::new(), parts.sensors.len());
         for child in element.elements() {
             match child.name.as_str() {
                 "visual" => self.visual(child, scope, frames, &mut link),
@@ -91,6 +91,15 @@ impl Loader<'_> {
         }
         if let Some(inertial) = element.child("inertial").filter(|inertial| is_automatic(inertial)) {
             self.weigh(inertial, &densities, &mut link);
+        }
+        for sensor in &mut parts.sensors[first_sensor..] {
+            if let SensorKind::Contact(contact) = &mut sensor.kind {
+                let known = link.collisions.iter().enumerate();
+                let known: Vec<Known> = known
+                    .map(|(number, collision)| Known { name: collision.name.clone(), place: (index, number) })
+                    .collect();
+                contact.look_up((&sensor.name, &sensor.source), &known, self.diagnostics);
+            }
         }
         parts.links.push(link);
     }
@@ -219,6 +228,7 @@ impl Loader<'_> {
         if let Some(geometry) = self.collision_geometry(element, scope) {
             link.collisions.push(Collision {
                 name: name_of(element),
+                scoped_name: None,
                 link_from_collision,
                 geometry,
                 friction: mu,

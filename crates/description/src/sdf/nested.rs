@@ -68,6 +68,8 @@ impl Loader<'_> {
         let (first, first_joint) = (parts.links.len(), parts.joints.len());
         parts.links.extend(model.links.into_iter().map(|mut link| {
             link.name = outer_name(&link.name);
+            let scoped = link.collisions.iter_mut().filter_map(|collision| collision.scoped_name.as_mut());
+            scoped.for_each(|name| *name = outer_name(name));
             link.model_from_link = outer_from_inner * link.model_from_link;
             // As in Gazebo, a nested model keeps its own <static>.
             link.is_static |= model.is_static;
@@ -84,8 +86,10 @@ impl Loader<'_> {
         }));
         parts.sensors.extend(model.sensors.into_iter().map(|mut sensor| {
             sensor.link += first;
-            if let SensorKind::ForceTorque(it) = &mut sensor.kind {
-                it.joint += first_joint;
+            match &mut sensor.kind {
+                SensorKind::ForceTorque(it) => it.joint += first_joint,
+                SensorKind::Contact(it) => it.collisions.iter_mut().for_each(|(link, _)| *link += first),
+                _ => {}
             }
             sensor
         }));

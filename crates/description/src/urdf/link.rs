@@ -107,6 +107,7 @@ impl Loader<'_> {
         let link_from_collision = child_origin(element, self.diagnostics);
         Some(Collision {
             name: element.attribute("name").unwrap_or_default().to_owned(),
+            scoped_name: None,
             link_from_collision,
             geometry: self.collision_geometry(element)?,
             friction: None,

@@ -247,10 +247,13 @@ fn lamp(light: &description::Light, shadows: bool) -> LightConfig {
             falloff: falloff as f32,
         },
     };
+    // Without an angle, only its axis would be lit, and that depends on rounding.
+    let is_dark = matches!(light.kind, description::LightKind::Spot { outer_angle: 0.0, .. });
+    let colour = |colour: [f32; 3]| if is_dark { [0.0; 3] } else { colour };
     LightConfig {
         kind,
-        diffuse: light.diffuse,
-        specular: light.specular,
+        diffuse: colour(light.diffuse),
+        specular: colour(light.specular),
         range_m: light.range_m as f32,
         attenuation: light.attenuation.map(|factor| factor as f32),
         cast_shadows: shadows && light.cast_shadows,

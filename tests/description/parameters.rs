@@ -120,6 +120,40 @@ fn what_the_included_file_includes_is_altered_too() {
 }
 
 #[test]
+fn a_model_that_the_included_file_includes_is_altered_itself() {
+    let model = good_model(
+        "<model element_id='torch' action='modify' name='lantern'><pose>0 0 7 0 0 0</pose><link name='bulb'><visual name='glass'>\
+         <geometry><sphere><radius>3</radius></sphere></geometry></visual></link></model>
+         <visual element_id='lantern::bulb::glass' action='modify'><geometry><sphere><radius>4</radius></sphere></geometry></visual>
+         <model element_id='lamp'><link name='bulb' action='remove'/><link name='wick' action='add'/></model>",
+    );
+    let bulb = link(&model, "lantern::bulb");
+    assert_eq!((bulb.model_from_link.translation().z, radius(&bulb.visuals[0].geometry)), (7.0, 4.0));
+    assert!(model.link_named("lamp::wick").is_some() && model.link_named("lamp::bulb").is_none());
+
+    let model = good_model(
+        "<model element_id='torch' action='remove'/>
+         <model element_id='lamp' action='replace' name='candle'><link name='wick'/></model>",
+    );
+    let names: Vec<_> = model.links.iter().map(|link| link.name.as_str()).collect();
+    assert_eq!(names, ["body", "body::lid", "arm::hand", "candle::wick"]);
+
+    let model = good_model(
+        "<model element_id='torch' action='remove'><link name='bulb'><visual name='glass'/></link></model>
+         <link element_id='torch' name='wick' action='add'/>",
+    );
+    assert!(model.link_named("torch::wick").is_some() && model.link_named("torch::bulb").is_none());
+}
+
+#[test]
+fn a_message_quotes_little_of_a_long_id() {
+    let id = "x".repeat(60_000);
+    let (_, problems) = altered(&format!("<sensor element_id='{id}' action='modify'/>"), false);
+    let [only] = &problems[..] else { panic!("{}", problems.len()) };
+    assert!(only.what.contains("'xxx") && only.to_string().len() < 1000, "{}", only.to_string().len());
+}
+
+#[test]
 fn what_cannot_be_altered_is_one_error_at_its_place() {
     for (params, words) in [
         ("<sensor action='modify'/>", &["<sensor> of <experimental:params>", "element_id"][..]),
@@ -155,7 +189,11 @@ fn what_cannot_be_altered_is_one_error_at_its_place() {
             "<visual element_id='body::shell' action='replace'><geometry/></visual>",
             &["replaces an element with a name"],
         ),
-        ("<model element_id='lamp' action='remove'/>", &["that the included file includes itself"]),
+        (
+            "<model element_id='lamp' action='remove'><link name='wick'/></model>",
+            &["of the name 'wick'", "<model> 'lamp' does not have"],
+        ),
+        ("<model element_id='lamps' action='remove'/>", &["'lamps'", "does not have"]),
     ] {
         let (_, problems) = altered(params, false);
         assert_one_error(&problems, 3, words);

@@ -251,6 +251,49 @@ fn visual_with_frame() -> String {
 }
 
 #[test]
+fn a_spot_light_without_a_cone_lights_nothing() {
+    for (inside, why) in [
+        ("", "it has no <spot>"),
+        ("<spot><falloff>1</falloff></spot>", "its <outer_angle> is 0"),
+        ("<spot><inner_angle>0</inner_angle><outer_angle>0</outer_angle></spot>", "its <outer_angle> is 0"),
+    ] {
+        let light = format!("<light type='spot' name='lamp'>\n{inside}</light>");
+        let (world, problems) = Folder::new().load("1.6", &light, false);
+        let [only] = &problems[..] else { panic!("{problems:#?}") };
+        let says = format!("the light 'lamp' of type spot lights nothing, because {why}");
+        assert!(only.severity == Severity::Warning && only.what == says, "{only}");
+        let [lamp] = &world.as_ref().unwrap().lights[..] else { panic!("{world:?}") };
+        assert!(
+            matches!(lamp.kind, LightKind::Spot { inner_angle: 0.0, outer_angle: 0.0, .. }),
+            "{:?}",
+            lamp.kind
+        );
+    }
+}
+
+#[test]
+fn a_model_alone_is_a_world_with_a_warning() {
+    let folder = Folder::new();
+    let path = folder.write(
+        "alone.sdf",
+        "<sdf version='1.9'>\n<model name='crate'><pose>1 2 3 0 0 0</pose><link name='l'/></model></sdf>",
+    );
+    let (world, problems) = load(path.to_str().unwrap(), false);
+    let [only] = &problems[..] else { panic!("{problems:#?}") };
+    assert!(
+        only.severity == Severity::Warning
+            && only.source.line == 2
+            && only.what == "this file has no <world>: the world contains only its model 'crate'"
+            && only.remedy.contains("--robot"),
+        "{only}"
+    );
+    let world = world.unwrap();
+    let [model] = &world.models[..] else { panic!("{:?}", world.models) };
+    assert_eq!((world.name.as_str(), model.name.as_str()), ("default", "crate"));
+    close(model.world_from_model.translation(), DVec3::new(1.0, 2.0, 3.0));
+}
+
+#[test]
 fn a_light_or_an_actor_alone_is_a_world() {
     let folder = Folder::new();
     let load_alone = |inside: &str| {

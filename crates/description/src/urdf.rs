@@ -87,11 +87,12 @@ pub(super) fn load_urdf(
 /// Returns true if the file is a robot's, and adds an error otherwise.
 pub(super) fn is_robot(root: &Element, diagnostics: &mut Diagnostics) -> bool {
     if root.name != "robot" {
-        diagnostics.error(
-            &root.source,
-            format!("the outermost element is <{}>", root.name),
-            "a robot file begins with <robot>; an SDF file is given with --world",
-        );
+        let remedy = if root.name == "sdf" && root.child("model").is_some() {
+            "give the file a name that ends with .sdf"
+        } else {
+            "a robot file begins with <robot>; a world is given with --world"
+        };
+        diagnostics.error(&root.source, format!("the outermost element is <{}>", root.name), remedy);
     }
     root.name == "robot"
 }

@@ -82,7 +82,8 @@ mod tests {
     fn what_is_no_model_is_named() {
         assert!(load("<robot name='u'>").1.starts_with("crate:1: error: broken XML"));
         assert!(load("<html/>").1.contains("<html>"));
-        assert!(load("<sdf version='1.6'><world name='w'/></sdf>").1.contains("0 <model> elements"));
+        assert!(load("<sdf version='1.6'><world name='w'/></sdf>").1.contains("give the world with --world"));
+        assert!(load("<sdf version='1.6'/>").1.contains("0 <model> elements"));
         assert!(load("").1.contains("broken XML"));
     }
 }

@@ -84,20 +84,16 @@ impl Loader<'_> {
     }
 
     fn spot(&mut self, element: &Element) -> Option<LightKind> {
-        let Some(spot) = element.child("spot") else {
-            self.diagnostics.error(
-                &element.source,
-                "a light of type spot has no <spot>",
-                "add <spot> with <inner_angle>, <outer_angle> and <falloff>",
-            );
-            return None;
-        };
-        let mut number = |name: &str| child_number(spot, name, self.diagnostics).unwrap_or(0.0);
+        // As in libsdformat, all three are 0 if they are not written.
+        let spot = element.child("spot");
+        let source = &spot.unwrap_or(element).source;
+        let mut number =
+            |name: &str| spot.and_then(|spot| child_number(spot, name, self.diagnostics)).unwrap_or(0.0);
         let (mut inner_angle, mut outer_angle, falloff) =
             (number("inner_angle"), number("outer_angle"), number("falloff"));
         if outer_angle > PI {
             self.diagnostics.warning(
-                &spot.source,
+                source,
                 format!("<outer_angle> is {outer_angle}: the cone is a half space"),
                 "write the full angle in radians, up to 3.1416",
             );
@@ -108,11 +104,19 @@ impl Loader<'_> {
             || !(0.0..=f64::from(MAX_FALLOFF)).contains(&falloff)
         {
             self.diagnostics.error(
-                &spot.source,
+                source,
                 format!("<spot> has inner_angle {inner_angle}, outer_angle {outer_angle}, falloff {falloff}"),
                 "write full angles with 0 ≤ inner ≤ outer ≤ 3.1416, and a falloff from 0 to 10000",
             );
             return None;
+        }
+        if outer_angle == 0.0 {
+            let why = if spot.is_some() { "its <outer_angle> is 0" } else { "it has no <spot>" };
+            self.diagnostics.warning(
+                source,
+                format!("the light '{}' of type spot lights nothing, because {why}", name_of(element)),
+                "write <spot> with <inner_angle>, <outer_angle> and <falloff>",
+            );
         }
         Some(LightKind::Spot { inner_angle, outer_angle, falloff })
     }

@@ -126,12 +126,24 @@ pub(super) fn load_world(
     let scope = Scope { folder, version };
     let Some(world) = root.child("world") else {
         if let Some(world) = world_of_parts(root) {
-            return Some(loader.world(&world, scope));
+            if let Some(model) = root.child("model") {
+                loader.diagnostics.warning(
+                    &model.source,
+                    format!(
+                        "this file has no <world>: the world contains only its model '{}'",
+                        name_of(model)
+                    ),
+                    "write --robot instead of --world if the model is to be in another world",
+                );
+            }
+            let world = loader.world(&world, scope);
+            warn_of_hulls(&world.models, loader.diagnostics);
+            return Some(world);
         }
         loader.diagnostics.error(
             &root.source,
             "no <world> in this file",
-            "put the models into a <world name=\"…\">; a file of one model is a robot (--robot), or used with <include>",
+            "put the models into a <world name=\"…\">",
         );
         return None;
     };
@@ -143,12 +155,16 @@ pub(super) fn load_world(
     Some(world)
 }
 
-/// The world that stands for a file of a light or an actor alone, as Gazebo makes one: with nothing else in it.
+/// The world that stands for a file of lights and actors, or of one model, as Gazebo makes one: with nothing else in it.
 fn world_of_parts(root: &Element) -> Option<Element> {
-    let is_part = |child: &&Element| matches!(child.name.as_str(), "light" | "actor");
+    let is_part = |child: &&Element| matches!(child.name.as_str(), "light" | "actor" | "model");
     let children: Vec<Node> = root.elements().filter(is_part).cloned().map(Node::Element).collect();
     let attributes = vec![("name".into(), "default".into())];
-    let is_alone = !children.is_empty() && root.child("model").is_none();
+    let is_alone = match root.elements_named("model").count() {
+        0 => !children.is_empty(),
+        1 => children.len() == 1,
+        _ => false,
+    };
     is_alone.then(|| Element { name: "world".into(), attributes, children, source: root.source.clone() })
 }
 
@@ -164,11 +180,16 @@ pub(super) fn load_model(
     let version = loader.version(root)?;
     let models: Vec<&Element> = root.elements_named("model").collect();
     let [element] = models[..] else {
-        loader.diagnostics.error(
-            &root.source,
-            format!("{} <model> elements in this text", models.len()),
-            "put exactly one <model name=\"…\"> into the <sdf>, and no <world>",
-        );
+        let (what, remedy) = if models.is_empty() && root.child("world").is_some() {
+            (
+                "this file has a <world>, which is not a robot or an object".into(),
+                "give the world with --world",
+            )
+        } else {
+            let what = format!("this file has {} <model> elements", models.len());
+            (what, "put exactly one <model name=\"…\"> into the <sdf>")
+        };
+        loader.diagnostics.error(&root.source, what, remedy);
         return None;
     };
     let folder = path.parent().unwrap_or(Path::new(""));

@@ -18,6 +18,8 @@ use find::{Found, Target, Way, at, collect_names};
 use std::path::Path;
 
 const PARAMS: &str = "experimental:params";
+/// Stands in an `<include>` for alterations of the included model itself, which have no id. No file can contain this name.
+const OF_MODEL: &str = "experimental:params of the model";
 /// Attributes of the alteration itself, which are not attributes of the altered element.
 const ELEMENT_ID: &str = "element_id";
 const ACTION: &str = "action";
@@ -37,12 +39,16 @@ impl Loader<'_> {
     pub(super) fn alter(&mut self, include: &Element, root: &mut Element, folder: &Path) -> Option<()> {
         let is_included = |child: &&mut Element| matches!(child.name.as_str(), "model" | "actor" | "light");
         let Some(included) = elements_mut(root).find(is_included) else { return Some(()) };
-        for params in include.elements_named(PARAMS) {
+        for params in include.elements().filter(|child| matches!(child.name.as_str(), PARAMS | OF_MODEL)) {
             let weight = params.weight();
             let spent = self.budget.take(weight.elements, weight.bytes);
             self.afford(spent, &params.source)?;
             for alteration in params.elements() {
-                self.alter_one(alteration, included, folder);
+                if params.name == PARAMS {
+                    self.alter_one(alteration, included, folder);
+                } else {
+                    self.alter_model(alteration, included);
+                }
             }
         }
         Some(())
@@ -80,7 +86,19 @@ impl Loader<'_> {
         };
         match found {
             Some(Found::Element(way)) => self.apply(action, by, model, &way),
-            Some(Found::Include(way, rest)) => self.pass_on(action, by, at(model, &way)?, &rest),
+            Some(Found::Include(way, rest)) if rest.is_empty() && action != Some(Action::Add) => {
+                self.alter_include(action, by, model, &way)
+            }
+            Some(Found::Include(way, rest)) => {
+                let mut by = by.clone();
+                for (name, value) in &mut by.attributes {
+                    if name == ELEMENT_ID {
+                        rest.clone_into(value);
+                    }
+                }
+                pass_on(PARAMS, by, at(model, &way)?);
+                Some(())
+            }
             None => {
                 let mut names = Vec::new();
                 collect_names(model, "", target.kind, &mut names);
@@ -114,32 +132,50 @@ impl Loader<'_> {
         None
     }
 
-    /// Passes an alteration on to an `<include>` in the included file, after that one's own alterations.
-    fn pass_on(
+    /// Alters a model that the included file includes itself: its `<include>` where that has the word, or else the model.
+    fn alter_include(
         &mut self,
         action: Option<Action>,
         by: &Element,
-        include: &mut Element,
-        rest: &str,
+        model: &mut Element,
+        way: &[usize],
     ) -> Option<()> {
-        if rest.is_empty() && action != Some(Action::Add) {
-            return self.refuse(
-                by,
-                "alters a model that the included file includes itself",
-                "alter what is in that model, or write it into the included file",
-            );
+        let is_whole = by.elements().next().is_none();
+        if action == Some(Action::Replace) || action == Some(Action::Remove) && is_whole {
+            return self.apply(action, by, model, way);
         }
-        let mut by = by.clone();
-        for (name, value) in &mut by.attributes {
-            if name == ELEMENT_ID {
-                rest.clone_into(value);
+        let include = at(model, way)?;
+        let mut of_model = by.clone();
+        if action == Some(Action::Modify) {
+            // These of an <include> take precedence over those of the model.
+            let name = by.attribute("name").map(|name| {
+                let (source, children) = (by.source.clone(), vec![Node::Text(name.to_owned())]);
+                Element { name: "name".into(), attributes: Vec::new(), children, source }
+            });
+            of_model.attributes.retain(|(attribute, _)| attribute != "name");
+            for new in name.into_iter().chain(by.elements().filter(|child| is_of_include(child)).cloned()) {
+                include.children.retain(|child| !matches!(child, Node::Element(old) if old.name == new.name));
+                include.children.push(Node::Element(new));
             }
+            of_model.children.retain(|child| !matches!(child, Node::Element(child) if is_of_include(child)));
         }
-        let source = by.source.clone();
-        let children = vec![Node::Element(by)];
-        let params = Element { name: PARAMS.into(), attributes: Vec::new(), children, source };
-        include.children.push(Node::Element(params));
+        if of_model.elements().next().is_some() || of_model.attributes.iter().any(|(name, _)| !is_own(name)) {
+            pass_on(OF_MODEL, of_model, include);
+        }
         Some(())
+    }
+
+    /// Applies an alteration to the included model itself.
+    fn alter_model(&mut self, by: &Element, model: &mut Element) -> Option<()> {
+        let action = match by.attribute(ACTION) {
+            Some(text) => Some(self.action(by, text)?),
+            None => None,
+        };
+        if action == Some(Action::Remove) {
+            self.remove_inside(by, model);
+            return Some(());
+        }
+        self.apply(action, by, model, &[])
     }
 
     fn apply(
@@ -212,13 +248,17 @@ impl Loader<'_> {
             parent.children.remove(place);
             return Some(());
         }
-        let old = at(parent, &[place])?;
+        self.remove_inside(by, at(parent, &[place])?);
+        Some(())
+    }
+
+    /// Removes the elements of an element that an alteration lists.
+    fn remove_inside(&mut self, by: &Element, element: &mut Element) {
         for child in by.elements() {
-            if let Some(place) = self.child_like(child, old, false) {
-                old.children.remove(place);
+            if let Some(place) = self.child_like(child, element, false) {
+                element.children.remove(place);
             }
         }
-        Some(())
     }
 
     fn add(&mut self, by: &Element, parent: &mut Element) {
@@ -301,6 +341,19 @@ impl Loader<'_> {
         }
         Some(place)
     }
+}
+
+/// Adds an alteration to an `<include>`, after that one's own.
+fn pass_on(name: &str, by: Element, include: &mut Element) {
+    let source = by.source.clone();
+    let params =
+        Element { name: name.into(), attributes: Vec::new(), children: vec![Node::Element(by)], source };
+    include.children.push(Node::Element(params));
+}
+
+/// Returns true if an `<include>` gives its model such an element.
+fn is_of_include(element: &Element) -> bool {
+    matches!(element.name.as_str(), "pose" | "static")
 }
 
 fn is_own(attribute: &str) -> bool {

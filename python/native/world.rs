@@ -7,7 +7,7 @@ use crate::load::{self, Options};
 use crate::poses;
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
-    Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, MaterialId, SceneBuilder,
+    Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, MaterialId, Pbr, SceneBuilder,
     SceneError, Shape, TextureAlpha, TextureId,
 };
 use numpy::{PyArray1, PyReadonlyArrayDyn};
@@ -22,8 +22,16 @@ pub(crate) struct World {
     notes: Vec<String>,
 }
 
-/// A surface from Python: colour, emissive, specular, shininess, a texture with its width.
-type Look<'py> = ([f32; 4], [f32; 3], [f32; 3], f32, Option<(PyReadonlyArrayDyn<'py, u8>, u32)>, [f32; 2]);
+/// A surface from Python: colour, emissive, specular, shininess, roughness and metalness, a texture with its width.
+type Look<'py> = (
+    [f32; 4],
+    [f32; 3],
+    [f32; 3],
+    f32,
+    Option<[f32; 2]>,
+    Option<(PyReadonlyArrayDyn<'py, u8>, u32)>,
+    [f32; 2],
+);
 
 /// A checked surface: a material without its texture, and the texture with its width.
 type Surface<'a> = (MaterialConfig, Option<(&'a [[u8; 4]], u32)>);
@@ -106,6 +114,7 @@ fn of_shape(error: SceneError) -> PyErr {
         SceneError::BadHeight(_) | SceneError::HeightCount | SceneError::HeightFieldTooSmall => "heights",
         SceneError::BadAlpha => "color",
         SceneError::BadShininess => "shininess",
+        SceneError::BadPbr => "roughness",
         SceneError::BadTexture => "texture",
         SceneError::BadTextureRepeat => "texture_repeat",
         SceneError::BadLight => "position",
@@ -117,7 +126,7 @@ fn of_shape(error: SceneError) -> PyErr {
 
 /// Checks a surface from Python arrays.
 fn surface<'a>(look: &'a Look<'_>) -> PyResult<Surface<'a>> {
-    let (color, emissive, specular, shininess, picture, texture_repeat) = look;
+    let (color, emissive, specular, shininess, pbr, picture, texture_repeat) = look;
     let picture = picture.as_ref().map(|(picture, width)| {
         let texels = picture.as_slice().map_err(|error| of("texture", error))?;
         Ok::<_, PyErr>((bytemuck::try_cast_slice(texels).map_err(|error| of("texture", error))?, *width))
@@ -129,6 +138,7 @@ fn surface<'a>(look: &'a Look<'_>) -> PyResult<Surface<'a>> {
         emissive: *emissive,
         specular: *specular,
         shininess: *shininess,
+        pbr: pbr.map(|[roughness, metalness]| Pbr { roughness, metalness, ..Pbr::default() }),
         alpha,
         texture_alpha: TextureAlpha::Ignored,
         texture_repeat: *texture_repeat,

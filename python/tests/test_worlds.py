@@ -152,6 +152,18 @@ def test_visibility() -> None:
     assert bv.Lidar(1, angles=(0, 0), sees="visual").render(world, HERE)["range"] == np.inf
 
 
+def test_metal_is_black_beside_its_highlight() -> None:
+    def brightness(**look: float) -> float:
+        world = bv.World()
+        world.set_environment(ambient=(0, 0, 0), background=(0, 0, 0))
+        world.add_light("directional", direction=(1, 0, -1))
+        world.add_box((1, 4, 4), (3, 0, 0), color=(1, 1, 1), **look)
+        return float(bv.Camera(8, 8).render(world, HERE)["rgb"].mean())
+
+    assert brightness(metalness=1) == 0
+    assert 50 < brightness(roughness=1) < brightness()
+
+
 def test_refused_calls_change_nothing() -> None:
     world = bv.World()
     before = world.memory
@@ -170,6 +182,8 @@ def test_refused_calls_change_nothing() -> None:
         lambda: world.add_box((1, 1, 1), color=(255, 0, 0)),
         lambda: world.add_box((1, 1, 1), color=(0.5, 0.5, -0.5)),
         lambda: world.add_box((1, 1, 1), emissive=(-1, 0, 0)),
+        lambda: world.add_box((1, 1, 1), roughness=1.5),
+        lambda: world.add_box((1, 1, 1), metalness=np.nan),
         lambda: world.add_box((1, 1, 1), laser_retro=-1),
         lambda: world.add_box((1, 1, 1), laser_retro=np.inf),
         lambda: world.add_box((1, 1, 1), texture_repeat=(0, 0)),

@@ -32,10 +32,11 @@ impl Looks {
 
     fn write(&mut self, file: &mut File, material: &Material) -> usize {
         let [red, green, blue] = material.diffuse.map(linear);
+        let pbr = material.pbr.unwrap_or_default();
         let mut surface = json!({
             "baseColorFactor": [red, green, blue, material.alpha],
-            "metallicFactor": 0.0,
-            "roughnessFactor": 1.0,
+            "metallicFactor": pbr.metalness,
+            "roughnessFactor": pbr.roughness,
         });
         if let Some(texture) = material.texture.as_deref().and_then(|path| self.texture(file, path)) {
             surface["baseColorTexture"] = json!({ "index": texture });

@@ -9,7 +9,7 @@ use belvedere::description::model::{Geometry, JointKind, LightKind, ModelPlugin,
 use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
-use belvedere_sensors::scene::TextureAlpha;
+use belvedere_sensors::scene::{Pbr, TextureAlpha};
 use glam::DVec3;
 
 #[test]
@@ -461,6 +461,69 @@ fn gloss_and_alpha() {
 }
 
 #[test]
+fn roughness_and_metalness() {
+    let folder = Folder::new();
+    folder.write("tags/materials/textures/a.png", b"");
+    folder.write(
+        "tags/materials/scripts/tags.material",
+        "material Tag { technique { pass { diffuse 1 0 0 } } }",
+    );
+    let map = image::RgbImage::from_fn(4, 1, |x, _| image::Rgb([if x == 0 { 255 } else { 0 }, 7, 9]));
+    let mut png = std::io::Cursor::new(Vec::new());
+    map.write_to(&mut png, image::ImageFormat::Png).unwrap();
+    folder.write("tags/materials/textures/map.png", &png.into_inner());
+    let load = |material: &str| {
+        let content = box_visual(&format!("<material>{material}</material>"));
+        let (world, problems) = folder.load("1.6", &content, false);
+        (world.map(|world| world.models[0].links[0].visuals[0].material.clone()), problems)
+    };
+    let look = |material: &str| {
+        let (look, problems) = load(material);
+        assert!(problems.is_empty(), "{material}: {problems:#?}");
+        look.unwrap()
+    };
+    let white = [1.0; 3];
+    let pbr = |roughness, metalness, highlights| Some(Pbr { roughness, metalness, highlights });
+    for (text, expected) in [
+        ("<metal><roughness>0.25</roughness><metalness>1</metalness></metal>", pbr(0.25, 1.0, white)),
+        // The defaults of SDF.
+        ("<metal><albedo_map>tags/materials/textures/a.png</albedo_map></metal>", pbr(0.5, 0.5, white)),
+        ("<specular><glossiness>0.75</glossiness></specular>", pbr(0.25, 0.0, white)),
+        ("<specular/>", pbr(1.0, 0.0, white)),
+    ] {
+        assert_eq!(look(&format!("<pbr>{text}</pbr>")).pbr, expected, "{text}");
+    }
+    let red = "<diffuse>1 0 0 1</diffuse><specular>0.5 0.25 0 1</specular>";
+    let tinted = look(&format!("{red}<pbr><metal><metalness>0</metalness></metal></pbr>"));
+    assert_eq!((tinted.diffuse, tinted.pbr), ([1.0, 0.0, 0.0], pbr(0.5, 0.0, [0.5, 0.25, 0.0])));
+    assert_eq!(look(red).pbr, None);
+    // A script is the look of Gazebo classic, and `<pbr>` that of its successors.
+    let script = "<script><uri>model://tags/materials/scripts</uri><name>Tag</name></script>";
+    assert_eq!(look(&format!("{script}<pbr><metal/></pbr>")).pbr, None);
+
+    // A quarter of the map is 1, and a factor is multiplied by it.
+    let maps = "<roughness_map>tags/materials/textures/map.png</roughness_map>\
+                <metalness_map>tags/materials/textures/map.png</metalness_map><metalness>0.5</metalness>";
+    let (mapped, problems) = load(&format!("<pbr><metal>{maps}</metal></pbr>"));
+    assert_eq!(mapped.unwrap().pbr, pbr(0.25, 0.125, white));
+    let told: Vec<_> = problems.iter().map(ToString::to_string).collect();
+    assert!(
+        told.len() == 2 && told[0].contains("only the mean of the <roughness_map> is used: 0.25"),
+        "{told:?}"
+    );
+    let (_, problems) = load("<pbr><metal><roughness>1.5</roughness></metal></pbr>");
+    assert!(
+        problems[0].to_string().contains("<roughness> is 1.5: write a number from 0 to 1"),
+        "{problems:?}"
+    );
+    let (_, problems) = load(&format!("<pbr><metal>{}</metal></pbr>", maps.replace("map.png<", "a.png<")));
+    assert!(
+        problems[0].severity == Severity::Warning && problems[0].to_string().contains("a.png"),
+        "{problems:?}"
+    );
+}
+
+#[test]
 fn normal_maps() {
     let folder = Folder::new();
     folder.write("tags/materials/textures/n.png", b"");
@@ -497,7 +560,9 @@ fn ignored_elements_are_reported() {
         "<actor name='a'/>",
         &box_visual("<material><lighting>0</lighting></material>"),
         &box_visual("<material><double_sided>1</double_sided></material>"),
-        &box_visual("<material><pbr><metal><roughness>0.5</roughness></metal></pbr></material>"),
+        &box_visual(
+            "<material><pbr><metal><environment_map>e.dds</environment_map></metal></pbr></material>",
+        ),
         "<scene><sky/></scene>",
     ] {
         let (world, problems) = Folder::new().load("1.6", content, false);

@@ -41,6 +41,7 @@ def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look
         _arrays.numbers("emissive", rest.pop("emissive", (0.0, 0.0, 0.0)), 3, 0.0),
         _arrays.numbers("specular", rest.pop("specular", (0.0, 0.0, 0.0)), 3, 0.0),
         _arrays.number("shininess", rest.pop("shininess", 0.0)),
+        _pbr(rest.pop("roughness", None), rest.pop("metalness", None)),
         None if texture is None else _texture(texture),
         _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2, 1e-12),
     )
@@ -55,6 +56,15 @@ def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look
     if rest:
         raise TypeError(f"there is no argument {next(iter(rest))!r}")
     return appearance, said
+
+
+def _pbr(roughness: float | None, metalness: float | None) -> list[float] | None:
+    if roughness is None and metalness is None:
+        return None
+    return [
+        _arrays.numbers("roughness", [1.0 if roughness is None else roughness], 1, 0.0, 1.0)[0],
+        _arrays.numbers("metalness", [0.0 if metalness is None else metalness], 1, 0.0, 1.0)[0],
+    ]
 
 
 def _texture(value: ArrayLike) -> tuple[NDArray[np.uint8], int]:

@@ -41,6 +41,7 @@ _Look: TypeAlias = tuple[
     Sequence[float],
     Sequence[float],
     float,
+    Sequence[float] | None,
     tuple[NDArray[np.uint8], int] | None,
     Sequence[float],
 ]

@@ -4,7 +4,7 @@
 //! single precision.
 
 use super::SceneError;
-use super::material::ALPHA_BLENDED;
+use super::material::{ALPHA_BLENDED, GLOSS_PBR};
 use super::vertices::MAX_COORDINATE;
 use super::{Light, MAX_FALLOFF, MAX_SHININESS, Material};
 use crate::pose::Pose;
@@ -74,6 +74,14 @@ pub(crate) fn uvs(uvs: &[[f32; 2]], vertices: usize) -> Result<(), SceneError> {
 pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
     all(material.texture_repeat.map(f64::from), in_space, "texture repeat", SceneError::BadTextureRepeat)?;
     all([f64::from(material.shininess)], up_to(MAX_SHININESS), "shininess", SceneError::BadShininess)?;
+    all(
+        [f64::from(material.gloss)],
+        up_to(GLOSS_PBR as f32),
+        "kind of highlights",
+        SceneError::BadShininess,
+    )?;
+    let pbr = [material.roughness, material.metalness].map(f64::from);
+    all(pbr, up_to(1.0), "roughness and metalness", SceneError::BadPbr)?;
     let alphas = [material.alpha, material.least_alpha].map(f64::from);
     all(alphas, up_to(1.0), "alpha", SceneError::BadAlpha)?;
     let [mirrored, passed] = [material.specular_reflectance, material.transmittance].map(f64::from);

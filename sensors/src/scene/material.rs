@@ -19,6 +19,9 @@ pub struct MaterialConfig {
     /// Sharpness of highlights: the Blinn–Phong exponent, 0 to [`MAX_SHININESS`]. At 0 there are no highlights, as in
     /// Gazebo classic. The default is 0.
     pub shininess: f32,
+    /// Physically based reflection of lamps instead of [`MaterialConfig::specular`] and
+    /// [`MaterialConfig::shininess`]. The default is `None`.
+    pub pbr: Option<Pbr>,
     /// Opacity from 0 to 1; the rest shows what lies behind the surface. See [`TextureAlpha`]. The default is 1.
     pub alpha: f32,
     /// Meaning of the texture's alpha channel. The default is [`TextureAlpha::Ignored`].
@@ -48,6 +51,7 @@ impl Default for MaterialConfig {
             emissive: [0.0; 3],
             specular: [0.0; 3],
             shininess: 0.0,
+            pbr: None,
             alpha: 1.0,
             texture_alpha: TextureAlpha::Ignored,
             specular_reflectance: 0.0,
@@ -56,6 +60,38 @@ impl Default for MaterialConfig {
             texture: None,
             texture_repeat: [1.0; 2],
         }
+    }
+}
+
+/// How a surface of microscopic facets reflects the light of lamps, with the metalness and roughness of glTF and of
+/// SDF's `<pbr>`.
+///
+/// With base colour c = [`MaterialConfig::diffuse`] · texture, normal n, and the directions l to the lamp, v to the
+/// sensor and h halfway between them, a lamp adds n·l · (diffuse light · (1 − metalness) · c · B + specular light ·
+/// [`Pbr::highlights`] · F · D · G):
+///
+/// - F = f + (1 − f)(1 − v·h)⁵ after Schlick, with f = 0.04 + (c − 0.04) · metalness.
+/// - D · G = α² / (α² + (1 − α²)(1 − (n·h)²))² / (2 (n·l √(α² + (1 − α²)(n·v)²) + n·v √(α² + (1 − α²)(n·l)²))): facets
+///   of Trowbridge and Reitz (GGX) with the height-correlated shadowing of Smith, for α = max(roughness², 0.001).
+/// - B = (1 − max F)(1 − 0.338 · roughness)(1 + b (1 − n·l)⁵)(1 + b (1 − n·v)⁵) after Disney, as normalised by Lagarde
+///   and de Rousiers, with b = roughness · (0.5 + 2 (v·h)²) − 1.
+///
+/// Ambient light is reflected as by any other material.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Pbr {
+    /// 0 for a mirror-like surface, 1 for a dull one. The default is 1.
+    pub roughness: f32,
+    /// 0 for plastics, wood, stone and so on; 1 for metals, which reflect the light of lamps only in highlights of
+    /// their own colour. The default is 0.
+    pub metalness: f32,
+    /// Factor of the highlights. The default is 1 for each colour.
+    pub highlights: [f32; 3],
+}
+
+impl Default for Pbr {
+    /// A dull surface without metal.
+    fn default() -> Self {
+        Self { roughness: 1.0, metalness: 0.0, highlights: [1.0; 3] }
     }
 }
 
@@ -83,6 +119,11 @@ pub(crate) const ALPHA_IGNORED: u32 = 0;
 pub(crate) const ALPHA_CUT_OUT: u32 = 1;
 pub(crate) const ALPHA_BLENDED: u32 = 2;
 
+/// Numbers of [`Material::gloss`]: no highlights, those of Blinn and Phong, and those of [`Pbr`].
+pub(crate) const GLOSS_NONE: u32 = 0;
+pub(crate) const GLOSS_PHONG: u32 = 1;
+pub(crate) const GLOSS_PBR: u32 = 2;
+
 /// The greatest [`MaterialConfig::shininess`].
 pub const MAX_SHININESS: f32 = 1e4;
 
@@ -95,8 +136,13 @@ pub struct Material {
     pub(crate) diffuse: [f32; 3],
     pub(crate) ambient: [f32; 3],
     pub(crate) emissive: [f32; 3],
+    /// For [`GLOSS_PBR`], [`Pbr::highlights`].
     pub(crate) specular: [f32; 3],
     pub(crate) shininess: f32,
+    /// Whether and how lamps make highlights: [`GLOSS_NONE`], [`GLOSS_PHONG`] or [`GLOSS_PBR`].
+    pub(crate) gloss: u32,
+    pub(crate) roughness: f32,
+    pub(crate) metalness: f32,
     pub(crate) alpha: f32,
     pub(crate) texture_alpha: u32,
     pub(crate) least_alpha: f32,
@@ -115,12 +161,21 @@ impl Material {
             TextureAlpha::CutOut { least } => (ALPHA_CUT_OUT, least),
             TextureAlpha::Blended => (ALPHA_BLENDED, 0.0),
         };
+        let gloss = match config.pbr {
+            Some(_) => GLOSS_PBR,
+            None if config.shininess > 0.0 && config.specular != [0.0; 3] => GLOSS_PHONG,
+            None => GLOSS_NONE,
+        };
+        let pbr = config.pbr.unwrap_or_default();
         Self {
             diffuse: config.diffuse,
             ambient: config.ambient,
             emissive: config.emissive,
-            specular: config.specular,
+            specular: if gloss == GLOSS_PBR { pbr.highlights } else { config.specular },
             shininess: config.shininess,
+            gloss,
+            roughness: pbr.roughness,
+            metalness: pbr.metalness,
             alpha: config.alpha,
             texture_alpha,
             least_alpha,
@@ -134,7 +189,12 @@ impl Material {
 
     /// Returns true if lamps make highlights on the material.
     pub(crate) fn is_glossy(&self) -> bool {
-        self.shininess > 0.0 && self.specular != [0.0; 3]
+        self.gloss != GLOSS_NONE
+    }
+
+    /// Returns true if the material has a [`Pbr`].
+    pub(crate) fn is_pbr(&self) -> bool {
+        self.gloss == GLOSS_PBR
     }
 
     /// Returns true if the texture's alpha is used.

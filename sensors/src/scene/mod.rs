@@ -56,7 +56,7 @@ pub(crate) use kind::{Kind, Solid, Triangles};
 pub(crate) use material::{ALPHA_CUT_OUT, Form, NO_TEXTURE};
 pub use material::{
     Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material,
-    MaterialConfig, TextureAlpha,
+    MaterialConfig, Pbr, TextureAlpha,
 };
 pub use mesh_slices::MeshSlices;
 pub use meshes::{MeshMemory, MeshStore, Meshes};
@@ -225,6 +225,8 @@ pub enum SceneError {
     BadTextureRepeat,
     /// A shininess is not between 0 and [`MAX_SHININESS`].
     BadShininess,
+    /// A roughness or metalness is not between 0 and 1.
+    BadPbr,
     /// An alpha, or the threshold of a cut-out texture, is not between 0 and 1.
     BadAlpha,
     /// A specular reflectance or transmittance is not between 0 and 1, or their sum is greater than 1.
@@ -303,6 +305,7 @@ impl core::fmt::Display for SceneError {
                 f.write_str("how often a texture repeats is not finite, or beyond 1e12")
             }
             Self::BadShininess => f.write_str("a shininess is not between 0 and 10000"),
+            Self::BadPbr => f.write_str("a roughness or metalness is not between 0 and 1"),
             Self::BadAlpha => f.write_str("an alpha is not between 0 and 1"),
             Self::BadShares => {
                 f.write_str("a specular reflectance and a transmittance are not from 0 to 1, also together")

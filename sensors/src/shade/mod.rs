@@ -1,15 +1,18 @@
 //! Shading: the colours that a camera sees.
 //!
 //! colour = emissive + texture · (ambient · ambient light + Σ diffuse · lamp · max(0, n·l) · attenuation · shadow) + Σ
-//! specular · lamp's specular · (n·h)^shininess · attenuation · shadow. It is computed directly on the given colours,
-//! without gamma, as in Gazebo classic, unless the scene's colours are sRGB.
+//! specular · lamp's specular · (n·h)^shininess · attenuation · shadow. Materials with a [`Pbr`](crate::scene::Pbr) have
+//! the formula there instead. It is computed directly on the given colours, without gamma, as in Gazebo classic, unless
+//! the scene's colours are sRGB.
 //!
 //! A tile sees few instances. For one instance after the other, its lanes get their normals and their albedo, sixteen
 //! at a time; then the lamps are added for all lanes at once.
 
 mod bumps;
 mod face;
+mod facets;
 mod lamp;
+mod lamp_ray;
 mod occluders;
 mod power;
 mod ray_offset;
@@ -64,10 +67,16 @@ pub(crate) struct Shader {
 
 /// The highlights of a tile's lanes.
 struct Gloss {
-    /// The lanes with glossy materials, as one bit each; the values below are undefined for the others.
+    /// The lanes with highlights of Blinn and Phong, as one bit each.
     lanes: u64,
+    /// The lanes with facets. The values below are undefined for lanes in neither.
+    facets: u64,
+    /// For facets, their reflectance seen head-on.
     specular: Colours,
+    /// For facets, their roughness.
     shininess: Lanes<f32>,
+    /// Factor of the highlights of facets.
+    factor: Colours,
 }
 
 impl Shader {
@@ -78,7 +87,13 @@ impl Shader {
         known_faces: KnownFaces::new(),
         sampler: Sampler::new(),
         albedo: [[0.0; LANES]; 3],
-        gloss: Gloss { lanes: 0, specular: [[0.0; LANES]; 3], shininess: [0.0; LANES] },
+        gloss: Gloss {
+            lanes: 0,
+            facets: 0,
+            specular: [[0.0; LANES]; 3],
+            shininess: [0.0; LANES],
+            factor: [[0.0; LANES]; 3],
+        },
         bumps: Bumps::new(),
         coverage: [1.0; LANES],
         clear: 0,
@@ -133,7 +148,7 @@ impl Shader {
                     self.albedo = [[0.0; LANES]; 3];
                     self.surfaces.normal = [[0.0; LANES]; 3];
                 }
-                (self.gloss.lanes, self.bumps.lanes, self.clear) = (0, 0, 0);
+                (self.gloss.lanes, self.gloss.facets, self.bumps.lanes, self.clear) = (0, 0, 0, 0);
                 let mut rest = tile.hits;
                 while rest != 0 {
                     let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
@@ -284,7 +299,11 @@ impl Shader {
             }
         }
         if material.is_glossy() {
-            self.gloss.add(simd, material, lanes, space);
+            if material.is_pbr() {
+                self.gloss.add_facets(simd, material, lanes, &mut self.albedo);
+            } else {
+                self.gloss.add(simd, material, lanes, space);
+            }
         }
         if bumpy {
             self.bump(simd, scene, material, &footprints, lanes);

@@ -10,7 +10,7 @@ use belvedere_sensors::lidar::{Beams, Lidar, Scan, TooNear};
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{
     HeightFieldId, InstanceConfig, InstanceId, LightConfig, LightKind, MaterialConfig, MaterialId, MeshId,
-    Scene, SceneBuilder, SceneError, Shape, TextureAlpha, TextureId, visibility,
+    Pbr, Scene, SceneBuilder, SceneError, Shape, TextureAlpha, TextureId, visibility,
 };
 use belvedere_sensors::trace::{WorkspaceBuf, grid_workspace_len};
 use belvedere_sensors::{Capture, Pose, Rule, SenseError, Sensor};
@@ -245,6 +245,10 @@ fn every_invalid_input_gives_its_own_error() {
     for value in [-0.1, 1.1e4, f32::NAN] {
         let shiny = MaterialConfig { shininess: value, ..MaterialConfig::default() };
         assert_eq!(builder.add_material(&shiny), Err(SceneError::BadShininess));
+        for pbr in [Pbr { roughness: value, ..Pbr::default() }, Pbr { metalness: value, ..Pbr::default() }] {
+            let metal = MaterialConfig { pbr: Some(pbr), ..MaterialConfig::default() };
+            assert_eq!(builder.add_material(&metal), Err(SceneError::BadPbr));
+        }
         let clear = MaterialConfig { alpha: value, ..MaterialConfig::default() };
         assert_eq!(builder.add_material(&clear), Err(SceneError::BadAlpha));
         let texture_alpha = TextureAlpha::CutOut { least: value };

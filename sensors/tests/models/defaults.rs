@@ -13,7 +13,7 @@ use belvedere_sensors::scanner::{
     Beam, Crosstalk, Halo, Intensity, Pattern, Returns, ScannerConfig, Weather,
 };
 use belvedere_sensors::scene::{
-    InstanceConfig, LightConfig, LightKind, MaterialConfig, MaterialId, Shape, TextureAlpha, visibility,
+    InstanceConfig, LightConfig, LightKind, MaterialConfig, MaterialId, Pbr, Shape, TextureAlpha, visibility,
 };
 use belvedere_sensors::trace::{Faces, TooNear};
 
@@ -193,6 +193,7 @@ fn scenes_document_their_defaults() {
         emissive: "0 for each colour" = [0.0; 3];
         specular: "0 for each colour" = [0.0; 3];
         shininess: "0" = 0.0;
+        pbr: "None" = None;
         alpha: "1" = 1.0;
         texture_alpha: "TextureAlpha::Ignored" = TextureAlpha::Ignored;
         specular_reflectance: "0" = 0.0;
@@ -200,6 +201,12 @@ fn scenes_document_their_defaults() {
         normal_map: "None" = None;
         texture: "None" = None;
         texture_repeat: "1 along both" = [1.0; 2];
+    }
+    check! {
+        Pbr in "scene/material.rs", Pbr::default(), given [];
+        roughness: "1" = 1.0;
+        metalness: "0" = 0.0;
+        highlights: "1 for each colour" = [1.0; 3];
     }
     check! {
         LightConfig in "scene/material.rs", LightConfig::default(), given [];

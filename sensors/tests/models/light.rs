@@ -6,10 +6,11 @@ use belvedere_sensors::Pose;
 use belvedere_sensors::camera::{CameraConfig, Edges};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
 use belvedere_sensors::scene::{
-    ColourSpace, Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape,
-    TextureAlpha,
+    ColourSpace, Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, Pbr, SceneBuilder,
+    Shape, TextureAlpha,
 };
 use belvedere_sensors::trace::Faces;
+use core::f64::consts::PI;
 use glam::DVec3;
 
 const FLOOR: Shape = Shape::Rectangle { size: [20.0, 20.0] };
@@ -122,6 +123,119 @@ fn highlights_of_blinn_and_phong() {
     let light = LightConfig { specular: lamp_specular, ..Default::default() };
     let plain = floor_and_ball(&MaterialConfig::default(), &light);
     assert!(picture(&floor_and_ball(&dull, &light), camera(), view()) == picture(&plain, camera(), view()));
+}
+
+/// The formula of Ogre's physically based shader for reflection of unit light, in f64: the light that is scattered by a
+/// surface of this base colour, and its highlight.
+fn facets(base: f64, pbr: &Pbr, [normal, to_lamp, to_sensor]: [DVec3; 3]) -> [f64; 2] {
+    let (roughness, metalness) = (f64::from(pbr.roughness), f64::from(pbr.metalness));
+    let middle = (to_lamp + to_sensor).normalize();
+    let cos = |one: DVec3, other: DVec3| one.dot(other).clamp(0.0, 1.0);
+    let [nl, nv, nh, vh] =
+        [cos(normal, to_lamp), cos(normal, to_sensor), cos(normal, middle), cos(to_sensor, middle)];
+    let alpha = (roughness * roughness).max(1e-3);
+    let distribution = alpha.powi(2) / (PI * (nh * nh * (alpha * alpha - 1.0) + 1.0).powi(2));
+    let smith = |from: f64, to: f64| from * (to * to * (1.0 - alpha * alpha) + alpha * alpha).sqrt();
+    let visible = 0.5 / (smith(nl, nv) + smith(nv, nl));
+    let head_on = 0.04 * (1.0 - metalness) + base * metalness;
+    let mirrored = head_on + (1.0 - head_on) * (1.0 - vh).powi(5);
+    let bent = roughness * 0.5 + 2.0 * roughness * vh * vh;
+    let bend = |cos: f64| 1.0 + (bent - 1.0) * (1.0 - cos).powi(5);
+    let lost = 1.0 - roughness + roughness / 1.51;
+    let scattered = base * (1.0 - metalness) * (1.0 - mirrored) * lost * bend(nl) * bend(nv);
+    [nl * scattered, nl * PI * distribution * visible * mirrored]
+}
+
+#[test]
+fn facets_of_metal_and_plastic() {
+    let lights = (0.5_f32, [0.9, 0.8, 1.0_f32]);
+    let sun = DVec3::new(0.3, -0.2, -1.0);
+    for (roughness, metalness) in [(0.1, 1.0), (0.1, 0.0), (0.4, 0.5), (1.0, 0.0), (0.0, 0.7)] {
+        for kind in [
+            LightKind::Point { position: LAMP_AT.to_array() },
+            LightKind::Directional { direction: sun.to_array() },
+        ] {
+            let parallel = matches!(kind, LightKind::Directional { .. });
+            // A grey base colour, whose reflectance is the same for each channel.
+            let pbr = Pbr { roughness, metalness, highlights: [1.0, 0.5, 0.25] };
+            let material = MaterialConfig { diffuse: [0.6; 3], pbr: Some(pbr), ..Default::default() };
+            let light =
+                LightConfig { kind, diffuse: [lights.0; 3], specular: lights.1, ..Default::default() };
+            let compared = check(&floor_and_ball(&material, &light), |ray| {
+                let Some((point, normal)) = meet(ray) else { return Some([0.0; 3]) };
+                let to_lamp = if parallel { -sun } else { LAMP_AT - point }.normalize();
+                let [scattered, highlight] =
+                    facets(f64::from(0.6_f32), &pbr, [normal, to_lamp, -ray.direction.normalize()]);
+                Some(core::array::from_fn(|channel| {
+                    let factor = f64::from(pbr.highlights[channel] * lights.1[channel]);
+                    0.7 * 0.4 + f64::from(lights.0) * scattered + factor * highlight
+                }))
+            });
+            assert!(compared > 76_000, "{compared}");
+        }
+    }
+}
+
+#[test]
+fn a_smooth_metal_has_a_narrow_highlight_and_nothing_else() {
+    let shown = |roughness: f32, metalness: f32| {
+        let mut builder = SceneBuilder::new();
+        builder.set_environment(Environment { ambient: [0.0; 3], background: [0.0; 3] });
+        let pbr = Some(Pbr { roughness, metalness, ..Default::default() });
+        let look = MaterialConfig { diffuse: [1.0, 0.5, 0.0], pbr, ..Default::default() };
+        let material = builder.add_material(&look).unwrap();
+        add(&mut builder, BALL, Pose::IDENTITY, material);
+        let kind = LightKind::Directional { direction: [1.0, 0.0, -0.3] };
+        let light = LightConfig { kind, specular: [0.1; 3], ..Default::default() };
+        builder.add_light(&light).unwrap();
+        let pixels = picture(&builder, camera(), Pose::from_translation(DVec3::new(-1.2, 0.0, 0.0)));
+        let lit = pixels.as_chunks::<3>().0.iter().filter(|pixel| pixel[0] > 1).count();
+        (lit, pixels.as_chunks::<3>().0.iter().map(|&[red, green, blue]| [red, green, blue]).max().unwrap())
+    };
+    let (metal, brightest) = shown(0.1, 1.0);
+    assert_eq!(brightest, [255, 255, 0], "the peak is saturated");
+    let (rough, [red, green, blue]) = shown(0.6, 1.0);
+    // A highlight has the colour of the metal, but for the gleam at grazing angles.
+    assert!(red.abs_diff(2 * green) < 6 && blue < 6, "{red} {green} {blue}");
+    let (plastic, _) = shown(0.1, 0.0);
+    assert!(metal > 50 && metal * 10 < rough && rough < plastic, "{metal}, {rough}, {plastic}");
+}
+
+/// Under the same light from everywhere, no surface is brighter than the light, up to the 5 % that Lagarde and de
+/// Rousiers leave at grazing angles of smooth plastic.
+#[test]
+fn facets_reflect_no_more_light_than_they_receive() {
+    for (roughness, metalness, most) in [
+        (0.5, 1.0, 1.0),
+        (0.8, 1.0, 1.0),
+        (1.0, 1.0, 1.0),
+        (0.5, 0.0, 1.05),
+        (0.7, 0.5, 1.05),
+        (1.0, 0.0, 1.05),
+    ] {
+        let mut builder = SceneBuilder::new();
+        builder.set_environment(Environment { ambient: [0.0; 3], background: [0.0; 3] });
+        let pbr = Some(Pbr { roughness, metalness, ..Default::default() });
+        let look = MaterialConfig { diffuse: [1.0; 3], pbr, ..Default::default() };
+        let material = builder.add_material(&look).unwrap();
+        add(&mut builder, FLOOR, Pose::IDENTITY, material);
+        // Equal parts of the hemisphere as seen by the floor: equal parts of the disc below it.
+        let (rings, sectors) = (24, 48);
+        let part = [0.5 / (rings * sectors) as f32; 3];
+        for (ring, sector) in (0..rings).flat_map(|ring| (0..sectors).map(move |sector| (ring, sector))) {
+            let sin = ((f64::from(ring) + 0.5) / f64::from(rings)).sqrt();
+            let cos = (1.0 - sin * sin).sqrt();
+            let (y, x) = (2.0 * PI * (f64::from(sector) + 0.5) / f64::from(sectors)).sin_cos();
+            let kind = LightKind::Directional { direction: [-x * sin, -y * sin, -cos] };
+            // The light of a part, which the floor receives at an angle.
+            let [diffuse, specular] = [part.map(|part| part / cos as f32); 2];
+            builder.add_light(&LightConfig { kind, diffuse, specular, ..Default::default() }).unwrap();
+        }
+        let eye = look_at(DVec3::new(-1.0, 0.0, 1.0), DVec3::ZERO, 0.0);
+        let pixels = picture(&builder, camera_of([8, 64], 0.2), eye);
+        let brightest = f64::from(*pixels.iter().max().unwrap()) / 127.5;
+        assert!(0.5 < brightest && brightest <= most + 0.005, "{roughness} {metalness}: {brightest}");
+    }
 }
 
 #[test]

@@ -17,7 +17,7 @@ use belvedere_sensors::scanner::{
 };
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{
-    InstanceConfig, LightConfig, MaterialConfig, Scene, SceneBuilder, Shape, TextureAlpha, build,
+    InstanceConfig, LightConfig, MaterialConfig, Pbr, Scene, SceneBuilder, Shape, TextureAlpha, build,
 };
 use belvedere_sensors::trace::rays::{
     MeshTree, Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len,
@@ -96,7 +96,12 @@ fn stage(glazed: bool) -> SceneBuilder {
     let looks = [
         MaterialConfig { texture, normal_map, ..gloss },
         MaterialConfig { texture, texture_alpha: TextureAlpha::Blended, alpha: 0.5, ..gloss },
-        MaterialConfig { specular_reflectance, transmittance, ..gloss },
+        MaterialConfig {
+            specular_reflectance,
+            transmittance,
+            pbr: Some(Pbr { roughness: 0.4, ..Default::default() }),
+            ..gloss
+        },
     ];
     let materials = looks.map(|look| builder.add_material(&look).unwrap());
     let mesh = Shape::Mesh(builder.add_mesh(&corners, &uvs, &triangles).unwrap());

@@ -224,6 +224,7 @@ impl Assembly {
             emissive: material.emissive,
             specular: material.specular,
             shininess: material.shininess,
+            pbr: material.pbr,
             alpha: material.alpha,
             texture_alpha,
             specular_reflectance: optics.specular_reflectance,

@@ -10,6 +10,7 @@
 mod accessor;
 mod container;
 mod look;
+mod means;
 pub(crate) mod picture;
 mod skin;
 
@@ -20,6 +21,7 @@ use accessor::Accessors;
 use container::{Container, unsupported};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use look::{numbers, surface};
+use means::Means;
 use serde_json::Value;
 use skin::{Skin, affine};
 use std::collections::BTreeSet;
@@ -65,6 +67,7 @@ fn read(
         parts: Vec::new(),
         left_out: BTreeSet::new(),
         posed: BTreeSet::new(),
+        means: Means::new(),
     };
     scene.read(DAffine3::from_mat3(turn))?;
     let whole = Source::new(path, 0);
@@ -92,6 +95,7 @@ struct Scene<'a> {
     left_out: BTreeSet<String>,
     /// Features that could be animated, and are not.
     posed: BTreeSet<&'static str>,
+    means: Means,
 }
 
 impl<'a> Scene<'a> {
@@ -202,7 +206,7 @@ impl<'a> Scene<'a> {
             None => points.iter().map(|point| scene_from_node.transform_point3((*point).into())).collect(),
             Some(skin) => self.posed(skin, attributes, &points)?,
         };
-        let surface = surface(self.container, &primitive["material"], &mut self.left_out)?;
+        let surface = surface(self.container, &primitive["material"], &mut self.left_out, &mut self.means)?;
         let uvs: Vec<[f64; 2]> = match &attributes[format!("TEXCOORD_{}", surface.uv_set)] {
             Value::Null => Vec::new(),
             accessor => self.accessors.read(accessor)?,

@@ -2,7 +2,7 @@
 
 use crate::diagnostics::Source;
 use belvedere_sensors::Pose;
-use belvedere_sensors::scene::TextureAlpha;
+use belvedere_sensors::scene::{Pbr, TextureAlpha};
 use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -213,6 +213,8 @@ pub struct Material {
     pub specular: [f32; 3],
     /// Exponent of Blinn–Phong highlights; 0 for no highlights, as in Gazebo.
     pub shininess: f32,
+    /// Roughness and metalness, for surfaces that have these instead of highlights of Blinn and Phong.
+    pub pbr: Option<Pbr>,
     /// Opacity: 1 is opaque, 0 is invisible.
     pub alpha: f32,
     /// How the texture's own alpha is interpreted.
@@ -234,6 +236,7 @@ impl Default for Material {
             emissive: [0.0; 3],
             specular: [0.0; 3],
             shininess: 0.0,
+            pbr: None,
             alpha: 1.0,
             texture_alpha: TextureAlpha::Ignored,
             texture: None,

@@ -1,14 +1,15 @@
-//! `<material>`: an Ogre script by name, colours, gloss, normals, and the albedo map of `<pbr>`.
+//! `<material>`: an Ogre script by name, colours, gloss, normals, and `<pbr>`.
 
 use super::resources::Resolved;
 use super::{Loader, Scope, TEXTURE, resources};
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
+use crate::image_file;
 use crate::model::Material;
 use crate::ogre_material::{self, OgreMaterial};
 use crate::suggestion::did_you_mean_or;
 use crate::values::{child_bool, child_text};
 use crate::xml::Element;
-use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
+use belvedere_sensors::scene::{MAX_SHININESS, Pbr, TextureAlpha};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -18,14 +19,17 @@ const PICTURES: [&str; 6] = ["png", "jpg", "jpeg", "tga", "bmp", "dds"];
 /// Prefix of the names of Gazebo's own materials.
 const GAZEBO: &str = "Gazebo/";
 
+/// SDF's default of `<roughness>` and of `<metalness>`.
+const DEFAULT_PBR: f32 = 0.5;
+
 /// How gz-sim interprets the alpha of an albedo map.
 const PBR_ALPHA: TextureAlpha = TextureAlpha::CutOut { least: 0.5 };
 
 impl Loader<'_> {
     /// Reads the material of a `<visual>`; none if the file gives none, so that a mesh keeps its own.
     ///
-    /// As in Gazebo, colours override the script's. The albedo map is used if the script has no image, so that a world can
-    /// have a script for Gazebo classic and `<pbr>` for its successors.
+    /// As in Gazebo, colours override the script's. The albedo map is used if the script has no image, and the rest of
+    /// `<pbr>` if there is no script, so that a world can have a script for Gazebo classic and `<pbr>` for its successors.
     pub(super) fn material(&mut self, visual: &Element, scope: Scope<'_>) -> Option<Material> {
         let element = visual.child("material")?;
         let script = element.child("script").and_then(|script| self.script(script, scope));
@@ -38,8 +42,10 @@ impl Loader<'_> {
         let texture = self.albedo_map(element, scope);
         let normal_map = self.normal_map(element, scope);
         self.tell_what_is_ignored(element);
+        let pbr = if script.is_none() { self.pbr(element, specular, scope) } else { None };
         let says_a_colour = diffuse.or(ambient).or(emissive).or(specular).is_some();
-        if script.is_none() && !says_a_colour && texture.is_none() && normal_map.is_none() {
+        let says_a_map = texture.is_some() || normal_map.is_some();
+        if script.is_none() && !says_a_colour && !says_a_map && pbr.is_none() {
             return None;
         }
         let mut material = script.unwrap_or_else(|| {
@@ -54,6 +60,7 @@ impl Loader<'_> {
         // Gazebo sets both together: a specular colour without a shininess switches the script's shininess off.
         material.shininess = shininess.unwrap_or(if specular.is_some() { 0.0 } else { material.shininess });
         material.specular = specular.unwrap_or(material.specular);
+        material.pbr = pbr;
         material.normal_map = normal_map;
         material.alpha = rgba.map_or(material.alpha, |[.., alpha]| alpha.min(1.0));
         if material.texture.is_none() && texture.is_some() {
@@ -65,27 +72,54 @@ impl Loader<'_> {
 
     /// Adds a warning for each child of a `<material>` that is not drawn.
     fn tell_what_is_ignored(&mut self, material: &Element) {
-        let lit = "surfaces are lit by <diffuse>, <specular> and <shininess>";
         if child_bool(material, "lighting", self.diagnostics) == Some(false) {
             self.ignored(material.child("lighting").unwrap_or(material), "every surface is lit");
         }
         if child_bool(material, "double_sided", self.diagnostics) == Some(true) {
             self.ignored(material.child("double_sided").unwrap_or(material), "cameras see only outsides");
         }
-        let Some(workflow) = workflow(material) else { return };
-        for child in workflow.elements() {
-            let text = child.text();
-            let is_drawn = match child.name.as_str() {
-                "albedo_map" | "normal_map" => true,
-                // Surfaces are drawn fully dull, which is the value 0.
-                "metalness" | "glossiness" => text.parse() == Ok(0.0),
-                "roughness" => text.parse() == Ok(1.0),
-                _ => text.is_empty(),
-            };
-            if !is_drawn {
-                self.ignored(child, lit);
-            }
+    }
+
+    /// Reads roughness and metalness with the defaults of SDF. `specular` is the colour of the `<material>`, by which Ogre
+    /// multiplies highlights.
+    fn pbr(&mut self, material: &Element, specular: Option<[f32; 3]>, scope: Scope<'_>) -> Option<Pbr> {
+        let workflow = workflow(material)?;
+        let highlights = specular.unwrap_or([1.0; 3]);
+        if workflow.name == "specular" {
+            let glossiness = self.within(workflow, "glossiness", 1.0).unwrap_or(0.0);
+            return Some(Pbr { roughness: 1.0 - glossiness, metalness: 0.0, highlights });
         }
+        let [roughness, metalness] = ["roughness", "metalness"].map(|name| {
+            let factor = self.within(workflow, name, 1.0);
+            let map = workflow.child(&format!("{name}_map"));
+            match map.and_then(|map| self.mean(map, material, scope)) {
+                Some(mean) => mean * factor.unwrap_or(1.0),
+                None => factor.unwrap_or(DEFAULT_PBR),
+            }
+        });
+        Some(Pbr { roughness, metalness, highlights })
+    }
+
+    /// Returns the mean of a map of roughness or metalness, from 0 to 1.
+    fn mean(&mut self, map: &Element, material: &Element, scope: Scope<'_>) -> Option<f32> {
+        let path = self.map(map, material, scope)?;
+        let mean = if let Some(known) = self.map_means.get(&path) {
+            *known
+        } else {
+            let mean = match image_file::open(&path) {
+                Ok(picture) => Some(mean_red(&picture.into_rgb8())),
+                Err(error) => {
+                    let what = format!("the picture {} cannot be read: {error}", path.display());
+                    self.missing_picture(&map.source, &what, "save it as PNG");
+                    None
+                }
+            };
+            self.map_means.insert(path, mean);
+            mean
+        }?;
+        let what = format!("only the mean of the <{}> is used: {mean:.2} on the whole surface", map.name);
+        self.diagnostics.warning(&map.source, what, "");
+        Some(mean)
     }
 
     fn albedo_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
@@ -246,10 +280,17 @@ impl Loader<'_> {
             alpha: ogre.alpha.unwrap_or(1.0).clamp(0.0, 1.0),
             texture_alpha: ogre.texture_alpha.unwrap_or_default(),
             texture,
+            pbr: None,
             normal_map: None,
             texture_repeat: ogre.texture_repeat.unwrap_or([1.0; 2]),
         }
     }
+}
+
+/// The mean of the red channel, from 0 to 1.
+fn mean_red(picture: &image::RgbImage) -> f32 {
+    let sum: u64 = picture.pixels().map(|pixel| u64::from(pixel.0[0])).sum();
+    (sum as f64 / (255.0 * picture.pixels().len().max(1) as f64)) as f32
 }
 
 /// Returns the workflow of `<pbr>` that is read.

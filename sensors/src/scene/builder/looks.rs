@@ -140,7 +140,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// [`SceneError::NoSuchTexture`], [`SceneError::BadTextureRepeat`], [`SceneError::BadShininess`],
-    /// [`SceneError::BadAlpha`], [`SceneError::BadShares`], [`SceneError::TooMany`].
+    /// [`SceneError::BadPbr`], [`SceneError::BadAlpha`], [`SceneError::BadShares`], [`SceneError::TooMany`].
     pub fn add_material(&mut self, config: &MaterialConfig) -> Result<MaterialId, SceneError> {
         room(&self.materials)?;
         let material = self.check_material(config)?;

@@ -1,10 +1,11 @@
-//! Materials of a glTF: base colour, transparency, emission and normals.
+//! Materials of a glTF: base colour, roughness and metalness, transparency, emission and normals.
 
 use super::container::{Container, unsupported};
+use super::means::{Means, roughness_and_metalness};
 use super::picture;
 use crate::mesh::look::Look;
 use crate::model::Material;
-use belvedere_sensors::scene::TextureAlpha;
+use belvedere_sensors::scene::{Pbr, TextureAlpha};
 use glam::{DVec2, dvec2};
 use serde_json::Value;
 use std::collections::BTreeSet;
@@ -40,6 +41,7 @@ pub(super) fn surface(
     container: &Container<'_>,
     index: &Value,
     left_out: &mut BTreeSet<String>,
+    means: &mut Means,
 ) -> Result<Surface, String> {
     if index.is_null() {
         return Ok(Surface::default());
@@ -58,7 +60,7 @@ pub(super) fn surface(
     let maps = [
         (&material["emissiveTexture"], "emissive maps"),
         (&material["occlusionTexture"], "occlusion maps"),
-        (&metal["metallicRoughnessTexture"], "metallic-roughness maps"),
+        (&gloss["specularGlossinessTexture"], "specular-glossiness maps"),
     ];
     left_out.extend(maps.iter().filter(|(map, _)| !map.is_null()).map(|(_, what)| (*what).to_owned()));
     // The factor is multiplied by the map. Without the map, the whole surface would emit light.
@@ -76,8 +78,23 @@ pub(super) fn surface(
         Some("BLEND") => (alpha as f32, TextureAlpha::Blended),
         _ => (1.0, TextureAlpha::Ignored),
     };
+    let map = &metal["metallicRoughnessTexture"];
+    if !map.is_null() {
+        left_out.insert("the patterns of metallic-roughness maps, whose mean is used everywhere".to_owned());
+    }
+    let share = |value: &Value| value.as_f64().unwrap_or(1.0).clamp(0.0, 1.0) as f32;
+    let pbr = if !material["extensions"]["KHR_materials_unlit"].is_null() {
+        None
+    } else if metal.is_null() && !gloss.is_null() {
+        Some(Pbr { roughness: 1.0 - share(&gloss["glossinessFactor"]), ..Pbr::default() })
+    } else {
+        let [roughness, metalness] = roughness_and_metalness(container, map, means)?;
+        let roughness = roughness * share(&metal["roughnessFactor"]);
+        Some(Pbr { roughness, metalness: metalness * share(&metal["metallicFactor"]), ..Pbr::default() })
+    };
     let look = Look {
         diffuse: Some(diffuse),
+        pbr,
         emissive: Some(emissive),
         alpha: Some(alpha),
         texture_alpha,

@@ -46,9 +46,17 @@ pub(crate) fn read(name: &Path) -> io::Result<Vec<u8>> {
 
 fn extract(bytes: &[u8], file: &Path, image: u64) -> Result<Vec<u8>, String> {
     let container = Container::open(bytes, file).map_err(|Unreadable { what, .. }| what)?;
+    bytes_of(&container, image)
+}
+
+/// Returns the file of a picture that is inside an opened glTF file or named by it.
+///
+/// # Errors
+/// A message about what is wrong.
+pub(super) fn bytes_of(container: &Container<'_>, image: u64) -> Result<Vec<u8>, String> {
     let image = container.entry("images", &image.into())?;
     match image["uri"].as_str() {
         Some(uri) => container.bytes(uri),
-        None => Accessors::new(&container).view_bytes(&image["bufferView"]),
+        None => Accessors::new(container).view_bytes(&image["bufferView"]),
     }
 }

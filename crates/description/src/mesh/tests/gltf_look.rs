@@ -3,7 +3,7 @@
 use super::Files;
 use super::gltf::{Model, encoded};
 use crate::image_file;
-use belvedere_sensors::scene::TextureAlpha;
+use belvedere_sensors::scene::{Pbr, TextureAlpha};
 use serde_json::{Value, json};
 use std::io::Cursor;
 
@@ -50,6 +50,23 @@ fn materials_are_read() {
         json!({ "extensions": { "KHR_materials_pbrSpecularGlossiness": { "diffuseFactor": [0, 1, 0, 1] } } });
     assert_eq!(look(&old).diffuse, [0.0, 1.0, 0.0]);
     assert!(Model::block().meshes()[0].material.is_none());
+    let pbr = |roughness, metalness| Some(Pbr { roughness, metalness, ..Pbr::default() });
+    assert_eq!((plain.pbr, look(&old).pbr), (pbr(1.0, 1.0), pbr(0.0, 0.0)));
+    let rough = look(&json!({ "pbrMetallicRoughness": { "roughnessFactor": 0.25, "metallicFactor": 0.5 } }));
+    assert_eq!(rough.pbr, pbr(0.25, 0.5));
+    assert_eq!(look(&json!({ "extensions": { "KHR_materials_unlit": {} } })).pbr, None);
+}
+
+/// The mean of a map, of which green is the roughness and blue the metalness, times the factors.
+#[test]
+fn metallic_roughness_maps_are_averaged() {
+    let material = json!({ "metallicRoughnessTexture": { "index": 0 }, "metallicFactor": 0.5 });
+    let mut model = painted(&json!({ "pbrMetallicRoughness": material }));
+    model.json["textures"] = json!([{ "source": 0 }]);
+    let uri = format!("data:image/png;base64,{}", encoded(&png([9, 51, 204, 255])));
+    model.json["images"] = json!([{ "uri": uri }]);
+    let pbr = model.meshes()[0].material.as_ref().unwrap().pbr.unwrap();
+    assert!((pbr.roughness - 0.2).abs() < 1e-6 && (pbr.metalness - 0.4).abs() < 1e-6, "{pbr:?}");
 }
 
 #[test]

@@ -66,6 +66,7 @@ const SENSORS: &[&str] = &[
 
 /// The layers of xacro.
 const XACRO: &[&str] = &[
+    "file",
     "diagnostics",
     "suggestion",
     "xml",

@@ -1,7 +1,9 @@
 //! Problems found in the user's files, each with its place and its remedy.
 
-use std::collections::BTreeSet;
+use std::collections::hash_map::DefaultHasher;
+use std::collections::{BTreeSet, HashMap};
 use std::fmt;
+use std::hash::{Hash as _, Hasher as _};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -76,6 +78,8 @@ impl std::error::Error for Problem {}
 #[derive(Debug, Default, Clone)]
 pub struct Diagnostics {
     problems: Vec<Problem>,
+    /// The indices of the problems, by hashes of their places and texts.
+    known: HashMap<u64, Vec<usize>>,
     files: BTreeSet<PathBuf>,
 }
 
@@ -103,17 +107,26 @@ impl Diagnostics {
         remedy: impl Into<String>,
     ) {
         let problem = Problem { severity, source: source.clone(), what: what.into(), remedy: remedy.into() };
-        // A macro that is called twice, or a file that is included twice, repeats its problems. Each is reported once.
-        if !self.problems.contains(&problem) {
+        self.add(problem);
+    }
+
+    /// Adds a problem that was found elsewhere.
+    ///
+    /// A macro that is called twice, or a file that is included twice, repeats its problems. Each is reported once.
+    pub fn add(&mut self, problem: Problem) {
+        let mut hasher = DefaultHasher::new();
+        (problem.source.line, &problem.what).hash(&mut hasher);
+        let same = self.known.entry(hasher.finish()).or_default();
+        if !same.iter().any(|&index| self.problems[index] == problem) {
+            same.push(self.problems.len());
             self.problems.push(problem);
         }
     }
 
-    /// Adds a problem that was found elsewhere.
-    pub fn add(&mut self, problem: Problem) {
-        if !self.problems.contains(&problem) {
-            self.problems.push(problem);
-        }
+    /// Returns true if there are so many problems that nobody reads suggestions for further ones, each of which compares
+    /// a name with all others.
+    pub fn is_crowded(&self) -> bool {
+        self.problems.len() > 200
     }
 
     /// Records that the result depends on the content of a file.

@@ -45,7 +45,7 @@ use super::diagnostics::{Diagnostics, Source};
 use super::elements;
 use super::mesh::Submesh;
 use super::model::{Heights, Mesh, Model, World};
-use super::ogre_material::OgreMaterial;
+use super::ogre_material::{Library, OgreMaterial};
 use super::package::PackagePath;
 use super::rules::Rules;
 use super::values::{child_number, numbers};
@@ -83,6 +83,8 @@ struct Loader<'a> {
     /// Height maps already read, by file and size.
     heights: HashMap<(PathBuf, [u64; 3]), Option<Arc<Heights>>>,
     material_scripts: HashMap<PathBuf, Arc<Vec<OgreMaterial>>>,
+    /// The materials of lists of scripts.
+    libraries: HashMap<Vec<PathBuf>, Arc<Library>>,
     /// Files whose elements have been compared with the table.
     compared: HashSet<PathBuf>,
 }
@@ -205,6 +207,7 @@ impl<'a> Loader<'a> {
             meshes: HashMap::new(),
             heights: HashMap::new(),
             material_scripts: HashMap::new(),
+            libraries: HashMap::new(),
             compared: HashSet::new(),
         }
     }

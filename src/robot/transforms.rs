@@ -112,8 +112,5 @@ impl Transforms {
 
 /// Returns the link that odometry describes: `base_footprint`, or the root of a model without it.
 pub fn base_link(model: &Model) -> LinkIndex {
-    model
-        .link_named("base_footprint")
-        .or_else(|| (0..model.links.len()).find(|link| model.joint_above(*link).is_none()))
-        .unwrap_or(0)
+    model.link_named("base_footprint").or_else(|| model.first_root()).unwrap_or(0)
 }

@@ -67,6 +67,7 @@ const SENSORS: &[&str] = &[
 /// The layers of xacro.
 const XACRO: &[&str] = &[
     "shorten",
+    "file",
     "diagnostics",
     "suggestion",
     "xml",

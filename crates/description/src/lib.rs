@@ -29,6 +29,7 @@ pub mod values;
 
 /// The crate `belvedere-xacro`, which expands xacro files.
 pub use belvedere_xacro as xacro;
+use belvedere_xacro::file;
 pub use belvedere_xacro::{budget, diagnostics, package, suggestion, xml};
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};

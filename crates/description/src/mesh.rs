@@ -13,12 +13,14 @@ mod ply;
 mod stl;
 
 use super::diagnostics::{Diagnostics, Source};
+use super::file;
 use super::model::Mesh;
 use super::suggestion::did_you_mean;
 use glam::{DVec3, Vec3};
 pub use look::find_texture;
 use look::find_textures;
 use part::{Part, Unreadable, append, finish};
+use std::collections::{HashMap, hash_map::Entry};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -86,15 +88,20 @@ pub fn load_mesh_parts(
         parts = select(parts, submesh, path, source, diagnostics)?;
     }
     let mut meshes: Vec<Mesh> = Vec::new();
+    // The meshes by their materials, which have no hash of their own.
+    let mut of_material: HashMap<String, usize> = HashMap::new();
     find_textures(&mut parts, path, source, diagnostics);
     for part in parts {
         let mesh = finish(part, path, scale, source, diagnostics)?;
         if mesh.triangles.is_empty() {
             continue;
         }
-        match meshes.iter_mut().find(|other| other.material == mesh.material) {
-            Some(other) => append(other, &mesh),
-            None => meshes.push(mesh),
+        match of_material.entry(format!("{:?}", mesh.material)) {
+            Entry::Occupied(other) => append(&mut meshes[*other.get()], &mesh),
+            Entry::Vacant(place) => {
+                place.insert(meshes.len());
+                meshes.push(mesh);
+            }
         }
     }
     if meshes.is_empty() {
@@ -129,7 +136,7 @@ fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnos
             return None;
         }
     };
-    let read = std::fs::read(path).map_err(|error| Unreadable::from(error.to_string()));
+    let read = file::read(path).map_err(|error| Unreadable::from(error.to_string()));
     match read.and_then(|bytes| parse(&bytes, path, diagnostics)) {
         Ok(parts) => Some(parts),
         Err(Unreadable { line, what }) => {

@@ -169,16 +169,31 @@ impl Model {
         })
     }
 
-    /// Returns the joint whose child is `link`, if it has a parent.
+    /// Returns the joint above each link: the first of which it is the child.
+    pub fn joints_above(&self) -> Vec<Option<JointIndex>> {
+        let mut above = vec![None; self.links.len()];
+        for (index, joint) in self.joints.iter().enumerate() {
+            above[joint.child].get_or_insert(index);
+        }
+        above
+    }
+
+    /// Returns the first link without a joint above it.
+    pub fn first_root(&self) -> Option<LinkIndex> {
+        self.joints_above().iter().position(Option::is_none)
+    }
+
+    /// Returns the joint whose child is `link`, if it has a parent. For all links, use [`Model::joints_above`].
     pub fn joint_above(&self, link: LinkIndex) -> Option<&Joint> {
         self.joints.iter().find(|joint| joint.child == link)
     }
 
     /// Returns the uppermost of the links that fixed joints join with `link`.
     pub fn rigid_root(&self, mut link: LinkIndex) -> LinkIndex {
+        let above = self.joints_above();
         // The path to the root has fewer steps than there are links.
         for _ in 0..self.links.len() {
-            match self.joint_above(link) {
+            match above[link].map(|joint| &self.joints[joint]) {
                 Some(joint) if joint.kind == JointKind::Fixed => link = joint.parent,
                 _ => break,
             }

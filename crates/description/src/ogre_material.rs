@@ -5,8 +5,10 @@
 mod script;
 
 use super::diagnostics::{Diagnostics, Problem, Severity, Source};
+use super::file;
 use belvedere_sensors::scene::TextureAlpha;
 use script::{Statement, problem, statements};
+use std::collections::HashMap;
 use std::path::Path;
 
 /// One `material` of a script. None means that the script does not define the value.
@@ -41,7 +43,7 @@ pub struct OgreMaterial {
 /// # Errors
 /// If the file cannot be read, or at the first line that cannot be understood.
 pub fn parse_file(path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
-    let bytes = std::fs::read(path).map_err(|error| Problem {
+    let bytes = file::read(path).map_err(|error| Problem {
         severity: Severity::Error,
         source: Source::new(path, 0),
         what: format!("cannot be read: {error}"),
@@ -73,45 +75,80 @@ pub fn parse(text: &str, path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
     Ok(materials)
 }
 
-/// Returns the material of that name with everything it inherits. A missing parent or a circle of parents is an
-/// error.
-pub fn inherited(
-    name: &str,
-    materials: &[OgreMaterial],
-    diagnostics: &mut Diagnostics,
-) -> Option<OgreMaterial> {
-    let find = |name: &str| materials.iter().find(|material| material.name == name);
-    let mut merged = find(name)?.clone();
-    for _ in 0..materials.len() {
-        let Some(parent_name) = merged.parent.take() else { return Some(merged) };
-        let Some(parent) = find(&parent_name) else {
-            diagnostics.error(
-                &merged.source,
-                format!(
-                    "the material '{name}' inherits from '{parent_name}', which is in none of its scripts"
-                ),
-                "name the folder of that script in a <uri> too",
-            );
-            return Some(merged);
-        };
-        merged.ambient = merged.ambient.or(parent.ambient);
-        merged.diffuse = merged.diffuse.or(parent.diffuse);
-        merged.emissive = merged.emissive.or(parent.emissive);
-        merged.specular = merged.specular.or(parent.specular);
-        merged.alpha = merged.alpha.or(parent.alpha);
-        merged.texture_alpha = merged.texture_alpha.or(parent.texture_alpha);
-        merged.texture = merged.texture.or_else(|| parent.texture.clone());
-        merged.texture_repeat = merged.texture_repeat.or(parent.texture_repeat);
-        merged.parent.clone_from(&parent.parent);
+/// The greatest number of materials that one inherits from, one through another.
+const MOST_PARENTS: usize = 100;
+
+/// The materials of some scripts, by name. The first one of a name is used.
+#[derive(Debug, Default)]
+pub struct Library {
+    materials: Vec<OgreMaterial>,
+    by_name: HashMap<String, usize>,
+}
+
+impl Library {
+    /// Creates a library of materials, in the order of their scripts.
+    pub fn new(materials: Vec<OgreMaterial>) -> Self {
+        let mut by_name = HashMap::new();
+        for (index, material) in materials.iter().enumerate() {
+            by_name.entry(material.name.clone()).or_insert(index);
+        }
+        Self { materials, by_name }
     }
-    if merged.parent.is_some() {
-        diagnostics.error(
-            &merged.source,
-            format!("the material '{name}' inherits from itself"),
-            "break the circle of ':'",
-        );
+
+    /// Returns the names of its materials, in the order of their scripts.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.materials.iter().map(|material| material.name.as_str())
     }
-    Some(merged)
+
+    fn find(&self, name: &str) -> Option<&OgreMaterial> {
+        self.by_name.get(name).map(|index| &self.materials[*index])
+    }
+
+    /// Returns the material of that name with everything it inherits. A missing parent or a circle of parents is an
+    /// error.
+    pub fn inherited(&self, name: &str, diagnostics: &mut Diagnostics) -> Option<OgreMaterial> {
+        let mut merged = self.find(name)?.clone();
+        let mut passed = vec![name.to_owned()];
+        while let Some(parent_name) = merged.parent.take() {
+            let Some(parent) = self.find(&parent_name) else {
+                diagnostics.error(
+                    &merged.source,
+                    format!(
+                        "the material '{name}' inherits from '{parent_name}', which is in none of its scripts"
+                    ),
+                    "name the folder of that script in a <uri> too",
+                );
+                return Some(merged);
+            };
+            if passed.contains(&parent_name) {
+                diagnostics.error(
+                    &merged.source,
+                    format!("the material '{name}' inherits from itself"),
+                    "break the circle of ':'",
+                );
+                return Some(merged);
+            }
+            if passed.len() > MOST_PARENTS {
+                diagnostics.error(
+                    &merged.source,
+                    format!("the material '{name}' inherits from more than {MOST_PARENTS} others"),
+                    "write what it inherits into the material itself",
+                );
+                return Some(merged);
+            }
+            merged.ambient = merged.ambient.or(parent.ambient);
+            merged.diffuse = merged.diffuse.or(parent.diffuse);
+            merged.emissive = merged.emissive.or(parent.emissive);
+            merged.specular = merged.specular.or(parent.specular);
+            merged.alpha = merged.alpha.or(parent.alpha);
+            merged.texture_alpha = merged.texture_alpha.or(parent.texture_alpha);
+            merged.texture = merged.texture.or_else(|| parent.texture.clone());
+            merged.texture_repeat = merged.texture_repeat.or(parent.texture_repeat);
+            merged.parent.clone_from(&parent.parent);
+            passed.push(parent_name);
+        }
+        Some(merged)
+    }
 }
 
 fn material(statement: &Statement, path: &Path) -> Result<OgreMaterial, Problem> {
@@ -324,7 +361,7 @@ mod tests {
         let materials = parse(SCRIPT, Path::new("a.material")).unwrap();
         assert_eq!(materials.len(), 2);
         let mut diagnostics = Diagnostics::default();
-        let one = inherited("Tags/One", &materials, &mut diagnostics).unwrap();
+        let one = Library::new(materials).inherited("Tags/One", &mut diagnostics).unwrap();
         assert_eq!((one.diffuse, one.alpha), (Some([1.0, 0.0, 0.0]), Some(0.5)));
         assert_eq!(one.specular, Some([0.1, 0.2, 0.3, 12.5]));
         assert_eq!(one.texture_alpha, Some(TextureAlpha::CutOut { least: 0.5 }));
@@ -355,7 +392,7 @@ mod tests {
     fn a_circle_of_parents_is_an_error() {
         let materials = parse("material A : B {}\nmaterial B : A {}", Path::new("a.material")).unwrap();
         let mut diagnostics = Diagnostics::default();
-        inherited("A", &materials, &mut diagnostics);
+        Library::new(materials).inherited("A", &mut diagnostics);
         assert!(diagnostics.has_errors());
     }
 }

@@ -31,7 +31,7 @@ use super::concave::warn_of_hulls;
 use super::diagnostics::{Diagnostics, Source};
 use super::elements;
 use super::housing;
-use super::model::{Link, Material, Mesh, Model};
+use super::model::{JointIndex, Link, LinkIndex, Material, Mesh, Model};
 use super::package::PackagePath;
 use super::rules::Rules;
 use super::suggestion::did_you_mean;
@@ -54,6 +54,9 @@ struct Loader<'a> {
     /// Materials with a name, wherever in the file they are defined.
     materials: HashMap<String, Material>,
     meshes: MeshCache,
+    /// The links and the joints by their names.
+    link_names: HashMap<String, LinkIndex>,
+    joint_names: HashMap<String, JointIndex>,
 }
 
 /// Reads a robot that xacro has expanded. Problems are added to `diagnostics`; none is returned if
@@ -67,15 +70,22 @@ pub(super) fn load_urdf(
     if !is_robot(robot, diagnostics) {
         return None;
     }
-    let mut loader =
-        Loader { packages, rules, diagnostics, materials: HashMap::new(), meshes: HashMap::new() };
+    let mut loader = Loader {
+        packages,
+        rules,
+        diagnostics,
+        materials: HashMap::new(),
+        meshes: HashMap::new(),
+        link_names: HashMap::new(),
+        joint_names: HashMap::new(),
+    };
     loader.define_materials(robot);
     let mut model = Model::empty(robot.attribute("name").unwrap_or("robot").to_owned(), robot.source.clone());
     loader.links(robot, &mut model);
     loader.joints(robot, &mut model);
     let is_tree = loader.build_tree(robot, &mut model);
     loader.extensions(robot, &mut model);
-    loader.compare_elements(robot, &model);
+    loader.compare_elements(robot);
     if is_tree {
         loader.name_collisions(robot, &mut model);
         housing::report(&model, rules.gazebo_compat, loader.diagnostics);
@@ -108,12 +118,12 @@ impl Loader<'_> {
     }
 
     /// Reports what is not simulated or unknown.
-    fn compare_elements(&mut self, robot: &Element, model: &Model) {
+    fn compare_elements(&mut self, robot: &Element) {
         let extensions = robot.elements_named("gazebo").map(|extension| {
             let reference = extension.attribute("reference").filter(|name| !name.is_empty());
             let context = match reference {
                 None => "gazebo_robot",
-                Some(name) if model.link_named(name).is_some() => "gazebo_link",
+                Some(name) if self.link_names.contains_key(name) => "gazebo_link",
                 Some(_) => "gazebo_joint",
             };
             (extension, context)
@@ -125,7 +135,7 @@ impl Loader<'_> {
     fn unique_name<'s>(
         &mut self,
         element: &Element,
-        mut taken: impl Iterator<Item = (&'s str, &'s Source)>,
+        taken: impl FnOnce(&Self, &str) -> Option<&'s Source>,
     ) -> Option<String> {
         let kind = &element.name;
         let Some(name) = element.attribute("name").filter(|name| !name.is_empty()) else {
@@ -136,7 +146,7 @@ impl Loader<'_> {
             );
             return None;
         };
-        if let Some((_, first)) = taken.find(|(other, _)| *other == name) {
+        if let Some(first) = taken(self, name) {
             self.diagnostics.error(
                 &element.source,
                 format!("two {kind}s are called '{name}' (the first at {first})"),
@@ -148,7 +158,10 @@ impl Loader<'_> {
     }
 }
 
-/// Returns "did you mean …" for the name of a link, empty if there are no links.
-fn nearest_link(name: &str, links: &[Link]) -> String {
+/// Returns "did you mean …" for the name of a link, empty if there are no links or too many problems.
+fn nearest_link(name: &str, links: &[Link], diagnostics: &Diagnostics) -> String {
+    if diagnostics.is_crowded() {
+        return String::new();
+    }
     did_you_mean(name, links.iter().map(|link| link.name.as_str())).unwrap_or_default()
 }

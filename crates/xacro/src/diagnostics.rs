@@ -122,6 +122,12 @@ impl Diagnostics {
         }
     }
 
+    /// Returns true if there are so many problems that nobody reads suggestions for further ones, each of which compares
+    /// a name with all others.
+    pub fn is_crowded(&self) -> bool {
+        self.problems.len() > 200
+    }
+
     /// Records that the result depends on the content of a file.
     pub fn opened(&mut self, file: &Path) {
         if !self.files.contains(file) {

@@ -3,6 +3,12 @@
 /// The number of first characters in which names must agree to be considered similar.
 const BEGINNING: usize = 3;
 
+/// Longer names, in bytes, are not compared letter by letter: time and memory would grow with the product of both lengths.
+const LONGEST: usize = 100;
+
+/// The greatest number of candidates that a name is compared with, because a file can have many unknown names.
+const MOST: usize = 1000;
+
 /// The similarity of a candidate, the most similar first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 enum Likeness {
@@ -42,8 +48,12 @@ fn most_like<'a>(
     name: &str,
     candidates: impl IntoIterator<Item = &'a str>,
 ) -> Option<(Likeness, usize, &'a str)> {
-    let judged = candidates.into_iter().map(|candidate| {
-        let distance = strsim::damerau_levenshtein(name, candidate);
+    let judged = candidates.into_iter().take(MOST).map(|candidate| {
+        let distance = if name.len().max(candidate.len()) <= LONGEST {
+            strsim::damerau_levenshtein(name, candidate)
+        } else {
+            name.len().max(candidate.len())
+        };
         (likeness(name, candidate, distance), distance, candidate)
     });
     judged.min_by_key(|(likeness, distance, _)| (*likeness, *distance))

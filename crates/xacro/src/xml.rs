@@ -73,7 +73,7 @@ impl Element {
             what,
             remedy: remedy.into(),
         };
-        let bytes = std::fs::read(path).map_err(|error| match error.kind() {
+        let bytes = crate::file::read(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => fail(0, "no such file".into(), "check the path"),
             _ => fail(0, format!("cannot be read: {error}"), "check the file's permissions"),
         })?;

@@ -5,12 +5,14 @@ mod scalars;
 use super::evaluate::{Names, evaluate};
 use super::expression::parse;
 use super::fault::Fault;
+use super::file;
 use super::functions::{Arguments, key};
 use super::limits::{Work, sized};
 use super::value::{Entries, Value, parse_float};
 use saphyr_parser::{Event, Parser, ScalarStyle, Tag};
 use scalars::{by_tag, plain};
 use std::collections::HashMap;
+use std::io;
 use std::path::Path;
 
 /// The greatest nesting of lists and mappings.
@@ -29,7 +31,8 @@ const UNITS: [(&str, f64); 7] = [
 
 /// Reads a file.
 pub(super) fn load(path: &Path) -> Result<Value, Fault> {
-    let text = std::fs::read_to_string(path).map_err(|error| {
+    let read = file::read(path).and_then(|bytes| String::from_utf8(bytes).map_err(io::Error::other));
+    let text = read.map_err(|error| {
         Fault::new(format!("the YAML file {} cannot be read: {error}", path.display()), "correct its name")
     })?;
     document(&text)

@@ -79,7 +79,8 @@ fn base_report(plugin: &BasePlugin, number: usize, streams: &Streams) -> Vec<Str
 /// Draws the tree of links. Each link is expanded once, even if joints of an SDF model close a loop.
 fn tree(model: &Model) -> Vec<String> {
     let (mut lines, mut shown) = (Vec::new(), vec![false; model.links.len()]);
-    let is_root = |link: &LinkIndex| model.joint_above(*link).is_none();
+    let above = model.joints_above();
+    let is_root = |link: &LinkIndex| above[*link].is_none();
     let links = || 0..model.links.len();
     // Links that cannot be reached from a root are part of a loop.
     for link in links().filter(is_root).chain(links()) {

@@ -5,12 +5,13 @@ mod material;
 use super::faces::Cutter;
 use super::part::{Part, Unreadable, text};
 use crate::diagnostics::{Diagnostics, Source};
+use crate::file;
 use crate::model::Material;
 use crate::suggestion::did_you_mean_or;
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The name of a group without a name.
 const DEFAULT: &str = "default";
@@ -36,12 +37,18 @@ fn statements(text: &str) -> impl Iterator<Item = (u32, Cow<'_, str>)> {
     let mut lines = (1..).zip(text.lines());
     std::iter::from_fn(move || {
         let (number, line) = lines.next()?;
-        let mut statement = Cow::Borrowed(line.trim());
-        while let Some(begin) = statement.strip_suffix('\\') {
-            let next = lines.next().map_or("", |(_, line)| line.trim());
-            statement = Cow::Owned(format!("{begin} {next}"));
+        let mut line = line.trim();
+        if !line.ends_with('\\') {
+            return Some((number, Cow::Borrowed(line)));
         }
-        Some((number, statement))
+        let mut statement = String::new();
+        while let Some(begin) = line.strip_suffix('\\') {
+            statement.push_str(begin);
+            statement.push(' ');
+            line = lines.next().map_or("", |(_, line)| line.trim());
+        }
+        statement.push_str(line);
+        Some((number, Cow::Owned(statement)))
     })
 }
 
@@ -56,6 +63,8 @@ struct Reader<'a> {
     material: String,
     /// The materials of the libraries, as far as they are given.
     materials: HashMap<String, Option<Material>>,
+    /// The libraries that were read.
+    libraries: HashSet<PathBuf>,
     /// True if a library is missing, for which there was a warning.
     lacks_library: bool,
     /// The keys of the warnings so far.
@@ -82,6 +91,7 @@ impl<'a> Reader<'a> {
             group: String::new(),
             material: String::new(),
             materials: HashMap::new(),
+            libraries: HashSet::new(),
             lacks_library: false,
             warned: HashSet::new(),
             parts: Vec::new(),
@@ -211,12 +221,15 @@ impl<'a> Reader<'a> {
         } else {
             names.split_whitespace().map(|name| folder.join(name.replace('\\', "/"))).collect()
         };
-        for file in files {
-            self.diagnostics.opened(&file);
-            match std::fs::read(&file) {
+        for path in files {
+            if !self.libraries.insert(path.clone()) {
+                continue;
+            }
+            self.diagnostics.opened(&path);
+            match file::read(&path) {
                 // The first material with a name is used.
                 Ok(bytes) => {
-                    for (name, look) in material::parse(&text(&bytes), file.parent().unwrap_or(folder)) {
+                    for (name, look) in material::parse(&text(&bytes), path.parent().unwrap_or(folder)) {
                         self.materials.entry(name).or_insert_with(|| look.material());
                     }
                 }
@@ -224,7 +237,7 @@ impl<'a> Reader<'a> {
                     self.lacks_library = true;
                     let what = format!(
                         "the materials in {} cannot be read: {error}: faces have no colour",
-                        file.display()
+                        path.display()
                     );
                     self.warn(names, &what, "put the file beside the mesh, or remove mtllib");
                 }

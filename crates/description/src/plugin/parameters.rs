@@ -349,5 +349,5 @@ impl<'a> Parameters<'a> {
 
 /// Returns the uppermost link.
 fn root(model: &Model) -> LinkIndex {
-    (0..model.links.len()).find(|link| model.joint_above(*link).is_none()).unwrap_or(0)
+    model.first_root().unwrap_or(0)
 }

@@ -11,6 +11,7 @@ use crate::values::{child_bool, child_number, child_text, not_negative};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// A limit at or beyond this value means no limit (SDF's default is 1e16).
 const NO_LIMIT: f64 = 1e15;
@@ -140,9 +141,16 @@ impl Loader<'_> {
 
     /// Resolves `<mimic>`: makes each such joint of a model follow the joint that it names.
     pub(super) fn follow(&mut self, parts: &mut Parts) {
-        for (follower, mimic) in std::mem::take(&mut parts.mimics) {
+        let mimics = std::mem::take(&mut parts.mimics);
+        let mut named: HashMap<String, usize> = HashMap::new();
+        if !mimics.is_empty() {
+            for (index, joint) in parts.joints.iter().enumerate() {
+                named.entry(joint.name.clone()).or_insert(index);
+            }
+        }
+        for (follower, mimic) in mimics {
             let name = mimic.attribute("joint").unwrap_or_default();
-            let Some(leader) = parts.joints.iter().position(|joint| joint.name == name) else {
+            let Some(leader) = named.get(name).copied() else {
                 let names = parts.joints.iter().map(|joint| joint.name.as_str());
                 let what = format!(
                     "<mimic> of the joint '{}' names the joint '{name}', which does not exist",

@@ -5,7 +5,7 @@ use super::{Loader, Scope, TEXTURE, resources};
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::image_file;
 use crate::model::Material;
-use crate::ogre_material::{self, OgreMaterial};
+use crate::ogre_material::{self, Library, OgreMaterial};
 use crate::suggestion::did_you_mean_or;
 use crate::values::{child_bool, child_text};
 use crate::xml::Element;
@@ -188,21 +188,20 @@ impl Loader<'_> {
         // Gazebo's own names need no script, but a script of the user's may redefine them.
         let uris: Vec<&Element> = script.elements_named("uri").collect();
         let mut folders = Vec::new();
-        let mut materials: Vec<OgreMaterial> = Vec::new();
+        let mut files = Vec::new();
         let mut places = Vec::new();
         for uri in &uris {
             match self.resources.resolve(&uri.text(), scope.folder) {
                 Resolved::Found(path) => {
-                    for file in script_files(&path) {
-                        materials.extend(self.read_script(&file).iter().cloned());
-                    }
+                    files.extend(script_files(&path));
                     folders.push(path);
                 }
                 Resolved::NotFound(looked) => places.extend(looked),
                 Resolved::UnknownScheme(_) => {}
             }
         }
-        if let Some(found) = ogre_material::inherited(&name, &materials, self.diagnostics) {
+        let library = self.library(files);
+        if let Some(found) = library.inherited(&name, self.diagnostics) {
             return Some(self.convert(&found, &folders, script));
         }
         if let Some(material) = gazebo_material(&name) {
@@ -211,14 +210,14 @@ impl Loader<'_> {
         if name.starts_with(GAZEBO) {
             // As for links in URDF: Gazebo's own names only give a colour, and a world can run without it.
             let names: Vec<String> = gazebo_material_names().collect();
-            let known = names.iter().map(String::as_str).chain(materials.iter().map(|it| it.name.as_str()));
+            let known = names.iter().map(String::as_str).chain(library.names());
             let what = format!("Gazebo has no material '{name}': the shape keeps its own look");
             let remedy = did_you_mean_or(&name, known, "Name one as Gazebo/Red, or write <diffuse>");
             self.diagnostics.warning(&script.source, what, remedy);
             return None;
         }
-        let known = materials.iter().map(|material| material.name.as_str());
-        let remedy = did_you_mean_or(&name, known, "Name the folder of its .material file in <uri>");
+        let remedy =
+            did_you_mean_or(&name, library.names(), "Name the folder of its .material file in <uri>");
         let looked = match (uris.is_empty(), places.is_empty()) {
             (true, _) => "its <script> has no <uri>, and Gazebo has none of that name".into(),
             (false, true) => format!("it is not in {}", resources::list(&folders)),
@@ -226,6 +225,17 @@ impl Loader<'_> {
         };
         self.missing(&script.source, format!("there is no material '{name}': {looked}"), remedy);
         None
+    }
+
+    /// Returns the materials of these scripts.
+    fn library(&mut self, files: Vec<PathBuf>) -> Arc<Library> {
+        if let Some(known) = self.libraries.get(&files) {
+            return known.clone();
+        }
+        let materials = files.iter().flat_map(|file| self.read_script(file).to_vec()).collect();
+        let library = Arc::new(Library::new(materials));
+        self.libraries.insert(files, library.clone());
+        library
     }
 
     fn read_script(&mut self, file: &Path) -> Arc<Vec<OgreMaterial>> {

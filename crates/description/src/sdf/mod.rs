@@ -45,7 +45,7 @@ use super::diagnostics::{Diagnostics, Source};
 use super::elements;
 use super::mesh::Submesh;
 use super::model::{Heights, Mesh, Model, World};
-use super::ogre_material::OgreMaterial;
+use super::ogre_material::{Library, OgreMaterial};
 use super::package::PackagePath;
 use super::rules::Rules;
 use super::values::{child_number, numbers};
@@ -85,6 +85,8 @@ struct Loader<'a> {
     material_scripts: HashMap<PathBuf, Arc<Vec<OgreMaterial>>>,
     /// The means of maps of roughness and metalness; `None` for those that cannot be read.
     map_means: HashMap<PathBuf, Option<f32>>,
+    /// The materials of lists of scripts.
+    libraries: HashMap<Vec<PathBuf>, Arc<Library>>,
     /// Files whose elements have been compared with the table.
     compared: HashSet<PathBuf>,
 }
@@ -229,6 +231,7 @@ impl<'a> Loader<'a> {
             heights: HashMap::new(),
             material_scripts: HashMap::new(),
             map_means: HashMap::new(),
+            libraries: HashMap::new(),
             compared: HashSet::new(),
         }
     }

@@ -9,6 +9,7 @@ use crate::suggestion::did_you_mean;
 use crate::values::{child_bool, child_number, numbers};
 use crate::xml::Element;
 use glam::DVec3;
+use std::collections::HashMap;
 
 /// The longest accepted physics step: beyond it, the contacts of a robot at walking speed are missed.
 const MAX_STEP_S: f64 = 0.1;
@@ -172,14 +173,22 @@ impl Loader<'_> {
         world: &mut World,
         scope: Scope<'_>,
     ) {
+        let mut named: HashMap<String, usize> = HashMap::new();
+        for (index, (model, _)) in models.iter().enumerate() {
+            named.entry(model.name.clone()).or_insert(index);
+        }
+        let mut named_lights: HashMap<String, usize> = HashMap::new();
+        for (index, light) in world.lights.iter().enumerate() {
+            named_lights.entry(light.name.clone()).or_insert(index);
+        }
         for child in state.elements() {
             let name = name_of(child);
             match child.name.as_str() {
                 "model" => {
                     let written = self.pose(child, scope.version);
                     let pose = frames.place(&written, self.diagnostics);
-                    if let Some((model, _)) = models.iter_mut().find(|(model, _)| model.name == name) {
-                        model.world_from_model = pose;
+                    if let Some(&index) = named.get(&*name) {
+                        models[index].0.world_from_model = pose;
                     } else {
                         self.unknown_in_state(child, models.iter().map(|(model, _)| model.name.as_str()));
                     }
@@ -193,8 +202,8 @@ impl Loader<'_> {
                 "light" => {
                     let written = self.pose(child, scope.version);
                     let pose = frames.place(&written, self.diagnostics);
-                    match world.lights.iter_mut().find(|light| light.name == name) {
-                        Some(light) => light.world_from_light = pose,
+                    match named_lights.get(&*name) {
+                        Some(&index) => world.lights[index].world_from_light = pose,
                         None => self.unknown_in_state(child, world.lights.iter().map(|l| l.name.as_str())),
                     }
                 }

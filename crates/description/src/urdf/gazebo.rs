@@ -52,7 +52,7 @@ impl Loader<'_> {
                     of_robot = label(element, self.diagnostics).or(of_robot);
                     plugin::read(element, model, self.rules, self.diagnostics);
                 }
-                Some(name) => match model.link_named(name) {
+                Some(name) => match self.link_names.get(name).copied() {
                     Some(link) => self.extend_link(element, link, model),
                     None => self.unknown_reference(element, name, model),
                 },
@@ -71,7 +71,7 @@ impl Loader<'_> {
             // A name may be that of a link and of a joint: each sensor is on what it can be on.
             let link = &model.links[index].name;
             if is_on_joint(sensor)
-                && let Some(joint) = model.joints.iter().position(|joint| joint.name == *link)
+                && let Some(joint) = self.joint_names.get(link).copied()
             {
                 self.joint_sensor(sensor, joint, model);
                 continue;
@@ -198,8 +198,7 @@ impl Loader<'_> {
 
     /// Handles a reference that is not the name of a link: a joint, or a mistake.
     fn unknown_reference(&mut self, element: &Element, name: &str, model: &mut Model) {
-        let near = nearest_link(name, &model.links);
-        if let Some(index) = model.joints.iter().position(|joint| joint.name == name) {
+        if let Some(index) = self.joint_names.get(name).copied() {
             self.no_plugins(element, "joint", name);
             self.extend_joint(element, &mut model.joints[index].dynamics);
             for sensor in element.elements_named("sensor") {
@@ -207,6 +206,7 @@ impl Loader<'_> {
             }
             return;
         }
+        let near = nearest_link(name, &model.links, self.diagnostics);
         let mut has_sensor = false;
         for sensor in element.elements_named("sensor") {
             has_sensor = true;

@@ -11,7 +11,9 @@ use glam::DVec3;
 impl Loader<'_> {
     pub(super) fn joints(&mut self, robot: &Element, model: &mut Model) {
         for element in robot.elements_named("joint") {
-            let taken = model.joints.iter().map(|joint| (joint.name.as_str(), &joint.source));
+            let taken = |loader: &Self, name: &str| {
+                loader.joint_names.get(name).map(|first| &model.joints[*first].source)
+            };
             let Some(name) = self.unique_name(element, taken) else { continue };
             let parent = self.joint_end(element, &name, "parent", model);
             let child = self.joint_end(element, &name, "child", model);
@@ -24,6 +26,7 @@ impl Loader<'_> {
             let source = element.source.clone();
             let pivot = DVec3::ZERO;
             let dynamics = self.dynamics(element, &name);
+            self.joint_names.insert(name.clone(), model.joints.len());
             model.joints.push(Joint {
                 name,
                 kind,
@@ -73,9 +76,9 @@ impl Loader<'_> {
     fn follow(&mut self, element: &Element, joints: &mut [Joint]) {
         let name = element.attribute("name").unwrap_or_default();
         let Some(mimic) = element.child("mimic") else { return };
-        let Some(follower) = joints.iter().position(|joint| joint.name == name) else { return };
+        let Some(follower) = self.joint_names.get(name).copied() else { return };
         let Some(followed) = self.required(mimic, "joint") else { return };
-        let Some(leader) = joints.iter().position(|joint| joint.name == followed) else {
+        let Some(leader) = self.joint_names.get(followed).copied() else {
             let what =
                 format!("<mimic> of the joint '{name}' names the joint '{followed}', which does not exist");
             let names = joints.iter().map(|joint| joint.name.as_str());
@@ -100,13 +103,11 @@ impl Loader<'_> {
             return None;
         };
         let name = self.required(child, "link")?;
-        let found = model.link_named(name);
+        let found = self.link_names.get(name).copied();
         if found.is_none() {
-            self.diagnostics.error(
-                &child.source,
-                format!("the joint '{joint}' names the {end} link '{name}', which does not exist"),
-                nearest_link(name, &model.links),
-            );
+            let near = nearest_link(name, &model.links, self.diagnostics);
+            let what = format!("the joint '{joint}' names the {end} link '{name}', which does not exist");
+            self.diagnostics.error(&child.source, what, near);
         }
         found
     }

@@ -10,8 +10,11 @@ use belvedere_sensors::Pose;
 impl Loader<'_> {
     pub(super) fn links(&mut self, robot: &Element, model: &mut Model) {
         for element in robot.elements_named("link") {
-            let taken = model.links.iter().map(|link| (link.name.as_str(), &link.source));
+            let taken = |loader: &Self, name: &str| {
+                loader.link_names.get(name).map(|first| &model.links[*first].source)
+            };
             let Some(name) = self.unique_name(element, taken) else { continue };
+            self.link_names.insert(name.clone(), model.links.len());
             let inertial = self.inertial(element, &name);
             let visuals = element.elements_named("visual").flat_map(|visual| self.visual(visual)).collect();
             let collisions = element

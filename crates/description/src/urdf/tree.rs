@@ -1,7 +1,7 @@
 //! The tree of links and joints, and the poses in it.
 
 use super::Loader;
-use crate::model::{JointKind, LinkIndex, Model};
+use crate::model::{Joint, JointKind, LinkIndex, Model};
 use crate::xml::Element;
 
 impl Loader<'_> {
@@ -15,8 +15,11 @@ impl Loader<'_> {
         if !is_complete || model.links.is_empty() || !self.one_parent_each(model) {
             return false;
         }
-        let roots: Vec<LinkIndex> =
-            (0..model.links.len()).filter(|&link| model.joint_above(link).is_none()).collect();
+        let roots: Vec<LinkIndex> = (0..)
+            .zip(model.joints_above())
+            .filter(|(_, above)| above.is_none())
+            .map(|(link, _)| link)
+            .collect();
         if let [first, second, ..] = roots[..] {
             let (one, other) = (&model.links[first], &model.links[second]);
             self.diagnostics.error(
@@ -46,8 +49,9 @@ impl Loader<'_> {
     }
 
     fn one_parent_each(&mut self, model: &Model) -> bool {
-        for (index, joint) in model.joints.iter().enumerate() {
-            if let Some(first) = model.joints[..index].iter().find(|first| first.child == joint.child) {
+        let mut above: Vec<Option<&Joint>> = vec![None; model.links.len()];
+        for joint in &model.joints {
+            if let Some(first) = above[joint.child].replace(joint) {
                 self.diagnostics.error(
                     &joint.source,
                     format!(
@@ -64,7 +68,9 @@ impl Loader<'_> {
 
     /// Reports a loop of joints that contains `link` or that `link` hangs on.
     fn report_loop(&mut self, link: LinkIndex, model: &Model) {
-        let above = |link| model.joint_above(link).map_or(link, |joint| joint.parent);
+        let joints = model.joints_above();
+        let joint_above = |link: LinkIndex| joints[link].map(|joint| &model.joints[joint]);
+        let above = |link| joint_above(link).map_or(link, |joint| joint.parent);
         // After as many steps up as there are links, the walk is inside the loop.
         let start = (0..model.links.len()).fold(link, |link, _| above(link));
         let mut names = vec![model.links[start].name.as_str()];
@@ -75,7 +81,7 @@ impl Loader<'_> {
         }
         names.push(&model.links[start].name);
         names.reverse();
-        let source = model.joint_above(start).map_or(&model.links[start].source, |joint| &joint.source);
+        let source = joint_above(start).map_or(&model.links[start].source, |joint| &joint.source);
         self.diagnostics.error(
             source,
             format!("joints make a loop: {}", names.join(" → ")),

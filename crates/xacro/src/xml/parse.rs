@@ -7,6 +7,7 @@ use super::{Element, Node};
 use crate::diagnostics::{Problem, Severity, Source};
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
+use std::collections::HashSet;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -111,10 +112,17 @@ fn add_text(open: &mut [Element], text: &str) {
 fn element(tag: &BytesStart<'_>, source: Source) -> Result<Element, String> {
     let name = String::from_utf8_lossy(tag.name().0).into_owned();
     is_name(&name)?;
+    let mut keys = HashSet::new();
     let attributes = tag
         .attributes()
+        // The library would compare each attribute with all before it.
+        .with_checks(false)
         .map(|attribute| {
             let attribute = attribute.map_err(|error| format!("{error} in <{name}>"))?;
+            if !keys.insert(attribute.key.0) {
+                let key = String::from_utf8_lossy(attribute.key.0);
+                return Err(format!("<{name}> has the attribute '{key}' twice"));
+            }
             let key = String::from_utf8_lossy(attribute.key.0).into_owned();
             is_name(&key)?;
             Ok((key, unescaped(&String::from_utf8_lossy(&attribute.value), true)))

@@ -96,7 +96,7 @@ impl<'a> Container<'a> {
             return Err(format!("{uri} is remote, and files are not fetched: download it"));
         }
         let path = self.beside(uri);
-        std::fs::read(&path).map_err(|error| format!("{}: {error}", path.display()))
+        crate::file::read(&path).map_err(|error| format!("{}: {error}", path.display()))
     }
 }
 

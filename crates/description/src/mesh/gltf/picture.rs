@@ -38,9 +38,9 @@ pub(crate) fn is_embedded(name: &Path) -> bool {
 pub(crate) fn read(name: &Path) -> io::Result<Vec<u8>> {
     match parts(name) {
         Some((file, image)) if !name.exists() => {
-            extract(&std::fs::read(file)?, file, image).map_err(io::Error::other)
+            extract(&crate::file::read(file)?, file, image).map_err(io::Error::other)
         }
-        _ => std::fs::read(name),
+        _ => crate::file::read(name),
     }
 }
 

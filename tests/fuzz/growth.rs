@@ -1,0 +1,310 @@
+//! The time to read a file grows in proportion to its size, for each kind of thing that a file can have many of.
+
+use crate::{Reader, processor_time};
+use std::time::Duration;
+
+/// A file that grows: its beginning, a part that is repeated with each `#` replaced by the number of the repetition,
+/// and its end. If there is a closing part, the parts are nested.
+struct Shape {
+    format: &'static str,
+    head: &'static str,
+    part: &'static str,
+    close: &'static str,
+    tail: &'static str,
+}
+
+const fn row(format: &'static str, head: &'static str, part: &'static str, tail: &'static str) -> Shape {
+    Shape { format, head, part, close: "", tail }
+}
+
+const fn nest(
+    format: &'static str,
+    head: &'static str,
+    [part, close]: [&'static str; 2],
+    tail: &'static str,
+) -> Shape {
+    Shape { format, head, part, close, tail }
+}
+
+const XACRO: &str = "<robot name='r' xmlns:xacro='http://x'><link name='base'/>";
+const LINKS: &str =
+    "<link name='l#'/><joint name='j#' type='fixed'><parent link='base'/><child link='l#'/></joint>";
+const WORLD: &str = "<sdf version='1.9'><world name='w'>";
+const MODEL: &str = "<sdf version='1.9'><world name='w'><model name='m'><static>1</static><link name='l'>";
+const WORLD_END: &str = "</world></sdf>";
+const MODEL_END: &str = "</link></model></world></sdf>";
+const DAE: &str = "<COLLADA xmlns='http://x' version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
+    <float_array id='a' count='9'>0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source='#a' count='3' stride='3'/>\
+    </technique_common></source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices>";
+const DAE_END: &str = "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='z'><node>\
+    <instance_geometry url='#g'/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url='#z'/></scene></COLLADA>";
+const PLAN: &str =
+    "worlds = ['w.sdf']\nrobot = 'eyes.sdf'\nseeds = [1]\n[[sensors]]\nname = 'rgb'\ntopic = 'rgb'\n";
+
+const SHAPES: &[Shape] = &[
+    row("xacro", XACRO, LINKS, "</robot>"),
+    row("xacro", XACRO, "<xacro:property name='p#' value='${1 + 2}'/>", "</robot>"),
+    row("xacro", XACRO, "<xacro:macro name='m#' params='a'><b/></xacro:macro>", "</robot>"),
+    row("xacro", XACRO, "<xacro:unknown#/>", "</robot>"),
+    row("xacro", XACRO, "<link name='${undefined#}'/>", "</robot>"),
+    row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='${1", " + 1", "}'/></robot>"),
+    row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='${[1", ", #", "]}'/></robot>"),
+    row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name=\"${'", "a'  'b", "'}\"/></robot>"),
+    row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='l", "${1}$(arg a)", "'/></robot>"),
+    row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='l'", " a#='1'", "/></robot>"),
+    row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='l'/>", "<!-- c -->\n", "</robot>"),
+    row("xacro", "<robot name='r' xmlns:xacro='http://x'>", "&amp;&lt;", "</robot>"),
+    nest("xacro", XACRO, ["<a>", "</a>"], "</robot>"),
+    nest("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='${", ["(", ")"], "}'/></robot>"),
+    nest("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='${", ["[", "]"], "}'/></robot>"),
+    nest("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='${", ["-", " "], "1}'/></robot>"),
+    nest("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='${1 ", ["** 2", " "], "}'/></robot>"),
+    nest(
+        "xacro",
+        "<robot name='r' xmlns:xacro='http://x'><link name='${",
+        ["a if b else ", " "],
+        "1}'/></robot>",
+    ),
+    nest("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='", ["${", "}"], "'/></robot>"),
+    row("yaml", "", "k#: [1, 2, {a: b}]\n", ""),
+    row("yaml", "a: &a {x: 1}\n", "k#: {<<: *a, y: 2}\n", ""),
+    row("yaml", "", "- !degrees 90\n", ""),
+    row("yaml", "a: |\n", "  text\n", ""),
+    row("yaml", "a: \"", "\\u263a ", "\""),
+    nest("yaml", "", ["[", "]"], ""),
+    nest("yaml", "", ["{a: ", "}"], ""),
+    row("yaml", "", "- ", "1"),
+    row("yaml", "", "? ", "1"),
+    row("urdf", "<robot name='r'><link name='base'/>", LINKS, "</robot>"),
+    row(
+        "urdf",
+        "<robot name='r'><link name='l0'/>",
+        "<joint name='j#' type='fixed'><parent link='l0'/><child link='l0'/></joint>",
+        "</robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'/>",
+        "<material name='m#'><color rgba='1 0 0 1'/></material>",
+        "</robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'/>",
+        "<gazebo reference='base'><mu1>#</mu1></gazebo>",
+        "</robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'>",
+        "<visual><geometry><box size='1 1 1'/></geometry></visual>",
+        "</link></robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'/>",
+        "<gazebo reference='no#'><a/></gazebo><transmission name='t#'/>",
+        "</robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'/>",
+        "<link name='l#'/><joint name='j#' type='prismatic'><parent link='base'/><child link='l#'/><limit lower='0' upper='1' effort='1' velocity='1'/><mimic joint='j#'/></joint><gazebo reference='j#'><springStiffness>1</springStiffness></gazebo>",
+        "</robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'/>",
+        "<link name='l#'/><joint name='j#' type='fixed'><parent link='none#'/><child link='l#'/></joint><gazebo reference='x#'/>",
+        "</robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'/>",
+        "<gazebo reference='base'><sensor name='s#' type='imu'/></gazebo>",
+        "</robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'/><link name='base",
+        "e",
+        "'/><joint name='j' type='fixed'><parent link='basee'/><child link='base'/></joint></robot>",
+    ),
+    row("sdf", WORLD, "<model name='m#'><static>1</static><link name='l'/></model>", WORLD_END),
+    row("sdf", WORLD, "<frame name='f#'/>", WORLD_END),
+    row("sdf", WORLD, "<light name='s#' type='point'/>", WORLD_END),
+    row("sdf", WORLD, "<unknown#/>", WORLD_END),
+    row("sdf", WORLD, "<include><uri>model://sun</uri><name>n#</name></include>", WORLD_END),
+    row("sdf", WORLD, "<include><uri>model://none#</uri></include>", WORLD_END),
+    row(
+        "sdf",
+        MODEL,
+        "<visual name='v#'><geometry><box><size>1 1 1</size></box></geometry></visual>",
+        MODEL_END,
+    ),
+    row(
+        "sdf",
+        MODEL,
+        "<collision name='v#'><geometry><box><size>1 1 1</size></box></geometry></collision>",
+        MODEL_END,
+    ),
+    row("sdf", MODEL, "<sensor name='s#' type='imu'/>", MODEL_END),
+    row(
+        "sdf",
+        "<sdf version='1.9'><world name='w'><model name='m'><link name='l'/>",
+        "<link name='l#'/><joint name='j#' type='fixed'><parent>l</parent><child>l#</child></joint>",
+        "</model></world></sdf>",
+    ),
+    row(
+        "sdf",
+        "<sdf version='1.9'><world name='w'><model name='m'><link name='l'/>",
+        "<link name='l#'/><joint name='j#' type='revolute'><parent>world</parent><child>l#</child><axis><xyz>0 0 1</xyz><mimic joint='j#'/></axis></joint>",
+        "</model></world></sdf>",
+    ),
+    row(
+        "sdf",
+        WORLD,
+        "<model name='n#'><static>1</static><link name='l'/></model><state world_name='w'><model name='n#'/></state>",
+        WORLD_END,
+    ),
+    row(
+        "sdf",
+        "<sdf version='1.9'><world name='w'><model name='m'><link name='l'/>",
+        "<frame name='f#' attached_to='none#'/><joint name='j#' type='fixed'><parent>l</parent><child>none#</child></joint>",
+        "</model></world></sdf>",
+    ),
+    row(
+        "sdf",
+        "<sdf version='1.9'><world name='w'><model name='m'><static>1</static><link name='l'><visual name='v'><geometry><polyline>",
+        "<point>0.# 1</point>",
+        "<height>1</height></polyline></geometry></visual></link></model></world></sdf>",
+    ),
+    row(
+        "sdf",
+        "<sdf version='1.9'><world name='w'><actor name='a'><link name='l'/><script><trajectory id='0' type='a'>",
+        "<waypoint><time>#</time><pose>0 0 # 0 0 0</pose></waypoint>",
+        "</trajectory></script></actor></world></sdf>",
+    ),
+    nest("sdf", WORLD, ["<model name='m'><link name='l'/>", "</model>"], WORLD_END),
+    row(
+        "collada",
+        DAE,
+        "<triangles count='1'><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles>",
+        DAE_END,
+    ),
+    row(
+        "collada",
+        "<COLLADA version='1.4.1'><library_effects>",
+        "<effect id='e#'/>",
+        "</library_effects></COLLADA>",
+    ),
+    row(
+        "collada",
+        "<COLLADA xmlns='http://x' version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'><float_array id='a' count='9'>",
+        "0 1 ",
+        "</float_array></source></mesh></geometry></library_geometries></COLLADA>",
+    ),
+    nest(
+        "collada",
+        "<COLLADA version='1.4.1'><library_visual_scenes><visual_scene id='z'>",
+        ["<node>", "</node>"],
+        "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#z'/></scene></COLLADA>",
+    ),
+    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", ""),
+    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "o n#\nusemtl m#\nf 1 2 3\n", ""),
+    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "mtllib m.mtl\n", ""),
+    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf", " 1 2 3", "\n"),
+    row("obj", "v 0 0 0\n", "\\\n", "f 1 1 1\n"),
+    row("obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3", "e", "\n"),
+    row("mtl", "", "newmtl red\nKd 1 0 0\n", ""),
+    row("mtl", "", "newmtl m#\nKd 1 0 0\nmap_Kd none#.png\n", ""),
+    row(
+        "stl",
+        "solid a\n",
+        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 #\nendloop\nendfacet\n",
+        "endsolid a\n",
+    ),
+    row("ply", "ply\nformat ascii 1.0\n", "comment c #\n", "end_header\n"),
+    row("ply", "ply\nformat ascii 1.0\nelement vertex 1\n", "property float x#\n", "end_header\n"),
+    row("ply", "ply\nformat ascii 1.0\n", "element e# 0\n", "end_header\n"),
+    row("gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}", ",{\"children\":[0]}", "]}"),
+    row(
+        "gltf",
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1",
+        ",1",
+        "]},{}]}",
+    ),
+    nest("gltf", "{\"asset\":", ["[", "]"], "}"),
+    nest("gltf", "{\"asset\":", ["{\"a\":", "}"], "1}"),
+    row("material", "", "material M# : M { technique { pass { ambient 1 0 0 } } }\n", ""),
+    nest("material", "material A ", ["{ a ", "}"], ""),
+    row("material", "material A {", "x ", "}"),
+    row("plan", PLAN, "[[sensors]]\nname = 's#'\ntopic = 'rgb'\n", ""),
+    row("plan", "robot = 'eyes.sdf'\nworlds = ['w.sdf'", ", 'w.sdf'", "]\n"),
+    row(
+        "plan",
+        "worlds = ['w.sdf']\nrobot = 'eyes.sdf'\n[poses]\nlist = [[0, 0, 0, 0, 0, 0]",
+        ", [0, 0, 0, 0, 0, 0]",
+        "]\n",
+    ),
+    nest("plan", "worlds = ", ["[", "]"], ""),
+    nest("plan", "", ["a.", ""], "b = 1"),
+];
+
+impl Shape {
+    fn grown(&self, bytes: usize) -> Vec<u8> {
+        let count = bytes / (self.part.len() + self.close.len());
+        let number = |at: usize| {
+            if self.format == "collada" && self.part.contains("'#v'") { None } else { Some(at.to_string()) }
+        };
+        let mut text = self.head.to_owned();
+        for at in 0..count {
+            match number(at) {
+                Some(number) => text.push_str(&self.part.replace('#', &number)),
+                None => text.push_str(self.part),
+            }
+        }
+        text.push_str(&self.close.repeat(count));
+        text.push_str(self.tail);
+        text.into_bytes()
+    }
+}
+
+/// The greatest factor by which the time may grow if the size grows by 8; the time of a square would grow by 64.
+const MOST: u32 = 24;
+/// Shorter times are not compared.
+const LEAST: Duration = Duration::from_micros(500);
+
+/// Reads growing sizes of each shape of the reader's format and compares the times.
+pub(crate) fn check(reader: &mut Reader<'_>, is_full: bool) {
+    let largest = if is_full { 1 << 22 } else { 1 << 17 };
+    for shape in SHAPES.iter().filter(|shape| shape.format == reader.format.name) {
+        // After a size that took too long, a larger one would take minutes.
+        for bytes in [largest / 64, largest / 8] {
+            if let Some(times) = grows_too_much(reader, shape, bytes) {
+                let what = format!("'{}' in {bytes} bytes, and in 8 times as many: {times:?}", shape.part);
+                reader.fault(&format!("growth {} {}", shape.part, shape.head), &what);
+                break;
+            }
+        }
+    }
+}
+
+/// Returns the times of a size and of eight times that size, if the factor is too great each time it is measured.
+fn grows_too_much(reader: &mut Reader<'_>, shape: &Shape, bytes: usize) -> Option<[[Duration; 2]; 3]> {
+    let [small, large] = [bytes, 8 * bytes].map(|bytes| shape.grown(bytes));
+    let mut measured = [[Duration::ZERO; 2]; 3];
+    // A disturbed measurement is repeated.
+    for times in &mut measured {
+        *times = [&small, &large].map(|input| {
+            let start = processor_time();
+            reader.read(input);
+            processor_time().saturating_sub(start)
+        });
+        let [least, most] = *times;
+        if most < MOST * least.max(LEAST) {
+            return None;
+        }
+    }
+    Some(measured)
+}

@@ -101,6 +101,14 @@ impl CheckArgs {
             rules: simulated.rules(),
             xacro_args: simulated.robots.xacro_args().to_vec(),
         };
+        if file.is_dir() {
+            diagnostics.error(
+                &Source::new(file, 0),
+                "this is a folder",
+                format!("name a file in it, or check all files: belvedere check --all {}", file.display()),
+            );
+            return None;
+        }
         if is_unknown_name(file, packages) {
             // This reports the unknown name and suggests similar names of robots and worlds.
             let _ = load::load(file, &options, diagnostics);

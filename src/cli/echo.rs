@@ -11,7 +11,7 @@ use super::{
 /// Print the messages of a topic.
 ///
 /// The format is that of `rostopic echo`, with messages separated by `---`; long arrays are shortened unless --full is
-/// given. With --json, prints one object per line; NaN becomes null, infinities become "inf" and "-inf".
+/// given. With --json, prints one object per line, with all elements; NaN becomes null, infinities become "inf" and "-inf".
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  belvedere echo /odom\n  belvedere echo /scan --count 1 --full\n  belvedere echo /camera/rgb/camera_info --count 1 --json"
@@ -28,7 +28,7 @@ pub struct EchoArgs {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub until: UntilArgs,
-    /// Print arrays in full
+    /// Print arrays in full, as --json always does
     #[arg(long)]
     pub full: bool,
     /// Wait for the topic if it does not exist yet
@@ -51,7 +51,7 @@ pub fn run(args: &EchoArgs) -> Result<(), CliError> {
         &args.until,
         |frame| {
             count += 1;
-            let message = decode(&frame.view(), if args.full { usize::MAX } else { SHORTENED });
+            let message = decode(&frame.view(), if args.full || args.json { usize::MAX } else { SHORTENED });
             if args.json {
                 print_line(&message.to_json().to_string())
             } else {
@@ -66,5 +66,5 @@ pub fn run(args: &EchoArgs) -> Result<(), CliError> {
     Ok(())
 }
 
-/// Elements of an array that are shown without `--full`.
+/// Elements of an array that are shown without `--full` and `--json`.
 const SHORTENED: usize = 12;

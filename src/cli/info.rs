@@ -56,6 +56,10 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
             Err(error) => break Err(error),
         }
     };
+    // Before anything is printed, because the reader of standard output may have gone by then.
+    if let Some(folder) = &args.extract {
+        found.extract(folder)?;
+    }
     if !matches!(ended, Err(RecordingError::NotMcap | RecordingError::Io(_))) {
         let bytes = std::fs::metadata(&args.file).map_or(0, |metadata| metadata.len());
         if args.json {
@@ -63,9 +67,6 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
         } else {
             print_line(found.text(recording.library(), bytes).trim_end())?;
         }
-    }
-    if let Some(folder) = &args.extract {
-        found.extract(folder)?;
     }
     ended.map_err(|source| CliError::Recording {
         action: "read all of",

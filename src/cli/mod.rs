@@ -170,8 +170,9 @@ fn run_command() -> ExitCode {
         Some(Command::Control(args)) => control::run(args),
         Some(Command::Dataset(args)) => dataset::run(args),
         Some(Command::Completions { shell }) => {
-            clap_complete::generate(*shell, &mut Cli::command(), "belvedere", &mut std::io::stdout());
-            Ok(())
+            let mut script = Vec::new();
+            clap_complete::generate(*shell, &mut Cli::command(), "belvedere", &mut script);
+            follow::print_line(String::from_utf8_lossy(&script).trim_end())
         }
     };
     match done {

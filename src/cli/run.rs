@@ -127,6 +127,15 @@ impl RunArgs {
         }
     }
 
+    /// Returns the sensors whose packets are sent, and where to.
+    fn packets(&self) -> Vec<(&str, PacketTarget)> {
+        let udp = self.udp.iter().map(|feed| (feed.sensor.as_str(), PacketTarget::Udp(feed.to)));
+        let pcap = self.pcap.iter().map(|feed| (feed.sensor.as_str(), PacketTarget::Pcap(feed.to.clone())));
+        let metadata = self.lidar_metadata.iter();
+        let metadata = metadata.map(|feed| (feed.sensor.as_str(), PacketTarget::Metadata(feed.to.clone())));
+        udp.chain(pcap).chain(metadata).collect()
+    }
+
     /// Returns the consumers that the simulation waits for, before and during the run.
     fn awaited(&self) -> Vec<Awaited> {
         let recorder = self.record.as_ref().map(|_| Awaited { name: RECORDER.into(), streams: Awaited::ALL });
@@ -185,13 +194,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     }
     tracing::info!("{}", headline(&simulation, args));
     let mut server = Server::attach_to(&mut simulation, sink, options)?;
-    let udp = args.udp.iter().map(|feed| (&feed.sensor, PacketTarget::Udp(feed.to)));
-    let pcap = args.pcap.iter().map(|feed| (&feed.sensor, PacketTarget::Pcap(feed.to.clone())));
-    let metadata = args.lidar_metadata.iter();
-    let metadata = metadata.map(|feed| (&feed.sensor, PacketTarget::Metadata(feed.to.clone())));
-    for (sensor, target) in udp.chain(pcap).chain(metadata) {
-        server.send_packets(sensor, &target).map_err(CliError::Packets)?;
-    }
+    server.send_packets(&args.packets()).map_err(CliError::Packets)?;
     if args.paused {
         server.pause();
     }

@@ -159,14 +159,22 @@ pub(super) trait Channel {
         Ok(())
     }
 
-    /// Also sends the data packets of its device to a target.
+    /// Checks that it can send the data packets of its device to a target, without opening it.
     ///
     /// # Errors
-    /// If it has no packets, or the target cannot be opened.
-    fn send_packets(&mut self, _target: &PacketTarget) -> io::Result<()> {
+    /// If it has no packets, or none for such a target.
+    fn check_packets(&self, _target: &PacketTarget) -> io::Result<()> {
         Err(io::Error::other(
             "this sensor has no packets; only lidars with presets of Velodyne or Ouster have, and inertial units with <udp_profile_imu>",
         ))
+    }
+
+    /// Also sends the data packets of its device to a target that was checked.
+    ///
+    /// # Errors
+    /// If the target cannot be opened.
+    fn send_packets(&mut self, target: &PacketTarget) -> io::Result<()> {
+        self.check_packets(target)
     }
 }
 

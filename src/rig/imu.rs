@@ -196,12 +196,16 @@ impl Channel for ImuChannel {
         }
     }
 
-    fn send_packets(&mut self, target: &PacketTarget) -> io::Result<()> {
-        match &mut self.packets {
-            Some(packets) => packets.open(target),
+    fn check_packets(&self, target: &PacketTarget) -> io::Result<()> {
+        match &self.packets {
+            Some(_) => ImuPackets::check(target),
             None => Err(io::Error::other(
                 "this inertial unit has no packets; only that of an Ouster has, if its sensor has <udp_profile_imu>",
             )),
         }
+    }
+
+    fn send_packets(&mut self, target: &PacketTarget) -> io::Result<()> {
+        self.packets.as_mut().map_or(Ok(()), |packets| packets.open(target))
     }
 }

@@ -154,23 +154,25 @@ impl Packets {
         )
     }
 
-    /// Adds a target, or writes the metadata that a decoder needs.
+    /// Checks that there is something to write to a target.
+    pub(super) fn check(&self, target: &PacketTarget) -> io::Result<()> {
+        match (target, &self.encoder) {
+            (PacketTarget::Metadata(_), Encoder::Velodyne(_)) => {
+                Err(io::Error::other("packets of Velodyne have no metadata; leave out --lidar-metadata"))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Adds a target that was checked, or writes the metadata that a decoder needs.
     pub(super) fn open(&mut self, target: &PacketTarget) -> io::Result<()> {
-        let metadata = match &self.encoder {
-            Encoder::Velodyne(_) => None,
-            Encoder::Ouster { metadata, .. } => Some(metadata),
+        let file = match target {
+            PacketTarget::Metadata(path) => Some(path.clone()),
+            PacketTarget::Pcap(path) => Some(path.with_extension("json")),
+            PacketTarget::Udp(_) => None,
         };
-        match (target, metadata) {
-            (PacketTarget::Metadata(path), Some(metadata)) => return std::fs::write(path, metadata),
-            (PacketTarget::Metadata(_), None) => {
-                return Err(io::Error::other(
-                    "packets of Velodyne have no metadata; leave out --lidar-metadata",
-                ));
-            }
-            (PacketTarget::Pcap(path), Some(metadata)) => {
-                std::fs::write(path.with_extension("json"), metadata)?;
-            }
-            (PacketTarget::Pcap(_) | PacketTarget::Udp(_), _) => {}
+        if let (Some(file), Encoder::Ouster { metadata, .. }) = (file, &self.encoder) {
+            std::fs::write(file, metadata)?;
         }
         self.sinks.extend(PacketSink::open(target)?);
         Ok(())
@@ -202,15 +204,20 @@ impl Packets {
 }
 
 impl Rig {
-    /// Also sends the data packets of a lidar to a target. The lidar is given by its name or one of its topics.
+    /// Also sends the data packets of sensors to targets. A sensor is given by its name or one of its topics. All are
+    /// checked before the first target is opened.
     ///
     /// # Errors
-    /// A message, if there is no such sensor, if it has no packets, or if the target cannot be opened.
-    pub fn send_packets(&mut self, sensor: &str, target: &PacketTarget) -> Result<(), String> {
-        self.find(sensor)?
-            .channel
-            .send_packets(target)
-            .map_err(|error| format!("packets of {sensor}: {error}"))
+    /// A message, if there is no such sensor, if it has no packets, or if a target cannot be opened.
+    pub fn send_packets(&mut self, feeds: &[(&str, PacketTarget)]) -> Result<(), String> {
+        let failed = |sensor: &str, error: io::Error| format!("packets of {sensor}: {error}");
+        for (sensor, target) in feeds {
+            self.find(sensor)?.channel.check_packets(target).map_err(|error| failed(sensor, error))?;
+        }
+        for (sensor, target) in feeds {
+            self.find(sensor)?.channel.send_packets(target).map_err(|error| failed(sensor, error))?;
+        }
+        Ok(())
     }
 }
 

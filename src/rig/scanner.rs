@@ -247,11 +247,12 @@ impl Channel for ScannerChannel {
         }
     }
 
+    fn check_packets(&self, target: &PacketTarget) -> io::Result<()> {
+        self.packets.as_ref().ok_or_else(Packets::unknown)?.check(target)
+    }
+
     fn send_packets(&mut self, target: &PacketTarget) -> io::Result<()> {
-        match &mut self.packets {
-            Some(packets) => packets.open(target),
-            None => Err(Packets::unknown()),
-        }
+        self.packets.as_mut().map_or(Ok(()), |packets| packets.open(target))
     }
 
     fn window_ns(&self) -> u64 {

@@ -45,15 +45,19 @@ impl Rig {
         Ok(())
     }
 
-    /// Finds a sensor by its name or one of its topics.
+    /// Finds a sensor by its name, or else by one of its topics. With a leading slash it is a topic.
     pub(super) fn find(&mut self, sensor: &str) -> Result<&mut Scheduled, String> {
         let topic = format!("/{}", sensor.trim_start_matches('/'));
-        let is_meant = |scheduled: &Scheduled| {
-            scheduled.tuning.as_ref().is_some_and(|tuning| tuning.sensor == sensor)
-                || scheduled.tuning.is_some() && scheduled.topics().contains(&topic)
+        let all_of = |is_meant: &dyn Fn(&Scheduled, &Tuning) -> bool| -> Vec<usize> {
+            let channels = self.channels.iter().enumerate();
+            let meant =
+                channels.filter(|(_, it)| it.tuning.as_ref().is_some_and(|tuning| is_meant(it, tuning)));
+            meant.map(|(index, _)| index).collect()
         };
-        let meant: Vec<usize> =
-            (0..self.channels.len()).filter(|&index| is_meant(&self.channels[index])).collect();
+        let mut meant = all_of(&|_, tuning| tuning.sensor == sensor);
+        if meant.is_empty() {
+            meant = all_of(&|scheduled, _| scheduled.topics().contains(&topic));
+        }
         match meant[..] {
             [index] => Ok(&mut self.channels[index]),
             [] => {
@@ -63,10 +67,17 @@ impl Rig {
                 let there = did_you_mean_or(sensor, names.iter().copied(), &format!("there are: {there}"));
                 Err(format!("there is no sensor '{sensor}', and no sensor with such a topic; {there}"))
             }
-            _ => Err(format!(
-                "there are {} sensors '{sensor}'; choose one of them by one of its topics",
-                meant.len()
-            )),
+            _ => {
+                let topics: Vec<String> = meant
+                    .iter()
+                    .filter_map(|&index| self.channels[index].topics().into_iter().next())
+                    .collect();
+                Err(format!(
+                    "there are {} sensors '{sensor}'; choose one of them by its topic: {}",
+                    meant.len(),
+                    topics.join(", ")
+                ))
+            }
         }
     }
 

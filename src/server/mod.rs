@@ -156,8 +156,8 @@ impl<'a> Server<'a> {
     ///
     /// # Errors
     /// A message, if there is no such sensor, it has no packets, or the target cannot be opened.
-    pub fn send_packets(&mut self, sensor: &str, target: &PacketTarget) -> Result<(), String> {
-        self.rig.send_packets(sensor, target)
+    pub fn send_packets(&mut self, feeds: &[(&str, PacketTarget)]) -> Result<(), String> {
+        self.rig.send_packets(feeds)
     }
 
     /// Opens the streams of a new model.

@@ -39,6 +39,14 @@ pub(crate) fn output(arguments: &[&str]) -> Output {
     belvedere().args(arguments).output().expect("the simulator's binary runs")
 }
 
+/// Runs the program with standard output that nobody reads. Returns its exit code and standard error.
+pub(crate) fn with_closed_output(arguments: &[&str]) -> (Option<i32>, String) {
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let output = belvedere().args(arguments).stdout(writer).output().unwrap();
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
 /// Returns a domain that no other test uses.
 pub(crate) fn own_domain() -> String {
     static COUNT: AtomicU32 = AtomicU32::new(0);

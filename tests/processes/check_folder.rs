@@ -195,3 +195,12 @@ fn names_that_differ_in_what_no_topic_can_hold_do_not_refuse_a_world() {
     }
     assert!(said.contains("it is published as /world/w/model/a_b/link/l/sensor/s/imu_2"), "{said}");
 }
+
+#[test]
+fn a_folder_without_all_is_named() {
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().to_str().unwrap();
+    let (_, said, code) = checked(&[path]);
+    assert!(said.contains("this is a folder") && said.contains("check --all"), "{said}");
+    assert_eq!(code, Some(1));
+}

@@ -125,9 +125,7 @@ fn messages_are_shown() {
         for line in ["height: 48", "width: 64", "encoding: \"mono8\"", "step: 64", &data] {
             assert_eq!(lines.iter().filter(|shown| *shown == line).count(), 2, "{line}: {lines:?}");
         }
-        let [whole] = &objects("echo camera/image_raw --count 1 --full", domain)[..] else {
-            panic!("one line")
-        };
+        let [whole] = &objects("echo camera/image_raw --count 1", domain)[..] else { panic!("one line") };
         assert_eq!((&whole["height"], &whole["width"]), (&json!(48), &json!(64)));
         assert_eq!(whole["data"], json!([200].repeat(64 * 48)));
     });
@@ -196,4 +194,9 @@ fn bad_options_are_refused() {
         let words = std::iter::once("belvedere").chain(line.split_whitespace());
         assert!(Command::try_parse_from(words).is_err(), "{line}");
     }
+}
+
+#[test]
+fn completions_end_quietly_if_nobody_reads_them() {
+    assert_eq!(live::with_closed_output(&["completions", "bash"]), (Some(0), String::new()));
 }

@@ -169,6 +169,13 @@ fn errors_of_packet_options_are_named() {
     }
     let (succeeded, said) = run_with("<preset>rplidar_a1</preset>", &["--udp", "points=127.0.0.1:2368"]);
     assert!(!succeeded && said.contains("only for presets of Ouster and of Velodyne"), "{said}");
+    // No file is made unless all sensors have packets.
+    let file = folder.path().join("a.pcap");
+    let pcap = format!("points={}", file.display());
+    let (succeeded, said) = run(&["--pcap", &pcap, "--udp", "scan_of_another=127.0.0.1:9"]);
+    assert!(!succeeded && said.contains("there is no sensor 'scan_of_another'"), "{said}");
+    let (succeeded, said) = run(&["--pcap", &pcap, "--lidar-metadata", "points=a.json"]);
+    assert!(!succeeded && !file.exists(), "{said}");
     // Nothing listens there: the run continues.
     let (succeeded, said) = run(&["--udp", "points=127.0.0.1:9"]);
     assert!(succeeded, "{said}");

@@ -75,6 +75,7 @@ impl Element {
         };
         let bytes = crate::file::read(path).map_err(|error| match error.kind() {
             std::io::ErrorKind::NotFound => fail(0, "no such file".into(), "check the path"),
+            std::io::ErrorKind::IsADirectory => fail(0, "this is a folder".into(), "name a file in it"),
             _ => fail(0, format!("cannot be read: {error}"), "check the file's permissions"),
         })?;
         let text = String::from_utf8(bytes).or_else(|error| {

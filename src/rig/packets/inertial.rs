@@ -20,12 +20,17 @@ impl ImuPackets {
     }
 
     /// Adds a target.
-    pub(in crate::rig) fn open(&mut self, target: &PacketTarget) -> io::Result<()> {
-        if let PacketTarget::Metadata(_) = target {
-            return Err(io::Error::other(
+    pub(in crate::rig) fn check(target: &PacketTarget) -> io::Result<()> {
+        match target {
+            PacketTarget::Metadata(_) => Err(io::Error::other(
                 "an inertial unit has no metadata of its own; write those of its lidar, which include it",
-            ));
+            )),
+            PacketTarget::Pcap(_) | PacketTarget::Udp(_) => Ok(()),
         }
+    }
+
+    /// Adds a target that was checked.
+    pub(in crate::rig) fn open(&mut self, target: &PacketTarget) -> io::Result<()> {
         self.sinks.extend(PacketSink::open(target)?);
         Ok(())
     }

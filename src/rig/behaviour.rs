@@ -37,5 +37,6 @@ pub(super) fn behaviour(sensor: &Sensor) -> &dyn Behaviour {
         SensorKind::AirPressure(barometer) => &**barometer,
         SensorKind::ForceTorque(sensor) => &**sensor,
         SensorKind::Contact(sensor) => &**sensor,
+        SensorKind::Logical(camera) => &**camera,
     }
 }

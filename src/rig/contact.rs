@@ -115,7 +115,7 @@ impl ContactChannel {
 
     /// Adds the contacts of a pair. The sum of their forces is the mean since the last frame. Each point has the force of the
     /// last step in which the pair touched, and its share of the rest by the force that it transmitted in that step.
-    fn add(&mut self, pair: &Pair, names: [Text<128>; 2], frame: &Frame<'_>) {
+    fn add(&mut self, pair: &Pair, names: [Text<128>; 2], frame: &Moment<'_>) {
         let told = self.last.get(&pair.shapes).copied().unwrap_or_default();
         let felt = pair.touches.iter().map(|touch| touch.impulse);
         let strength: f64 = felt.clone().map(DVec3::length).sum();
@@ -182,7 +182,7 @@ impl ContactChannel {
 }
 
 /// What the contacts of a frame have in common.
-struct Frame<'a> {
+struct Moment<'a> {
     physics: &'a Physics,
     frame_from_world: Pose,
     step_s: f64,
@@ -202,7 +202,7 @@ impl Channel for ContactChannel {
         let (model, now_ns) = (self.id.index(), physics.time_ns());
         let passed_ns = now_ns.saturating_sub(self.last_ns);
         let world_from_frame = self.link.map(|link| physics.world_from_link_at(model, link, stamp_ns));
-        let frame = Frame {
+        let frame = Moment {
             physics,
             frame_from_world: world_from_frame.unwrap_or(Pose::IDENTITY).inverse(),
             step_s: physics.step_s(),

@@ -22,6 +22,7 @@ mod imu;
 mod instrument;
 mod joint_states;
 mod lidar;
+mod logical_camera;
 mod magnetometer;
 mod moments;
 mod motion;

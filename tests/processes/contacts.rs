@@ -34,7 +34,7 @@ fn a_bumper_is_listed_published_and_printed() {
     let echo = output(&["echo", "feet", "--count", "1", "--domain", simulator.domain()]);
     let echo = String::from_utf8(echo.stdout).unwrap();
     for line in
-        ["collision2_name: ground_plane::link::collision", "total_wrench:", "contact_normals:", "depths:"]
+        ["collision2_name: \"ground_plane::link::collision\"", "total_wrench:", "contact_normals:", "depths:"]
     {
         assert!(echo.contains(line), "'{line}' is not in:\n{echo}");
     }

@@ -28,7 +28,8 @@ fn accepted(text: &str) -> Model {
 }
 
 fn sensor(collisions: &[&str], inside: &str) -> String {
-    let named: String = collisions.iter().map(|name| format!("<collision>{name}</collision>")).collect();
+    let named: Vec<String> = collisions.iter().map(|name| format!("<collision>{name}</collision>")).collect();
+    let named = named.concat();
     format!(
         "<sensor name='touch' type='contact'><update_rate>50</update_rate>
            <contact>{named}<topic>touch</topic></contact>{inside}</sensor>"

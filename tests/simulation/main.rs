@@ -17,6 +17,7 @@ mod instruments;
 mod lidar_clouds;
 mod lidar_layouts;
 mod lidar_returns;
+mod logical_camera;
 mod optics;
 mod physics;
 mod rest;

@@ -111,6 +111,8 @@ enum bv_kind
     BV_KIND_WRENCH = 29,
     // An array of bv_contact: all contacts of a sensor since its last frame.
     BV_KIND_CONTACTS = 30,
+    // An array of bv_seen_model, one for each model that a logical camera sees.
+    BV_KIND_SEEN_MODELS = 31,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -739,6 +741,16 @@ typedef struct bv_tag_detection {
     double orientation[4];
 } bv_tag_detection;
 
+// A model in the frustum of a logical camera, with its pose in the frame of the camera (x forward, y left, z up).
+typedef struct bv_seen_model {
+    // The model's name in the world.
+    char name[128];
+    // The origin of the model's frame, metres.
+    double position[3];
+    // Orientation of the model's frame, x y z w.
+    double orientation[4];
+} bv_seen_model;
+
 // Applies X to every struct and its size in bytes.
 #define BV_STRUCTS(X) \
     X(bv_frame_header, 384) \
@@ -769,7 +781,8 @@ typedef struct bv_tag_detection {
     X(bv_setting, 24) \
     X(bv_sensor_settings, 1696) \
     X(bv_bounding_box, 112) \
-    X(bv_tag_detection, 168)
+    X(bv_tag_detection, 168) \
+    X(bv_seen_model, 184)
 
 // Applies X to every struct that streams carry, and the kind of these streams.
 #define BV_PAYLOADS(X) \
@@ -798,7 +811,8 @@ typedef struct bv_tag_detection {
     X(bv_range, BV_KIND_RANGE) \
     X(bv_sensor_settings, BV_KIND_SENSOR_SETTINGS) \
     X(bv_bounding_box, BV_KIND_BOUNDING_BOXES) \
-    X(bv_tag_detection, BV_KIND_TAG_DETECTIONS)
+    X(bv_tag_detection, BV_KIND_TAG_DETECTIONS) \
+    X(bv_seen_model, BV_KIND_SEEN_MODELS)
 
 // The largest number of streams of a set.
 #define BV_SYNCHRONIZER_MAX 8

@@ -67,6 +67,8 @@ wire_enum! {
         Wrench = 29 "wrench",
         /// An array of [`Contact`](crate::payload::Contact): all contacts of a sensor since its last frame.
         Contacts = 30 "contacts",
+        /// An array of [`SeenModel`](crate::payload::SeenModel), one for each model that a logical camera sees.
+        SeenModels = 31 "seen_models",
     }
 }
 

@@ -14,8 +14,8 @@ mod trajectory;
 
 pub use super::sensor::{
     AirPressure, Altimeter, BeamPhysics, Camera, ContactSensor, DepthCamera, ForceTorque, Imu, ImuProfile,
-    InstrumentPlugin, Lidar, Magnetometer, MeasureFrame, NavSat, OrientationReference, PacketProfile,
-    PluginField, Rangefinder, Sensor, SensorKind, choices,
+    InstrumentPlugin, Lidar, LogicalCamera, Magnetometer, MeasureFrame, NavSat, OrientationReference,
+    PacketProfile, PluginField, Rangefinder, Sensor, SensorKind, choices,
 };
 pub use base::{
     AckermannDrive, BasePlugin, DifferentialDrive, Drive, JointStatesPlugin, ModelPlugin, OdometryOrigin,

@@ -17,6 +17,7 @@ mod imu_profile;
 mod instrument;
 mod lens;
 mod lidar;
+mod logical_camera;
 mod magnetometer;
 mod navsat;
 mod noise;
@@ -40,6 +41,7 @@ pub use imu::{Imu, OrientationReference};
 pub use imu_profile::ImuProfile;
 pub use instrument::InstrumentPlugin;
 pub use lidar::{BeamPhysics, Lidar, PacketProfile, choices};
+pub use logical_camera::LogicalCamera;
 pub use magnetometer::{Magnetometer, PluginField};
 pub use navsat::NavSat;
 pub use range::Rangefinder;
@@ -111,6 +113,8 @@ pub enum SensorKind {
     ForceTorque(Box<ForceTorque>),
     /// Sensor of what touches a link.
     Contact(Box<ContactSensor>),
+    /// Sensor of which models are in a frustum.
+    Logical(Box<LogicalCamera>),
 }
 
 impl SensorKind {
@@ -144,7 +148,7 @@ impl Kind {
 }
 
 /// All kinds. If several have the same type, the plugin decides; without one it is the first.
-static KINDS: [Kind; 11] = [
+static KINDS: [Kind; 12] = [
     camera::KIND,
     depth::KIND,
     lidar::KIND,
@@ -156,6 +160,7 @@ static KINDS: [Kind; 11] = [
     air_pressure::KIND,
     force_torque::KIND,
     contact::KIND,
+    logical_camera::KIND,
 ];
 
 /// Reads a `<sensor>` with its plugin. A sensor of an unsupported type gives none and a warning; a sensor

@@ -65,6 +65,7 @@ fn named_frame(kind: &SensorKind) -> Option<(&str, bool)> {
         SensorKind::Altimeter(altimeter) => &altimeter.plugin.as_ref()?.frame_name,
         SensorKind::AirPressure(barometer) => &barometer.plugin.as_ref()?.frame_name,
         SensorKind::ForceTorque(it) => &it.plugin.as_ref()?.frame_name,
+        SensorKind::Logical(it) => &it.plugin.as_ref()?.frame_name,
         // Contacts are in the world, or in the frame that the file names.
         SensorKind::Contact(_) => return None,
     };

@@ -87,6 +87,8 @@ class Kind(IntEnum):
     WRENCH = 29
     #: An array of Contact: all contacts of a sensor since its last frame.
     CONTACTS = 30
+    #: An array of SeenModel, one for each model that a logical camera sees.
+    SEEN_MODELS = 31
 
 
 class Encoding(IntEnum):
@@ -493,6 +495,13 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
             ("visible", "u1", 4),
             ("size", "<f8"),
             ("corners", "<f8", (4, 2)),
+            ("position", "<f8", 3),
+            ("orientation", "<f8", 4),
+        ]
+    ),
+    Kind.SEEN_MODELS: np.dtype(
+        [
+            ("name", "S128"),
             ("position", "<f8", 3),
             ("orientation", "<f8", 4),
         ]

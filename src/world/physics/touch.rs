@@ -100,6 +100,19 @@ impl Physics {
         }
     }
 
+    /// Returns the least and the greatest corner of the box around all shapes of a model in the world, without infinite
+    /// planes; `None` if it has no other shape.
+    pub(crate) fn bounds(&self, model: ModelIndex) -> Option<[DVec3; 2]> {
+        let links = self.models[model].links.iter();
+        let colliders = links.flat_map(|link| &link.colliders);
+        let colliders = colliders.filter_map(|handle| self.rapier.colliders.get(*handle));
+        let finite = colliders.filter(|collider| collider.shape().as_halfspace().is_none());
+        let boxes = finite.map(|collider| collider.shape().compute_aabb(&self.world_from_collider(collider)));
+        boxes
+            .map(|aabb| [aabb.mins, aabb.maxs])
+            .reduce(|[least, greatest], [mins, maxs]| [least.min(mins), greatest.max(maxs)])
+    }
+
     /// Returns the shape of a link's collision; `None` if the collision has no shape that can touch anything.
     pub(crate) fn shape_of(
         &self,

@@ -1,4 +1,4 @@
-//! Ground truth about the objects in an image.
+//! Ground truth about the objects in an image, and about the models that a logical camera sees.
 
 use super::{Message, each};
 use crate::wire::{
@@ -54,6 +54,17 @@ wire_structs! {
         /// Orientation of the tag, x y z w.
         pub orientation: [f64; 4] = 136,
     }
+
+    /// A model in the frustum of a logical camera, with its pose in the frame of the camera (x forward, y left, z up).
+    with #[derive(PartialEq)]
+    pub struct SeenModel, 184 bytes, of [Kind::SeenModels] {
+        /// The model's name in the world.
+        pub name: Text<128> = 0,
+        /// The origin of the model's frame, metres.
+        pub position: [f64; 3] = 128,
+        /// Orientation of the model's frame, x y z w.
+        pub orientation: [f64; 4] = 152,
+    }
 }
 
 impl Describe for BoundingBox {
@@ -70,6 +81,18 @@ impl Describe for BoundingBox {
 
     fn describe_all(messages: &[Self], fields: &mut dyn Fields) -> Option<()> {
         each("boxes", "belvedere/BoundingBox", messages, fields)
+    }
+}
+
+impl Describe for SeenModel {
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.put("name", self.name.as_str());
+        fields.pose("pose", self.position, self.orientation);
+        Some(())
+    }
+
+    fn describe_all(messages: &[Self], fields: &mut dyn Fields) -> Option<()> {
+        each("models", "belvedere/SeenModel", messages, fields)
     }
 }
 

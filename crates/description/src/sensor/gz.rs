@@ -127,6 +127,7 @@ fn topics(kind: &mut SensorKind) -> Vec<&mut String> {
         SensorKind::Altimeter(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
         SensorKind::AirPressure(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
         SensorKind::ForceTorque(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::Logical(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
         SensorKind::Contact(it) => it.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
     }
 }

@@ -328,10 +328,10 @@ fn beams_may_be_told_by_the_plugin_alone() {
 
 #[test]
 fn what_is_not_simulated_gives_a_warning() {
-    let (sensor, problems) = parse("<sensor name='s' type='logical_camera'/>");
+    let (sensor, problems) = parse("<sensor name='s' type='thermal_camera'/>");
     assert!(sensor.is_none());
     assert!(
-        problems[0].contains(&format!("{}: the sensor 's' has the type 'logical_camera'", Severity::Warning))
+        problems[0].contains(&format!("{}: the sensor 's' has the type 'thermal_camera'", Severity::Warning))
     );
     let (sensor, problems) =
         parse("<sensor name='s' type='camera'><plugin name='p' filename='libother.so'/></sensor>");

@@ -10,7 +10,7 @@ use belvedere_bridge::payload::{BoundingBox, Message, TagDetection};
 use belvedere_bridge::{Kind, StreamSpec, Text};
 use belvedere_sensors::camera::Camera;
 use belvedere_sensors::trace::{
-    Landmark, SeenBox, Sighting, Truth, landmarks_workspace_len, see_landmarks, seen_boxes,
+    Landmark, SeenBox, Sight, Sighting, Truth, landmarks_workspace_len, see_landmarks, seen_boxes,
 };
 use belvedere_sensors::{Pose, Shutter};
 use glam::{DMat3, DQuat, DVec3};
@@ -144,9 +144,9 @@ impl Annotations {
         self.sightings.resize(self.landmarks.len(), Sighting::NONE);
         let (scene, config) = (context.scene.scene(), camera.config());
         let workspace = &mut context.workspace.lend(landmarks_workspace_len(&scene, &config.optics));
-        let range = [config.near_m, config.far_m];
+        let sight = Sight { range: [config.near_m, config.far_m], visibility: config.visibility };
         let (landmarks, sightings) = (&self.landmarks, &mut self.sightings);
-        if let Err(error) = see_landmarks(&scene, at, &config.optics, range, workspace, landmarks, sightings)
+        if let Err(error) = see_landmarks(&scene, at, &config.optics, sight, workspace, landmarks, sightings)
         {
             tracing::warn!(%error, stamp_ns = context.stamp_ns, "the tags of a frame were dropped");
             return;

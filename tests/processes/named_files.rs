@@ -23,6 +23,21 @@ fn a_mistyped_path_is_not_taken_for_the_name_of_a_robot() {
 }
 
 #[test]
+fn a_world_that_is_given_as_a_robot_is_told_its_option() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["my.world", "my.sdf"] {
+        std::fs::write(folder.path().join(name), "<sdf version='1.6'>\n<world name='w'/></sdf>").unwrap();
+        let refused = belvedere().current_dir(folder.path()).args(["run", "--robot", name]).output().unwrap();
+        let said = String::from_utf8(refused.stderr).unwrap();
+        assert_eq!(refused.status.code(), Some(1), "{said}");
+        let told = format!(
+            "{name}:1: error: this file has a <world>, which is not a robot or an object; give the world with --world"
+        );
+        assert!(said.contains(&told), "{said}");
+    }
+}
+
+#[test]
 fn files_may_have_any_name() {
     let folder = tempfile::tempdir().unwrap();
     let name = OsStr::from_bytes(b"r\xE9sum\xE9.urdf");

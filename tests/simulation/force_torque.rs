@@ -40,6 +40,13 @@ fn model(inside: &str) -> Model {
     load::model(&format!("<sdf version='1.7'><model name='m'>{inside}</model></sdf>")).unwrap()
 }
 
+/// A model in an empty world.
+fn alone(inside: &str) -> (Physics, usize) {
+    let mut physics = Physics::new(&World::empty()).unwrap();
+    let index = physics.insert_model(&Placement::of_thing(&model(inside), Pose::IDENTITY)).unwrap();
+    (physics, index)
+}
+
 /// A floor, and steps of 1 ms.
 fn ground() -> World {
     World { max_step_size_s: 0.001, ..load::world("empty").unwrap() }
@@ -201,9 +208,7 @@ fn a_driven_slide_passes_on_what_accelerates_its_load() {
             &format!("<axis><xyz>1 0 0</xyz></axis>{}", sensor("")),
         )
         + &joint("mount", "fixed", "slide", "load", &format!("<pose>0 0 -0.2 0 0 0</pose>{}", sensor("")));
-    let model = model(&inside);
-    let mut physics = Physics::new(&World::empty()).unwrap();
-    let index = physics.insert_model(&Placement::of_thing(&model, Pose::IDENTITY)).unwrap();
+    let (mut physics, index) = alone(&inside);
     assert_eq!(physics.wrench(index, 0), None, "no step has been made");
     physics.drive_joint(index, 0, 100.0, 6.0);
     (0..200).for_each(|_| physics.step());
@@ -227,9 +232,7 @@ fn a_pendulum_pulls_hardest_at_the_bottom() {
             "weight",
             &format!("<pose>-1 0 0 0 0 0</pose><axis><xyz>0 1 0</xyz></axis>{}", sensor("")),
         );
-    let model = model(&inside);
-    let mut physics = Physics::new(&World::empty()).unwrap();
-    let index = physics.insert_model(&Placement::of_thing(&model, Pose::IDENTITY)).unwrap();
+    let (mut physics, index) = alone(&inside);
     let hardest = (0..1000)
         .map(|_| {
             physics.step();
@@ -354,9 +357,7 @@ fn velocity_that_decays_is_no_force_of_the_joint() {
     let inside = link("body", "0 0 0 0 0 0", 1.0, decay)
         + &link("load", "0 0 1 0 0 0", 1.0, decay)
         + &joint("mount", "fixed", "body", "load", &sensor(""));
-    let model = model(&inside);
-    let mut physics = Physics::new(&World::empty()).unwrap();
-    let index = physics.insert_model(&Placement::of_thing(&model, Pose::IDENTITY)).unwrap();
+    let (mut physics, index) = alone(&inside);
     (0..1000).for_each(|_| physics.step());
     let read = physics.wrench(index, 0).unwrap();
     near(read.force.to_array(), DVec3::ZERO, 0.01);

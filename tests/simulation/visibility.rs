@@ -3,12 +3,15 @@
 use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
+use belvedere_bridge::payload::TagDetection;
 
 const WATER: &str = "<sdf version='1.9'><model name='water'><static>1</static><pose>2 0 1 0 0 0</pose><link name='l'><visual name='v'>
     <visibility_flags>0x02</visibility_flags><geometry><box><size>.1 4 4</size></box></geometry>
+    <fiducial><family>tag36h11</family><id>1</id><size>.1</size><pose>-.05 0 0 1.5708 0 -1.5708</pose></fiducial>
     <material><emissive>1 0 0 1</emissive><diffuse>0 0 0 1</diffuse></material></visual></link></model></sdf>";
 const WALL: &str = "<sdf version='1.9'><model name='wall'><static>1</static><pose>6 0 1 0 0 0</pose><link name='l'><visual name='v'>
     <geometry><box><size>.1 10 10</size></box></geometry>
+    <fiducial><family>tag36h11</family><id>2</id><size>.1</size><pose>-.05 0 0 1.5708 0 -1.5708</pose></fiducial>
     <material><emissive>0 1 0 1</emissive><diffuse>0 0 0 1</diffuse></material></visual></link></model></sdf>";
 
 /// Each mask, and whether the water and the wall are seen.
@@ -82,6 +85,15 @@ fn cameras_and_depth_cameras() {
             [water, wall && !water],
             "{mask}: {pixel:?}"
         );
+        // A tag on what is hidden is not in the ground truth, and what is hidden does not hide a tag.
+        let tags = payload("camera", &format!("<topic>eye</topic>{camera}"), "eye/truth/tags");
+        let tags: Vec<TagDetection> = bytemuck::pod_collect_to_vec(&tags);
+        let expected = match [water, wall] {
+            [true, _] => &[1][..],
+            [false, true] => &[2],
+            _ => &[],
+        };
+        assert_eq!(tags.iter().map(|tag| tag.id).collect::<Vec<_>>(), expected, "{mask}: {tags:?}");
         let depth = payload("depth_camera", &format!("<topic>deep</topic>{camera}"), "deep");
         let depth: f32 = bytemuck::pod_read_unaligned(&depth[..4]);
         let expected = match [water, wall] {

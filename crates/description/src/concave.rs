@@ -98,7 +98,9 @@ fn welded(mesh: &Mesh) -> Vec<[u32; 3]> {
     }
     let mut first = vec![0; order.len()];
     for same in order.chunk_by(|one, other| bits(*one) == bits(*other)) {
-        same.iter().for_each(|index| first[*index] = same[0] as u32);
+        for index in same {
+            first[*index] = same[0] as u32;
+        }
     }
     let welded = mesh.triangles.iter().filter_map(|triangle| {
         let [a, b, c] = triangle.map(|vertex| first.get(vertex as usize).copied());
@@ -136,8 +138,12 @@ fn across(triangles: &[[u32; 3]], vertices: usize) -> Vec<[Option<u32>; 3]> {
 /// Sorts by a key below `keys`, in linear time; what has the same key keeps its order.
 fn sorted(items: &[usize], keys: usize, key: impl Fn(usize) -> usize) -> Vec<usize> {
     let mut places = vec![0; keys + 1];
-    items.iter().for_each(|item| places[key(*item) + 1] += 1);
-    (0..keys).for_each(|key| places[key + 1] += places[key]);
+    for item in items {
+        places[key(*item) + 1] += 1;
+    }
+    for key in 0..keys {
+        places[key + 1] += places[key];
+    }
     let mut sorted = vec![0; items.len()];
     for item in items {
         let place = &mut places[key(*item)];

@@ -151,19 +151,17 @@ impl Report {
                     }
                 },
                 None if child.name.contains(':') || rows.iter().any(|row| row.name == "*") => {}
-                None => match place_of(&child.name, rows) {
-                    Some(place) => {
-                        let parent = &element.name;
+                None => {
+                    let (parent, source) = (&element.name, &child.source);
+                    if let Some(place) = place_of(&child.name, rows) {
                         let text =
                             format!("{what} of <{parent}> is left out, because Gazebo reads it from {place}");
-                        let remedy = "move it there".to_owned();
-                        self.add(element, &what, Severity::Warning, &child.source, text, remedy);
-                    }
-                    None => {
+                        self.add(element, &what, Severity::Warning, source, text, "move it there".to_owned());
+                    } else {
                         let known = rows.iter().map(|row| row.name).filter(|name| !name.starts_with('.'));
-                        self.unknown(element, &what, did_you_mean(&child.name, known), &child.source);
+                        self.unknown(element, &what, did_you_mean(&child.name, known), source);
                     }
-                },
+                }
             }
         }
     }

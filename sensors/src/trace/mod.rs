@@ -38,4 +38,4 @@ pub use placed::memory::WorkspaceBuf;
 pub use too_near::TooNear;
 pub use truth::Truth;
 pub use truth::boxes::{SeenBox, seen_boxes};
-pub use truth::landmarks::{Landmark, Sighting, landmarks_workspace_len, see_landmarks};
+pub use truth::landmarks::{Landmark, Sight, Sighting, landmarks_workspace_len, see_landmarks};

@@ -315,8 +315,16 @@ fn casts() {
                 let mut workspace = memory.lend(landmarks_workspace_len(&scene, &optics));
                 run(&format!("landmarks {level}"), || {
                     let shutter = Shutter::Global(moment);
-                    see_landmarks(&scene, &shutter, &optics, [0.1, 9.0], &mut workspace, &marks, &mut seen)
-                        .unwrap();
+                    see_landmarks(
+                        &scene,
+                        &shutter,
+                        &optics,
+                        [0.1, 9.0].into(),
+                        &mut workspace,
+                        &marks,
+                        &mut seen,
+                    )
+                    .unwrap();
                 });
             });
         }

@@ -94,7 +94,7 @@ impl Story {
         memory.execution.level = level;
         let workspace = &mut memory.lend(landmarks_workspace_len(&scene, optics));
         let mut seen = vec![Sighting::NONE; self.landmarks.len()];
-        see_landmarks(&scene, shutter, optics, RANGE, workspace, &self.landmarks, &mut seen).unwrap();
+        see_landmarks(&scene, shutter, optics, RANGE.into(), workspace, &self.landmarks, &mut seen).unwrap();
         seen
     }
 
@@ -313,8 +313,16 @@ fn a_turning_camera_in_closed_form() {
     let optics = Optics::from(PinholeGrid::new(size[0], size[1], pinhole).unwrap());
     let workspace = &mut memory.lend(landmarks_workspace_len(&scene, &optics));
     let mut seen = [Sighting::NONE];
-    see_landmarks(&scene, &Shutter::Slices(&slices), &optics, RANGE, workspace, &[landmark], &mut seen)
-        .unwrap();
+    see_landmarks(
+        &scene,
+        &Shutter::Slices(&slices),
+        &optics,
+        RANGE.into(),
+        workspace,
+        &[landmark],
+        &mut seen,
+    )
+    .unwrap();
     // Turned to the left by 0.12 rad in row 240.
     assert!((seen[0].pixel[0] - (320.0 + 400.0 * 0.12_f64.tan())).abs() < 1e-9);
     assert!((seen[0].pixel[1] - 240.0).abs() < 1e-9 && seen[0].visible && seen[0].slice == 240);
@@ -331,7 +339,7 @@ fn a_turning_camera_in_closed_form() {
     let optics = Optics::from(grid);
     let workspace = &mut memory.lend(landmarks_workspace_len(&scene, &optics));
     let still = Shutter::Global(builder.moment(Pose::IDENTITY));
-    see_landmarks(&scene, &still, &optics, RANGE, workspace, &[landmark], &mut seen).unwrap();
+    see_landmarks(&scene, &still, &optics, RANGE.into(), workspace, &[landmark], &mut seen).unwrap();
     assert!(
         (seen[0].pixel[0] - 10.0).abs() < 1e-3 && (seen[0].pixel[1] - 5.0).abs() < 1e-3 && seen[0].visible
     );
@@ -343,11 +351,11 @@ fn errors_name_the_invalid_input() {
     let scene = story.builder.scene();
     let optics = Optics::from(PinholeGrid::from_fov(64, 48, 1.0).unwrap());
     let shutter = Shutter::Global(story.moment(story.sensor));
-    let see = |range, lines: usize, landmarks: &[Landmark], places| {
+    let see = |range: [f64; 2], lines: usize, landmarks: &[Landmark], places| {
         let (mut memory, mut seen) = (WorkspaceBuf::default(), vec![Sighting::NONE; places]);
         let mut workspace = memory.lend(lines);
         workspace.buffer = &mut workspace.buffer[..lines];
-        see_landmarks(&scene, &shutter, &optics, range, &mut workspace, landmarks, &mut seen)
+        see_landmarks(&scene, &shutter, &optics, range.into(), &mut workspace, landmarks, &mut seen)
     };
     let need = landmarks_workspace_len(&scene, &optics);
     let [first, ..] = story.landmarks[..] else { panic!("there are landmarks") };

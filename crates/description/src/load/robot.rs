@@ -75,7 +75,8 @@ pub fn load_robot(
     diagnostics: &mut Diagnostics,
 ) -> Option<Model> {
     let path = find_robot(file_or_name.as_ref(), &options.packages, diagnostics)?;
-    if path.extension().is_some_and(|extension| extension == "sdf") {
+    // A world is no robot, and this says so.
+    if path.extension().is_some_and(|extension| extension == "sdf" || extension == "world") {
         return load_sdf(&path, options, diagnostics);
     }
     match xacro::expand(&path, &options.packages, &options.xacro_args, diagnostics) {
@@ -130,9 +131,9 @@ pub fn expand_robot(
 }
 
 fn find_robot(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
-    let is_robot_file = path
-        .extension()
-        .is_some_and(|extension| ["urdf", "xacro", "xml", "sdf"].iter().any(|known| extension == *known));
+    let is_robot_file = path.extension().is_some_and(|extension| {
+        ["urdf", "xacro", "xml", "sdf", "world"].iter().any(|known| extension == *known)
+    });
     if !is_bare(path) || is_robot_file && path.exists() {
         return Some(path.to_path_buf());
     }

@@ -39,11 +39,14 @@ pub(super) fn force_torque(given: &mut Parameters<'_>) -> Option<Sensor> {
 fn joint(given: &mut Parameters<'_>) -> Option<JointIndex> {
     let plugin = given.plugin;
     let Some(element) = given.element(&JOINT) else {
-        let what = if given.element(&["body_name"]).is_some() {
-            format!("plugin '{}' measures the forces on a link, which is not simulated", given.name())
-        } else {
-            format!("plugin '{}' has no <jointName>", given.name())
-        };
+        if given.element(&["body_name"]).is_some() {
+            given.warning(
+                "it measures the forces on the link of its <body_name>, which is not simulated: it is left out",
+                "write <joint_name>NAME OF A JOINT</joint_name>",
+            );
+            return None;
+        }
+        let what = format!("plugin '{}' has no <jointName>", given.name());
         given.unusable(plugin, what, "write <jointName>NAME OF A JOINT</jointName>");
         return None;
     };

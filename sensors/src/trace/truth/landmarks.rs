@@ -56,6 +56,23 @@ impl Sighting {
     pub const NONE: Self = Self { pixel: [f64::NAN; 2], depth: f64::NAN, slice: 0, visible: false };
 }
 
+/// What a camera sees of a scene, for [`see_landmarks`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Sight {
+    /// The least and the greatest distance in metres; for a pinhole these are depths.
+    pub range: [f64; 2],
+    /// The instances that are visible: those whose [visibility](crate::scene::InstanceConfig::visibility) has a bit in
+    /// common with this mask. Others hide nothing, and no point of theirs is visible.
+    pub visibility: u32,
+}
+
+impl From<[f64; 2]> for Sight {
+    /// Returns the sight of a camera with this range that sees all visuals.
+    fn from(range: [f64; 2]) -> Self {
+        Self { range, visibility: visibility::VISUAL }
+    }
+}
+
 /// Returns the number of cache lines of [`Workspace`] memory that [`see_landmarks`] needs.
 pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize {
     view_lines(scene.instances().len(), 1) + rays_len(optics, &optics.ray_grid(), 0)
@@ -64,9 +81,9 @@ pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize 
 /// Computes where a camera sees landmarks, through any lens and at the moment at which each one's row is taken, as in
 /// the picture.
 ///
-/// `range` holds the least and the greatest distance of the camera in metres; for a pinhole these are depths. Points
-/// can be occluded by everything that is visible to cameras: front faces of visuals. One ray is cast to each point; the
-/// surface that it touches there does not occlude the point.
+/// `sight` holds the camera's range and what is visible to it; a range converts to that of a camera that sees all visuals.
+/// Points can be occluded by the front faces of everything that is visible. One ray is cast to each point; the surface
+/// that it touches there does not occlude the point.
 ///
 /// If slices of a shutter overlap, the first slice of a line counts. A point that a turning camera shows in several
 /// rows is reported in one of them.
@@ -92,7 +109,7 @@ pub fn landmarks_workspace_len(scene: &Scene<'_>, optics: &Optics<'_>) -> usize 
 /// let workspace = &mut memory.lend(landmarks_workspace_len(&scene, &optics));
 /// let shutter = Shutter::Global(builder.moment(Pose::IDENTITY));
 /// let mut seen = [Sighting::NONE; 2];
-/// see_landmarks(&scene, &shutter, &optics, [0.1, 10.0], workspace, &[corner(-0.005), corner(0.005)], &mut seen)?;
+/// see_landmarks(&scene, &shutter, &optics, [0.1, 10.0].into(), workspace, &[corner(-0.005), corner(0.005)], &mut seen)?;
 /// // 0.5 m to the left and up, at a depth of 3.995 m: 50 pixels.
 /// assert!((seen[0].pixel[0] - 269.5).abs() < 1e-9 && (seen[0].pixel[1] - 189.5).abs() < 1e-9);
 /// assert_eq!((seen[0].depth, seen[0].visible), (3.995, true));
@@ -108,13 +125,13 @@ pub fn see_landmarks(
     scene: &Scene<'_>,
     shutter: &Shutter<'_>,
     optics: &Optics<'_>,
-    range: [f64; 2],
+    sight: Sight,
     workspace: &mut Workspace<'_>,
     landmarks: &[Landmark],
     seen: &mut [Sighting],
 ) -> Result<(), SenseError> {
     optics.check()?;
-    let [least, most] = range;
+    let Sight { range: [least, most], visibility } = sight;
     if !(least >= 0.0 && least < most) {
         return Err(SenseError::Range { least, most });
     }
@@ -129,7 +146,8 @@ pub fn see_landmarks(
     for (landmark, seen) in landmarks.iter().zip(seen.iter_mut()) {
         *seen = find(&rays, shutter, landmark);
         // This is only the first condition; rays are cast below.
-        seen.visible = in_picture(&rays, seen.pixel);
+        let is_shown = scene.instances()[landmark.instance as usize].visibility & visibility != 0;
+        seen.visible = is_shown && in_picture(&rays, seen.pixel);
     }
     // Slice by slice, because each has its own view of the scene; most slices have no landmarks.
     let mut views = memory.views(instances, 1);
@@ -139,7 +157,7 @@ pub fn see_landmarks(
     let mut next = visible_in(seen, 0);
     while let Some(slice) = next {
         let moment = moment_of(shutter, slice);
-        let view = View::new(scene, moment, visibility::VISUAL, views.reborrow());
+        let view = View::new(scene, moment, visibility, views.reborrow());
         let here = |seen: &&mut Sighting| seen.visible && seen.slice == slice;
         for (seen, landmark) in seen.iter_mut().zip(landmarks).filter(|(seen, _)| here(seen)) {
             let point = towards(moment, landmark);

@@ -41,6 +41,8 @@ impl WorldScene {
         assembly
             .builder
             .set_environment(Environment { ambient: world.ambient, background: world.background });
+        let air = assembly.builder.set_air(world.air);
+        air.map_err(|error| refused(error, &world.source))?;
         let space = if world.linear_light { ColourSpace::Srgb } else { ColourSpace::AsGiven };
         assembly.builder.set_colour_space(space);
         for (index, model) in world.models.iter().enumerate() {

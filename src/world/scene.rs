@@ -41,6 +41,8 @@ impl WorldScene {
         assembly
             .builder
             .set_environment(Environment { ambient: world.ambient, background: world.background });
+        let air = assembly.builder.set_air(world.air);
+        air.map_err(|error| refused(error, &world.source))?;
         let space = if world.linear_light { ColourSpace::Srgb } else { ColourSpace::AsGiven };
         assembly.builder.set_colour_space(space);
         for (index, model) in world.models.iter().enumerate() {
@@ -202,7 +204,7 @@ impl WorldScene {
     pub fn scene(&self) -> Scene<'_> {
         let scene = self.assembly.builder.scene();
         // `set_looks` has checked the looks, and they are removed when the materials change.
-        self.looks.as_ref().and_then(|looks| looks.on(scene).ok()).unwrap_or(scene)
+        self.looks.as_ref().and_then(|looks| looks.on(&scene).ok()).unwrap_or(scene)
     }
 
     /// Replaces the looks of everything, or restores those of the files, until a model is added or removed.
@@ -211,7 +213,7 @@ impl WorldScene {
     /// [`SceneError`] if the number of materials or lights differs, or one of them is invalid.
     pub fn set_looks(&mut self, looks: Option<Looks>) -> Result<(), SceneError> {
         if let Some(looks) = &looks {
-            looks.on(self.assembly.builder.scene())?;
+            looks.on(&self.assembly.builder.scene())?;
         }
         self.looks = looks;
         Ok(())

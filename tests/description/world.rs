@@ -9,7 +9,7 @@ use belvedere::description::model::{Geometry, JointKind, LightKind, ModelPlugin,
 use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
-use belvedere_sensors::scene::{Pbr, TextureAlpha};
+use belvedere_sensors::scene::{Fog, FogLaw, Pbr, Sky, TextureAlpha};
 use glam::DVec3;
 
 #[test]
@@ -513,7 +513,7 @@ fn roughness_and_metalness() {
     );
     let (_, problems) = load("<pbr><metal><roughness>1.5</roughness></metal></pbr>");
     assert!(
-        problems[0].to_string().contains("<roughness> is 1.5: write a number from 0 to 1"),
+        problems[0].to_string().contains("<roughness> is 1.5; write a number from 0 to 1"),
         "{problems:?}"
     );
     let (_, problems) = load(&format!("<pbr><metal>{}</metal></pbr>", maps.replace("map.png<", "a.png<")));
@@ -521,6 +521,46 @@ fn roughness_and_metalness() {
         problems[0].severity == Severity::Warning && problems[0].to_string().contains("a.png"),
         "{problems:?}"
     );
+}
+
+#[test]
+fn fog_and_sky() {
+    let air = |scene: &str| good("1.6", &format!("<scene>{scene}</scene>")).air;
+    let fog = |inside: &str| air(&format!("<fog>{inside}</fog>")).fog;
+    let white = [1.0; 3];
+    for (inside, expected) in [
+        (
+            "<type>linear</type>",
+            Some(Fog { colour: white, law: FogLaw::Linear { start_m: 1.0, end_m: 100.0 } }),
+        ),
+        (
+            "<type>exp</type><density>0.25</density><color>1 0.5 0 1</color>",
+            Some(Fog { colour: [1.0, 0.5, 0.0], law: FogLaw::Exponential { density_per_m: 0.25 } }),
+        ),
+        (
+            "<type>exp2</type>",
+            Some(Fog { colour: white, law: FogLaw::ExponentialSquared { density_per_m: 1.0 } }),
+        ),
+        ("<type>none</type><density>0.25</density>", None),
+        ("", None),
+    ] {
+        assert_eq!(fog(inside), expected, "{inside}");
+    }
+    assert_eq!(air("<sky><time>10</time></sky>").sky, Some(Sky::DAY));
+    assert_eq!(air("<ambient>1 1 1 1</ambient>"), Default::default());
+    for (inside, words) in [
+        (
+            "<type>linear</type><start>9</start><end>9</end>",
+            "it starts at 9 m and ends at 9 m: write an <end>",
+        ),
+        ("<type>quadratic</type>", "the <type> 'quadratic' is unknown, as it is to Gazebo: write linear"),
+        ("<type>exp</type><density>-1</density>", "<density> is -1: write a number from 0"),
+    ] {
+        let content = format!("<scene><fog>{inside}</fog></scene>");
+        let (_, problems) = Folder::new().load("1.6", &content, false);
+        let [problem] = &problems[..] else { panic!("{inside}: {problems:#?}") };
+        assert!(problem.to_string().replace("; ", ": ").contains(words), "{problem}");
+    }
 }
 
 #[test]
@@ -563,7 +603,9 @@ fn ignored_elements_are_reported() {
         &box_visual(
             "<material><pbr><metal><environment_map>e.dds</environment_map></metal></pbr></material>",
         ),
-        "<scene><sky/></scene>",
+        "<scene><sky><clouds/></sky></scene>",
+        "<scene><sky><time>22</time></sky></scene>",
+        "<scene><fog><type>constant</type></fog></scene>",
     ] {
         let (world, problems) = Folder::new().load("1.6", content, false);
         assert!(world.is_some());

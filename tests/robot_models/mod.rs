@@ -6,6 +6,7 @@ use belvedere::description::model::{
     LinkIndex, Model, ModelPlugin, OdometryOrigin, OdometryPlugin, Wheels, World,
 };
 use belvedere_sensors::Pose;
+use belvedere_sensors::scene::Air;
 use glam::DVec3;
 use std::f64::consts::FRAC_PI_2;
 
@@ -166,6 +167,7 @@ pub(crate) fn world(max_step_size_s: f64, models: Vec<Model>) -> World {
         lights: Vec::new(),
         ambient: [0.4; 3],
         background: [0.7; 3],
+        air: Air::default(),
         shadows: true,
         gravity: DVec3::new(0.0, 0.0, -9.8),
         earth: Earth::default(),

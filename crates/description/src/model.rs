@@ -33,6 +33,7 @@ pub use trajectory::{Leg, Trajectory, Waypoint};
 
 use super::diagnostics::{Problem, Source};
 use belvedere_sensors::Pose;
+use belvedere_sensors::scene::Air;
 use glam::DVec3;
 
 /// Index of a link in [`Model::links`].
@@ -54,6 +55,8 @@ pub struct World {
     pub ambient: [f32; 3],
     /// Background colour, where no surface is hit.
     pub background: [f32; 3],
+    /// Fog and sky.
+    pub air: Air,
     /// False if no light casts shadows.
     pub shadows: bool,
     /// True if colours are sRGB and light is linear: our extension, unlike Gazebo.
@@ -77,6 +80,7 @@ impl World {
             lights: Vec::new(),
             ambient: [0.4; 3],
             background: [0.7; 3],
+            air: Air::default(),
             shadows: true,
             linear_light: false,
             gravity: DVec3::new(0.0, 0.0, -9.8),

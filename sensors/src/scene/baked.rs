@@ -13,10 +13,11 @@ mod error;
 
 pub use error::BakedError;
 
+use super::air::PackedAir;
 use super::builder::Packed;
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{
-    ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, MeshSlices, Meshes, Scene,
+    Air, ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, MeshSlices, Meshes, Scene,
     SceneBuilder, SceneSlices, Texture, check,
 };
 use crate::memory::CacheLine;
@@ -32,7 +33,7 @@ const VERSION: u32 = 5;
 const LINE: usize = size_of::<CacheLine>();
 
 /// Names and element sizes of the sections, in file order.
-const SECTIONS: [(&str, usize); 15] = [
+const SECTIONS: [(&str, usize); 16] = [
     ("instances", size_of::<Instance>()),
     ("meshes", size_of::<Mesh>()),
     ("uvs", size_of::<[f32; 2]>()),
@@ -48,6 +49,7 @@ const SECTIONS: [(&str, usize); 15] = [
     ("texels", size_of::<[u8; 4]>()),
     ("lights", size_of::<Light>()),
     ("poses", size_of::<Pose>()),
+    ("air", size_of::<PackedAir>()),
 ];
 
 /// The header, which fills the first cache line.
@@ -100,6 +102,7 @@ impl SceneBuilder {
     pub fn bake(&self) -> Vec<CacheLine> {
         let packed = Packed::new(self);
         let scene = packed.scene(self);
+        let air = PackedAir::new(&scene.air);
         let sections: [&[u8]; SECTIONS.len()] = [
             bytemuck::cast_slice(scene.instances),
             bytemuck::cast_slice(scene.meshes),
@@ -116,6 +119,7 @@ impl SceneBuilder {
             bytemuck::cast_slice(scene.texels),
             bytemuck::cast_slice(scene.lights),
             bytemuck::cast_slice(self.poses()),
+            bytemuck::bytes_of(&air),
         ];
         let mut table = [Section::zeroed(); SECTIONS.len()];
         let mut length = head_len();
@@ -201,6 +205,7 @@ impl<'a> Scene<'a> {
             texels,
             lights,
             poses,
+            air,
         ] = sections;
         let meshes = MeshSlices {
             meshes: bytemuck::cast_slice(meshes),
@@ -224,6 +229,7 @@ impl<'a> Scene<'a> {
             texels: bytemuck::cast_slice(texels),
             lights: bytemuck::cast_slice(lights),
             environment: Environment { ambient: header.ambient, background: header.background },
+            air: bytemuck::cast_slice(air).first().map_or(Air::default(), PackedAir::air),
             colour_space: if header.is_srgb == 0 { ColourSpace::AsGiven } else { ColourSpace::Srgb },
         })?;
         let poses = bytemuck::cast_slice(poses);

@@ -21,6 +21,7 @@ use bytemuck::Zeroable;
 pub(super) fn all_but_meshes(scene: &Scene<'_>) -> Result<(), SceneFault> {
     height_fields(scene)?;
     textures(scene)?;
+    Element::of("air", 0).accept(limits::air(&scene.air))?;
     materials(scene)?;
     instances(scene)?;
     lights(scene)

@@ -6,7 +6,7 @@
 use super::SceneError;
 use super::material::{ALPHA_BLENDED, GLOSS_PBR};
 use super::vertices::MAX_COORDINATE;
-use super::{Light, MAX_FALLOFF, MAX_SHININESS, Material};
+use super::{Air, FogLaw, Light, MAX_FALLOFF, MAX_SHININESS, Material};
 use crate::pose::Pose;
 
 const MOST: f64 = MAX_COORDINATE as f64;
@@ -101,6 +101,24 @@ pub(crate) fn pose(pose: &Pose) -> Result<(), Refusal> {
     let turn = pose.rotation().length_squared();
     all([turn], is_unit, "squared length of the rotation", SceneError::BadPose)?;
     all(pose.translation().to_array(), in_space, "translation", SceneError::BadPose)
+}
+
+pub(crate) fn air(air: &Air) -> Result<(), Refusal> {
+    let bad = SceneError::BadAir;
+    if let Some(fog) = air.fog {
+        all(fog.colour.map(f64::from), in_space, "colour", bad)?;
+        match fog.law {
+            FogLaw::Linear { start_m, end_m } => {
+                all([start_m, end_m].map(f64::from), in_space, "distances", bad)?;
+                all([f64::from(end_m - start_m)], |length| length > 0.0, "end of fog after its start", bad)?;
+            }
+            FogLaw::Exponential { density_per_m } | FogLaw::ExponentialSquared { density_per_m } => {
+                all([f64::from(density_per_m)], up_to(MAX_COORDINATE), "density", bad)?;
+            }
+        }
+    }
+    let colours = air.sky.map_or([[0.0; 3]; 2], |sky| [sky.zenith, sky.horizon]);
+    all(colours.as_flattened().iter().copied().map(f64::from), in_space, "colour of the sky", bad)
 }
 
 pub(crate) fn light(light: &Light) -> Result<(), Refusal> {

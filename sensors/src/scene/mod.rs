@@ -21,6 +21,7 @@
 //! so the scale of an instance stretches the texture. Around an ellipsoid, u is the angle of (x/a, y/b).
 
 mod aabb;
+mod air;
 #[cfg(feature = "alloc")]
 mod baked;
 pub mod build;
@@ -33,6 +34,7 @@ pub(crate) mod limits;
 mod material;
 mod mesh_slices;
 mod meshes;
+mod pbr;
 #[cfg(feature = "raw")]
 mod single;
 mod slices;
@@ -46,6 +48,7 @@ mod vertices;
 mod builder;
 
 pub use aabb::Aabb;
+pub use air::{Air, Fog, FogLaw, Sky};
 pub use fault::SceneFault;
 pub(crate) use height_field::CORNERS;
 pub use height_field::{HeightField, HeightGrid};
@@ -56,10 +59,11 @@ pub(crate) use kind::{Kind, Solid, Triangles};
 pub(crate) use material::{ALPHA_CUT_OUT, Form, NO_TEXTURE};
 pub use material::{
     Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material,
-    MaterialConfig, Pbr, TextureAlpha,
+    MaterialConfig, TextureAlpha,
 };
 pub use mesh_slices::MeshSlices;
 pub use meshes::{MeshMemory, MeshStore, Meshes};
+pub use pbr::Pbr;
 #[cfg(feature = "raw")]
 pub use single::MeshScene;
 pub use slices::SceneSlices;
@@ -120,6 +124,7 @@ pub struct Scene<'a> {
     pub(crate) texels: &'a [[u8; 4]],
     pub(crate) lights: &'a [Light],
     pub(crate) environment: Environment,
+    pub(crate) air: Air,
     pub(crate) colour_space: ColourSpace,
 }
 
@@ -141,6 +146,7 @@ impl<'a> Scene<'a> {
         texels: &[],
         lights: &[],
         environment: Environment::GAZEBO,
+        air: Air { fog: None, sky: None },
         colour_space: ColourSpace::AsGiven,
     };
 
@@ -227,6 +233,8 @@ pub enum SceneError {
     BadShininess,
     /// A roughness or metalness is not between 0 and 1.
     BadPbr,
+    /// The distances or the density of fog, or a colour of fog or sky, is out of range.
+    BadAir,
     /// An alpha, or the threshold of a cut-out texture, is not between 0 and 1.
     BadAlpha,
     /// A specular reflectance or transmittance is not between 0 and 1, or their sum is greater than 1.
@@ -306,6 +314,9 @@ impl core::fmt::Display for SceneError {
             }
             Self::BadShininess => f.write_str("a shininess is not between 0 and 10000"),
             Self::BadPbr => f.write_str("a roughness or metalness is not between 0 and 1"),
+            Self::BadAir => f.write_str(
+                "the distances, density or colour of fog, or a colour of the sky, is out of range",
+            ),
             Self::BadAlpha => f.write_str("an alpha is not between 0 and 1"),
             Self::BadShares => {
                 f.write_str("a specular reflectance and a transmittance are not from 0 to 1, also together")

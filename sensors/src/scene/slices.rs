@@ -1,8 +1,8 @@
 //! A scene from slices that the caller provides.
 
 use super::{
-    ColourSpace, Environment, HeightField, Instance, Light, Material, MeshSlices, Meshes, Scene, SceneFault,
-    Texture, check,
+    Air, ColourSpace, Environment, HeightField, Instance, Light, Material, MeshSlices, Meshes, Scene,
+    SceneFault, Texture, check,
 };
 
 /// The parts of a scene as slices that the caller provides, which needs no heap. Parts that are not set are empty.
@@ -82,6 +82,8 @@ pub struct SceneSlices<'a> {
     pub lights: &'a [Light],
     /// Ambient light and background.
     pub environment: Environment,
+    /// Fog and sky.
+    pub air: Air,
     /// The colour space. In sRGB, fill the mip levels with [`fill_srgb_mip_levels`](super::fill_srgb_mip_levels).
     pub colour_space: ColourSpace,
 }
@@ -103,6 +105,8 @@ impl<'a> SceneSlices<'a> {
         lights: &'a [Light],
         /// Sets the ambient light and the background.
         environment: Environment,
+        /// Sets fog and sky.
+        air: Air,
         /// Sets the colour space.
         colour_space: ColourSpace,
     }
@@ -153,6 +157,7 @@ impl<'a> Scene<'a> {
             texels: slices.texels,
             lights: slices.lights,
             environment: slices.environment,
+            air: slices.air,
             colour_space: slices.colour_space,
         };
         check::all_but_meshes(&scene)?;

@@ -1,7 +1,7 @@
 //! Variations of a scene: the same shapes with other materials, lamps and ambient light.
 
 use super::{
-    Environment, Instance, Light, LightConfig, LightKind, Material, MaterialId, NO_TEXTURE, Scene,
+    Air, Environment, Instance, Light, LightConfig, LightKind, Material, MaterialId, NO_TEXTURE, Scene,
     SceneError, limits,
 };
 
@@ -60,6 +60,11 @@ impl<'a> Scene<'a> {
     #[must_use]
     pub fn with_environment(self, environment: Environment) -> Self {
         Self { environment, ..self }
+    }
+
+    /// Fog and sky.
+    pub fn air(&self) -> Air {
+        self.air
     }
 
     /// The ambient light and the background.

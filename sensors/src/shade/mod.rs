@@ -8,6 +8,7 @@
 //! A tile sees few instances. For one instance after the other, its lanes get their normals and their albedo, sixteen
 //! at a time; then the lamps are added for all lanes at once.
 
+mod air;
 mod bumps;
 mod face;
 mod facets;
@@ -167,9 +168,18 @@ impl Shader {
                 }
             },
         );
+        let scene = &view.scene;
+        if let Some(sky) = &scene.air.sky
+            && tile.hits != !0
+        {
+            air::paint_sky(simd, view, sky, tile, colours);
+        }
         if tile.hits != 0 {
-            for (number, light) in view.scene.lights.iter().enumerate() {
+            for (number, light) in scene.lights.iter().enumerate() {
                 self.add_lamp(simd, view, (number, light), tile, colours);
+            }
+            if let Some(fog) = &scene.air.fog {
+                air::blend(simd, view, fog, (tile, steps.is_some()), colours);
             }
         }
     }

@@ -16,6 +16,13 @@ pub(super) fn power<S: Simd>(simd: S, x: f32x16<S>, y: f32x16<S>) -> f32x16<S> {
     there.select(two_to(simd, log2(simd, x) * y), zero)
 }
 
+/// e^x for x ≤ 0; greater numbers count as 0. The error is below 1e-6.
+#[inline(always)]
+pub(super) fn exp<S: Simd>(simd: S, x: f32x16<S>) -> f32x16<S> {
+    let x = x.simd_lt(0.0).select(x, f32x16::splat(simd, 0.0));
+    two_to(simd, x * core::f32::consts::LOG2_E)
+}
+
 /// Binary logarithm of a positive number: the exponent, plus the logarithm of the mantissa between 1/√2 and √2 by the
 /// series of artanh up to its eleventh power.
 #[inline(always)]

@@ -8,7 +8,7 @@ use super::face::{Face, VisibleFaces};
 use super::light_of;
 use super::surface::triangle_normal;
 use super::tile::CameraRays;
-use crate::scene::{Form, Kind, Material, NO_TEXTURE, Scene};
+use crate::scene::{Air, Form, Kind, Material, NO_TEXTURE, Scene};
 use crate::trace::grid::Band;
 use crate::trace::grid::tiling::{BLOCKS, Tiling, place_in_blocks};
 use crate::trace::hit::resolve::{Hit, Resolver};
@@ -35,8 +35,12 @@ pub(crate) struct UniformTiles {
 }
 
 impl UniformTiles {
-    /// Creates the cache, or `None` if the light of a scene's lamps varies from point to point.
+    /// Creates the cache, or `None` if the light of a scene's lamps varies from point to point, or if there is fog or
+    /// a sky.
     pub(crate) fn new(scene: &Scene<'_>, faces: Faces) -> Option<Self> {
+        if scene.air != Air::default() {
+            return None;
+        }
         let mut lights = scene.lights.iter();
         lights.all(|light| light.form() == Form::Directional && light.cast_shadows == 0).then_some(Self {
             of: [(NO_HIT, 0); KEPT],

@@ -203,7 +203,7 @@ fn scenes_document_their_defaults() {
         texture_repeat: "1 along both" = [1.0; 2];
     }
     check! {
-        Pbr in "scene/material.rs", Pbr::default(), given [];
+        Pbr in "scene/pbr.rs", Pbr::default(), given [];
         roughness: "1" = 1.0;
         metalness: "0" = 0.0;
         highlights: "1 for each colour" = [1.0; 3];

@@ -3,6 +3,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
+mod air;
 mod bad_input;
 mod beams;
 mod defaults;

@@ -7,6 +7,7 @@ use crate::description::model::{Geometry, Light, LightKind, World};
 use crate::description::text::{angle, number, pose, vector};
 use crate::rig::Part;
 use crate::rig::sensor_report::sensor_report;
+use belvedere_sensors::scene::{Fog, FogLaw};
 
 pub(super) fn report(world: &World, streams: &Streams, gazebo_compat: bool) -> Vec<String> {
     let mut lines = vec![format!("world {} ({})", world.name, world.source)];
@@ -17,6 +18,19 @@ pub(super) fn report(world: &World, streams: &Streams, gazebo_compat: bool) -> V
     ));
     let shadows = if world.shadows { "with shadows" } else { "without shadows" };
     lines.push(format!("scene: ambient {:?}, background {:?}, {shadows}", world.ambient, world.background));
+    if let Some(Fog { colour, law }) = world.air.fog {
+        let law = match law {
+            FogLaw::Linear { start_m, end_m } => format!("from {start_m} m to {end_m} m"),
+            FogLaw::Exponential { density_per_m } => format!("exponential, density {density_per_m}/m"),
+            FogLaw::ExponentialSquared { density_per_m } => {
+                format!("exponential of the square, density {density_per_m}/m")
+            }
+        };
+        lines.push(format!("fog: {colour:?}, {law}"));
+    }
+    if world.air.sky.is_some() {
+        lines.push("sky: clear day, instead of the background".into());
+    }
     lines.extend(world.lights.iter().map(light_line));
     for (index, model) in world.models.iter().enumerate() {
         let fixed = if model.is_static { "static" } else { "moving" };

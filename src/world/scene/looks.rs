@@ -24,7 +24,7 @@ impl Looks {
     }
 
     /// Returns a scene with these looks.
-    pub(super) fn on<'a>(&'a self, scene: Scene<'a>) -> Result<Scene<'a>, SceneError> {
+    pub(super) fn on<'a>(&'a self, scene: &Scene<'a>) -> Result<Scene<'a>, SceneError> {
         if self.lights.len() != scene.lights().len() {
             let (have, need) = (self.lights.len(), scene.lights().len());
             return Err(SceneError::Count { elements: "lights", have, need });

@@ -36,6 +36,7 @@ mod params;
 mod polyline;
 mod pose;
 mod resources;
+mod scene;
 mod siblings;
 mod world;
 

@@ -6,7 +6,7 @@ use super::pose::WrittenPose;
 use super::{Loader, Scope, name_of};
 use crate::model::{Earth, Light, Model, World};
 use crate::suggestion::did_you_mean;
-use crate::values::{child_bool, child_number, numbers};
+use crate::values::{child_number, numbers};
 use crate::xml::Element;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -79,29 +79,6 @@ impl Loader<'_> {
             }
         }
         world
-    }
-
-    fn scene(&mut self, element: &Element, world: &mut World) {
-        let Some(scene) = element.child("scene") else { return };
-        if let Some(ambient) = self.color(scene, "ambient") {
-            world.ambient = ambient;
-        }
-        if let Some(background) = self.color(scene, "background") {
-            world.background = background;
-        }
-        if let Some(shadows) = child_bool(scene, "shadows", self.diagnostics) {
-            world.shadows = shadows;
-        }
-        if let Some(linear) = child_bool(scene, "linear_light", self.diagnostics) {
-            world.linear_light = linear;
-        }
-        for child in scene.elements() {
-            match child.name.as_str() {
-                "sky" => self.ignored(child, "the sky has the colour of <background>"),
-                "fog" => self.ignored(child, "there is no fog"),
-                _ => {}
-            }
-        }
     }
 
     /// Reads `<spherical_coordinates>` and `<magnetic_field>`.

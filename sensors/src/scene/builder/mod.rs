@@ -7,9 +7,10 @@ mod pool;
 mod shapes;
 mod table;
 
+use super::limits;
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{
-    ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneError, Texture,
+    Air, ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneError, Texture,
 };
 use crate::moment::Moment;
 use crate::pose::Pose;
@@ -64,6 +65,7 @@ pub struct SceneBuilder {
     texels: Pool<[u8; 4]>,
     lights: Table<Light>,
     environment: Environment,
+    air: Air,
     colour_space: ColourSpace,
 }
 
@@ -88,6 +90,16 @@ impl SceneBuilder {
         self.environment = environment;
     }
 
+    /// Sets fog and sky.
+    ///
+    /// # Errors
+    /// [`SceneError::BadAir`].
+    pub fn set_air(&mut self, air: Air) -> Result<(), SceneError> {
+        limits::air(&air)?;
+        self.air = air;
+        Ok(())
+    }
+
     /// Lends the scene to sensors. An instance that was removed is replaced by one that no sensor sees.
     pub fn scene(&self) -> Scene<'_> {
         Scene {
@@ -106,6 +118,7 @@ impl SceneBuilder {
             texels: self.texels.items(),
             lights: self.lights.items(),
             environment: self.environment,
+            air: self.air,
             colour_space: self.colour_space,
         }
     }

@@ -65,7 +65,14 @@ fn metallic_roughness_maps_are_averaged() {
     model.json["textures"] = json!([{ "source": 0 }]);
     let uri = format!("data:image/png;base64,{}", encoded(&png([9, 51, 204, 255])));
     model.json["images"] = json!([{ "uri": uri }]);
-    let pbr = model.meshes()[0].material.as_ref().unwrap().pbr.unwrap();
+    let files = Files::new();
+    files.write("m.glb", model.glb());
+    let (meshes, problems) = files.load("m.glb");
+    assert!(
+        matches!(&problems[..], [note] if note.contains("whose mean is used everywhere")),
+        "{problems:?}"
+    );
+    let pbr = meshes.unwrap()[0].material.as_ref().unwrap().pbr.unwrap();
     assert!((pbr.roughness - 0.2).abs() < 1e-6 && (pbr.metalness - 0.4).abs() < 1e-6, "{pbr:?}");
 }
 

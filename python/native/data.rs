@@ -1,6 +1,7 @@
 //! The contents of a world: a scene, and bodies that move as one.
 
 use crate::errors::value_error;
+use crate::load::warnings;
 use belvedere::description::load::Described;
 use belvedere::description::model;
 use belvedere::entities::Entities;
@@ -55,7 +56,8 @@ impl Data {
         made
     }
 
-    pub(crate) fn of_description(described: Described) -> PyResult<Self> {
+    /// Also returns the warnings about what cannot be drawn as described, such as textures that cannot be read.
+    pub(crate) fn of_description(described: Described) -> PyResult<(Self, Vec<String>)> {
         let mut simulation = match described {
             Described::World(world) => Simulation::builder(world).build().map_err(value_error)?,
             Described::Model(thing) => {
@@ -65,7 +67,8 @@ impl Data {
                 simulation
             }
         };
-        Ok(Self::of_simulation(&mut simulation))
+        let warnings = warnings(simulation.notes());
+        Ok((Self::of_simulation(&mut simulation), warnings))
     }
 
     pub(crate) fn find(&self, name: &str) -> Option<usize> {

@@ -3,7 +3,7 @@
 use crate::errors::value_error;
 use belvedere::description::load::{self, Described, LoadOptions};
 use belvedere::description::models::package_path;
-use belvedere::description::{Diagnostics, Rules, Severity};
+use belvedere::description::{Diagnostics, Problem, Rules, Severity};
 use pyo3::PyResult;
 use std::path::PathBuf;
 
@@ -39,12 +39,17 @@ pub(crate) fn load(source: &str, options: Options) -> PyResult<(Described, Vec<S
     } else {
         load::load(source, &options, &mut diagnostics)
     };
-    let lines = |severity| {
-        let problems = diagnostics.problems().iter().filter(move |problem| problem.severity == severity);
-        problems.map(ToString::to_string).collect::<Vec<_>>()
-    };
     match read {
-        Some(read) if !diagnostics.has_errors() => Ok((read, lines(Severity::Warning))),
-        _ => Err(value_error(lines(Severity::Error).join("\n"))),
+        Some(read) if !diagnostics.has_errors() => Ok((read, warnings(diagnostics.problems()))),
+        _ => Err(value_error(lines(diagnostics.problems(), Severity::Error).join("\n"))),
     }
+}
+
+/// Returns the warnings among problems, one line each.
+pub(crate) fn warnings(problems: &[Problem]) -> Vec<String> {
+    lines(problems, Severity::Warning)
+}
+
+fn lines(problems: &[Problem], severity: Severity) -> Vec<String> {
+    problems.iter().filter(|problem| problem.severity == severity).map(ToString::to_string).collect()
 }

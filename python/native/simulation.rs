@@ -37,6 +37,8 @@ struct Inside {
     /// The buffers that frames are rendered into.
     frames: Vec<FrameBuf>,
     notes: Vec<String>,
+    /// How many notes of the simulation are among them, or are no warnings.
+    looked_at: usize,
     /// The robot or object that was given as the world.
     thing: Option<String>,
 }
@@ -139,7 +141,7 @@ impl Simulation {
             if let Some(thing) = thing {
                 simulation.spawn(&thing, SpawnOptions::default()).map_err(value_error)?;
             }
-            Ok(Inside { simulation, frames: Vec::new(), notes, thing: called })
+            Ok(Inside { simulation, frames: Vec::new(), notes, looked_at: 0, thing: called })
         };
         let ((ready, is_ready), (sender, jobs)) = (channel(), channel());
         let thread = std::thread::Builder::new().name("belvedere-simulation".into());
@@ -181,7 +183,12 @@ impl Simulation {
 
     #[getter]
     fn notes(&self, py: Python<'_>) -> PyResult<Vec<String>> {
-        self.with(py, |inside| Ok(inside.notes.clone()))
+        self.with(py, |inside| {
+            let new = &inside.simulation.notes()[inside.looked_at..];
+            inside.notes.extend(load::warnings(new));
+            inside.looked_at += new.len();
+            Ok(inside.notes.clone())
+        })
     }
 
     /// Returns the robot or object that was given as the world.

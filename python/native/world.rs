@@ -182,8 +182,9 @@ impl World {
         xacro_args: Vec<(String, String)>,
     ) -> PyResult<Self> {
         py.detach(|| {
-            let (described, notes) = load::load(source, Options { package_path, models, xacro_args })?;
-            let data = Data::of_description(described)?;
+            let (described, mut notes) = load::load(source, Options { package_path, models, xacro_args })?;
+            let (data, more) = Data::of_description(described)?;
+            notes.extend(more);
             Ok(Self { data: Mutex::new(Arc::new(data)), notes })
         })
     }

@@ -106,6 +106,19 @@ def test_an_image_and_its_ground_truth_are_of_one_frame() -> None:
         bv.Simulation("tag_ceiling", robot="kobuki_hexagons_kinect").render(topics[1])
 
 
+def test_a_texture_that_cannot_be_read_is_noted(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+    (tmp_path / "broken.png").write_bytes(b"no picture")
+    pbr = "<material><pbr><metal><albedo_map>broken.png</albedo_map></metal></pbr></material>"
+    file = tmp_path / "wall.sdf"
+    box = f"<visual name='v'><geometry><box><size>1 1 1</size></box></geometry>{pbr}</visual>"
+    file.write_text(WALL.replace("</link>", f"{box}</link>"))
+    for made in (bv.World(file), bv.Simulation(file)):
+        assert [note for note in made.notes if "broken.png" in note], made.notes
+        told = [record.getMessage() for record in caplog.records if record.name == "belvedere"]
+        assert told == made.notes
+        caplog.clear()
+
+
 def test_notes_are_logged_once(caplog: pytest.LogCaptureFixture) -> None:
     unknown = "<plugin name='p' filename='libunknown.so'/>"
     models = [WALL.replace("'wall'", f"'{name}'").replace("<link", f"{unknown}<link") for name in "abc"]

@@ -9,7 +9,7 @@ use belvedere::description::model::{Geometry, JointKind, LightKind, ModelPlugin,
 use belvedere::description::models::package_path;
 use belvedere::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
-use belvedere_sensors::scene::{Fog, FogLaw, Pbr, Sky, TextureAlpha};
+use belvedere_sensors::scene::{Air, Fog, FogLaw, Pbr, Sky, TextureAlpha};
 use glam::DVec3;
 
 #[test]
@@ -471,7 +471,7 @@ fn roughness_and_metalness() {
     let map = image::RgbImage::from_fn(4, 1, |x, _| image::Rgb([if x == 0 { 255 } else { 0 }, 7, 9]));
     let mut png = std::io::Cursor::new(Vec::new());
     map.write_to(&mut png, image::ImageFormat::Png).unwrap();
-    folder.write("tags/materials/textures/map.png", &png.into_inner());
+    folder.write("tags/materials/textures/map.png", png.into_inner());
     let load = |material: &str| {
         let content = box_visual(&format!("<material>{material}</material>"));
         let (world, problems) = folder.load("1.6", &content, false);
@@ -547,7 +547,7 @@ fn fog_and_sky() {
         assert_eq!(fog(inside), expected, "{inside}");
     }
     assert_eq!(air("<sky><time>10</time></sky>").sky, Some(Sky::DAY));
-    assert_eq!(air("<ambient>1 1 1 1</ambient>"), Default::default());
+    assert_eq!(air("<ambient>1 1 1 1</ambient>"), Air::default());
     for (inside, words) in [
         (
             "<type>linear</type><start>9</start><end>9</end>",

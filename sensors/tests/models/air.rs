@@ -26,7 +26,10 @@ fn floor(air: Air, alpha: f32) -> SceneBuilder {
     builder
 }
 
-fn laws() -> [(FogLaw, fn(f64) -> f64); 3] {
+/// The part of a surface's own colour that is left at a depth.
+type Share = fn(f64) -> f64;
+
+fn laws() -> [(FogLaw, Share); 3] {
     [
         (FogLaw::Linear { start_m: 2.0, end_m: 9.0 }, |depth| ((9.0 - depth) / 7.0).clamp(0.0, 1.0)),
         (FogLaw::Exponential { density_per_m: 0.25 }, |depth| (-0.25 * depth).exp()),
@@ -38,21 +41,21 @@ fn laws() -> [(FogLaw, fn(f64) -> f64); 3] {
 /// their direction of length 1.
 fn compare(
     builder: &SceneBuilder,
-    config: CameraConfig<'_>,
+    config: &CameraConfig<'_>,
     expected: impl Fn(Option<f64>, DVec3) -> [f64; 3],
 ) {
     let eye = look_at(DVec3::new(-2.0, -0.5, 1.5), DVec3::new(3.0, 0.3, 1.0), 0.3);
-    let pixels = picture(builder, config, eye);
+    let pixels = picture(builder, *config, eye);
     let [mut hits, mut misses] = [0; 2];
     for (index, pixel) in pixels.as_chunks::<3>().0.iter().enumerate() {
-        let ray = pixel_ray(&config, &eye, index as u32 % 160, index as u32 / 160);
+        let ray = pixel_ray(config, &eye, index as u32 % 160, index as u32 / 160);
         // The directions of a pinhole's rays have length 1 along the axis.
         let depth = first_hit(&FLOOR, &Pose::IDENTITY, &ray, 0.0, false);
         if depth.is_some() {
-            hits += 1
+            hits += 1;
         } else {
-            misses += 1
-        };
+            misses += 1;
+        }
         for (value, expected) in pixel.iter().zip(expected(depth, ray.direction.normalize())) {
             let error = (f64::from(*value) - 255.0 * expected).abs();
             assert!(error < 0.51, "pixel {index} at {depth:?} is {pixel:?}, should be {}", expected * 255.0);
@@ -71,7 +74,7 @@ fn fog_hides_surfaces_by_their_depth() {
     for (law, share) in laws() {
         let air = Air { fog: Some(Fog { colour: COLOUR, law }), sky: None };
         for alpha in [1.0_f32, 0.5] {
-            compare(&floor(air, alpha), camera_of([160, 120], 1.2), |depth, _| {
+            compare(&floor(air, alpha), &camera_of([160, 120], 1.2), |depth, _| {
                 let Some(depth) = depth else { return wide(BACKGROUND) };
                 let share = share(depth);
                 core::array::from_fn(|channel| {
@@ -126,7 +129,7 @@ fn the_sky_depends_on_the_elevation() {
             assert!(differ < 3 * 600, "{differ}");
             continue;
         }
-        compare(&builder, config, |depth, direction| {
+        compare(&builder, &config, |depth, direction| {
             if depth.is_some() {
                 return wide([0.2, 0.4, 0.1]);
             }

@@ -68,7 +68,7 @@ mod tests {
         };
         let mut packets = ImuPackets::new(ImuProfile::Accel32Gyro32Nmea);
         packets.push(0, &reading);
-        assert!(packets.open(&PacketTarget::Metadata("m.json".into())).is_err());
+        assert!(ImuPackets::check(&PacketTarget::Metadata("m.json".into())).is_err());
         packets.open(&PacketTarget::Udp(receiver.local_addr().unwrap())).unwrap();
         (1..=8).for_each(|number| packets.push(number, &reading));
         let mut packet = [0; 1000];

@@ -89,9 +89,10 @@ impl Loader<'_> {
             let glossiness = self.within(workflow, "glossiness", 1.0).unwrap_or(0.0);
             return Some(Pbr { roughness: 1.0 - glossiness, metalness: 0.0, highlights });
         }
-        let [roughness, metalness] = ["roughness", "metalness"].map(|name| {
+        let of = [("roughness", "roughness_map"), ("metalness", "metalness_map")];
+        let [roughness, metalness] = of.map(|(name, map)| {
             let factor = self.within(workflow, name, 1.0);
-            let map = workflow.child(&format!("{name}_map"));
+            let map = workflow.child(map);
             match map.and_then(|map| self.mean(map, material, scope)) {
                 Some(mean) => mean * factor.unwrap_or(1.0),
                 None => factor.unwrap_or(DEFAULT_PBR),

@@ -158,7 +158,7 @@ def test_metal_is_black_beside_its_highlight() -> None:
         world.set_environment(ambient=(0, 0, 0), background=(0, 0, 0))
         world.add_light("directional", direction=(1, 0, -1))
         world.add_box((1, 4, 4), (3, 0, 0), color=(1, 1, 1), **look)
-        return float(bv.Camera(8, 8).render(world, HERE)["rgb"].mean())
+        return float(bv.Camera(8, 8, fov=1.0).render(world, HERE)["rgb"].mean())
 
     assert brightness(metalness=1) == 0
     assert 50 < brightness(roughness=1) < brightness()

@@ -17,7 +17,7 @@
 //! | [`diagnostics`] | problems with file, line and remedy |
 //! | [`package`] | finding ROS packages and their files |
 //! | [`budget`] | limits on what a file may expand to |
-//! | [`file`] | reading of files, up to a size |
+//! | [`mod@file`] | reading of files, up to a size |
 //! | [`suggestion`] | "did you mean" |
 //!  `expand` | the traversal of the tree: directives, macro calls, includes; `${…}` and `$(…)` in texts and attributes |
 //!  `scope`, `macros` | the scopes of names, and the definitions of macros |

@@ -159,8 +159,8 @@ class World(Unpicklable):
             pose: (7,), (4, 4) or (3,); by default the world's origin.
             **look: keywords of all ``add_`` methods: ``name``; ``color`` (red, green, blue[, alpha]) from 0 to 1;
                 ``emissive``, ``specular`` (3,), 0 or more, and ``shininess``; or ``roughness`` and ``metalness`` from
-                0 to 1 instead of the last two, by default 1 and 0 if only one is given; ``texture``, an image (height, width,
-                3 or 4) of uint8, and ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel
+                0 to 1 instead of the last two, by default 1 and 0 if only one is given; ``texture``, an image (height,
+                width, 3 or 4) of uint8, and ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel
                 ``class``; ``laser_retro`` for intensities, 0 or more; ``seen_by``, ``all``, ``visual`` (only
                 cameras) or ``collision`` (only lidars).
 

@@ -231,7 +231,7 @@ impl Generator<'_> {
             format!("<sdf version='1.9'><model name='{file}'{attribute}>{own_pose}{text}</model></sdf>"),
         );
         let mut include = format!("<uri>model://{file}</uri>");
-        let mut at = own_placement.map_or(own_at, |(_, inner)| own_at * inner.inverse());
+        let mut at = own_placement.as_ref().map_or(own_at, |(_, inner)| own_at * inner.inverse());
         if self.random.is(0.6) {
             let (pose, placed_at) = self.pose(scope, DAffine3::IDENTITY, false);
             let placement = self.placement(&inside);
@@ -239,6 +239,8 @@ impl Generator<'_> {
             if let Some((frame, _)) = &placement {
                 let _ = write!(include, "<placement_frame>{frame}</placement_frame>");
             }
+            // The model keeps its own frame unless the <include> names another one, as in libsdformat 12.3.
+            let placement = placement.or(own_placement);
             at = placement.map_or(placed_at, |(_, inner)| placed_at * inner.inverse());
         }
         if may_merge && self.random.is(0.3) {

@@ -96,7 +96,10 @@ impl Loader<'_> {
             }
             if let Some(pose) = pose {
                 parsed.pose = pose;
-                let placement = child_text(element, "placement_frame");
+                // As in libsdformat, the model keeps its own frame if this <include> names none.
+                let own = || Some(root.child("model")?.attribute("placement_frame")?.to_owned());
+                let placement = child_text(element, "placement_frame").or_else(own);
+                let placement = placement.filter(|frame| !frame.is_empty());
                 self.place_by(placement.as_deref(), &parsed.frames, &mut parsed.pose, &element.source);
             }
         } else if let Some((light, light_pose)) = included.lights.first_mut() {

@@ -5,7 +5,7 @@
 //! no operation is fused or approximated, every level gives the same bits.
 
 pub use fearless_simd::Level;
-use fearless_simd::{Simd, SimdBase, f32x4, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x4, f32x16, f64x8};
 
 /// Evaluates an expression compiled for the instruction set of a [`Level`], with the token of that level.
 ///
@@ -55,6 +55,20 @@ pub(crate) use dispatch;
 #[inline(never)]
 pub(crate) fn apart<R>(version: impl FnOnce() -> R) -> R {
     version()
+}
+
+/// Calls a part of a kernel, which is a function of its own at AVX-512 and inlined at other levels. With registers of
+/// sixteen values, a large kernel keeps many of them on the stack, and a change of any part moves those of all others.
+#[inline(always)]
+pub(crate) fn part<S: Simd, R>(simd: S, part: impl FnOnce() -> R) -> R {
+    if const { <S::f32s as SimdBase<S>>::LEN == WIDTH } {
+        apart(
+            #[inline(always)]
+            || simd.vectorize(part),
+        )
+    } else {
+        part()
+    }
 }
 
 /// The branch of [`dispatch!`] for AVX-512, and the expression that replaces it in builds without AVX-512.
@@ -156,14 +170,16 @@ pub(crate) fn floor(x: f64) -> f64 {
     if whole > x { whole - 1.0 } else { whole }
 }
 
+/// π/2 to 33 bits, so that its product with a quadrant is exact.
+const HIGH: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
+/// The remainder of π/2.
+const LOW: f64 = 6.077_100_506_506_192e-11;
+
 /// Sine and cosine to the last bits of f64, for |x| < 1e5: reduced by multiples of π/2 in two parts, then a Taylor
 /// series whose remainder is below 1e-17 up to π/4. Uses only +, −, × and ÷, so that tables of angles can be filled
 /// lane by lane.
 #[inline(always)]
 pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
-    // π/2 to 33 bits, so that its product with a quadrant is exact, and the remainder.
-    const HIGH: f64 = f64::from_bits(0x3ff9_21fb_5440_0000);
-    const LOW: f64 = 6.077_100_506_506_192e-11;
     let quadrant = floor(x * core::f64::consts::FRAC_2_PI + 0.5);
     let rest = (x - quadrant * HIGH) - quadrant * LOW;
     let square = rest * rest;
@@ -179,6 +195,27 @@ pub(crate) fn sin_cos(x: f64) -> (f64, f64) {
         2 => (-sin, -cos),
         _ => (-cos, sin),
     }
+}
+
+/// [`sin_cos`] of eight values, with the same bits.
+#[inline(always)]
+pub(crate) fn sin_cos_of<S: Simd>(simd: S, x: f64x8<S>) -> [f64x8<S>; 2] {
+    let quadrant = (x * core::f64::consts::FRAC_2_PI + 0.5).floor();
+    let rest = (x - quadrant * HIGH) - quadrant * LOW;
+    let square = rest * rest;
+    let (mut sin, mut cos) = (f64x8::splat(simd, SINE[8]), f64x8::splat(simd, COSINE[8]));
+    for term in (0..8).rev() {
+        sin = sin * square + SINE[term];
+        cos = cos * square + COSINE[term];
+    }
+    sin *= rest;
+    let quadrant = quadrant - (quadrant * 0.25).floor() * 4.0;
+    let is = |number: f64| quadrant.simd_eq(f64x8::splat(simd, number));
+    let odd = is(1.0) | is(3.0);
+    let (opposite, [mut s, mut c]) = (is(2.0) | is(3.0), [odd.select(cos, sin), odd.select(sin, cos)]);
+    s = opposite.select(-s, s);
+    c = (is(1.0) | is(2.0)).select(-c, c);
+    [s, c]
 }
 
 /// Taylor coefficients of sin x / x in x².
@@ -208,6 +245,25 @@ mod tests {
             let (sin, cos) = super::sin_cos(x);
             let (true_sin, true_cos) = libm::sincos(x);
             assert!((sin - true_sin).abs() < 3e-16 && (cos - true_cos).abs() < 3e-16, "{x}");
+        }
+    }
+
+    #[test]
+    fn eight_values_have_the_bits_of_one() {
+        let simd = super::best_level();
+        for step in -5_000..5_000 {
+            let x: [f64; 8] = core::array::from_fn(|lane| f64::from(8 * step + lane as i32) * 0.011);
+            let mut eight = [[0.0; 8]; 2];
+            super::dispatch!(simd, simd => {
+                let both = super::sin_cos_of(simd, fearless_simd::f64x8::load_array(simd, x));
+                both[0].store_array(&mut eight[0]);
+                both[1].store_array(&mut eight[1]);
+            });
+            for lane in 0..8 {
+                let (sin, cos) = super::sin_cos(x[lane]);
+                let bits = [eight[0][lane].to_bits(), eight[1][lane].to_bits()];
+                assert_eq!(bits, [sin.to_bits(), cos.to_bits()], "{}", x[lane]);
+            }
         }
     }
 }

@@ -315,7 +315,7 @@ fn spherical<'a>(
     let tables = memory.take(SphericalRays::table_len(&ray_grid, first_column));
     dispatch!(execution.level, simd => simd.vectorize(
         #[inline(always)]
-        || SphericalRays::new((ray_grid, first_column), azimuth, elevation, tables)
+        || SphericalRays::new(simd, (ray_grid, first_column), azimuth, elevation, tables)
     ))
 }
 

@@ -12,7 +12,7 @@ use super::triangles;
 use crate::optics::rays::{Points, Projection, max};
 use crate::scene::tree::{LEAF, NONE, WideNode};
 use crate::scene::{Kind, Triangles};
-use crate::simd::WIDTH;
+use crate::simd::{WIDTH, part};
 use crate::trace::packet::Faces;
 use crate::trace::placed::view::{Placed, ToSensor, View};
 use crate::trace::prefetch::prefetch;
@@ -102,7 +102,11 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                 if strip::suits(&projection, &leaf) {
                     strip::draw(simd, projection, target, rules, &leaf);
                 } else {
-                    triangles::draw(simd, projection, target, rules, &leaf);
+                    part(
+                        simd,
+                        #[inline(always)]
+                        || triangles::draw(simd, projection, target, rules, &leaf),
+                    );
                 }
                 continue;
             }
@@ -113,8 +117,13 @@ pub(crate) fn walk<S: Simd, P: Projection>(
                     &made
                 }
                 Kind::Solid(solid) => {
-                    let part = SolidPart { columns: entry.columns, rows: entry.rows, nearest: entry.nearest };
-                    solid::draw(simd, view, projection, target, rules, (index, solid), &part);
+                    let piece =
+                        SolidPart { columns: entry.columns, rows: entry.rows, nearest: entry.nearest };
+                    part(
+                        simd,
+                        #[inline(always)]
+                        || solid::draw(simd, view, projection, target, rules, (index, solid), &piece),
+                    );
                     continue;
                 }
             };
@@ -122,7 +131,11 @@ pub(crate) fn walk<S: Simd, P: Projection>(
         };
         waiting = if placed != TOP && entry.is_of_few_rays() {
             let (entry, seen) = (Entry { placed, ..entry }, (view, &*target, first_block_row));
-            push_by_ray(simd, projection, node, &entry, seen, &mut single, &mut stack, waiting)
+            part(
+                simd,
+                #[inline(always)]
+                || push_by_ray(simd, projection, node, &entry, seen, &mut single, &mut stack, waiting),
+            )
         } else {
             push_children(simd, projection, node, to_sensor, placed, &mut stack, waiting)
         };

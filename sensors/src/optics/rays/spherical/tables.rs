@@ -2,7 +2,8 @@
 
 use super::{ANGLE_MARGIN, SphericalRays};
 use crate::optics::rays::RayGrid;
-use crate::simd::{WIDTH, sin_cos, sqrt};
+use crate::simd::{WIDTH, sin_cos, sin_cos_of, sqrt};
+use fearless_simd::{Simd, SimdBase, f64x8};
 
 /// A grid that is narrower than this, in radians, is bounded as a whole.
 const NARROW: f64 = 1e-5;
@@ -58,25 +59,43 @@ impl AngleSteps {
     /// Calls `take` with the cosines and sines of each group of sixteen angles. The first angle of each group is
     /// rotated by the first sixteen steps, which takes a few products, whereas a sine and a cosine take dozens.
     #[inline(always)]
-    fn fill(
+    fn fill<S: Simd>(
         self,
+        simd: S,
         sixteens: core::ops::Range<usize>,
         mut take: impl FnMut(usize, [f64; WIDTH], [f64; WIDTH]),
     ) {
-        let (mut cos_step, mut sin_step) = ([0.0; WIDTH], [0.0; WIDTH]);
-        for lane in 0..WIDTH {
-            (sin_step[lane], cos_step[lane]) = sin_cos(self.step * lane as f64);
-        }
-        for (block, sixteen) in sixteens.enumerate() {
-            let (sin, cos) = sin_cos(self.first + self.step * (sixteen * WIDTH) as f64);
-            let (mut cosines, mut sines) = ([0.0; WIDTH], [0.0; WIDTH]);
-            for lane in 0..WIDTH {
-                cosines[lane] = cos * cos_step[lane] - sin * sin_step[lane];
-                sines[lane] = sin * cos_step[lane] + cos * sin_step[lane];
+        let [sin_step, cos_step] = sixteen_sines_and_cosines(simd, |lane| self.step * lane as f64);
+        let (start, end) = (sixteens.start, sixteens.end);
+        for some in sixteens.step_by(WIDTH) {
+            let angle = |sixteen: usize| self.first + self.step * ((some + sixteen) * WIDTH) as f64;
+            let [sin, cos] = sixteen_sines_and_cosines(simd, angle);
+            for (sixteen, (sin, cos)) in (some..end).zip(sin.into_iter().zip(cos)) {
+                let (mut cosines, mut sines) = ([0.0; WIDTH], [0.0; WIDTH]);
+                for lane in 0..WIDTH {
+                    cosines[lane] = cos * cos_step[lane] - sin * sin_step[lane];
+                    sines[lane] = sin * cos_step[lane] + cos * sin_step[lane];
+                }
+                take(sixteen - start, cosines, sines);
             }
-            take(block, cosines, sines);
         }
     }
+}
+
+/// The sines and the cosines of sixteen angles.
+#[inline(always)]
+fn sixteen_sines_and_cosines<S: Simd>(simd: S, angle: impl Fn(usize) -> f64) -> [[f64; WIDTH]; 2] {
+    let mut both = [[0.0; WIDTH]; 2];
+    for half in [0, WIDTH / 2] {
+        let mut angles = [0.0; WIDTH / 2];
+        for lane in 0..WIDTH / 2 {
+            angles[lane] = angle(half + lane);
+        }
+        let [sin, cos] = sin_cos_of(simd, f64x8::load_array(simd, angles));
+        sin.store_slice(&mut both[0][half..][..WIDTH / 2]);
+        cos.store_slice(&mut both[1][half..][..WIDTH / 2]);
+    }
+    both
 }
 
 /// Number of groups of sixteen columns whose directions are stored: those that the blocks of the grid overlap.
@@ -131,8 +150,9 @@ impl<'a> Tables<'a> {
     /// Fills the tables. `all_azimuths` starts at the first column of the whole grid, `azimuth` at that of this one. `half`
     /// is the distance from the corner of a block to its middle, in columns and rows.
     #[inline(always)]
-    fn fill(
+    fn fill<S: Simd>(
         &mut self,
+        simd: S,
         ray_grid: &RayGrid,
         first_sixteen: usize,
         all_azimuths: AngleSteps,
@@ -140,6 +160,7 @@ impl<'a> Tables<'a> {
         half: [f64; 2],
     ) {
         all_azimuths.fill(
+            simd,
             first_sixteen..first_sixteen + self.cos_azimuth.len(),
             #[inline(always)]
             |block, cos, sin| {
@@ -167,6 +188,7 @@ impl<'a> Tables<'a> {
             }
         }
         azimuth.of_blocks(half[0], ray_grid.shift_x).fill(
+            simd,
             0..self.cos_middle.len(),
             #[inline(always)]
             |block, cos, sin| {
@@ -175,6 +197,7 @@ impl<'a> Tables<'a> {
             },
         );
         elevation.of_blocks(half[1], ray_grid.shift_y).fill(
+            simd,
             0..self.levels.len().div_ceil(WIDTH),
             #[inline(always)]
             |block, cos, sin| {
@@ -200,7 +223,8 @@ impl<'a> SphericalRays<'a> {
 
     /// Fills the tables of a grid that starts at a column of the grid with the given angles.
     #[inline(always)]
-    pub(crate) fn new(
+    pub(crate) fn new<S: Simd>(
+        simd: S,
         (ray_grid, first_column): (RayGrid, u32),
         azimuth: AngleSteps,
         elevation: AngleSteps,
@@ -214,7 +238,7 @@ impl<'a> SphericalRays<'a> {
         let columns = sixteens(&ray_grid, first_column);
         let mut cut = Tables::cut(&ray_grid, columns, tables);
         let half = [((1 << ray_grid.shift_x) - 1) as f64 * 0.5, ((1 << ray_grid.shift_y) - 1) as f64 * 0.5];
-        cut.fill(&ray_grid, first_column as usize / WIDTH, all_azimuths, (azimuth, elevation), half);
+        cut.fill(simd, &ray_grid, first_column as usize / WIDTH, all_azimuths, (azimuth, elevation), half);
         let reach = [half[0] * azimuth.step, half[1] * elevation.step];
         let arc = if reach[0].abs() <= core::f64::consts::FRAC_PI_2 {
             let (sin, cos) = sin_cos(reach[0].abs());

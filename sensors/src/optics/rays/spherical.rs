@@ -144,25 +144,27 @@ impl Projection for SphericalRays<'_> {
 
     #[inline(always)]
     fn rays<S: Simd>(&self, simd: S, columns: i32x16<S>, rows: i32x16<S>) -> Self::Directions<S> {
-        let (mut at_column, mut at_row) = ([0_i32; WIDTH], [0_i32; WIDTH]);
+        let RayGrid { shift_x, shift_y, height, .. } = self.ray_grid;
+        // Finished lanes are past the end; any value will do for them.
+        let columns = columns.min(i32x16::splat(simd, self.cos_azimuth.len() as i32 - 1));
+        let rows = rows.min(i32x16::splat(simd, height - 1));
+        let lines = (rows >> shift_y) * WIDTH as i32 + ((rows & ((1 << shift_y) - 1)) << shift_x);
+        let (mut at_column, mut at_line) = ([0_i32; WIDTH], [0_i32; WIDTH]);
         columns.store_array(&mut at_column);
-        rows.store_array(&mut at_row);
-        let mut values = [[0.0_f32; WIDTH]; 4];
+        lines.store_array(&mut at_line);
+        let (levels, ups) = (self.cos_elevation.as_flattened(), self.sin_elevation.as_flattened());
+        let mut values = [[0.0_f32; WIDTH]; 3];
         for lane in 0..WIDTH {
-            // Finished lanes are past the end; any value will do for them.
-            let column = (at_column[lane] as usize).min(self.cos_azimuth.len() - 1);
-            let row = at_row[lane].min(self.ray_grid.height - 1);
-            let (block, place) = ((row >> self.ray_grid.shift_y) as usize, self.ray_grid.lane(0, row));
-            values[0][lane] = self.cos_azimuth[column];
-            values[1][lane] = self.sin_azimuth[column];
-            values[2][lane] = self.cos_elevation[block][place];
-            values[3][lane] = self.sin_elevation[block][place];
+            let (column, line) = (at_column[lane] as usize, at_line[lane] as usize);
+            let level = levels[line];
+            values[0][lane] = self.cos_azimuth[column] * level;
+            values[1][lane] = self.sin_azimuth[column] * level;
+            values[2][lane] = ups[line];
         }
-        let level = f32x16::load_array_ref(simd, &values[2]);
         [
-            f32x16::load_array_ref(simd, &values[0]) * level,
-            f32x16::load_array_ref(simd, &values[1]) * level,
-            f32x16::load_array_ref(simd, &values[3]),
+            f32x16::load_array_ref(simd, &values[0]),
+            f32x16::load_array_ref(simd, &values[1]),
+            f32x16::load_array_ref(simd, &values[2]),
         ]
     }
 

@@ -238,6 +238,8 @@ const fn alternating_factorials(first: u32) -> [f64; 9] {
 
 #[cfg(test)]
 mod tests {
+    use fearless_simd::{SimdBase as _, f64x8};
+
     #[test]
     fn sine_and_cosine_to_the_last_bits() {
         for step in -20_000..20_000 {
@@ -253,9 +255,9 @@ mod tests {
         let simd = super::best_level();
         for step in -5_000..5_000 {
             let x: [f64; 8] = core::array::from_fn(|lane| f64::from(8 * step + lane as i32) * 0.011);
-            let mut eight = [[0.0; 8]; 2];
+            let mut eight = [[0.0_f64; 8]; 2];
             super::dispatch!(simd, simd => {
-                let both = super::sin_cos_of(simd, fearless_simd::f64x8::load_array(simd, x));
+                let both = super::sin_cos_of(simd, f64x8::load_array(simd, x));
                 both[0].store_array(&mut eight[0]);
                 both[1].store_array(&mut eight[1]);
             });

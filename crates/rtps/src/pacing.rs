@@ -16,6 +16,9 @@ const FAST: f64 = 130e6;
 /// Bytes per second: no slower than this, so that rare samples are not late.
 const SLOW: f64 = 60e6;
 
+/// Bytes per second: with the first fragment, a reader makes room for the whole sample, and cannot read meanwhile.
+const ROOM: f64 = 1.5e9;
+
 /// The clock of one writer.
 #[derive(Debug)]
 pub(crate) struct Pace {
@@ -43,13 +46,19 @@ impl Pace {
         self.due
     }
 
-    /// A datagram of `bytes` was sent, of a sample of `total`, while `waiting` samples wait behind it.
-    pub(crate) fn sent(&mut self, now: Instant, bytes: usize, total: usize, waiting: usize) {
+    /// A datagram of `bytes` was sent, of a sample of `total`, while `waiting` samples wait behind it. Others of this
+    /// sample follow the first one.
+    pub(crate) fn sent(&mut self, now: Instant, bytes: usize, total: usize, waiting: usize, is_first: bool) {
         let (bytes, total) = (bytes as f64, total.max(1) as f64);
         let period = self.period.as_secs_f64();
         let spread = (PART * period).max((total / FAST).min(LARGE_PART * period)).min(total / SLOW);
-        let gap = Duration::from_secs_f64(spread * bytes / total / (1.0 + waiting as f64));
+        let gap = spread * bytes / total / (1.0 + waiting as f64);
+        if is_first {
+            self.due = now + Duration::from_secs_f64(gap.max(total / ROOM));
+            return;
+        }
         // A thread that comes late makes up for one datagram, and not for a burst of them.
+        let gap = Duration::from_secs_f64(gap);
         let earliest = now.checked_sub(gap).unwrap_or(now);
         self.due = self.due.max(earliest) + gap;
     }
@@ -70,7 +79,7 @@ mod tests {
         let start = now;
         for sent in (0..total).step_by(64_000) {
             now = now.max(pace.due());
-            pace.sent(now, 64_000.min(total - sent), total, 0);
+            pace.sent(now, 64_000.min(total - sent), total, 0, sent == 0 && total > 64_000);
         }
         now - start
     }
@@ -80,10 +89,10 @@ mod tests {
         let picture = time(921_600, Duration::from_millis(33));
         assert!((6.0..8.5).contains(&(picture.as_secs_f64() * 1e3)), "{picture:?}");
         let cloud = time(4_915_200, Duration::from_millis(100));
-        assert!((36.0..38.0).contains(&(cloud.as_secs_f64() * 1e3)), "{cloud:?}");
+        assert!((39.0..41.0).contains(&(cloud.as_secs_f64() * 1e3)), "{cloud:?}");
         // Full HD sixty times a second needs more than that.
         let large = time(6_220_800, Duration::from_micros(16_667));
-        assert!((7.5..8.4).contains(&(large.as_secs_f64() * 1e3)), "{large:?}");
+        assert!((11.0..12.5).contains(&(large.as_secs_f64() * 1e3)), "{large:?}");
         // A sample each second is not late by a quarter of a second.
         let rare = time(921_600, Duration::from_secs(1));
         assert!((10.0..17.0).contains(&(rare.as_secs_f64() * 1e3)), "{rare:?}");
@@ -95,9 +104,9 @@ mod tests {
         let start = Instant::now();
         let mut pace = Pace::new(start);
         let late = start + Duration::from_millis(50);
-        pace.sent(late, 64_000, 921_600, 0);
+        pace.sent(late, 64_000, 921_600, 0, false);
         assert!(pace.due() <= late);
-        pace.sent(late, 64_000, 921_600, 0);
+        pace.sent(late, 64_000, 921_600, 0, false);
         assert!(pace.due() > late);
     }
 }

@@ -15,6 +15,9 @@ const GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
 /// What we would like to have for datagrams that wait; the kernel gives what it allows.
 const BUFFER: usize = 4 << 20;
 
+/// How long a datagram waits for room on its way into a network.
+const LONGEST_SEND: Duration = Duration::from_millis(10);
+
 /// At most so many participants of a host listen at ports of a domain.
 const PARTICIPANTS: u16 = 120;
 
@@ -192,9 +195,17 @@ impl Sockets {
 impl Link for &Sockets {
     fn send(&mut self, to: SocketAddrV4, parts: [&[u8]; 3]) {
         let parts = parts.map(IoSlice::new);
-        let mut control = SendAncillaryBuffer::default();
-        // A datagram that cannot be sent is lost like others, and asked for again.
-        let _ = rustix::net::sendmsg_addr(self.user.as_fd(), &to, &parts, &mut control, SendFlags::empty());
+        let mut send = || {
+            let mut control = SendAncillaryBuffer::default();
+            rustix::net::sendmsg_addr(self.user.as_fd(), &to, &parts, &mut control, SendFlags::empty())
+        };
+        // A network that is slower than the pace makes us wait. A datagram that cannot be sent is lost like others, and
+        // asked for again.
+        if send() == Err(rustix::io::Errno::WOULDBLOCK) {
+            let wait = Timespec { tv_sec: 0, tv_nsec: LONGEST_SEND.as_nanos() as i64 };
+            let _ = poll(&mut [PollFd::new(&self.user, PollFlags::OUT)], Some(&wait));
+            let _ = send();
+        }
     }
 }
 

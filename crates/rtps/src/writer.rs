@@ -257,6 +257,7 @@ impl Writer {
             && let Some(mut job) = queue.pop_front()
         {
             let (bytes, total) = self.send_fragment(&job, now, link);
+            let is_first = job.next == 0 && bytes < total;
             job.next += 1;
             if job.seek() {
                 let queue = if repairs { &mut self.repairs } else { &mut self.fresh };
@@ -267,7 +268,7 @@ impl Writer {
                 }
                 self.hurry(now);
             }
-            self.pace.sent(now, bytes, total, self.fresh.len().saturating_sub(1));
+            self.pace.sent(now, bytes, total, self.fresh.len().saturating_sub(1), is_first);
         }
         if self.heartbeat_due.is_some_and(|due| due <= now) {
             self.send_heartbeats(now, link);

@@ -195,7 +195,7 @@ impl Sockets {
 impl Link for &Sockets {
     fn send(&mut self, to: SocketAddrV4, parts: [&[u8]; 3]) {
         let parts = parts.map(IoSlice::new);
-        let mut send = || {
+        let send = || {
             let mut control = SendAncillaryBuffer::default();
             rustix::net::sendmsg_addr(self.user.as_fd(), &to, &parts, &mut control, SendFlags::empty())
         };

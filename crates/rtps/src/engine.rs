@@ -173,6 +173,7 @@ impl Engine {
 
     /// Says that we are gone.
     fn leave(mut self) {
+        self.mailbox.close();
         self.announced = self.announced.saturating_add(1);
         let datagram = self.announcement_to(Prefix::UNKNOWN, true);
         self.sockets.announce(&datagram);

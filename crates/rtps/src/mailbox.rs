@@ -23,7 +23,8 @@ pub(crate) enum Order {
 /// Orders that wait for the participant's thread.
 #[derive(Debug)]
 pub(crate) struct Mailbox {
-    orders: Mutex<Vec<Order>>,
+    /// Nothing, once the thread has left: writers may outlive their participant.
+    orders: Mutex<Option<Vec<Order>>>,
     pub(crate) waker: Waker,
 }
 
@@ -34,17 +35,20 @@ pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Mailbox {
     pub(crate) fn new(waker: Waker) -> Mailbox {
-        Mailbox { orders: Mutex::new(Vec::new()), waker }
+        Mailbox { orders: Mutex::new(Some(Vec::new())), waker }
     }
 
     pub(crate) fn post(&self, order: Order) {
-        lock(&self.orders).push(order);
+        if let Some(orders) = &mut *lock(&self.orders) {
+            orders.push(order);
+        }
         self.waker.wake();
     }
 
     /// Posts a sample. If the thread lags behind, only the last `depth` of a writer wait for it.
     pub(crate) fn post_sample(&self, writer: EntityId, sample: Vec<u8>, time: Duration, depth: usize) {
-        let mut orders = lock(&self.orders);
+        let mut guard = lock(&self.orders);
+        let Some(orders) = &mut *guard else { return };
         let of_writer = |order: &Order| matches!(order, Order::Write(other, ..) if *other == writer);
         if orders.iter().filter(|order| of_writer(order)).count() >= depth
             && let Some(oldest) = orders.iter().position(of_writer)
@@ -52,12 +56,17 @@ impl Mailbox {
             orders.remove(oldest);
         }
         orders.push(Order::Write(writer, Arc::new(sample), time));
-        drop(orders);
+        drop(guard);
         self.waker.wake();
     }
 
     pub(crate) fn take(&self) -> Vec<Order> {
-        std::mem::take(&mut lock(&self.orders))
+        lock(&self.orders).as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Takes no orders from now on.
+    pub(crate) fn close(&self) {
+        *lock(&self.orders) = None;
     }
 }
 

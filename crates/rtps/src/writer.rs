@@ -214,6 +214,11 @@ impl Writer {
             }
             link.send(peer.address, [&self.head, &[], &[]]);
         }
+        if self.keep == Keep::LastOfKey {
+            // Whoever comes later need not be told of what is gone.
+            let all = self.readers.values().map(|proxy| proxy.acked).min().unwrap_or(0);
+            self.history.retain(|&sequence, sample| sequence > all || !sample.is_disposed());
+        }
         if acked < self.sent && (is_first || self.heartbeat_due.is_none()) {
             self.hurry(now);
         }

@@ -19,6 +19,12 @@ pub(crate) struct Sample {
     pub(crate) key: Option<(Guid, bool)>,
 }
 
+impl Sample {
+    pub(super) fn is_disposed(&self) -> bool {
+        self.key.is_some_and(|(_, disposed)| disposed)
+    }
+}
+
 /// Fragments that are still to be sent.
 #[derive(Debug)]
 pub(super) struct Job {

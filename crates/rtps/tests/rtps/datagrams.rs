@@ -3,15 +3,15 @@
 use std::net::UdpSocket;
 use std::time::Duration;
 
-use belvedere_rtps::{Qos, Topic};
+use belvedere_rtps::Qos;
 
-use crate::participants::{domain, join};
+use crate::participants::{domain, join, topic};
 
 #[test]
 fn a_participant_goes_on_after_nonsense() {
     let domain = domain(5);
     let ours = join(domain, "writer");
-    let topic = Topic { name: "/test/nonsense", message: "std_msgs/msg/String", hash: "" };
+    let topic = topic();
     let writer = ours.writer(topic, Qos::latched()).expect("a writer");
     writer.write(vec![0, 1, 0, 0, 7, 7, 7, 7]);
     let socket = UdpSocket::bind("127.0.0.1:0").expect("a socket");

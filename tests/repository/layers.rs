@@ -90,6 +90,29 @@ const XACRO: &[&str] = &[
 /// The layers of the packets of lidars.
 const LIDAR_PACKETS: &[&str] = &["whole", "column", "velodyne", "ouster", "pcap"];
 
+/// The layers of the wire of ROS 2.
+const RTPS: &[&str] = &[
+    "guid",
+    "bytes",
+    "numbers",
+    "parameters",
+    "message",
+    "peer",
+    "pacing",
+    "writer",
+    "assembly",
+    "reader",
+    "spdp",
+    "sedp",
+    "ros",
+    "sockets",
+    "mailbox",
+    "engine",
+    "participant",
+    "exchange",
+    "mutated",
+];
+
 /// A path of modules, without `crate`.
 type Module = Vec<String>;
 
@@ -297,6 +320,12 @@ fn each_layer_of_xacro_uses_only_those_below_it() {
 #[test]
 fn each_layer_of_the_packets_of_lidars_uses_only_those_below_it() {
     let uses = check_layers("crates/lidar-packets/src", LIDAR_PACKETS);
+    assert_eq!(circles(&uses), BTreeSet::new(), "{uses:#?}");
+}
+
+#[test]
+fn each_layer_of_the_wire_of_ros_2_uses_only_those_below_it() {
+    let uses = check_layers("crates/rtps/src", RTPS);
     assert_eq!(circles(&uses), BTreeSet::new(), "{uses:#?}");
 }
 

@@ -4,10 +4,11 @@ use std::path::Path;
 use std::process::Command;
 
 /// Each crate that is published, with its folder and with files that it must have.
-const CRATES: [(&str, &str, &[&str]); 6] = [
+const CRATES: [(&str, &str, &[&str]); 7] = [
     ("belvedere-sensors", "sensors", &[]),
     ("belvedere-bridge", "bridge", &["WIRE.md", "SECURITY.md"]),
     ("lidar-packets", "crates/lidar-packets", &[]),
+    ("belvedere-rtps", "crates/rtps", &[]),
     ("belvedere-xacro", "crates/xacro", &[]),
     ("belvedere-description", "crates/description", &["models/worlds/tag_ceiling.world"]),
     ("belvedere", "", &["models/worlds/tag_ceiling.world", "viewer/dist/viewer.js", "src/main.rs"]),

@@ -1,0 +1,178 @@
+//! A writer and a reader over a link that loses datagrams, in a time of its own.
+
+use std::collections::VecDeque;
+use std::net::{Ipv4Addr, SocketAddrV4};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::guid::{EntityId, Guid, Prefix};
+use crate::message::{Content, Message};
+use crate::peer::{Link, Peer};
+use crate::reader::Reader;
+use crate::writer::{Keep, Sample, Writer};
+
+const WRITER: Guid = Guid { prefix: Prefix([1; 12]), entity: EntityId([0, 0, 1, 3]) };
+const READER: Guid = Guid { prefix: Prefix([2; 12]), entity: EntityId([0, 0, 1, 4]) };
+const ADDRESS: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7411);
+
+/// Keeps what is sent, but for what it loses: the share `lost` of 100.
+struct Lossy {
+    sent: VecDeque<Vec<u8>>,
+    lost: u64,
+    random: u64,
+}
+
+impl Link for Lossy {
+    fn send(&mut self, _to: SocketAddrV4, parts: [&[u8]; 3]) {
+        self.random =
+            self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        if (self.random >> 33) % 100 >= self.lost {
+            self.sent.push_back(parts.concat());
+        }
+    }
+}
+
+/// Both ends of a topic, and the way between them.
+struct Exchange {
+    now: Instant,
+    writer: Writer,
+    reader: Reader,
+    link: Lossy,
+    /// The first byte behind the header of each sample that came, and its length.
+    came: Vec<(u8, usize)>,
+}
+
+impl Exchange {
+    fn new(reliable: bool, depth: usize, lost: u64) -> Exchange {
+        let now = Instant::now();
+        Exchange {
+            now,
+            writer: Writer::new(WRITER, Keep::Last(depth), true, now),
+            reader: Reader::new(READER, reliable, true, 1 << 20),
+            link: Lossy { sent: VecDeque::new(), lost, random: 7 },
+            came: Vec::new(),
+        }
+    }
+
+    fn join(&mut self, reliable: bool) {
+        let peer = |guid| Peer { guid, address: ADDRESS, reliable, transient: true };
+        self.writer.match_reader(peer(READER), self.now);
+        self.reader.match_writer(peer(WRITER), &mut self.link);
+    }
+
+    fn write(&mut self, number: u8, length: usize) {
+        let mut payload = vec![number; length];
+        payload[..4].copy_from_slice(&[0, 1, 0, 0]);
+        self.writer.write(Sample { payload: Arc::new(payload), time: Duration::ZERO, key: None }, self.now);
+    }
+
+    /// Lets time pass, in steps of a tenth of a millisecond.
+    fn pass(&mut self, time: Duration) {
+        let end = self.now + time;
+        while self.now < end {
+            self.now += Duration::from_micros(100);
+            if self.writer.due().is_some_and(|due| due <= self.now) {
+                self.writer.step(self.now, &mut self.link);
+            }
+            while let Some(datagram) = self.link.sent.pop_front() {
+                self.deliver(&datagram);
+            }
+        }
+    }
+
+    fn deliver(&mut self, datagram: &[u8]) {
+        let mut message = Message::new(datagram).expect("a datagram of ours");
+        let mut said = 0;
+        while let Some(submessage) = message.next() {
+            said += 1;
+            match &submessage.content {
+                Content::AckNack { missing, count, .. } => {
+                    self.writer.acknack(READER, missing, *count, self.now, &mut self.link);
+                }
+                Content::NackFragments { sequence, missing, .. } => {
+                    self.writer.nack_fragments(READER, *sequence, *missing, self.now);
+                }
+                content => {
+                    for sample in self.reader.take(WRITER, content, &mut self.link) {
+                        let number = sample.payload[4];
+                        assert!(sample.payload[4..].iter().all(|&byte| byte == number));
+                        self.came.push((number, sample.payload.len()));
+                    }
+                }
+            }
+        }
+        assert!(said > 0, "an empty datagram");
+    }
+}
+
+#[test]
+fn a_reliable_reader_gets_everything_in_order_over_a_bad_link() {
+    for lost in [0, 1, 10, 30] {
+        let mut exchange = Exchange::new(true, 100, lost);
+        exchange.join(true);
+        let mut wanted = Vec::new();
+        for number in 0..60 {
+            let length = if number % 3 == 0 { 300_000 } else { 100 };
+            exchange.write(number, length);
+            wanted.push((number, length));
+            exchange.pass(Duration::from_millis(10));
+        }
+        exchange.pass(Duration::from_secs(20));
+        assert_eq!(exchange.came, wanted, "{lost} of 100 lost");
+        assert_eq!(exchange.writer.due(), None, "the writer has nothing more to do");
+    }
+}
+
+#[test]
+fn a_reader_that_is_slow_goes_on_with_what_is_kept() {
+    let mut exchange = Exchange::new(true, 3, 100);
+    exchange.join(true);
+    for number in 0..20 {
+        exchange.write(number, 300_000);
+        exchange.pass(Duration::from_millis(30));
+    }
+    assert_eq!(exchange.came, []);
+    exchange.link.lost = 0;
+    exchange.pass(Duration::from_secs(5));
+    assert_eq!(exchange.came, [(17, 300_000), (18, 300_000), (19, 300_000)]);
+}
+
+#[test]
+fn a_late_reader_gets_the_history() {
+    let mut exchange = Exchange::new(true, 2, 20);
+    for number in 0..5 {
+        exchange.write(number, 150_000);
+        exchange.pass(Duration::from_millis(30));
+    }
+    exchange.join(true);
+    exchange.pass(Duration::from_secs(5));
+    assert_eq!(exchange.came, [(3, 150_000), (4, 150_000)]);
+    exchange.write(5, 8);
+    exchange.pass(Duration::from_secs(5));
+    assert_eq!(exchange.came.last(), Some(&(5, 8)));
+}
+
+#[test]
+fn best_effort_loses_what_is_lost_and_no_more() {
+    let mut exchange = Exchange::new(false, 5, 0);
+    exchange.join(false);
+    for number in 0..10 {
+        exchange.write(number, 300_000);
+        exchange.pass(Duration::from_millis(30));
+        exchange.link.lost = if number == 4 { 100 } else { 0 };
+    }
+    let came: Vec<u8> = exchange.came.iter().map(|(number, _)| *number).collect();
+    assert_eq!(came, [0, 1, 2, 3, 4, 6, 7, 8, 9]);
+    assert_eq!(exchange.writer.due(), None);
+}
+
+#[test]
+fn a_sample_that_is_too_large_is_not_assembled() {
+    let mut exchange = Exchange::new(false, 5, 0);
+    exchange.join(false);
+    exchange.write(1, (1 << 20) + 4);
+    exchange.pass(Duration::from_millis(100));
+    exchange.write(2, 1 << 20);
+    exchange.pass(Duration::from_millis(100));
+    assert_eq!(exchange.came, [(2, 1 << 20)]);
+}

@@ -1,0 +1,41 @@
+#![doc = include_str!("../README.md")]
+//!
+//! # Modules
+//!
+//! | module | contents |
+//! |---|---|
+//! | `guid`, `bytes`, `numbers`, `parameters` | names, numbers, sets of numbers and parameter lists on the wire |
+//! | `message` | datagrams and their submessages |
+//! | `spdp`, `sedp` | what participants announce of themselves, and of their readers and writers |
+//! | `pacing`, `writer` | when which datagram of a topic is sent, and what is kept for its readers |
+//! | `assembly`, `reader` | what has come of a topic, and what is missing |
+//! | `sockets`, `engine` | the ports, and the thread that serves them |
+//! | `ros` | what ROS 2 adds: names, hashes of types, the graph of nodes |
+//! | `participant` | the interface |
+#![forbid(unsafe_code)]
+
+mod assembly;
+mod bytes;
+mod engine;
+#[cfg(test)]
+mod exchange;
+mod guid;
+mod mailbox;
+mod message;
+#[cfg(test)]
+mod mutated;
+mod numbers;
+mod pacing;
+mod parameters;
+mod participant;
+mod peer;
+mod reader;
+mod ros;
+mod sedp;
+mod sockets;
+mod spdp;
+mod writer;
+
+pub use guid::{EntityId, Guid, Prefix};
+pub use participant::{Node, Participant, Qos, Reader, Topic, TypeError, Writer};
+pub use sockets::{ListenError, Range};

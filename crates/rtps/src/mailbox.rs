@@ -1,0 +1,158 @@
+//! What the user's threads hand to the participant's thread, and the other way around.
+
+use std::collections::VecDeque;
+use std::fmt;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::guid::EntityId;
+use crate::sedp::Endpoint;
+use crate::sockets::Waker;
+
+/// What the participant's thread is to do.
+#[derive(Debug)]
+pub(crate) enum Order {
+    AddWriter(Endpoint, Arc<WriterState>),
+    AddReader(Endpoint, Arc<ReaderState>),
+    Remove(EntityId),
+    Write(EntityId, Arc<Vec<u8>>, Duration),
+    Stop,
+}
+
+/// Orders that wait for the participant's thread.
+#[derive(Debug)]
+pub(crate) struct Mailbox {
+    /// Nothing, once the thread has left: writers may outlive their participant.
+    orders: Mutex<Option<Vec<Order>>>,
+    pub(crate) waker: Waker,
+}
+
+/// A lock that holds whatever a panic left: every value is whole between two statements.
+pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Mailbox {
+    pub(crate) fn new(waker: Waker) -> Mailbox {
+        Mailbox { orders: Mutex::new(Some(Vec::new())), waker }
+    }
+
+    pub(crate) fn post(&self, order: Order) {
+        if let Some(orders) = &mut *lock(&self.orders) {
+            orders.push(order);
+        }
+        self.waker.wake();
+    }
+
+    /// Posts a sample. If the thread lags behind, only the last `depth` of a writer wait for it.
+    pub(crate) fn post_sample(&self, writer: EntityId, sample: Vec<u8>, time: Duration, depth: usize) {
+        let mut guard = lock(&self.orders);
+        let Some(orders) = &mut *guard else { return };
+        let of_writer = |order: &Order| matches!(order, Order::Write(other, ..) if *other == writer);
+        if orders.iter().filter(|order| of_writer(order)).count() >= depth
+            && let Some(oldest) = orders.iter().position(of_writer)
+        {
+            orders.remove(oldest);
+        }
+        orders.push(Order::Write(writer, Arc::new(sample), time));
+        drop(guard);
+        self.waker.wake();
+    }
+
+    pub(crate) fn take(&self) -> Vec<Order> {
+        lock(&self.orders).as_mut().map(std::mem::take).unwrap_or_default()
+    }
+
+    /// Takes no orders from now on.
+    pub(crate) fn close(&self) {
+        *lock(&self.orders) = None;
+    }
+}
+
+/// What a writer's user and the participant's thread share.
+#[derive(Default)]
+pub(crate) struct WriterState {
+    pub(crate) matched: AtomicUsize,
+    /// Buffers of samples that nobody needs any longer.
+    buffers: Mutex<Vec<Vec<u8>>>,
+    /// Called with the number of readers when it changes.
+    on_matched: Mutex<Option<OnMatched>>,
+}
+
+pub(crate) type OnMatched = Box<dyn FnMut(usize) + Send>;
+
+impl WriterState {
+    pub(crate) fn new(on_matched: Option<OnMatched>) -> WriterState {
+        WriterState { on_matched: Mutex::new(on_matched), ..WriterState::default() }
+    }
+
+    pub(crate) fn set_matched(&self, count: usize) {
+        if self.matched.swap(count, Ordering::Relaxed) != count
+            && let Some(call) = &mut *lock(&self.on_matched)
+        {
+            call(count);
+        }
+    }
+
+    pub(crate) fn give_back(&self, buffer: Vec<u8>) {
+        let mut buffers = lock(&self.buffers);
+        if buffers.len() < 2 {
+            buffers.push(buffer);
+        }
+    }
+
+    pub(crate) fn buffer(&self) -> Vec<u8> {
+        lock(&self.buffers).pop().unwrap_or_default()
+    }
+}
+
+impl fmt::Debug for WriterState {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.debug_struct("WriterState").field("matched", &self.matched).finish_non_exhaustive()
+    }
+}
+
+/// What a reader's user and the participant's thread share.
+#[derive(Debug)]
+pub(crate) struct ReaderState {
+    pub(crate) matched: AtomicUsize,
+    samples: Mutex<VecDeque<Vec<u8>>>,
+    arrived: Condvar,
+    depth: usize,
+    /// The most bytes of a sample.
+    pub(crate) limit: usize,
+}
+
+impl ReaderState {
+    pub(crate) fn new(depth: usize, limit: usize) -> ReaderState {
+        let (matched, samples, arrived) = (AtomicUsize::new(0), Mutex::default(), Condvar::new());
+        ReaderState { matched, samples, arrived, depth: depth.max(1), limit }
+    }
+
+    pub(crate) fn push(&self, sample: Vec<u8>) {
+        let mut samples = lock(&self.samples);
+        if samples.len() >= self.depth {
+            samples.pop_front();
+        }
+        samples.push_back(sample);
+        self.arrived.notify_one();
+    }
+
+    pub(crate) fn take(&self, timeout: Duration) -> Option<Vec<u8>> {
+        let until = Instant::now().checked_add(timeout);
+        let mut samples = lock(&self.samples);
+        loop {
+            if let Some(sample) = samples.pop_front() {
+                return Some(sample);
+            }
+            let left =
+                until.map_or(Duration::from_secs(3600), |at| at.saturating_duration_since(Instant::now()));
+            if left.is_zero() {
+                return None;
+            }
+            let waited = self.arrived.wait_timeout(samples, left);
+            samples = waited.unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+}

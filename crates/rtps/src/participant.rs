@@ -1,0 +1,330 @@
+//! The interface: a participant with one node, its writers and its readers.
+
+use std::fmt::Write as _;
+use std::hash::{BuildHasher, Hasher, RandomState};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, Mutex};
+use std::thread::JoinHandle;
+use std::time::{Duration, SystemTime, UNIX_EPOCH};
+
+use crate::engine::Engine;
+use crate::guid::{EntityId, Guid, Prefix};
+use crate::mailbox::{Mailbox, OnMatched, Order, ReaderState, WriterState, lock};
+use crate::ros;
+use crate::sedp::Endpoint;
+use crate::sockets::{ListenError, Range, Sockets, Waker};
+use crate::spdp::{Announcement, LEASE};
+
+/// What a topic's readers can rely on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Qos {
+    /// What is lost on the way is sent again.
+    pub reliable: bool,
+    /// Readers that join late get the last samples.
+    pub transient_local: bool,
+    /// How many samples are kept.
+    pub depth: usize,
+}
+
+impl Qos {
+    /// Reliable, so that every reader can use it, and nothing for those that join late.
+    pub fn volatile(depth: usize) -> Qos {
+        Qos { reliable: true, transient_local: false, depth }
+    }
+
+    /// Reliable, and the last sample for those that join late, as of `/tf_static`.
+    pub fn latched() -> Qos {
+        Qos { reliable: true, transient_local: true, depth: 1 }
+    }
+
+    /// What is lost is lost.
+    pub fn best_effort(depth: usize) -> Qos {
+        Qos { reliable: false, transient_local: false, depth }
+    }
+}
+
+/// Why a writer or reader cannot be made.
+#[derive(Debug, PartialEq, Eq, thiserror::Error)]
+#[error("\"{0}\" is not the type of a message; a type is written as sensor_msgs/msg/Image")]
+pub struct TypeError(String);
+
+/// Who joins which domain.
+#[derive(Clone, Copy, Debug)]
+pub struct Node<'a> {
+    /// The domain, as `ROS_DOMAIN_ID` has it.
+    pub domain: u32,
+    /// How far it is seen.
+    pub range: Range,
+    /// The namespace of the node, such as `/`.
+    pub namespace: &'a str,
+    /// The name of the node, such as `belvedere`.
+    pub name: &'a str,
+}
+
+/// A topic with its type.
+#[derive(Clone, Copy, Debug)]
+pub struct Topic<'a> {
+    /// Its name in ROS, such as `/camera/image_raw`.
+    pub name: &'a str,
+    /// Its type in ROS, such as `sensor_msgs/msg/Image`.
+    pub message: &'a str,
+    /// The hash of its type, `RIHS01_` and 64 digits, or nothing.
+    pub hash: &'a str,
+}
+
+/// What the node has, for `ros2 node info`.
+#[derive(Debug)]
+struct Graph {
+    next: u32,
+    readers: Vec<Guid>,
+    writers: Vec<Guid>,
+}
+
+#[derive(Debug)]
+struct Shared {
+    prefix: Prefix,
+    namespace: String,
+    node: String,
+    mailbox: Arc<Mailbox>,
+    graph: Mutex<Graph>,
+}
+
+/// The writer by which the participant says what its node has.
+const GRAPH_WRITER: u32 = 1;
+
+impl Shared {
+    fn now() -> Duration {
+        SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
+    }
+
+    fn guid(&self, entity: EntityId) -> Guid {
+        Guid::new(self.prefix, entity)
+    }
+
+    fn endpoint(&self, entity: EntityId, topic: Topic<'_>, qos: Qos) -> Result<Endpoint, TypeError> {
+        let type_name = ros::type_name(topic.message).ok_or_else(|| TypeError(topic.message.to_owned()))?;
+        let topic_name = ros::topic(topic.name);
+        Ok(endpoint(self.guid(entity), topic_name, type_name, qos, ros::user_data(topic.hash)))
+    }
+
+    /// Tells others what the node has now.
+    fn tell(&self, graph: &Graph) {
+        let participant = self.guid(EntityId::PARTICIPANT);
+        let sample = ros::graph(participant, &self.namespace, &self.node, &graph.readers, &graph.writers);
+        self.mailbox.post_sample(EntityId::user_writer(GRAPH_WRITER), sample, Shared::now(), 1);
+    }
+
+    fn number(&self) -> u32 {
+        let mut graph = lock(&self.graph);
+        graph.next += 1;
+        graph.next
+    }
+
+    fn remove(&self, entity: EntityId) {
+        let guid = self.guid(entity);
+        self.mailbox.post(Order::Remove(entity));
+        let mut graph = lock(&self.graph);
+        graph.readers.retain(|other| *other != guid);
+        graph.writers.retain(|other| *other != guid);
+        self.tell(&graph);
+    }
+}
+
+fn endpoint(guid: Guid, topic: String, type_name: String, qos: Qos, user_data: Vec<u8>) -> Endpoint {
+    Endpoint {
+        guid,
+        topic,
+        type_name,
+        reliable: qos.reliable,
+        transient: qos.transient_local,
+        depth: qos.depth.clamp(1, 100_000) as u32,
+        deadline: Duration::MAX,
+        liveliness: Duration::MAX,
+        locators: Vec::new(),
+        user_data,
+    }
+}
+
+/// A node of ROS 2, as a participant of DDS. It has one thread.
+#[derive(Debug)]
+pub struct Participant {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Participant {
+    /// Joins a domain.
+    ///
+    /// # Errors
+    /// If no port can be listened at.
+    pub fn join(node: &Node<'_>) -> Result<Participant, ListenError> {
+        let sockets = Sockets::open(node.domain, node.range)?;
+        let prefix = random_prefix();
+        let (discovery, user) = (sockets.discovery_locators()?, sockets.user_locators()?);
+        let announcement = Announcement { prefix, discovery, user, lease: LEASE };
+        let announcement = announcement.encode(node.domain, sockets.group(), node.name);
+        let mailbox = Arc::new(Mailbox::new(Waker::new()?));
+        let engine = Engine::new(prefix, sockets, Arc::clone(&mailbox), announcement);
+        let thread = std::thread::Builder::new().name("rtps".to_owned()).spawn(move || engine.run())?;
+        let shared = Shared {
+            prefix,
+            namespace: node.namespace.to_owned(),
+            node: node.name.to_owned(),
+            mailbox,
+            graph: Mutex::new(Graph { next: 16, readers: Vec::new(), writers: Vec::new() }),
+        };
+        let graph = |entity| {
+            let guid = Guid::new(prefix, entity);
+            let (topic, type_name) = (ros::GRAPH_TOPIC.to_owned(), ros::GRAPH_TYPE.to_owned());
+            endpoint(guid, topic, type_name, Qos::latched(), Vec::new())
+        };
+        let writer = graph(EntityId::user_writer(GRAPH_WRITER));
+        shared.mailbox.post(Order::AddWriter(writer, Arc::default()));
+        shared.tell(&lock(&shared.graph));
+        Ok(Participant { shared: Arc::new(shared), thread: Some(thread) })
+    }
+
+    /// Writes a topic.
+    ///
+    /// # Errors
+    /// If the type is not written as `package/msg/Name`.
+    pub fn writer(&self, topic: Topic<'_>, qos: Qos) -> Result<Writer, TypeError> {
+        self.open_writer(topic, qos, None)
+    }
+
+    /// Writes a topic, and calls `on_matched` with the number of readers whenever it changes. The call is made by the
+    /// participant's thread, which waits for it.
+    ///
+    /// # Errors
+    /// If the type is not written as `package/msg/Name`.
+    pub fn watched_writer(
+        &self,
+        topic: Topic<'_>,
+        qos: Qos,
+        on_matched: impl FnMut(usize) + Send + 'static,
+    ) -> Result<Writer, TypeError> {
+        self.open_writer(topic, qos, Some(Box::new(on_matched)))
+    }
+
+    fn open_writer(&self, topic: Topic<'_>, qos: Qos, call: Option<OnMatched>) -> Result<Writer, TypeError> {
+        let shared = Arc::clone(&self.shared);
+        let entity = EntityId::user_writer(shared.number());
+        let endpoint = shared.endpoint(entity, topic, qos)?;
+        let state = Arc::new(WriterState::new(call));
+        let depth = endpoint.depth as usize;
+        shared.mailbox.post(Order::AddWriter(endpoint, Arc::clone(&state)));
+        let mut graph = lock(&shared.graph);
+        graph.writers.push(shared.guid(entity));
+        shared.tell(&graph);
+        drop(graph);
+        Ok(Writer { shared, entity, state, depth })
+    }
+
+    /// Reads a topic, whose samples have at most `limit` bytes.
+    ///
+    /// # Errors
+    /// If the type is not written as `package/msg/Name`.
+    pub fn reader(&self, topic: Topic<'_>, qos: Qos, limit: usize) -> Result<Reader, TypeError> {
+        let shared = Arc::clone(&self.shared);
+        let entity = EntityId::user_reader(shared.number());
+        let endpoint = shared.endpoint(entity, topic, qos)?;
+        let state = Arc::new(ReaderState::new(qos.depth, limit));
+        shared.mailbox.post(Order::AddReader(endpoint, Arc::clone(&state)));
+        let mut graph = lock(&shared.graph);
+        graph.readers.push(shared.guid(entity));
+        shared.tell(&graph);
+        drop(graph);
+        Ok(Reader { shared, entity, state })
+    }
+}
+
+impl Drop for Participant {
+    fn drop(&mut self) {
+        self.shared.mailbox.post(Order::Stop);
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has said so.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Writes samples of a topic.
+#[derive(Debug)]
+pub struct Writer {
+    shared: Arc<Shared>,
+    entity: EntityId,
+    state: Arc<WriterState>,
+    depth: usize,
+}
+
+impl Writer {
+    /// How many readers the topic has.
+    pub fn matched(&self) -> usize {
+        self.state.matched.load(Ordering::Relaxed)
+    }
+
+    /// An empty buffer, with the memory of an earlier sample if there is one.
+    pub fn buffer(&self) -> Vec<u8> {
+        let mut buffer = self.state.buffer();
+        buffer.clear();
+        buffer
+    }
+
+    /// Sends a sample: CDR with its header of four bytes. It returns at once.
+    pub fn write(&self, mut sample: Vec<u8>) {
+        // Others read the numbers behind it where they are aligned; the header says how many bytes do not count.
+        let padding = sample.len().next_multiple_of(4) - sample.len();
+        sample.resize(sample.len() + padding, 0);
+        if let Some(options) = sample.get_mut(3) {
+            *options |= padding as u8;
+        }
+        self.shared.mailbox.post_sample(self.entity, sample, Shared::now(), self.depth);
+    }
+}
+
+impl Drop for Writer {
+    fn drop(&mut self) {
+        self.shared.remove(self.entity);
+    }
+}
+
+/// Reads samples of a topic.
+#[derive(Debug)]
+pub struct Reader {
+    shared: Arc<Shared>,
+    entity: EntityId,
+    state: Arc<ReaderState>,
+}
+
+impl Reader {
+    /// How many writers the topic has.
+    pub fn matched(&self) -> usize {
+        self.state.matched.load(Ordering::Relaxed)
+    }
+
+    /// The oldest sample that was not taken yet: CDR with its header of four bytes. Waits for one until the timeout.
+    pub fn take(&self, timeout: Duration) -> Option<Vec<u8>> {
+        self.state.take(timeout)
+    }
+}
+
+impl Drop for Reader {
+    fn drop(&mut self) {
+        self.shared.remove(self.entity);
+    }
+}
+
+/// A name that no other participant has: from the random keys of the standard library's maps, time and process.
+fn random_prefix() -> Prefix {
+    let mut name = String::new();
+    let _ = write!(name, "{:?} {}", Shared::now(), std::process::id());
+    let random = || {
+        let mut hasher = RandomState::new().build_hasher();
+        hasher.write(name.as_bytes());
+        hasher.finish().to_le_bytes()
+    };
+    let mut prefix = [0; 12];
+    prefix[..8].copy_from_slice(&random());
+    prefix[8..].copy_from_slice(&random()[..4]);
+    Prefix(prefix)
+}

@@ -1,0 +1,248 @@
+//! The reading end of a topic: its writers, and what has come from each (8.4.12).
+
+use std::collections::BTreeMap;
+
+use crate::assembly::Assembly;
+use crate::guid::{EntityId, Guid, Prefix};
+use crate::message::{About, Content, Encoder, Place};
+use crate::numbers::NumberSet;
+use crate::peer::{Link, Peer};
+
+/// At most so many samples of a writer wait for one before them, and so many are in parts.
+const MOST_WAITING: usize = 256;
+const MOST_PARTIAL: usize = 4;
+
+/// A sample that has come.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct Received {
+    pub(crate) about: About,
+    pub(crate) payload: Vec<u8>,
+}
+
+/// What has come from a writer.
+#[derive(Debug)]
+struct Source {
+    peer: Peer,
+    /// The next sample to be given on, once it is known.
+    next: Option<i64>,
+    /// Samples that came before their turn; `None` will not come.
+    waiting: BTreeMap<i64, Option<Received>>,
+    partial: BTreeMap<i64, Assembly>,
+    heartbeat: Option<u32>,
+    answers: u32,
+}
+
+/// The reading end of a topic.
+#[derive(Debug)]
+pub(crate) struct Reader {
+    guid: Guid,
+    reliable: bool,
+    /// Wants the history.
+    transient: bool,
+    /// The most bytes of a sample.
+    limit: usize,
+    sources: BTreeMap<Guid, Source>,
+    buffer: Vec<u8>,
+}
+
+impl Reader {
+    pub(crate) fn new(guid: Guid, reliable: bool, transient: bool, limit: usize) -> Reader {
+        Reader { guid, reliable, transient, limit, sources: BTreeMap::new(), buffer: Vec::new() }
+    }
+
+    pub(crate) fn writers(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// Matches a writer, or changes where one that is matched listens. Gives whether it is new.
+    pub(crate) fn match_writer(&mut self, peer: Peer, link: &mut impl Link) -> bool {
+        if let Some(known) = self.sources.get_mut(&peer.guid) {
+            known.peer = peer;
+            return false;
+        }
+        let next = self.transient.then_some(1);
+        let source = Source {
+            peer,
+            next,
+            waiting: BTreeMap::new(),
+            partial: BTreeMap::new(),
+            heartbeat: None,
+            answers: 0,
+        };
+        self.sources.insert(peer.guid, source);
+        if self.reliable {
+            // Has nothing and asks for nothing, but for a heartbeat.
+            self.answer(peer.guid, &NumberSet::empty(1), false, link);
+        }
+        true
+    }
+
+    /// Forgets a writer. Gives whether there was one.
+    pub(crate) fn unmatch(&mut self, guid: Guid) -> bool {
+        self.sources.remove(&guid).is_some()
+    }
+
+    /// Forgets the writers of a participant.
+    pub(crate) fn unmatch_all(&mut self, prefix: Prefix) {
+        self.sources.retain(|guid, _| guid.prefix != prefix);
+    }
+
+    /// Takes what a writer says, and gives the samples that are complete and whose turn it is.
+    pub(crate) fn take(&mut self, from: Guid, content: &Content<'_>, link: &mut impl Link) -> Vec<Received> {
+        let (reliable, limit) = (self.reliable, self.limit);
+        let Some(source) = self.sources.get_mut(&from) else { return Vec::new() };
+        let mut out = Vec::new();
+        match *content {
+            Content::Data { sequence, about, payload }
+                if payload.len() <= limit && source.wants(sequence) =>
+            {
+                source.add(sequence, Received { about, payload: payload.to_vec() }, reliable, &mut out);
+            }
+            Content::Fragments { sequence, first, size, total, payload } => {
+                if total as usize > limit || !source.wants(sequence) {
+                    return out;
+                }
+                if !source.partial.contains_key(&sequence) && source.partial.len() >= MOST_PARTIAL {
+                    source.partial.pop_first();
+                }
+                let assembly = source.partial.entry(sequence).or_insert_with(|| Assembly::new(size, total));
+                assembly.add(first, size, total, payload);
+                if assembly.is_whole()
+                    && let Some(assembly) = source.partial.remove(&sequence)
+                {
+                    let about = About::default();
+                    source.add(
+                        sequence,
+                        Received { about, payload: assembly.into_data() },
+                        reliable,
+                        &mut out,
+                    );
+                }
+            }
+            Content::Gap { start, list } if reliable => {
+                source.skip(start, list.base(), &mut out);
+                for sequence in list.iter() {
+                    source.skip(sequence, sequence + 1, &mut out);
+                }
+            }
+            Content::Heartbeat { first, last, count, is_final } if reliable => {
+                if source.heartbeat.is_some_and(|known| known.wrapping_sub(count) < 1000) {
+                    return out;
+                }
+                source.heartbeat = Some(count);
+                let next = *source.next.get_or_insert(first);
+                source.skip(next, first, &mut out);
+                self.answer_heartbeat(from, last, is_final, link);
+            }
+            _ => {}
+        }
+        out
+    }
+
+    /// Says which samples up to `last` are there, and asks for the others.
+    fn answer_heartbeat(&mut self, from: Guid, last: i64, is_final: bool, link: &mut impl Link) {
+        let Some(source) = self.sources.get_mut(&from) else { return };
+        let next = source.next.unwrap_or(1);
+        let range = next..=last.min(next.saturating_add(255));
+        let wanted =
+            |sequence: &i64| !source.waiting.contains_key(sequence) && !source.partial.contains_key(sequence);
+        let missing = NumberSet::of(next, range.filter(wanted));
+        let partial: Vec<(i64, NumberSet)> = source
+            .partial
+            .range(..=last)
+            .map(|(&sequence, assembly)| (sequence, assembly.missing()))
+            .collect();
+        if is_final && missing.is_empty() && partial.is_empty() {
+            return;
+        }
+        if !partial.is_empty() {
+            let peer = source.peer;
+            let place = Place { reader: self.guid.entity, writer: from.entity };
+            let mut encoder = Encoder::new(&mut self.buffer, self.guid.prefix, from.prefix);
+            for (sequence, missing) in partial {
+                source.answers = source.answers.wrapping_add(1);
+                encoder.nack_fragments(place, sequence, &missing, source.answers);
+            }
+            link.send(peer.address, [&self.buffer, &[], &[]]);
+        }
+        self.answer(from, &missing, true, link);
+    }
+
+    fn answer(&mut self, to: Guid, missing: &NumberSet, is_final: bool, link: &mut impl Link) {
+        let Some(source) = self.sources.get_mut(&to) else { return };
+        source.answers = source.answers.wrapping_add(1);
+        let place = Place { reader: self.guid.entity, writer: to.entity };
+        Encoder::new(&mut self.buffer, self.guid.prefix, to.prefix).acknack(
+            place,
+            missing,
+            source.answers,
+            is_final,
+        );
+        link.send(source.peer.address, [&self.buffer, &[], &[]]);
+    }
+
+    /// Asks writers that have not said anything yet which samples they have.
+    pub(crate) fn ask_again(&mut self, link: &mut impl Link) {
+        let silent = |source: &&Source| source.heartbeat.is_none();
+        let reliable = self.sources.values().filter(|_| self.reliable);
+        let silent: Vec<Guid> = reliable.filter(silent).map(|source| source.peer.guid).collect();
+        for guid in silent {
+            self.answer(guid, &NumberSet::empty(1), false, link);
+        }
+    }
+
+    /// The entity to which datagrams for this reader are addressed.
+    pub(crate) fn entity(&self) -> EntityId {
+        self.guid.entity
+    }
+}
+
+impl Source {
+    fn wants(&self, sequence: i64) -> bool {
+        self.next.is_none_or(|next| sequence >= next) && !self.waiting.contains_key(&sequence)
+    }
+
+    fn add(&mut self, sequence: i64, sample: Received, reliable: bool, out: &mut Vec<Received>) {
+        if !reliable {
+            self.next = Some(sequence + 1);
+            self.partial = self.partial.split_off(&(sequence + 1));
+            out.push(sample);
+            return;
+        }
+        self.next.get_or_insert(sequence);
+        if self.waiting.len() < MOST_WAITING {
+            self.waiting.insert(sequence, Some(sample));
+        }
+        self.give(out);
+    }
+
+    /// Samples from `start` to before `end` will not come.
+    fn skip(&mut self, start: i64, end: i64, out: &mut Vec<Received>) {
+        let next = *self.next.get_or_insert(start);
+        if start <= next {
+            // Those that came early are still given on.
+            let later = self.waiting.split_off(&end);
+            let early = std::mem::replace(&mut self.waiting, later);
+            out.extend(early.into_values().flatten());
+            self.next = Some(next.max(end));
+        } else {
+            for sequence in (start..end).take(MOST_WAITING) {
+                if self.waiting.len() < MOST_WAITING {
+                    self.waiting.entry(sequence).or_insert(None);
+                }
+            }
+        }
+        self.give(out);
+        let next = self.next.unwrap_or(1);
+        self.partial = self.partial.split_off(&next);
+    }
+
+    /// Gives on what has its turn.
+    fn give(&mut self, out: &mut Vec<Received>) {
+        let Some(next) = &mut self.next else { return };
+        while let Some(sample) = self.waiting.remove(next) {
+            out.extend(sample);
+            *next += 1;
+        }
+    }
+}

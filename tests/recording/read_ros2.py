@@ -1,12 +1,14 @@
 """Reads recordings of profile ros2 with independent readers: read_ros2.py run.mcap…
 
 Every message decodes with mcap-ros2-support and with rosbags, to the same values. Types are those of Jazzy, and rosbags
-encodes each message to the same bytes by Jazzy's own definitions. Every field is that of the frame in shared memory.
+encodes each message to the same bytes by Jazzy's own definitions. Every field is that of the frame in shared memory, whose
+payload has the recorded hash.
 """
 
 import sys
 
 import numpy as np
+import xxhash
 from mcap.reader import make_reader
 from mcap_ros2.decoder import DecoderFactory
 from ros2_frames import Frame, check_frame, layout, same
@@ -84,6 +86,7 @@ def check_file(path: str) -> tuple[set[str], set[str]]:
     seen: dict[str, int] = {}
     special: set[str] = set()
     last = {}
+    hashes: dict[str, xxhash.xxh3_128] = {}
     with open(path, "rb") as file, Reader(path) as reader:
         store = typestore(reader)
         for connection in reader.connections:
@@ -113,9 +116,14 @@ def check_file(path: str) -> tuple[set[str], set[str]]:
                 payload = whole.data[decoded.payload_offset :][:length]
             frame = Frame(bytes(decoded.header), payload)
             assert len(payload) == length and frame.stamp == message.publish_time
+            digest = xxhash.xxh3_128_intdigest(payload, seed=frame.stamp)
+            own = hashes.setdefault(channel.topic.removeprefix("/belvedere/frames/"), xxhash.xxh3_128())
+            own.update(digest.to_bytes(16, "little"))
             if of_ros is not None:
                 special |= check_frame(of_ros, frame)
         assert next(bag, None) is None
+        recorded = {record.name: record.metadata for record in official.iter_metadata()}["belvedere.hashes"]
+        assert all(own.hexdigest() == recorded[topic] for topic, own in hashes.items())
         assert not last, f"{path}: no frame has the messages of {', '.join(last)}"
     print(f"{path}: {seen}")
     return set(seen), special

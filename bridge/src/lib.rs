@@ -74,7 +74,7 @@
 //!
 //! # Layers
 //! - Wire format: [`Text`], [`payload`], [`Kind`], [`Encoding`], [`FrameHeader`].
-//! - Payloads by name: [`Describe`], [`Fields`], [`Ros1Message`].
+//! - Payloads by name: [`Describe`], [`Fields`]; as messages of ROS: [`RosMessage`], [`RosBytes`].
 //! - Names: [`Domain`]. Membership: [`Node`].
 //! - Streams: [`StreamSpec`], [`StreamInfo`].
 //! - Their ends: [`Publisher`], [`LoanedFrame`], [`Subscriber`], [`Frame`], [`FrameView`].
@@ -140,5 +140,6 @@ pub use subscriber::{Frame, Subscriber};
 pub use synchronizer::Synchronizer;
 pub use wire::{
     Describe, DistortionModel, Encoding, Fields, FrameError, FrameHeader, FrameView, Intrinsics, Kind,
-    MAX_DISTORTION, Operation, Ros1Message, RosType, ScanGeometry, Text, TextError, Value, payload, schema,
+    MAX_DISTORTION, Operation, Ros, RosBytes, RosMessage, RosType, ScanGeometry, Text, TextError, Value,
+    payload, schema,
 };

@@ -6,7 +6,7 @@ mod header;
 mod kind;
 mod layout;
 pub mod payload;
-mod ros1;
+mod ros;
 pub mod schema;
 mod text;
 mod view;
@@ -15,7 +15,7 @@ pub use error::FrameError;
 pub use fields::{Describe, Fields, RosType, Value};
 pub use header::{FrameHeader, Intrinsics, ScanGeometry};
 pub use kind::{DistortionModel, Encoding, Kind, MAX_DISTORTION, Operation};
-pub use ros1::Ros1Message;
+pub use ros::{Ros, RosBytes, RosMessage};
 pub use text::{Text, TextError};
 pub use view::FrameView;
 

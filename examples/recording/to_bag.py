@@ -13,6 +13,10 @@ def convert(source: str, target: str) -> int:
     store = get_typestore(Stores.EMPTY)
     connections = {}
     count = 0
+    with open(source, "rb") as file:
+        profile = make_reader(file).get_header().profile
+    if profile != "ros1":
+        sys.exit(f"{source}: its profile is {profile}; a bag of ROS 1 needs a recording with --profile ros1")
     with open(source, "rb") as file, Writer(target) as bag:
         for schema, channel, message in make_reader(file).iter_messages():
             if channel.message_encoding != "ros1" or schema is None:

@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, listen_for_stop, print_line, seconds, stop_wanted, with_slash};
 use super::log::status_lines;
-use crate::recording::{Compression, Progress, Recorder, RecorderOptions, about};
+use crate::recording::{Compression, Profile, Progress, Recorder, RecorderOptions, about};
 use belvedere_bridge::Node;
 use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
 use std::io::IsTerminal as _;
@@ -17,8 +17,8 @@ const LOOK: Duration = Duration::from_secs(1);
 
 /// Record the streams of a running simulation into an MCAP file, until Ctrl-C.
 ///
-/// Foxglove, Lichtblick, `PlotJuggler` and the mcap tools can open the file: it contains ROS 1 messages. `belvedere
-/// replay` plays it again, byte for byte. Until the recording is complete, `.active` is appended to the file's name;
+/// Foxglove, Lichtblick, `PlotJuggler` and the mcap tools can open the file: it contains messages of ROS 1, or of ROS 2
+/// with --profile ros2, which `ros2 bag play` also takes. `belvedere replay` plays it again, byte for byte. Until the recording is complete, `.active` is appended to the file's name;
 /// even after a crash, such a file can be read up to its last second.
 ///
 /// If the simulation was started with --wait-for recorder=STREAMS, no frame is lost. Otherwise frames are lost if this
@@ -27,6 +27,7 @@ const LOOK: Duration = Duration::from_secs(1);
 #[command(after_help = "Examples:
   belvedere record -o run.mcap
   belvedere record /scan /odom /tf -o scans.mcap --duration 60
+  belvedere record -o run.mcap --profile ros2          (for ros2 bag play)
   belvedere run --record run.mcap          (simulator and recorder in one, nothing is lost)
   belvedere info run.mcap
   belvedere replay run.mcap")]
@@ -40,6 +41,9 @@ pub struct RecordArgs {
     output: PathBuf,
     #[command(flatten)]
     domain: DomainArgs,
+    /// The version of ROS whose messages the file contains
+    #[arg(long, value_enum, default_value_t)]
+    profile: Profile,
     /// Compression of the file
     #[arg(long, value_enum, default_value_t)]
     compression: Compression,
@@ -76,6 +80,7 @@ pub fn run(args: &RecordArgs) -> Result<(), CliError> {
     }
     let options = RecorderOptions {
         topics: args.topics.clone(),
+        profile: args.profile,
         compression: args.compression,
         replace: args.force,
         about: about(&args.domain.domain),

@@ -3,7 +3,7 @@
 use super::error::CliError;
 use super::follow::NAP;
 use super::record::{RECORDER, finish, start};
-use crate::recording::{Attachment, Recorder, RecorderOptions, RecordingError, about};
+use crate::recording::{Attachment, Profile, Recorder, RecorderOptions, RecordingError, about};
 use belvedere_bridge::{Domain, Node};
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -31,6 +31,7 @@ impl RecordingThread {
     pub(super) fn start(
         domain: &Domain,
         path: &Path,
+        profile: Profile,
         replace: bool,
         words: BTreeMap<String, String>,
         attachments: Vec<Attachment>,
@@ -38,7 +39,7 @@ impl RecordingThread {
         // The recorder has its own node because the simulation waits for it by name.
         let node = Node::open(domain, RECORDER)?;
         let about = about(domain).into_iter().chain(words).collect();
-        let options = RecorderOptions { replace, about, attachments, ..RecorderOptions::default() };
+        let options = RecorderOptions { profile, replace, about, attachments, ..RecorderOptions::default() };
         let mut recorder = start(node, path, &options)?;
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();

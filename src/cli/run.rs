@@ -16,6 +16,7 @@ use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::{Diagnostics, Severity};
 use crate::entities::Origin;
+use crate::recording::Profile;
 use crate::rig::Rig;
 use crate::rig::packets::{Feed, PacketTarget};
 use crate::server::attendance::{Attendance, Awaited, START_PATIENCE};
@@ -74,6 +75,9 @@ pub struct RunArgs {
     /// Record all streams into this MCAP file; simulated time waits if the file cannot be written fast enough
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    /// The version of ROS whose messages the file of --record contains
+    #[arg(long, value_enum, default_value_t, requires = "record")]
+    profile: Profile,
     /// Replace the files of --record, --pcap and --lidar-metadata if they exist
     #[arg(long)]
     force: bool,
@@ -202,7 +206,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .record
         .as_ref()
         .zip(kept)
-        .map(|(path, kept)| RecordingThread::start(&args.domain, path, args.force, words(args), kept))
+        .map(|(path, kept)| {
+            RecordingThread::start(&args.domain, path, args.profile, args.force, words(args), kept)
+        })
         .transpose()?;
     let page =
         shown.map(|shown| open_page(&Node::open(&args.domain, "view")?, &args.page, shown)).transpose()?;

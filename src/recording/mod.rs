@@ -2,14 +2,14 @@
 //!
 //! | part | is |
 //! |---|---|
-//! | [`RecordingWriter`] | writes frames to a file: a ROS 1 message of each, and the data that the message lacks |
+//! | [`RecordingWriter`] | writes frames to a file: a ROS message of each, and the data that the message lacks |
 //! | [`RecordingReader`] | reads the contents of a file in order |
 //! | [`Recorder`] | records all streams of a domain to a file |
 //! | [`Player`] | plays a file in a domain, in place of the simulator |
 //! | [`Timeline`] | the position in a recording, and requests to seek |
 //!
-//! Files have MCAP's profile `ros1`. Each stream that has a ROS message gets a channel with ROS's topic, type and
-//! definition. In addition each stream gets a channel `/belvedere/frames/TOPIC` of the type `belvedere/Frame`: the
+//! Files have MCAP's profile `ros1` or `ros2`. Each stream that has a ROS message gets a channel with ROS's topic, type
+//! and definition. In addition each stream gets a channel `/belvedere/frames/TOPIC` of the type `belvedere/Frame`: the
 //! header of each frame, and its payload unless the previous message contains it byte by byte, as messages of images
 //! and clouds do. Times are simulated: `publish_time` is the timestamp, and `log_time` never goes back. Metadata:
 //! `belvedere` describes how the recording was made, `belvedere.stream` describes each stream, and `belvedere.hashes`
@@ -26,7 +26,7 @@ mod player;
 mod player_options;
 mod reader;
 mod recorder;
-pub mod ros1;
+pub mod ros;
 mod seeking;
 mod send_order;
 mod skip;
@@ -45,4 +45,4 @@ pub use recorder::{Progress, Recorder, RecorderOptions, about};
 pub use skip::Skipping;
 pub use stream::RecordedStream;
 pub use timeline::{Playhead, Timeline};
-pub use writer::{Compression, RecordingWriter, StreamId, StreamTally};
+pub use writer::{Compression, Profile, RecordingWriter, StreamId, StreamTally};

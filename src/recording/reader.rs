@@ -2,13 +2,13 @@
 
 use super::chunk_sizes::CheckedChunks;
 use super::lengths;
-use super::ros1;
+use super::ros;
 use super::skip::{Before, Skipping, chunks_before, summary};
 use super::stream::RecordedStream;
 use super::writer::{ABOUT, FRAMES, HASHES, STREAM};
 use super::zstd::Zstd;
 use super::{Attachment, RecordingError};
-use belvedere_bridge::{FrameHeader, FrameView};
+use belvedere_bridge::{FrameHeader, FrameView, Ros};
 use mcap::records::Record;
 use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use std::collections::{BTreeMap, HashMap};
@@ -91,6 +91,14 @@ pub struct RecordingReader<R: Read> {
 struct Channel {
     topic: String,
     type_name: String,
+    /// The encoding of its messages, if they are frames.
+    ros: Ros,
+}
+
+impl Channel {
+    fn new(topic: String, type_name: String, message_encoding: &str) -> Self {
+        Self { topic, type_name, ros: if message_encoding == "cdr" { Ros::Two } else { Ros::One } }
+    }
 }
 
 impl<R: Read + Seek> RecordingReader<Skipping<R>> {
@@ -124,7 +132,8 @@ impl<R: Read + Seek> RecordingReader<Skipping<R>> {
             for channel in index.channels.values() {
                 let type_name =
                     channel.schema.as_ref().map_or_else(String::new, |schema| schema.name.clone());
-                reader.channels.insert(channel.id, Channel { topic: channel.topic.clone(), type_name });
+                let described = Channel::new(channel.topic.clone(), type_name, &channel.message_encoding);
+                reader.channels.insert(channel.id, described);
             }
             reader.begins_ns = index.stats.map(|stats| stats.message_start_time);
         }
@@ -225,7 +234,8 @@ impl<R: Read> RecordingReader<R> {
             }
             Record::Channel(channel) => {
                 let type_name = self.schemas.get(&channel.schema_id).cloned().unwrap_or_default();
-                self.channels.insert(channel.id, Channel { topic: channel.topic, type_name });
+                let described = Channel::new(channel.topic, type_name, &channel.message_encoding);
+                self.channels.insert(channel.id, described);
                 Step::Nothing
             }
             Record::Metadata(metadata) => match metadata.name.as_str() {
@@ -269,12 +279,12 @@ impl<R: Read> RecordingReader<R> {
         let Some(topic) = channel.topic.strip_prefix(FRAMES) else {
             let data = Arc::new(data);
             self.last = Some(data.clone());
-            let Channel { topic, type_name } = channel;
+            let Channel { topic, type_name, .. } = channel;
             return Ok(Item::Message(Message { topic, type_name, log_time_ns, data }));
         };
         let wrong = |what: &str| RecordingError::Broken(format!("a frame of /{topic} {what}"));
         let (header, offset, payload) =
-            ros1::read_frame(&data).ok_or_else(|| wrong("has an invalid form"))?;
+            ros::read_frame(channel.ros, &data).ok_or_else(|| wrong("has an invalid form"))?;
         let len = usize::try_from(header.payload_len).unwrap_or(usize::MAX);
         let payload = if payload.is_empty() && len > 0 {
             let last = self.last.take().unwrap_or_default();

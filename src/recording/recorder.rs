@@ -2,7 +2,7 @@
 
 use super::send_order::SendOrder;
 use super::stream::RecordedStream;
-use super::writer::{Compression, RecordingWriter, StreamId, StreamTally};
+use super::writer::{Compression, Profile, RecordingWriter, StreamId, StreamTally};
 use super::{Attachment, NewFile, RecordingError};
 use belvedere_bridge::{Domain, FrameHeader, Node, StreamInfo, Subscriber, clock};
 use std::collections::{BTreeMap, BTreeSet};
@@ -34,6 +34,8 @@ const MOST_WAITING: u64 = 1 << 29;
 pub struct RecorderOptions {
     /// Topics, with or without a leading slash; all if the list is empty. The clock is always recorded.
     pub topics: Vec<String>,
+    /// The version of ROS whose messages the file has.
+    pub profile: Profile,
     /// Compression of the file.
     pub compression: Compression,
     /// True if an existing file is replaced.
@@ -239,7 +241,8 @@ type Writing = (Arc<Shared>, SyncSender<Note>, JoinHandle<Result<Vec<StreamTally
 fn start_to_write(file: &NewFile, options: &RecorderOptions) -> Result<Writing, RecordingError> {
     let shared = Arc::new(Shared::default());
     let (sender, notes) = mpsc::sync_channel(1024);
-    let mut writer = RecordingWriter::new(file.writer()?, options.compression, &options.about)?;
+    let mut writer =
+        RecordingWriter::new(file.writer()?, options.profile, options.compression, &options.about)?;
     options.attachments.iter().try_for_each(|attachment| writer.attach(attachment))?;
     let writing = shared.clone();
     let writer = std::thread::Builder::new()

@@ -1,10 +1,10 @@
 //! [`RecordingWriter`]: writes frames to MCAP.
 
 use super::log_time::LogTime;
-use super::ros1::{self, MessageType, Payload, RosStream};
+use super::ros::{self, MessageType, Payload, RosStream};
 use super::stream::RecordedStream;
 use super::{Attachment, RecordingError};
-use belvedere_bridge::{FrameHeader, FrameView};
+use belvedere_bridge::{FrameHeader, FrameView, Ros};
 use mcap::WriteOptions;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
@@ -36,6 +36,26 @@ pub enum Compression {
     Lz4,
 }
 
+/// The version of ROS whose messages a recording has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
+pub enum Profile {
+    /// Messages of ROS 1.
+    #[default]
+    Ros1,
+    /// Messages of ROS 2, for ros2 bag.
+    Ros2,
+}
+
+impl Profile {
+    fn ros(self) -> Ros {
+        match self {
+            Self::Ros1 => Ros::One,
+            Self::Ros2 => Ros::Two,
+        }
+    }
+}
+
 /// Identifies a stream in a [`RecordingWriter`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StreamId(usize);
@@ -57,6 +77,7 @@ pub struct StreamTally {
 /// lacks are written in addition on a separate topic, so that a replay has every byte. A recording that is not
 /// [finished](Self::finish) has no index; it can be read up to the last [`flush`](Self::flush).
 pub struct RecordingWriter<W: Write> {
+    ros: Ros,
     file: mcap::Writer<NoSeek<W>>,
     streams: Vec<Stream>,
     time: LogTime,
@@ -81,6 +102,7 @@ impl<W: Write> RecordingWriter<W> {
     /// If it cannot be written.
     pub fn new(
         output: W,
+        profile: Profile,
         compression: Compression,
         about: &BTreeMap<String, String>,
     ) -> Result<Self, RecordingError> {
@@ -90,14 +112,23 @@ impl<W: Write> RecordingWriter<W> {
         };
         // Without seeking, a chunk is written only when it is complete, so that a kill does not leave part of one.
         let options = WriteOptions::new()
-            .profile("ros1")
+            .profile(match profile {
+                Profile::Ros1 => "ros1",
+                Profile::Ros2 => "ros2",
+            })
             .library(format!("belvedere {}", env!("CARGO_PKG_VERSION")))
             .compression(compression)
             .chunk_size(Some(CHUNK_BYTES))
             .disable_seeking(true);
         let mut file = options.create(NoSeek::new(output))?;
         file.write_metadata(&Metadata { name: ABOUT.into(), metadata: about.clone() })?;
+        if profile == Profile::Ros2 {
+            let [name, key, value] = ros::OLD_METADATA;
+            let metadata = BTreeMap::from([(key.to_owned(), value.to_owned())]);
+            file.write_metadata(&Metadata { name: name.to_owned(), metadata })?;
+        }
         Ok(Self {
+            ros: profile.ros(),
             file,
             streams: Vec::new(),
             time: LogTime::default(),
@@ -130,7 +161,7 @@ impl<W: Write> RecordingWriter<W> {
         self.file.write_metadata(&Metadata { name: STREAM.into(), metadata: stream.to_metadata() })?;
         self.streams.push(Stream {
             topic: stream.topic.clone(),
-            ros: RosStream::new(stream.kind, &stream.topic, stream.layers),
+            ros: RosStream::new(self.ros, stream.kind, &stream.topic, stream.layers),
             channels: None,
             frames: 0,
             hash: Xxh3::new(),
@@ -155,10 +186,10 @@ impl<W: Write> RecordingWriter<W> {
             Some(ros) => ros.write(&view, &mut self.message),
             None => None,
         };
-        ros1::write_frame(header, payload, within.unwrap_or(Payload::Elsewhere), &mut self.frame);
+        ros::write_frame(self.ros, header, payload, within.unwrap_or(Payload::Elsewhere), &mut self.frame);
         let (ros_channel, frame_channel) = match stream.channels {
             Some(channels) => channels,
-            None => *stream.channels.insert(open_channels(&mut self.file, stream)?),
+            None => *stream.channels.insert(open_channels(&mut self.file, self.ros, stream)?),
         };
         let log_time = self.time.next(header.kind(), header.stamp_ns);
         let of = |channel_id| MessageHeader {
@@ -219,19 +250,30 @@ impl<W: Write> RecordingWriter<W> {
 
 fn open_channels<W: Write>(
     file: &mut mcap::Writer<NoSeek<W>>,
+    version: Ros,
     stream: &Stream,
 ) -> Result<(Option<u16>, u16), RecordingError> {
-    let mut open = |topic: &str, message_type: MessageType, latching: bool| {
-        let schema = file.add_schema(message_type.name, "ros1msg", message_type.definition().as_bytes())?;
-        let metadata = BTreeMap::from([
-            ("callerid".to_owned(), "/belvedere".to_owned()),
-            ("latching".to_owned(), latching.to_string()),
-        ]);
-        file.add_channel(schema, topic, "ros1", &metadata)
+    let mut open = |topic: &str, message_type: MessageType| {
+        let (schema_encoding, encoding) = match version {
+            Ros::One => ("ros1msg", "ros1"),
+            Ros::Two => ("ros2msg", "cdr"),
+        };
+        let name = version.type_name(message_type.name);
+        let schema = file.add_schema(&name, schema_encoding, message_type.definition(version).as_bytes())?;
+        let metadata = match version {
+            Ros::One => BTreeMap::from([
+                ("callerid".to_owned(), "/belvedere".to_owned()),
+                ("latching".to_owned(), (topic == "/tf_static").to_string()),
+            ]),
+            Ros::Two => {
+                BTreeMap::from([("offered_qos_profiles".to_owned(), ros::offered_qos_profiles(topic))])
+            }
+        };
+        file.add_channel(schema, topic, encoding, &metadata)
     };
     let ros = match &stream.ros {
-        Some(ros) => Some(open(&ros.topic, ros.message_type, ros.topic == "/tf_static")?),
+        Some(ros) => Some(open(&ros.topic, ros.message_type)?),
         None => None,
     };
-    Ok((ros, open(&format!("{FRAMES}{}", stream.topic), ros1::frame_type(), false)?))
+    Ok((ros, open(&format!("{FRAMES}{}", stream.topic), ros::frame_type())?))
 }

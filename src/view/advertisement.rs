@@ -4,7 +4,8 @@
 //! starting at 1 in each connection: an advertisement contains the schemas that the client does not have yet, and
 //! channels refer to them by number.
 
-use crate::recording::ros1::RosStream;
+use crate::recording::ros::RosStream;
+use belvedere_bridge::Ros;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 
@@ -38,12 +39,12 @@ impl Advertiser {
                 let Some(sent) = &mut self.sent else {
                     return json!({
                         "id": id, "topic": topic, "encoding": "ros1",
-                        "schemaName": name, "schema": message_type.definition(), "schemaEncoding": encoding,
+                        "schemaName": name, "schema": message_type.definition(Ros::One), "schemaEncoding": encoding,
                     });
                 };
                 let next = sent.len() + 1;
                 let schema = *sent.entry(name).or_insert_with(|| {
-                    let data = message_type.definition();
+                    let data = message_type.definition(Ros::One);
                     schemas.push(json!({ "id": next, "name": name, "encoding": encoding, "data": data }));
                     next
                 });
@@ -72,7 +73,7 @@ mod tests {
 
     #[test]
     fn a_schema_is_sent_once() {
-        let stream = |kind, topic| RosStream::new(kind, topic, None).unwrap();
+        let stream = |kind, topic| RosStream::new(Ros::One, kind, topic, None).unwrap();
         let one = [stream(Kind::Image, "left"), stream(Kind::Image, "right"), stream(Kind::Odometry, "odom")];
         let mut advertiser = Advertiser::new("foxglove.sdk.v1.1");
         let message = advertiser.advertise((10..).zip(&one));
@@ -96,7 +97,7 @@ mod tests {
 
     #[test]
     fn in_older_protocols_each_channel_contains_its_schema() {
-        let odometry = RosStream::new(Kind::Odometry, "odom", None).unwrap();
+        let odometry = RosStream::new(Ros::One, Kind::Odometry, "odom", None).unwrap();
         let message = Advertiser::new("foxglove.sdk.v1").advertise([(1, &odometry)].into_iter());
         assert_eq!(message["channels"][0]["schemaName"], "nav_msgs/Odometry");
         assert!(message.get("schemas").is_none() && message["channels"][0].get("schemaId").is_none());

@@ -1,7 +1,7 @@
 //! [`Channels`]: the ROS topics that are offered to Foxglove clients for the streams of a domain.
 
-use crate::recording::ros1::RosStream;
-use belvedere_bridge::{Kind, StreamInfo, StreamSpec};
+use crate::recording::ros::RosStream;
+use belvedere_bridge::{Kind, Ros, StreamInfo, StreamSpec};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A ROS topic, made from one stream or several, such as /tf of several robots.
@@ -77,7 +77,7 @@ fn ros_stream(stream: &StreamInfo) -> Option<RosStream> {
     let kind = stream.kind?;
     let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
     let is_ours = stream.topic == StreamSpec::SIMULATION_COMMAND;
-    (!is_command && !is_ours).then(|| RosStream::new(kind, &stream.topic, stream.layers)).flatten()
+    (!is_command && !is_ours).then(|| RosStream::new(Ros::One, kind, &stream.topic, stream.layers)).flatten()
 }
 
 #[cfg(test)]

@@ -15,7 +15,7 @@ use super::parameters::Followed;
 use super::socket::{Said, Socket};
 use super::twist::Twist;
 use super::waiting::wait;
-use crate::recording::ros1::RosStream;
+use crate::recording::ros::RosStream;
 use belvedere_bridge::{Frame, Node, Subscriber};
 use serde::Deserialize;
 use serde_json::{Value, json};

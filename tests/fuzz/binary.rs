@@ -1,6 +1,6 @@
 //! Small files of the binary formats, and the repair of their checksums.
 
-use belvedere::recording::{Attachment, Compression, RecordedStream, RecordingWriter};
+use belvedere::recording::{Attachment, Compression, Profile, RecordedStream, RecordingWriter};
 use belvedere_bridge::{Encoding, FrameHeader, Kind};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -230,7 +230,7 @@ pub(crate) fn mcap() -> Vec<Vec<u8>> {
     let record = |compression, frames: u64| {
         let mut bytes = Vec::new();
         let about = BTreeMap::from([("world".to_owned(), "w".to_owned())]);
-        let mut writer = RecordingWriter::new(&mut bytes, compression, &about).unwrap();
+        let mut writer = RecordingWriter::new(&mut bytes, Profile::Ros1, compression, &about).unwrap();
         let data = b"<robot/>".to_vec();
         writer.attach(&Attachment { name: "r.urdf".into(), media_type: "text/xml".into(), data }).unwrap();
         let stream = |topic: &str, kind, encoding, len| RecordedStream {

@@ -3,7 +3,7 @@
 use crate::live;
 use crate::live::{PATIENCE, Simulator, belvedere, output, own_domain, with_closed_output};
 use crate::recordings::{Process, frames, info, read, record_a_run};
-use belvedere::recording::{Compression, Item, RecordedStream, RecordingError, RecordingWriter};
+use belvedere::recording::{Compression, Item, Profile, RecordedStream, RecordingError, RecordingWriter};
 use belvedere_bridge::{Encoding, FrameHeader, Kind};
 use rustix::process::{Pid, Signal, kill_process};
 use std::collections::BTreeMap;
@@ -169,7 +169,7 @@ impl Write for Disk<'_> {
 fn data_written_before_the_disk_was_full_can_be_read() {
     let mut bytes = Vec::new();
     let disk = Disk { bytes: &mut bytes, room: 3_000_000 };
-    let mut writer = RecordingWriter::new(disk, Compression::None, &BTreeMap::new()).unwrap();
+    let mut writer = RecordingWriter::new(disk, Profile::Ros1, Compression::None, &BTreeMap::new()).unwrap();
     let stream = RecordedStream {
         topic: "picture".into(),
         kind: Kind::Image,

@@ -77,11 +77,16 @@ pub(crate) fn info(path: &Path) -> Value {
 
 /// Runs the simulator for this many simulated seconds and records it; returns the output of `--hash`.
 pub(crate) fn record_a_run(path: &Path, seconds: &str) -> BTreeMap<String, (String, u64)> {
+    record_a_run_as(path, seconds, "ros1")
+}
+
+/// The same with messages of this profile.
+pub(crate) fn record_a_run_as(path: &Path, seconds: &str, profile: &str) -> BTreeMap<String, (String, u64)> {
     let path = path.to_str().unwrap();
     let domain = own_domain();
     let run =
         ["run", "--domain", &domain, "--rate", "max", "--duration", seconds, "--hash", "--record", path];
-    let run = output(&run);
+    let run = output(&[&run[..], &["--profile", profile]].concat());
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let text = String::from_utf8(run.stdout).unwrap();
     let lines = text.lines().filter_map(|line| {

@@ -3,9 +3,9 @@
 use crate::live;
 use crate::live::control::{done, refusal, step};
 use crate::live::{PATIENCE, Simulator, belvedere, output, own_domain};
-use crate::recordings::{Process, frames, info, messages, read, record_a_run};
+use crate::recordings::{Process, frames, info, messages, read, record_a_run, record_a_run_as};
 use belvedere::recording::{
-    Compression, Item, RecordedFrame, RecordedStream, RecordingReader, RecordingWriter,
+    Compression, Item, Profile, RecordedFrame, RecordedStream, RecordingReader, RecordingWriter,
 };
 use belvedere_bridge::payload::{Clock, SimulationCommand};
 use belvedere_bridge::{Domain, Encoding, FrameHeader, Kind, Node, Operation, SimulationControl};
@@ -17,9 +17,19 @@ use std::time::{Duration, Instant};
 
 #[test]
 fn a_run_is_recorded_played_and_recorded_again_with_every_byte() {
+    record_play_and_record_again("ros1", ("/image_raw", "sensor_msgs/Image"));
+}
+
+#[test]
+fn a_run_with_messages_of_ros2_is_recorded_played_and_recorded_again_with_every_byte() {
+    record_play_and_record_again("ros2", ("/image_raw", "sensor_msgs/msg/Image"));
+}
+
+/// `image` is the topic and the type of a message in both files.
+fn record_play_and_record_again(profile: &str, image: (&str, &str)) {
     let folder = tempfile::tempdir().unwrap();
     let (first, second) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
-    let published = record_a_run(&first, "2");
+    let published = record_a_run_as(&first, "2", profile);
     let told = info(&first);
     assert_eq!(told["complete"], true);
     assert_eq!(told["about"]["seed"], "1");
@@ -47,6 +57,7 @@ fn a_run_is_recorded_played_and_recorded_again_with_every_byte() {
     }
     let mut record = belvedere();
     record.arg("record").arg("-o").arg(&second).args(["--domain", &domain, "--until-gone"]);
+    record.args(["--profile", profile]);
     let (code, errors) = Process::start(&mut record).end();
     assert_eq!(code, Some(0), "{errors}");
     assert_eq!(replay.end().0, Some(0));
@@ -55,6 +66,7 @@ fn a_run_is_recorded_played_and_recorded_again_with_every_byte() {
     let ((first, first_end), (second, second_end)) = (read(&first), read(&second));
     assert!(first_end.is_none() && second_end.is_none());
     assert_eq!(messages(&first), messages(&second), "what ROS reads");
+    assert!(messages(&first).contains_key(&image), "{:?}", messages(&first).keys());
     let (first, second) = (frames(&first), frames(&second));
     assert_eq!(first.keys().collect::<Vec<_>>(), second.keys().collect::<Vec<_>>());
     for (topic, frames) in first {
@@ -96,6 +108,11 @@ impl Seek for Counted<'_> {
 /// With the index, nothing before the start is read except latched messages; the rest is the same.
 #[test]
 fn a_later_start_is_found_by_the_index() {
+    find_a_later_start(Profile::Ros1);
+    find_a_later_start(Profile::Ros2);
+}
+
+fn find_a_later_start(profile: Profile) {
     let stream = |topic: &str, kind, encoding, max_payload_len| RecordedStream {
         topic: topic.into(),
         kind,
@@ -106,7 +123,7 @@ fn a_later_start_is_found_by_the_index() {
         max_payload_len,
     };
     let mut bytes = Vec::new();
-    let mut writer = RecordingWriter::new(&mut bytes, Compression::None, &BTreeMap::new()).unwrap();
+    let mut writer = RecordingWriter::new(&mut bytes, profile, Compression::None, &BTreeMap::new()).unwrap();
     let picture = writer.add(&stream("picture", Kind::Image, Encoding::Mono8, 640 * 480)).unwrap();
     let clock = writer.add(&stream("clock", Kind::Clock, Encoding::Struct, size_of::<Clock>())).unwrap();
     let settings = stream("simulation/sensor_settings", Kind::SensorSettings, Encoding::Struct, 0);
@@ -213,7 +230,7 @@ fn frames_that_outgrow_their_stream_are_played() {
         max_payload_len: 32 * 24,
     };
     let file = std::fs::File::create(&first).unwrap();
-    let mut writer = RecordingWriter::new(file, Compression::Lz4, &BTreeMap::new()).unwrap();
+    let mut writer = RecordingWriter::new(file, Profile::Ros1, Compression::Lz4, &BTreeMap::new()).unwrap();
     let id = writer.add(&stream).unwrap();
     // A stream that stays, so that the recorder does not assume that the replay has ended.
     let clock = RecordedStream {

@@ -5,13 +5,13 @@ use std::{
     ptr, slice,
 };
 
-use belvedere_bridge::{FrameHeader, FrameView, Kind};
+use belvedere_bridge::{FrameHeader, FrameView, Kind, Ros, RosMessage};
 
 use crate::status::{Failure, Status, close, give, guard, handle_arg, null, str_arg};
 
 /// The conversion of a stream's frames to messages of ROS 1.
 pub struct Ros1Message {
-    message: belvedere_bridge::Ros1Message,
+    message: RosMessage,
     name: CString,
     md5: CString,
     definition: CString,
@@ -28,11 +28,11 @@ pub unsafe extern "C" fn bv_ros1_open(kind: u16, topic: *const c_char, out: *mut
     guard(|| {
         // SAFETY: NUL-terminated by this function's contract.
         let topic = unsafe { str_arg(topic, "topic") }?;
-        let found = Kind::from_wire(kind).and_then(|kind| belvedere_bridge::Ros1Message::of(kind, topic));
+        let found = Kind::from_wire(kind).and_then(|kind| RosMessage::of(kind, topic));
         let Some(message) = found else { return Ok(Status::Nothing) };
         let text = |text: &str| CString::new(text).unwrap_or_default();
         let (name, md5) = (text(message.ros.name), text(message.ros.md5));
-        let definition = text(&message.definition());
+        let definition = text(&message.definition(Ros::One));
         // SAFETY: this function's contract.
         unsafe { give(out, Ros1Message { message, name, md5, definition, bytes: Vec::new() }) }
     })
@@ -98,7 +98,7 @@ pub unsafe extern "C" fn bv_ros1_write(
         };
         let frame = FrameView::new(header, payload).map_err(|error| Failure::bad_frame(&error))?;
         message.bytes.clear();
-        message.message.write(&frame, &mut message.bytes).ok_or_else(|| {
+        message.message.write(Ros::One, &frame, &mut message.bytes).ok_or_else(|| {
             Failure::invalid_argument(format!(
                 "a {} cannot hold the frame: it has other structs, a value that the type does not have, or a time \
                  beyond 2^32 s",

@@ -1,5 +1,5 @@
 //! The values of a message by name. A struct describes itself once, and each encoding is an implementation of
-//! [`Fields`]: the bytes and the definition of ROS 1, and what `belvedere echo` prints.
+//! [`Fields`]: the bytes and the definition of ROS 1 and ROS 2, and what `belvedere echo` prints.
 
 use bytemuck::Pod;
 
@@ -38,6 +38,8 @@ pub enum Value<'a> {
     U16s(&'a [u16]),
     /// Any number of numbers of 32 bits.
     U32s(&'a [u32]),
+    /// Any number of numbers in single precision.
+    F32s(&'a [f32]),
     /// Any number of numbers in double precision.
     F64s(&'a [f64]),
     /// Any number of points in an image.
@@ -56,7 +58,7 @@ macro_rules! values {
 
 values! {
     bool => Bool, u8 => U8, i8 => I8, u16 => U16, u32 => U32, u64 => U64, f32 => F32, f64 => F64, &'a str => Text,
-    &'a [u8] => U8s, &'a [u16] => U16s, &'a [u32] => U32s, &'a [f64] => F64s, &'a [[f64; 2]] => Pixels,
+    &'a [u8] => U8s, &'a [u16] => U16s, &'a [u32] => U32s, &'a [f32] => F32s, &'a [f64] => F64s, &'a [[f64; 2]] => Pixels,
     &'a [&'a str] => Texts
 }
 
@@ -66,10 +68,16 @@ impl<'a, const N: usize> From<&'a [f64; N]> for Value<'a> {
     }
 }
 
-/// A reader of the values of a message, which come in the order of its ROS type and under the names of its fields.
+/// A reader of the values of a message, which come in the order of its ROS type and under the names of its fields in
+/// ROS 1.
 pub trait Fields {
-    /// Returns the ROS type that is written; `None` if the values are for people.
+    /// Returns the ROS type that is written, by its name in ROS 1; `None` if the values are for people.
     fn ros(&self) -> Option<&'static str>;
+
+    /// Returns true if the message is of ROS 2, for the few types that have other fields there.
+    fn is_ros2(&self) -> bool {
+        false
+    }
 
     /// Takes a `std_msgs/Header` with the frame's stamp: that of the whole message, or one with another frame id.
     fn header(&mut self, frame_id: Option<&str>);
@@ -141,7 +149,7 @@ impl dyn Fields + '_ {
 
 /// A payload struct that describes the message it stands for.
 pub trait Describe: Pod {
-    /// The types of ROS 1 that streams of the struct are published as; empty if ROS has none.
+    /// The types of ROS that streams of the struct are published as; empty if ROS has none.
     const ROS: &'static [RosType] = &[];
 
     /// Passes the values of one struct, for kinds that carry one.
@@ -167,16 +175,16 @@ pub(super) fn describe_rows<T: Describe>(
     T::describe_all(&messages, fields)
 }
 
-/// A type of message of ROS 1.
+/// A type of message of ROS 1, from which that of ROS 2 follows.
 #[derive(Debug)]
 pub struct RosType {
     /// `package/Type`.
     pub name: &'static str,
-    /// The sum of its definition, as `rosmsg md5` prints it.
+    /// The sum of its definition in ROS 1, as `rosmsg md5` prints it.
     pub md5: &'static str,
     /// The last word of the topics that have this type, if a kind has several; otherwise empty.
     pub(super) topic: &'static str,
-    /// The definition, if it is in a file; otherwise it follows from the described values.
+    /// The definition in ROS 1, if it is in a file; otherwise it follows from the described values.
     pub(super) file: Option<&'static str>,
 }
 

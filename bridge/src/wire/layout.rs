@@ -16,7 +16,7 @@ pub struct Struct {
     pub kinds: &'static [u16],
     /// Its fields in the order of their offsets.
     pub fields: &'static [Field],
-    /// The types of ROS 1 that streams of it are published as.
+    /// The types of ROS that streams of it are published as.
     pub ros: &'static [RosType],
     /// The description of a payload of it; none for a part of another struct.
     pub(super) describe: Option<DescribeRows>,

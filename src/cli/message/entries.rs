@@ -43,6 +43,7 @@ impl Fields for Entries {
             Value::U8s(values) => list(values, |value| Whole(value.into())),
             Value::U16s(values) => list(values, |value| Whole(value.into())),
             Value::U32s(values) => list(values, |value| Whole(value.into())),
+            Value::F32s(values) => list(values, |value| Number(value.into())),
             Value::Array(values) | Value::F64s(values) => list(values, Number),
             Value::Pixels(pixels) => list(pixels, |pixel| list(&pixel, Number)),
             Value::Texts(texts) => list(texts, |text| Text(text.to_owned())),

@@ -49,6 +49,10 @@ impl Describe for Range {
         fields.put("min_range", self.min_range);
         fields.put("max_range", self.max_range);
         fields.put("range", self.range);
+        if fields.is_ros2() {
+            // Unknown. Before Iron, ROS 2 has no such field and ignores it.
+            fields.put("variance", 0.0_f32);
+        }
         Some(())
     }
 }

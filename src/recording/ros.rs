@@ -1,11 +1,13 @@
-//! Converts streams to the ROS 1 messages that the ROS node publishes for them.
+//! Converts streams to messages of ROS 1, as the node for ROS 1 publishes them, and of ROS 2.
 
-mod bytes;
 mod encode;
+mod frame;
+mod qos;
 mod types;
 
-use belvedere_bridge::{FrameHeader, FrameView, Kind, Ros1Message};
-use bytes::Bytes;
+use belvedere_bridge::{FrameView, Kind, Ros, RosBytes, RosMessage};
+pub use frame::{read_frame, write_frame};
+pub(super) use qos::{OLD_METADATA, offered_qos_profiles};
 pub use types::MessageType;
 
 /// The ROS topic of a stream.
@@ -16,6 +18,7 @@ pub struct RosStream {
     pub topic: String,
     /// The type of its messages.
     pub message_type: MessageType,
+    ros: Ros,
     encode: Encode,
 }
 
@@ -23,13 +26,13 @@ pub struct RosStream {
 #[derive(Debug, Clone, Copy)]
 enum Encode {
     Elements(encode::Encode),
-    Struct(Ros1Message),
+    Struct(RosMessage),
 }
 
 impl RosStream {
-    /// Returns the ROS topic for a stream of this kind and topic (without a leading slash), or `None` if ROS has no
-    /// message for it.
-    pub fn new(kind: Kind, topic: &str, layers: Option<u32>) -> Option<Self> {
+    /// Returns the topic of ROS 1 or ROS 2 for a stream of this kind and topic (without a leading slash), or `None` if
+    /// ROS has no message for it.
+    pub fn new(ros: Ros, kind: Kind, topic: &str, layers: Option<u32>) -> Option<Self> {
         let elements: Option<(MessageType, encode::Encode)> = match kind {
             Kind::Image | Kind::DepthImage => Some((types::IMAGE, encode::image)),
             Kind::LaserScan if layers.unwrap_or(1) > 1 => Some((types::POINT_CLOUD, encode::scan_cloud)),
@@ -40,7 +43,7 @@ impl RosStream {
         let (message_type, encode) = if let Some((message_type, encode)) = elements {
             (message_type, Encode::Elements(encode))
         } else {
-            let message = Ros1Message::of(kind, topic)?;
+            let message = RosMessage::of(kind, topic)?;
             (message.into(), Encode::Struct(message))
         };
         let topic = match kind {
@@ -50,7 +53,7 @@ impl RosStream {
             Kind::ModelStates => format!("/gazebo/{}", topic.rsplit('/').next().unwrap_or(topic)),
             _ => format!("/{topic}"),
         };
-        Some(Self { topic, message_type, encode })
+        Some(Self { topic, message_type, ros, encode })
     }
 
     /// Writes a frame's message to `out`, replacing its contents, and returns the place of the payload in it if the
@@ -58,8 +61,12 @@ impl RosStream {
     pub fn write(&self, frame: &FrameView<'_>, out: &mut Vec<u8>) -> Option<Payload> {
         out.clear();
         match self.encode {
-            Encode::Elements(encode) => encode(frame, &mut Bytes(out)),
-            Encode::Struct(message) => message.write(frame, out).map(|()| Payload::Elsewhere),
+            Encode::Elements(encode) => {
+                let mut bytes = RosBytes::begin(self.ros, out);
+                let payload = encode(frame, &mut bytes)?;
+                bytes.end().map(|()| payload)
+            }
+            Encode::Struct(message) => message.write(self.ros, frame, out).map(|()| Payload::Elsewhere),
         }
     }
 }
@@ -76,35 +83,4 @@ pub enum Payload {
 /// Returns the type of the message that [`write_frame`] writes.
 pub fn frame_type() -> MessageType {
     types::FRAME
-}
-
-/// Writes a complete frame to `out`, replacing its contents, without the payload if the previous message contains it.
-pub fn write_frame(header: &FrameHeader, payload: &[u8], within: Payload, out: &mut Vec<u8>) {
-    out.clear();
-    let mut bytes = Bytes(out);
-    bytes.bytes(bytemuck::bytes_of(header));
-    match within {
-        Payload::Within(offset) => {
-            bytes.u64(offset as u64);
-            bytes.bytes(&[]);
-        }
-        Payload::Elsewhere => {
-            bytes.u64(0);
-            bytes.bytes(payload);
-        }
-    }
-}
-
-/// Returns header, offset and payload of a message written by [`write_frame`], or `None` if it is not one.
-pub fn read_frame(message: &[u8]) -> Option<(FrameHeader, u64, &[u8])> {
-    const HEADER: usize = size_of::<FrameHeader>();
-    let (count, rest) = message.split_first_chunk::<4>()?;
-    if u32::from_le_bytes(*count) as usize != HEADER || rest.len() < HEADER {
-        return None;
-    }
-    let (header, rest) = rest.split_at(HEADER);
-    let (offset, rest) = rest.split_first_chunk::<8>()?;
-    let (count, payload) = rest.split_first_chunk::<4>()?;
-    (u32::from_le_bytes(*count) as usize == payload.len())
-        .then(|| (bytemuck::pod_read_unaligned(header), u64::from_le_bytes(*offset), payload))
 }

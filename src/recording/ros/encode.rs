@@ -1,24 +1,17 @@
-//! Converts images, scans and clouds to ROS messages as the ROS node does, with one function per type of message.
+//! Converts images, scans and clouds to ROS messages as the node for ROS 1 does, with one function per type of message.
 
 use super::Payload;
-use super::bytes::Bytes;
-use belvedere_bridge::{Encoding, FrameHeader, FrameView};
+use belvedere_bridge::{Encoding, FrameHeader, FrameView, RosBytes};
 
 /// Writes a frame's message. Returns `None` if the message cannot represent the frame.
-pub(super) type Encode = fn(&FrameView<'_>, &mut Bytes<'_>) -> Option<Payload>;
+pub(super) type Encode = fn(&FrameView<'_>, &mut RosBytes<'_>) -> Option<Payload>;
 
 /// `datatype` of a `sensor_msgs/PointField`.
-const UINT8: u8 = 2;
-const UINT16: u8 = 4;
-const UINT32: u8 = 6;
-const FLOAT32: u8 = 7;
-const FLOAT64: u8 = 8;
-
-fn header(header: &FrameHeader, out: &mut Bytes<'_>) {
-    out.u32(header.seq as u32);
-    out.time(header.stamp_ns);
-    out.text(header.frame_id.as_str());
-}
+pub(super) const UINT8: u8 = 2;
+pub(super) const UINT16: u8 = 4;
+pub(super) const UINT32: u8 = 6;
+pub(super) const FLOAT32: u8 = 7;
+pub(super) const FLOAT64: u8 = 8;
 
 /// Returns name and size of a pixel.
 fn pixel(encoding: Encoding) -> Option<(&'static str, u32)> {
@@ -47,30 +40,32 @@ fn pixel(encoding: Encoding) -> Option<(&'static str, u32)> {
 }
 
 /// Writes rows without gaps as a `uint8[]`.
-fn rows(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Payload {
+fn rows(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Payload {
     let FrameHeader { width, height, elem_stride, row_stride, .. } = *frame.header();
     let row_len = width as usize * elem_stride as usize;
     let packed = row_stride as usize == row_len && frame.payload().len() == row_len * height as usize;
     if packed {
         out.bytes(frame.payload());
-        return Payload::Within(out.0.len() - frame.payload().len());
+        return Payload::Within(out.place() - frame.payload().len());
     }
     out.count(row_len * height as usize);
     for row in frame.rows() {
-        out.0.extend_from_slice(row);
+        out.raw(row);
         // Padding between the last element and the end of its stride.
-        out.0.resize(out.0.len() + row_len - row.len(), 0);
+        for _ in row.len()..row_len {
+            out.raw(&[0]);
+        }
     }
     Payload::Elsewhere
 }
 
-pub(super) fn image(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+pub(super) fn image(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Option<Payload> {
     let head = frame.header();
     let (name, size) = pixel(head.encoding()?)?;
     if head.elem_stride != size {
         return None;
     }
-    header(head, out);
+    out.header(head, None);
     out.u32(head.height);
     out.u32(head.width);
     out.text(name);
@@ -79,13 +74,13 @@ pub(super) fn image(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payloa
     Some(rows(frame, out))
 }
 
-pub(super) fn laser_scan(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+pub(super) fn laser_scan(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Option<Payload> {
     let head = frame.header();
     let geometry = head.scan_geometry()?;
     if head.height > 1 || head.encoding() != Some(Encoding::RangesF32) {
         return None;
     }
-    header(head, out);
+    out.header(head, None);
     out.f32(geometry.angle_min as f32);
     out.f32(geometry.angle_max(head.width) as f32);
     out.f32(geometry.angle_increment as f32);
@@ -101,7 +96,7 @@ pub(super) fn laser_scan(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<P
 }
 
 /// Writes the fields of a cloud: names, offsets, types.
-fn fields(fields: &[(&str, u32, u8)], out: &mut Bytes<'_>) {
+fn fields(fields: &[(&str, u32, u8)], out: &mut RosBytes<'_>) {
     out.count(fields.len());
     for &(name, offset, datatype) in fields {
         out.text(name);
@@ -112,14 +107,14 @@ fn fields(fields: &[(&str, u32, u8)], out: &mut Bytes<'_>) {
 }
 
 /// Writes a scan of several layers as a cloud, as drivers send it: points without gaps, with ring and time.
-pub(super) fn scan_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+pub(super) fn scan_cloud(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Option<Payload> {
     let head = frame.header();
     let geometry = head.scan_geometry()?;
     if head.encoding() != Some(Encoding::RangesF32) || head.height > u32::from(u16::MAX) {
         return None;
     }
     let has_intensities = head.has_intensities();
-    header(head, out);
+    out.header(head, None);
     out.u32(head.height);
     out.u32(head.width);
     let point_step = if has_intensities {
@@ -148,21 +143,21 @@ pub(super) fn scan_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<P
             let range = if range.is_finite() { f64::from(range) } else { f64::NAN };
             is_dense &= !range.is_nan();
             let (sin, cos) = turns[ray];
-            out.f32((range * along * cos) as f32);
-            out.f32((range * along * sin) as f32);
-            out.f32((range * up) as f32);
-            if has_intensities {
-                out.f32(intensities.next().unwrap_or(0.0));
+            for value in [range * along * cos, range * along * sin, range * up] {
+                out.raw(&(value as f32).to_le_bytes());
             }
-            out.u16(layer as u16);
-            out.f32((ray as f64 * geometry.time_increment) as f32);
+            if has_intensities {
+                out.raw(&intensities.next().unwrap_or(0.0).to_le_bytes());
+            }
+            out.raw(&(layer as u16).to_le_bytes());
+            out.raw(&((ray as f64 * geometry.time_increment) as f32).to_le_bytes());
         }
     }
     out.u8(is_dense.into());
     Some(Payload::Elsewhere)
 }
 
-pub(super) fn point_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<Payload> {
+pub(super) fn point_cloud(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Option<Payload> {
     let head = frame.header();
     let (own, is_dense) = match head.encoding()? {
         Encoding::XyzRgbF32 => (&[("rgb", 16, FLOAT32)][..], false),
@@ -191,7 +186,7 @@ pub(super) fn point_cloud(frame: &FrameView<'_>, out: &mut Bytes<'_>) -> Option<
         ),
         _ => return None,
     };
-    header(head, out);
+    out.header(head, None);
     out.u32(head.height);
     out.u32(head.width);
     fields(&[&[("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32)], own].concat(), out);

@@ -47,6 +47,8 @@ pub mod randomize;
 pub mod recording;
 pub mod rig;
 pub mod robot;
+#[cfg(feature = "ros2")]
+pub mod ros2;
 #[cfg(feature = "server")]
 pub mod server;
 pub mod simulation;

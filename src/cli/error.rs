@@ -35,6 +35,19 @@ pub enum CliError {
     /// The page cannot be served.
     #[error(transparent)]
     View(#[from] crate::view::ViewError),
+    /// ROS 2's network cannot be used.
+    #[error(transparent)]
+    Ros2(#[from] crate::ros2::Ros2Error),
+    /// A variable of the environment has an unknown value.
+    #[error("{name} is \"{value}\"; expected {expected}")]
+    Variable {
+        /// The variable.
+        name: &'static str,
+        /// Its value.
+        value: String,
+        /// Its possible values.
+        expected: &'static str,
+    },
     /// Streams cannot be sent to or received from another machine.
     #[cfg(feature = "link")]
     #[error(transparent)]

@@ -24,6 +24,7 @@ pub mod record;
 mod recording_thread;
 pub mod replay;
 pub mod robots;
+pub mod ros2;
 pub mod run;
 mod sensor_models;
 mod shown;
@@ -61,6 +62,7 @@ use std::process::ExitCode;
   BELVEDERE_MODELS                                        folder of belvedere's own models, instead of the installed one
   XDG_CACHE_HOME                                          where the models in the program are unpacked, instead of ~/.cache
   RAYON_NUM_THREADS                                       number of threads that render
+  ROS_DOMAIN_ID                                           ROS 2's domain, if --ros-domain-id is not given
   RUST_LOG                                                log filter, for example belvedere=debug")]
 struct Cli {
     #[command(subcommand)]
@@ -82,6 +84,7 @@ enum Command {
     View(view::ViewArgs),
     Record(record::RecordArgs),
     Replay(replay::ReplayArgs),
+    Ros2(ros2::Ros2Command),
     #[cfg(feature = "link")]
     Link(link::LinkArgs),
     Info(info::InfoArgs),
@@ -113,6 +116,7 @@ fn command_names() -> impl Iterator<Item = &'static str> {
         "view",
         "record",
         "replay",
+        "ros2",
         #[cfg(feature = "link")]
         "link",
         "info",
@@ -160,6 +164,7 @@ fn run_command() -> ExitCode {
         Some(Command::View(args)) => view::run(args),
         Some(Command::Record(args)) => record::run(args),
         Some(Command::Replay(args)) => replay::run(args),
+        Some(Command::Ros2(args)) => ros2::run(args),
         #[cfg(feature = "link")]
         Some(Command::Link(args)) => link::run(args),
         Some(Command::Info(args)) => info::run(args),

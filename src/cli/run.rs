@@ -7,6 +7,7 @@ use super::isolated::Isolated;
 use super::pacer::Pacer;
 use super::record::RECORDER;
 use super::recording_thread::RecordingThread;
+use super::ros2::Ros2Thread;
 use super::shown::Shown;
 use super::shown_scene::ShownScene;
 use super::simulated::SimulatedArgs;
@@ -45,6 +46,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --robot my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
   belvedere run --robot none --world my.world             (a world that has its own robot)
   belvedere run --view
+  belvedere run --ros2
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --record run.mcap --duration 60
@@ -81,6 +83,10 @@ pub struct RunArgs {
     /// Replace the files of --record, --pcap and --lidar-metadata if they exist
     #[arg(long)]
     force: bool,
+    /// Publish all streams in ROS 2, in the domain ROS_DOMAIN_ID, and accept velocities from there; `belvedere ros2` has
+    /// more options
+    #[arg(long)]
+    ros2: bool,
     /// Show the simulation on a page in the browser
     #[arg(long)]
     view: bool,
@@ -212,6 +218,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .transpose()?;
     let page =
         shown.map(|shown| open_page(&Node::open(&args.domain, "view")?, &args.page, shown)).transpose()?;
+    let ros2 = args.ros2.then(|| Ros2Thread::start(&args.domain)).transpose()?;
     let mut displays = Displays {
         status: Isolated::new("the table of streams", || Status::new(server.rig())),
         scene: Isolated::new("the scene of the page", || ShownScene::new(page.as_ref(), server.simulation())),
@@ -224,7 +231,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     // The recording is completed first, so that nothing below can leave it incomplete.
     let recorded = recording.map_or(Ok(()), RecordingThread::finish);
     let table = displays.status.end(|status| status.finish(server.rig(), server.simulated_ns()));
-    drop(page);
+    drop((page, ros2));
     // If standard error is closed, the table is not needed.
     let _ = std::io::stderr().write_all(table.unwrap_or_default().as_bytes());
     // If the recording failed, it is the reason why the run ended.

@@ -1,0 +1,166 @@
+//! `belvedere ros2`: publishes a running simulation's streams in ROS 2.
+
+use super::error::CliError;
+use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, seconds, stop_wanted};
+use crate::ros2::{Naming, Range, Reliability, Remap, Ros2, Ros2Options, namespace};
+use belvedere_bridge::{Domain, Node};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
+/// How ROS 2 sees the streams.
+#[derive(Clone, Debug, clap::Args)]
+#[group(skip)]
+pub struct Ros2Args {
+    /// The domain of ROS 2
+    #[arg(long, value_name = "0-232", env = "ROS_DOMAIN_ID", default_value_t = 0)]
+    #[arg(value_parser = clap::value_parser!(u32).range(0..=232))]
+    ros_domain_id: u32,
+    /// A namespace before all topics except /tf, /tf_static and /clock
+    #[arg(long, value_name = "NAMESPACE", value_parser = namespace, default_value = "")]
+    ros_namespace: String,
+    /// Another name for a topic; may be repeated
+    #[arg(long, value_name = "FROM:=TO")]
+    remap: Vec<Remap>,
+    /// `sensor_data` (best effort) or `reliable` for a topic [default: reliable, which serves readers of both kinds]; may
+    /// be repeated
+    #[arg(long, value_name = "TOPIC=PROFILE", value_parser = reliability)]
+    qos: Vec<(String, Reliability)>,
+    /// Ignore velocities from ROS 2
+    #[arg(long)]
+    no_commands: bool,
+}
+
+/// Parses TOPIC=PROFILE.
+fn reliability(text: &str) -> Result<(String, Reliability), String> {
+    let profile = |name: &str| match name {
+        "sensor_data" => Some(Reliability::SensorData),
+        "reliable" => Some(Reliability::Reliable),
+        _ => None,
+    };
+    text.split_once('=')
+        .and_then(|(topic, name)| Some((format!("/{}", topic.trim_start_matches('/')), profile(name)?)))
+        .ok_or_else(|| "expected TOPIC=sensor_data or TOPIC=reliable, such as /scan=sensor_data".to_owned())
+}
+
+impl Ros2Args {
+    /// Returns the options, some of which ROS 2's own variables of the environment give.
+    pub(super) fn options(&self) -> Result<Ros2Options, CliError> {
+        Ok(Ros2Options {
+            domain_id: self.ros_domain_id,
+            range: range()?,
+            naming: Naming { namespace: self.ros_namespace.clone(), remaps: self.remap.clone() },
+            reliability: self.qos.clone(),
+            no_commands: self.no_commands,
+        })
+    }
+}
+
+/// A node of ROS 2 in the simulator's process, which dropping it ends.
+pub(super) struct Ros2Thread {
+    stop: Arc<AtomicBool>,
+    /// `None` once it has ended.
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Ros2Thread {
+    /// Joins the domain of ROS 2 that the environment names, and publishes the streams of a simulation there.
+    pub(super) fn start(domain: &Domain) -> Result<Self, CliError> {
+        let (name, value) = ("ROS_DOMAIN_ID", std::env::var("ROS_DOMAIN_ID").unwrap_or_default());
+        let domain_id = match value.parse() {
+            Ok(number @ 0..=232) => number,
+            _ if value.is_empty() => 0,
+            _ => return Err(CliError::Variable { name, value, expected: "a number from 0 to 232" }),
+        };
+        let options = Ros2Options { domain_id, range: range()?, ..Ros2Options::default() };
+        let mut ros2 = Ros2::start(Node::open(domain, "ros2")?, options)?;
+        let stop = Arc::new(AtomicBool::new(false));
+        let stopped = stop.clone();
+        let turn = move || {
+            while !stopped.load(Ordering::Relaxed) {
+                if let Err(error) = ros2.turn(NAP) {
+                    // The simulation goes on.
+                    tracing::error!(%error, "ROS 2 gets no more messages");
+                    break;
+                }
+            }
+        };
+        let thread =
+            std::thread::Builder::new().name("ros2".into()).spawn(turn).map_err(CliError::NoThread)?;
+        Ok(Self { stop, thread: Some(thread) })
+    }
+}
+
+impl Drop for Ros2Thread {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            // A thread that panicked has reported it.
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Returns who can see the node, as ROS 2's variables of the environment say.
+fn range() -> Result<Range, CliError> {
+    let variable = |name: &str| std::env::var(name).unwrap_or_default();
+    if !variable("ROS_STATIC_PEERS").is_empty() {
+        tracing::warn!("ROS_STATIC_PEERS is ignored: hosts find each other by multicast");
+    }
+    let (name, value) = ("ROS_AUTOMATIC_DISCOVERY_RANGE", variable("ROS_AUTOMATIC_DISCOVERY_RANGE"));
+    match value.as_str() {
+        "" | "SUBNET" | "SYSTEM_DEFAULT" if variable("ROS_LOCALHOST_ONLY") != "1" => Ok(Range::Subnet),
+        "" | "LOCALHOST" | "SUBNET" | "SYSTEM_DEFAULT" => Ok(Range::Localhost),
+        _ => Err(CliError::Variable { name, value, expected: "SUBNET, LOCALHOST or SYSTEM_DEFAULT" }),
+    }
+}
+
+/// Publish the streams of a running simulation as topics of ROS 2, and drive its robots by the velocities that arrive
+/// there, until Ctrl-C.
+///
+/// No installation of ROS is needed: the program speaks the protocol of DDS, as rmw_fastrtps and rmw_cyclonedds do. A
+/// sensor is rendered only while somebody reads its topic. ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and
+/// ROS_LOCALHOST_ONLY have their usual meaning. `belvedere run --ros2` is simulator and node in one.
+#[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
+#[derive(Clone, Debug, clap::Args)]
+#[command(after_help = "Examples:
+  belvedere ros2                      (beside belvedere run, in a second terminal)
+  ros2 topic hz /image_raw
+  ros2 run teleop_twist_keyboard teleop_twist_keyboard
+  belvedere ros2 --remap /scan:=/front/scan --qos /image_raw=sensor_data
+  ROS_DOMAIN_ID=7 belvedere ros2 --ros-namespace robot1 --no-commands")]
+pub struct Ros2Command {
+    #[command(flatten)]
+    domain: DomainArgs,
+    #[command(flatten)]
+    ros2: Ros2Args,
+    /// Stop after this number of seconds
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
+    duration: Option<Duration>,
+    /// Wait for the simulator if it is not running yet
+    #[arg(long)]
+    wait: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// [`CliError::NoSimulator`]; [`CliError::Ros2`] if ROS 2's network cannot be used; [`CliError::Variable`].
+pub fn run(args: &Ros2Command) -> Result<(), CliError> {
+    listen_for_stop()?;
+    let options = args.ros2.options()?;
+    let node = Node::open(&args.domain.domain, "ros2")?;
+    if !args.wait {
+        check_topics(&node, &args.domain.domain, &[])?;
+    }
+    let end = args.duration.map(|duration| Instant::now() + duration);
+    let number = options.domain_id;
+    let mut ros2 = Ros2::start(node, options)?;
+    print_line(&format!("node /belvedere in domain {number} of ROS 2; stop with Ctrl-C"))?;
+    while !stop_wanted() && end.is_none_or(|end| Instant::now() < end) {
+        ros2.turn(NAP)?;
+    }
+    Ok(())
+}

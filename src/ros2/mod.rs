@@ -1,0 +1,180 @@
+//! ROS 2: streams of a domain as topics of ROS 2, and velocities from ROS 2 as commands, without a ROS installation.
+//!
+//! [`Ros2`] is a consumer like any other: it works beside a simulator, a replay or any other publisher of the domain.
+//! Messages are written from the frames in shared memory by the encoders of recordings
+//! ([`RosStream`](crate::recording::ros::RosStream)), and sent by `belvedere-rtps`. What nobody reads is not rendered.
+
+mod commands;
+mod names;
+mod outgoing;
+mod type_hash;
+
+pub use belvedere_rtps::Range;
+pub use names::{Naming, Remap, namespace};
+
+use belvedere_bridge::{Kind, Node, StreamInfo};
+use belvedere_rtps::{ListenError, Participant, Qos, TypeError};
+use commands::Commands;
+use outgoing::{Outgoing, ros_stream};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
+
+/// Interval at which new streams are looked for.
+const LOOK: Duration = Duration::from_millis(500);
+
+/// Why streams cannot be published, or commands not be received.
+#[derive(Debug, thiserror::Error)]
+pub enum Ros2Error {
+    /// No port of ROS 2's domain can be opened.
+    #[error("ROS 2's network: {0}")]
+    Listen(#[from] ListenError),
+    /// The domain of the simulation cannot be used.
+    #[error(transparent)]
+    Bridge(#[from] belvedere_bridge::Error),
+    /// A type has no name in ROS 2.
+    #[error(transparent)]
+    Type(#[from] TypeError),
+    /// Velocities have no message.
+    #[error("velocities have no message in ROS 2")]
+    NoTwist,
+    /// A thread cannot be started.
+    #[error("starting a thread: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+/// Reliability of a topic.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reliability {
+    /// Messages that are lost are sent again.
+    Reliable,
+    /// The profile for sensor data: messages that are lost stay lost.
+    SensorData,
+}
+
+/// What is published, and how.
+#[derive(Debug, Clone, Default)]
+pub struct Ros2Options {
+    /// The domain, as `ROS_DOMAIN_ID` gives it: 0 to 232.
+    pub domain_id: u32,
+    /// Who can see the node.
+    pub range: Range,
+    /// The names of topics.
+    pub naming: Naming,
+    /// The reliability of topics, by their names in ROS 2; all others are reliable.
+    pub reliability: Vec<(String, Reliability)>,
+    /// True if velocities from ROS 2 are ignored.
+    pub no_commands: bool,
+}
+
+/// The node `belvedere` of ROS 2.
+#[derive(Debug)]
+pub struct Ros2 {
+    node: Node,
+    options: Ros2Options,
+    outgoing: Vec<Outgoing>,
+    commands: Vec<Commands>,
+    /// Streams that cannot be published, which are reported once.
+    refused: BTreeSet<String>,
+    next_look: Instant,
+    // Dropped last: what it serves must be removed first.
+    participant: Participant,
+}
+
+impl Ros2 {
+    /// Joins a domain of ROS 2 for a domain of simulations.
+    ///
+    /// # Errors
+    /// [`Ros2Error::Listen`] if no port can be opened.
+    pub fn start(node: Node, options: Ros2Options) -> Result<Self, Ros2Error> {
+        let namespace = format!("/{}", options.naming.namespace);
+        let participant = Participant::join(&belvedere_rtps::Node {
+            domain: options.domain_id,
+            range: options.range,
+            namespace: &namespace,
+            name: "belvedere",
+        })?;
+        let (outgoing, commands, refused) = (Vec::new(), Vec::new(), BTreeSet::new());
+        Ok(Self { node, options, outgoing, commands, refused, next_look: Instant::now(), participant })
+    }
+
+    /// Waits at most for this time until frames arrive, and publishes them.
+    ///
+    /// # Errors
+    /// If the domain of simulations cannot be used any more.
+    pub fn turn(&mut self, at_most: Duration) -> Result<(), Ros2Error> {
+        if Instant::now() >= self.next_look {
+            self.next_look = Instant::now() + LOOK;
+            self.look()?;
+        }
+        for outgoing in &mut self.outgoing {
+            outgoing.follow(&self.node)?;
+        }
+        self.wait(at_most);
+        for outgoing in &mut self.outgoing {
+            if let Err(error) = outgoing.send() {
+                tracing::warn!(topic = outgoing.topic(), %error, "frames are not published");
+            }
+        }
+        Ok(())
+    }
+
+    /// Updates the topics to the streams that there are now.
+    fn look(&mut self) -> Result<(), Ros2Error> {
+        let streams = self.node.streams()?;
+        let is_there = |topic: &str, is_wanted: &dyn Fn(&StreamInfo) -> bool| {
+            streams.iter().any(|stream| stream.topic == topic && is_wanted(stream))
+        };
+        self.outgoing.retain(|known| is_there(known.topic(), &|stream| stream.publishers > 0));
+        self.commands.retain(|known| is_there(known.topic(), &|stream| stream.subscribers > 0));
+        for stream in &streams {
+            let is_known = self.outgoing.iter().any(|known| known.topic() == stream.topic)
+                || self.commands.iter().any(|known| known.topic() == stream.topic)
+                || self.refused.contains(&stream.topic);
+            if is_known {
+                continue;
+            }
+            if let Err(reason) = self.add(stream) {
+                tracing::warn!(
+                    topic = stream.topic,
+                    "{reason}, so it is left out; --remap gives it another name"
+                );
+                self.refused.insert(stream.topic.clone());
+            }
+        }
+        Ok(())
+    }
+
+    /// Publishes a stream, or accepts commands for it.
+    fn add(&mut self, stream: &StreamInfo) -> Result<(), String> {
+        let because = |error: Ros2Error| error.to_string();
+        if stream.kind == Some(Kind::VelocityCommand) && stream.subscribers > 0 {
+            if !self.options.no_commands {
+                let name = self.options.naming.name(&format!("/{}", stream.topic))?;
+                let commands = Commands::new(&self.participant, &self.node, &stream.topic, &name);
+                self.commands.push(commands.map_err(because)?);
+            }
+            return Ok(());
+        }
+        let Some(ros) = ros_stream(stream).filter(|_| stream.publishers > 0) else { return Ok(()) };
+        let name = self.options.naming.name(&ros.topic)?;
+        let given = self.options.reliability.iter().find(|(topic, _)| *topic == name);
+        let qos = given.map(|(_, reliability)| match reliability {
+            Reliability::Reliable => Qos::volatile(10),
+            Reliability::SensorData => Qos::best_effort(5),
+        });
+        let outgoing = Outgoing::new(&self.participant, stream, ros, &name, qos).map_err(because)?;
+        self.outgoing.push(outgoing);
+        Ok(())
+    }
+
+    /// Sleeps until a frame of a followed stream arrives.
+    fn wait(&mut self, at_most: Duration) {
+        let followed = self.outgoing.iter_mut().filter_map(Outgoing::subscriber);
+        let ready = followed.filter_map(|subscriber| subscriber.readiness().ok());
+        let mut fds: Vec<PollFd<'_>> = ready.map(|fd| PollFd::from_borrowed_fd(fd, PollFlags::IN)).collect();
+        let nap = Timespec { tv_sec: at_most.as_secs() as i64, tv_nsec: i64::from(at_most.subsec_nanos()) };
+        // If the sleep is interrupted, the caller just looks again earlier.
+        let _ = poll(&mut fds, Some(&nap));
+    }
+}

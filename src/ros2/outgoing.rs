@@ -1,0 +1,79 @@
+//! [`Outgoing`]: a stream that is published as a topic of ROS 2.
+
+use super::Ros2Error;
+use super::type_hash::type_hash;
+use crate::recording::ros::RosStream;
+use belvedere_bridge::{Kind, Node, Ros, StreamInfo, StreamSpec, Subscriber};
+use belvedere_rtps::{Participant, Qos, Topic, Writer};
+
+/// A stream and its topic. The stream is followed, and its sensor rendered, only while the topic has readers.
+#[derive(Debug)]
+pub(super) struct Outgoing {
+    stream: RosStream,
+    /// The stream's topic in the domain, without a leading slash.
+    topic: String,
+    /// True if readers that join later get the last message.
+    is_latched: bool,
+    writer: Writer,
+    subscriber: Option<Subscriber>,
+}
+
+/// Returns the topic of ROS 2 for a stream; `None` for commands, and for streams that ROS has no message for.
+pub(super) fn ros_stream(info: &StreamInfo) -> Option<RosStream> {
+    let kind = info.kind?;
+    let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower)
+        || info.topic == StreamSpec::SIMULATION_COMMAND;
+    (!is_command).then(|| RosStream::new(Ros::Two, kind, &info.topic, info.layers)).flatten()
+}
+
+impl Outgoing {
+    /// Publishes a stream under this name. Without `qos`, the topic is reliable.
+    pub(super) fn new(
+        participant: &Participant,
+        info: &StreamInfo,
+        stream: RosStream,
+        name: &str,
+        qos: Option<Qos>,
+    ) -> Result<Self, Ros2Error> {
+        let is_latched = info.kind == Some(Kind::StaticTransforms);
+        let qos = if is_latched { Qos::latched() } else { qos.unwrap_or(Qos::volatile(DEPTH)) };
+        let message = Ros::Two.type_name(stream.message_type.name);
+        let hash = type_hash(&message, &stream.message_type.definition(Ros::Two));
+        let writer = participant.writer(Topic { name, message: &message, hash: &hash }, qos)?;
+        Ok(Self { stream, topic: info.topic.clone(), is_latched, writer, subscriber: None })
+    }
+
+    pub(super) fn topic(&self) -> &str {
+        &self.topic
+    }
+
+    /// Subscribes to the stream if somebody reads the topic, and ends the subscription if nobody does.
+    pub(super) fn follow(&mut self, node: &Node) -> Result<(), Ros2Error> {
+        let is_wanted = self.is_latched || self.writer.matched() > 0;
+        if is_wanted == self.subscriber.is_some() {
+            return Ok(());
+        }
+        self.subscriber = if is_wanted { Some(node.subscriber(&self.topic)?) } else { None };
+        Ok(())
+    }
+
+    pub(super) fn subscriber(&mut self) -> Option<&mut Subscriber> {
+        self.subscriber.as_mut()
+    }
+
+    /// Publishes the frames that have arrived.
+    pub(super) fn send(&mut self) -> Result<(), Ros2Error> {
+        let Some(subscriber) = &mut self.subscriber else { return Ok(()) };
+        while let Some(frame) = subscriber.take()? {
+            let mut message = self.writer.buffer();
+            // A frame that the message cannot represent is left out, as it is in recordings.
+            if self.stream.write(&frame.view(), &mut message).is_some() {
+                self.writer.write(message);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The number of messages of a topic that are kept for readers that are slow.
+const DEPTH: usize = 10;

@@ -65,7 +65,7 @@ pub(crate) struct Engine {
     mailbox: Arc<Mailbox>,
     /// What we announce of ourselves.
     announcement: Vec<u8>,
-    /// Our own addresses, for what we announce of our endpoints.
+    /// How often we have announced ourselves.
     announced: u32,
     announce_due: Instant,
     participants: BTreeMap<Prefix, Remote>,

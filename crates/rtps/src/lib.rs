@@ -37,5 +37,5 @@ mod spdp;
 mod writer;
 
 pub use guid::{EntityId, Guid, Prefix};
-pub use participant::{Node, Participant, Qos, Reader, Topic, TypeError, Writer};
-pub use sockets::{ListenError, Range};
+pub use participant::{Node, Participant, Qos, Reader, Topic, TopicError, Writer};
+pub use sockets::{JoinError, Range};

@@ -12,7 +12,7 @@ use crate::guid::{EntityId, Guid, Prefix};
 use crate::mailbox::{Mailbox, OnMatched, Order, ReaderState, WriterState, lock};
 use crate::ros;
 use crate::sedp::Endpoint;
-use crate::sockets::{ListenError, Range, Sockets, Waker};
+use crate::sockets::{JoinError, Range, Sockets, Waker};
 use crate::spdp::{Announcement, LEASE};
 
 /// What a topic's readers can rely on.
@@ -45,8 +45,20 @@ impl Qos {
 
 /// Why a writer or reader cannot be made.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
-#[error("\"{0}\" is not the type of a message; a type is written as sensor_msgs/msg/Image")]
-pub struct TypeError(String);
+pub enum TopicError {
+    /// The name of the topic.
+    #[error(
+        "\"{0}\" is not the name of a topic; a name is written as /camera/image_raw, with letters, digits and _, at \
+         most 255"
+    )]
+    Name(String),
+    /// Its type.
+    #[error("\"{0}\" is not the type of a message; a type is written as sensor_msgs/msg/Image")]
+    Type(String),
+    /// The hash of its type.
+    #[error("\"{0}\" is not the hash of a type; it is RIHS01_ and 64 hexadecimal digits, or empty")]
+    Hash(String),
+}
 
 /// Who joins which domain.
 #[derive(Clone, Copy, Debug)]
@@ -101,8 +113,17 @@ impl Shared {
         Guid::new(self.prefix, entity)
     }
 
-    fn endpoint(&self, entity: EntityId, topic: Topic<'_>, qos: Qos) -> Result<Endpoint, TypeError> {
-        let type_name = ros::type_name(topic.message).ok_or_else(|| TypeError(topic.message.to_owned()))?;
+    fn endpoint(&self, entity: EntityId, topic: Topic<'_>, qos: Qos) -> Result<Endpoint, TopicError> {
+        if !topic.name.strip_prefix('/').is_some_and(ros::is_name) {
+            return Err(TopicError::Name(topic.name.to_owned()));
+        }
+        let is_hash =
+            |digits: &str| digits.len() == 64 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+        if !topic.hash.is_empty() && !topic.hash.strip_prefix("RIHS01_").is_some_and(is_hash) {
+            return Err(TopicError::Hash(topic.hash.to_owned()));
+        }
+        let type_name =
+            ros::type_name(topic.message).ok_or_else(|| TopicError::Type(topic.message.to_owned()))?;
         let topic_name = ros::topic(topic.name);
         Ok(endpoint(self.guid(entity), topic_name, type_name, qos, ros::user_data(topic.hash)))
     }
@@ -156,8 +177,15 @@ impl Participant {
     /// Joins a domain.
     ///
     /// # Errors
-    /// If no port can be listened at.
-    pub fn join(node: &Node<'_>) -> Result<Participant, ListenError> {
+    /// If the node's name is none, or no port can be listened at.
+    pub fn join(node: &Node<'_>) -> Result<Participant, JoinError> {
+        if node.name.contains('/') || !ros::is_name(node.name) {
+            return Err(JoinError::Node(node.name.to_owned(), "name", "belvedere"));
+        }
+        let inside = node.namespace.strip_prefix('/');
+        if !inside.is_some_and(|inside| inside.is_empty() || ros::is_name(inside)) {
+            return Err(JoinError::Node(node.namespace.to_owned(), "namespace", "/ or /robot1"));
+        }
         let sockets = Sockets::open(node.domain, node.range)?;
         let prefix = random_prefix();
         let (discovery, user) = (sockets.discovery_locators()?, sockets.user_locators()?);
@@ -187,8 +215,8 @@ impl Participant {
     /// Writes a topic.
     ///
     /// # Errors
-    /// If the type is not written as `package/msg/Name`.
-    pub fn writer(&self, topic: Topic<'_>, qos: Qos) -> Result<Writer, TypeError> {
+    /// If the topic's name, type or hash is none.
+    pub fn writer(&self, topic: Topic<'_>, qos: Qos) -> Result<Writer, TopicError> {
         self.open_writer(topic, qos, None)
     }
 
@@ -196,17 +224,17 @@ impl Participant {
     /// participant's thread, which waits for it.
     ///
     /// # Errors
-    /// If the type is not written as `package/msg/Name`.
+    /// If the topic's name, type or hash is none.
     pub fn watched_writer(
         &self,
         topic: Topic<'_>,
         qos: Qos,
         on_matched: impl FnMut(usize) + Send + 'static,
-    ) -> Result<Writer, TypeError> {
+    ) -> Result<Writer, TopicError> {
         self.open_writer(topic, qos, Some(Box::new(on_matched)))
     }
 
-    fn open_writer(&self, topic: Topic<'_>, qos: Qos, call: Option<OnMatched>) -> Result<Writer, TypeError> {
+    fn open_writer(&self, topic: Topic<'_>, qos: Qos, call: Option<OnMatched>) -> Result<Writer, TopicError> {
         let shared = Arc::clone(&self.shared);
         let entity = EntityId::user_writer(shared.number());
         let endpoint = shared.endpoint(entity, topic, qos)?;
@@ -223,8 +251,8 @@ impl Participant {
     /// Reads a topic, whose samples have at most `limit` bytes.
     ///
     /// # Errors
-    /// If the type is not written as `package/msg/Name`.
-    pub fn reader(&self, topic: Topic<'_>, qos: Qos, limit: usize) -> Result<Reader, TypeError> {
+    /// If the topic's name, type or hash is none.
+    pub fn reader(&self, topic: Topic<'_>, qos: Qos, limit: usize) -> Result<Reader, TopicError> {
         let shared = Arc::clone(&self.shared);
         let entity = EntityId::user_reader(shared.number());
         let endpoint = shared.endpoint(entity, topic, qos)?;

@@ -7,6 +7,16 @@ use crate::guid::Guid;
 pub(crate) const GRAPH_TOPIC: &str = "ros_discovery_info";
 pub(crate) const GRAPH_TYPE: &str = "rmw_dds_common::msg::dds_::ParticipantEntitiesInfo_";
 
+/// A name of parts between slashes, each with letters, digits and _, of which the first is no digit.
+pub(crate) fn is_name(name: &str) -> bool {
+    let is_part = |part: &str| {
+        !part.is_empty()
+            && !part.starts_with(|first: char| first.is_ascii_digit())
+            && part.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'_')
+    };
+    name.len() <= 255 && name.split('/').all(is_part)
+}
+
 /// `/scan` is `rt/scan`.
 pub(crate) fn topic(name: &str) -> String {
     format!("rt/{}", name.trim_start_matches('/'))
@@ -16,7 +26,7 @@ pub(crate) fn topic(name: &str) -> String {
 pub(crate) fn type_name(name: &str) -> Option<String> {
     let mut parts = name.split('/');
     let (package, kind, name) = (parts.next()?, parts.next()?, parts.next()?);
-    let fits = parts.next().is_none() && [package, kind, name].iter().all(|part| !part.is_empty());
+    let fits = parts.next().is_none() && is_name(package) && is_name(kind) && is_name(name);
     fits.then(|| format!("{package}::{kind}::dds_::{name}_"))
 }
 

@@ -47,12 +47,15 @@ pub(crate) struct Sockets {
     domain: u16,
 }
 
-/// Why a participant cannot listen.
+/// Why a participant cannot join a domain.
 #[derive(Debug, thiserror::Error)]
-pub enum ListenError {
+pub enum JoinError {
     /// The largest domain is 232.
     #[error("domain {0} does not exist: ports of domains end with 232, so choose one from 0 to 232")]
     Domain(u32),
+    /// The name or namespace of the node is none.
+    #[error("\"{0}\" is not the {1} of a node; write {2}, with letters, digits and _, at most 255")]
+    Node(String, &'static str, &'static str),
     /// All ports are in use, or may not be used.
     #[error(
         "no pair of UDP ports from {first} to {last}, those of domain {domain}, can be listened at: {source}; \
@@ -75,9 +78,9 @@ pub enum ListenError {
 
 impl Sockets {
     /// Listens at the first free ports of a domain.
-    pub(crate) fn open(number: u32, range: Range) -> Result<Sockets, ListenError> {
+    pub(crate) fn open(number: u32, range: Range) -> Result<Sockets, JoinError> {
         let domain = u16::try_from(number).ok().filter(|&domain| domain <= 232);
-        let domain = domain.ok_or(ListenError::Domain(number))?;
+        let domain = domain.ok_or(JoinError::Domain(number))?;
         let first = first_port(domain) + 10;
         let (any, own) = match range {
             Range::Subnet => (Ipv4Addr::UNSPECIFIED, own_addresses()),
@@ -104,7 +107,7 @@ impl Sockets {
         }
         let last = first.saturating_add(2 * PARTICIPANTS - 1);
         let source = last_error.unwrap_or_else(|| io::ErrorKind::AddrInUse.into());
-        Err(ListenError::Ports { domain, first, last, source })
+        Err(JoinError::Ports { domain, first, last, source })
     }
 
     pub(crate) fn group(&self) -> SocketAddrV4 {

@@ -3,7 +3,7 @@
 use std::sync::{LazyLock, mpsc};
 use std::time::{Duration, Instant};
 
-use belvedere_rtps::{ListenError, Node, Participant, Qos, Range, Reader, Topic, Writer};
+use belvedere_rtps::{JoinError, Node, Participant, Qos, Range, Reader, Topic, Writer};
 
 /// Whatever must happen happens within this time.
 const LONG: Duration = Duration::from_secs(60);
@@ -133,9 +133,28 @@ fn what_does_not_fit_is_not_matched() {
 #[test]
 fn names_that_cannot_be_are_refused() {
     let ours = join(domain(4), "writer");
-    let bad = Topic { message: "String", ..topic() };
-    let error = ours.writer(bad, Qos::volatile(1)).expect_err("it is no type").to_string();
-    assert_eq!(error, "\"String\" is not the type of a message; a type is written as sensor_msgs/msg/Image");
+    let refused = |topic| ours.writer(topic, Qos::volatile(1)).expect_err("it is none").to_string();
+    assert_eq!(
+        refused(Topic { message: "String", ..topic() }),
+        "\"String\" is not the type of a message; a type is written as sensor_msgs/msg/Image"
+    );
+    let long = "/x".repeat(200);
+    for name in ["", "/", "scan", "/a//b", "/a b", "/1st", "/é", &long] {
+        let said = refused(Topic { name, ..topic() });
+        assert!(said.starts_with(&format!("\"{name}\" is not the name of a topic; ")), "{said}");
+    }
+    let said = refused(Topic { hash: "RIHS01_12", ..topic() });
+    assert_eq!(
+        said,
+        "\"RIHS01_12\" is not the hash of a type; it is RIHS01_ and 64 hexadecimal digits, or empty"
+    );
+    let join = |namespace, name| {
+        let node = Node { domain: domain(4), range: Range::Localhost, namespace, name };
+        Participant::join(&node).expect_err("it is none").to_string()
+    };
+    let end = "with letters, digits and _, at most 255";
+    assert_eq!(join("/", "a/b"), format!("\"a/b\" is not the name of a node; write belvedere, {end}"));
+    assert_eq!(join("a", "b"), format!("\"a\" is not the namespace of a node; write / or /robot1, {end}"));
     let far = Node { domain: 233, range: Range::Localhost, namespace: "/", name: "far" };
-    assert!(matches!(Participant::join(&far), Err(ListenError::Domain(233))));
+    assert!(matches!(Participant::join(&far), Err(JoinError::Domain(233))));
 }

@@ -227,10 +227,10 @@ fn without_checksums(mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 pub(crate) fn mcap() -> Vec<Vec<u8>> {
-    let record = |compression, frames: u64| {
+    let record = |profile, compression, frames: u64| {
         let mut bytes = Vec::new();
         let about = BTreeMap::from([("world".to_owned(), "w".to_owned())]);
-        let mut writer = RecordingWriter::new(&mut bytes, Profile::Ros1, compression, &about).unwrap();
+        let mut writer = RecordingWriter::new(&mut bytes, profile, compression, &about).unwrap();
         let data = b"<robot/>".to_vec();
         writer.attach(&Attachment { name: "r.urdf".into(), media_type: "text/xml".into(), data }).unwrap();
         let stream = |topic: &str, kind, encoding, len| RecordedStream {
@@ -257,10 +257,14 @@ pub(crate) fn mcap() -> Vec<Vec<u8>> {
         writer.finish().unwrap();
         bytes
     };
-    [record(Compression::None, 6), record(Compression::Lz4, 3), record(Compression::None, 0)]
-        .into_iter()
-        .flat_map(|bytes| [without_checksums(bytes.clone()), bytes])
-        .collect()
+    let uncompressed = |profile, frames| record(profile, Compression::None, frames);
+    let whole = [
+        uncompressed(Profile::Ros1, 6),
+        uncompressed(Profile::Ros2, 6),
+        record(Profile::Ros1, Compression::Lz4, 3),
+        uncompressed(Profile::Ros1, 0),
+    ];
+    whole.into_iter().flat_map(|bytes| [without_checksums(bytes.clone()), bytes]).collect()
 }
 
 /// A mesh, a picture and a model for robots and worlds.

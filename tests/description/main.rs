@@ -13,6 +13,7 @@ mod mesh;
 mod of_others;
 mod of_others_sensors;
 mod parameters;
+mod plugin_parameters;
 mod robot;
 mod shapes;
 mod world;

@@ -8,6 +8,7 @@ mod budget;
 mod concave;
 mod frames;
 mod frames_at_random;
+mod lights;
 mod looks;
 mod mesh;
 mod of_others;

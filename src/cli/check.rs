@@ -12,6 +12,7 @@ use super::simulated::SimulatedArgs;
 use crate::description::load::{self, LoadOptions, is_world, robot_names, world_names};
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
+use crate::description::text::count;
 use crate::description::{Diagnostics, Problem, Severity, Source};
 use crate::rig::RigError;
 use crate::simulation::{Simulation, SimulationError, SpawnOptions};
@@ -52,7 +53,7 @@ pub struct CheckArgs {
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::Description`] with every error in the files; failures of standard output.
+/// [`CliError::Checked`] with every error in the files; failures of standard output.
 pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     if let Some(folder) = &args.all {
         return folder::check_all(folder, args);
@@ -61,12 +62,13 @@ pub fn run(args: &CheckArgs) -> Result<(), CliError> {
     for line in diagnose(args, &args.simulated.packages(), &mut diagnostics) {
         print_line(&line)?;
     }
-    // main() prints the errors that the command returns.
+    // main() prints the errors that the command returns, and then the counts.
     for problem in diagnostics.problems().iter().filter(|problem| problem.severity != Severity::Error) {
         print_line(&problem.to_string())?;
     }
     if diagnostics.has_errors() {
-        return Err(CliError::Description(diagnostics.errors().cloned().collect()));
+        let errors = diagnostics.errors().cloned().collect();
+        return Err(CliError::Checked { errors, counts: counts(&diagnostics) });
     }
     print_line(&counts(&diagnostics))
 }
@@ -79,16 +81,20 @@ fn diagnose(args: &CheckArgs, packages: &PackagePath, diagnostics: &mut Diagnost
     report.unwrap_or_default()
 }
 
-/// Returns the number of warnings and notes in words.
+/// Returns the number of errors, warnings and notes in words.
 fn counts(diagnostics: &Diagnostics) -> String {
-    let count = |severity, word: &str| {
-        let count = diagnostics.problems().iter().filter(|problem| problem.severity == severity).count();
-        let plural = if count == 1 { "" } else { "s" };
-        (count > 0).then(|| format!("{count} {word}{plural}"))
+    let counted = |severity, word: &str| {
+        let number = diagnostics.problems().iter().filter(|problem| problem.severity == severity).count();
+        (number > 0).then(|| count(number as u64, word))
     };
-    let counts = [count(Severity::Warning, "warning"), count(Severity::Note, "note")];
-    let counts: Vec<String> = counts.into_iter().flatten().collect();
-    if counts.is_empty() { "no problems".into() } else { format!("no errors, {}", counts.join(" and ")) }
+    let errors = counted(Severity::Error, "error");
+    let others = [counted(Severity::Warning, "warning"), counted(Severity::Note, "note")];
+    let others = others.into_iter().flatten().collect::<Vec<_>>().join(" and ");
+    match (errors, others.is_empty()) {
+        (None, true) => "no problems".to_owned(),
+        (Some(errors), true) => errors,
+        (errors, false) => format!("{}, {others}", errors.as_deref().unwrap_or("no errors")),
+    }
 }
 
 impl CheckArgs {

@@ -8,6 +8,7 @@ use crate::dataset::{
     make,
 };
 use crate::description::models::package_path;
+use crate::description::text::count;
 use indicatif::{HumanBytes, HumanDuration, ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal as _;
 use std::num::NonZeroUsize;
@@ -114,7 +115,7 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
     }
     let all = plan.shards();
     if args.count {
-        return print_line(&format!("{} samples, {all} shards", plan.samples()));
+        return print_line(&format!("{}, {}", count(plan.samples(), "sample"), count(all, "shard")));
     }
     let shards: Vec<u64> = match (args.shards, args.shard) {
         (Some(ShardRange { first, end }), _) if end > all => {
@@ -142,17 +143,18 @@ pub fn run(args: &DatasetArgs) -> Result<(), CliError> {
             format!("{still} of {all} are still missing")
         };
         return print_line(&format!(
-            "{}: {made} shards made, {there} existed already; {then}",
-            args.output.display()
+            "{}: {} made, {there} existed already; {then}",
+            args.output.display(),
+            count(made as u64, "shard")
         ));
     }
     let (manifest, path) = folder.finish(&plan, &progress)?;
     let bytes: u64 = manifest.shards.iter().map(|shard| shard.bytes).sum();
     print_line(&format!(
-        "{}: {} samples in {} shards, {there} of which existed already, {}; {}",
+        "{}: {} in {}, {there} of which existed already, {}; {}",
         args.output.display(),
-        manifest.samples,
-        manifest.shards.len(),
+        count(manifest.samples, "sample"),
+        count(manifest.shards.len() as u64, "shard"),
         HumanBytes(bytes),
         path.display()
     ))?;

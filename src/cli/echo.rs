@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::{
     error::CliError,
-    follow::{DomainArgs, UntilArgs, each_frame, listen_for_stop, print_line, subscribe, with_slash},
+    follow::{DomainArgs, UntilArgs, each_frame, listen_for_stop, no_frame, print_line, subscribe},
     message::decode,
 };
 
@@ -61,7 +61,7 @@ pub fn run(args: &EchoArgs) -> Result<(), CliError> {
         |_: Duration| Ok(()),
     )?;
     if count == 0 && args.until.duration.is_some() {
-        return Err(CliError::NoFrame { topic: with_slash(&args.topic), waited: started.elapsed() });
+        return Err(no_frame(&subscriber, started.elapsed()));
     }
     Ok(())
 }

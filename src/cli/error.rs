@@ -18,8 +18,16 @@ pub enum CliError {
     #[error(transparent)]
     Bridge(#[from] belvedere_bridge::Error),
     /// Errors in the files of a robot or a world, one line each.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    #[error("{}", lines(.0))]
     Description(Vec<Problem>),
+    /// Errors in the files that were checked, one line each, and the number of all problems.
+    #[error("{}\n{counts}", lines(errors))]
+    Checked {
+        /// The errors.
+        errors: Vec<Problem>,
+        /// The numbers of errors, warnings and notes.
+        counts: String,
+    },
     /// The sensors cannot be started.
     #[error(transparent)]
     Rig(RigError),
@@ -71,10 +79,16 @@ pub enum CliError {
         remedy: String,
     },
     /// The stream exists, but sent no frame.
-    #[error("{topic} sent nothing for {:.1} s: is the simulator paused?", waited.as_secs_f64())]
+    #[error("{topic} sent nothing for {:.1} s: {}", waited.as_secs_f64(), if *is_published {
+        "is the simulator paused?"
+    } else {
+        "no program publishes it"
+    })]
     NoFrame {
         /// The topic, with a slash.
         topic: String,
+        /// Whether there is a publisher.
+        is_published: bool,
         /// Time waited.
         waited: Duration,
     },
@@ -211,6 +225,11 @@ pub enum CliError {
     /// The handler for Ctrl-C could not be installed.
     #[error("cannot listen for Ctrl-C: {0}")]
     Signal(#[from] ctrlc::Error),
+}
+
+/// Returns the problems, one a line.
+fn lines(problems: &[Problem]) -> String {
+    problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n")
 }
 
 /// Returns the reason why a recording failed, with a remedy.

@@ -84,6 +84,12 @@ pub(super) fn subscribe(domain: &Domain, topic: &str, wait: bool) -> Result<Subs
     Ok(subscriber)
 }
 
+/// Returns the error about a stream that sent nothing.
+pub(super) fn no_frame(subscriber: &Subscriber, waited: Duration) -> CliError {
+    let (topic, is_published) = (with_slash(subscriber.topic()), subscriber.publishers() > 0);
+    CliError::NoFrame { topic, is_published, waited }
+}
+
 /// Checks that the domain has publishers and that these topics exist.
 pub(super) fn check_topics(node: &Node, domain: &Domain, topics: &[String]) -> Result<(), CliError> {
     let streams = node.streams()?;

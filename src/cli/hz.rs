@@ -4,7 +4,9 @@ use std::time::{Duration, Instant};
 
 use super::{
     error::CliError,
-    follow::{DomainArgs, UntilArgs, each_frame, listen_for_stop, print_line, subscribe, with_slash},
+    follow::{
+        DomainArgs, UntilArgs, each_frame, listen_for_stop, no_frame, print_line, subscribe, with_slash,
+    },
     statistics::StreamStatistics,
 };
 
@@ -83,7 +85,7 @@ pub fn run(args: &HzArgs) -> Result<(), CliError> {
         print_line(&format!("{topic}: {summary}"))?;
     }
     if summary.frames == 0 && bounded {
-        return Err(CliError::NoFrame { topic, waited: started.elapsed() });
+        return Err(no_frame(&subscriber, started.elapsed()));
     }
     Ok(())
 }

@@ -3,6 +3,7 @@
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, listen_for_stop, print_line, seconds, stop_wanted, with_slash};
 use super::log::status_lines;
+use crate::description::text::count;
 use crate::link::{
     CarriedCommands, Endpoints, LinkError, LinkProgress, LinkReceiver, LinkSender, ReceiverOptions,
     SenderOptions,
@@ -177,10 +178,10 @@ fn attend<L>(
 fn summary(verb: &str, counts: &BTreeMap<String, (u64, u64)>) -> Result<(), CliError> {
     let width = counts.keys().map(String::len).max().unwrap_or(0) + 1;
     for (topic, (frames, lost)) in counts {
-        print_line(&format!("{:width$} {frames} frames, {lost} lost", with_slash(topic)))?;
+        print_line(&format!("{:width$} {}, {lost} lost", with_slash(topic), count(*frames, "frame")))?;
     }
     let (frames, lost) = counts.values().fold((0, 0), |sum, count| (sum.0 + count.0, sum.1 + count.1));
-    print_line(&format!("{frames} frames {verb}, {lost} lost"))
+    print_line(&format!("{} {verb}, {lost} lost", count(frames, "frame")))
 }
 
 /// Shows progress: a live line on a terminal, else a log line from time to time.
@@ -232,9 +233,11 @@ fn words(before: &LinkProgress, now: &LinkProgress, seconds: f64) -> String {
     let LinkProgress { peers, streams, carried, commands, lost, refused, .. } = *now;
     let refused = if refused > 0 { format!(", {refused} refused") } else { String::new() };
     format!(
-        "{peers} connected, {carried} of {streams} streams active, {:.0} frames/s, {}/s, {commands} commands, {lost} lost{refused}",
+        "{peers} connected, {carried} of {} active, {:.0} frames/s, {}/s, {}, {lost} lost{refused}",
+        count(streams as u64, "stream"),
         a_second(before.frames, now.frames),
         HumanBytes(a_second(before.bytes, now.bytes) as u64),
+        count(commands, "command"),
     )
 }
 

@@ -194,7 +194,9 @@ fn run_command() -> ExitCode {
 /// Formats an error. Problems in a file already begin with `file:line: error:`; all others get the prefix `error:`.
 fn failure(error: &CliError) -> String {
     match error {
-        CliError::Description(_) | CliError::Dataset(DatasetError::Description(_)) => error.to_string(),
+        CliError::Description(_)
+        | CliError::Checked { .. }
+        | CliError::Dataset(DatasetError::Description(_)) => error.to_string(),
         _ => format!("error: {error}"),
     }
 }

@@ -3,6 +3,7 @@
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, listen_for_stop, print_line, seconds, stop_wanted, with_slash};
 use super::log::status_lines;
+use crate::description::text::count;
 use crate::recording::{Compression, Profile, Progress, Recorder, RecorderOptions, about};
 use belvedere_bridge::Node;
 use indicatif::{HumanBytes, ProgressBar, ProgressStyle};
@@ -133,9 +134,10 @@ pub(super) fn finish(recorder: Recorder, path: &Path, lossy: bool) -> Result<(),
     })?;
     let frames: u64 = tallies.iter().map(|tally| tally.frames).sum();
     print_line(&format!(
-        "{}: {} streams, {frames} frames, {}",
+        "{}: {}, {}, {}",
         path.display(),
-        tallies.len(),
+        count(tallies.len() as u64, "stream"),
+        count(frames, "frame"),
         HumanBytes(std::fs::metadata(path).map_or(progress.bytes, |metadata| metadata.len())),
     ))?;
     if missed.is_empty() || lossy {
@@ -172,7 +174,8 @@ impl Shown {
         let Progress { streams, frames, missed, bytes, .. } = *progress;
         let lost = if missed > 0 { format!(", {missed} lost") } else { String::new() };
         let path = &self.path;
-        line.set_message(format!("{path}: {streams} streams, {frames} frames, {}{lost}", HumanBytes(bytes)));
+        let [streams, frames] = [count(streams as u64, "stream"), count(frames, "frame")];
+        line.set_message(format!("{path}: {streams}, {frames}, {}{lost}", HumanBytes(bytes)));
         line.tick();
     }
 

@@ -2,6 +2,7 @@
 
 use super::error::CliError;
 use super::follow::{DomainArgs, listen_for_stop, print_line, seconds, stop_wanted};
+use crate::description::text::count;
 use crate::recording::{Ending, Pace, Player, PlayerOptions, RecordingError, RecordingReader, Skipping};
 use crate::server::attendance::Awaited;
 use belvedere_bridge::Node;
@@ -99,7 +100,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
         }
         recording = open(&args.file, args.start)?;
     }
-    print_line(&format!("{}: {} frames played", args.file.display(), player.frames()))
+    print_line(&format!("{}: {} played", args.file.display(), count(player.frames(), "frame")))
 }
 
 /// Opens a recording, to be read from `start` after its beginning.

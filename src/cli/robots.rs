@@ -6,6 +6,8 @@ use crate::description::load::{LoadOptions, default_robot_name, load_robot, xacr
 use crate::description::model::Model;
 use crate::description::package::PackagePath;
 use crate::description::suggestion::nearest;
+use crate::description::text::count;
+use crate::description::xacro::unused_argument;
 use crate::description::{Diagnostics, Rules};
 use crate::entities::model_name;
 use crate::simulation::SpawnOptions;
@@ -17,7 +19,7 @@ use std::path::{Path, PathBuf};
 /// The robots of a run.
 #[derive(Clone, Debug, clap::Args)]
 pub struct RobotArgs {
-    /// The robot: a .urdf or .xacro file, or the name of one in turtlebot_description/robots; may be repeated, for
+    /// The robot: a .urdf, .xacro or .sdf file, or the name of one in turtlebot_description/robots; may be repeated, for
     /// several robots; none, for a world that has its own robot [default: kobuki_nostack_camera, or the choice of
     /// TURTLEBOT_BASE, _STACKS and _3D_SENSOR]
     #[arg(long, value_name = "FILE|NAME|none")]
@@ -33,6 +35,9 @@ pub struct RobotArgs {
     /// floor, X,Y,Z,YAW above it [default: the origin; several robots stand in a row, 1 m apart]
     #[arg(long, value_name = PLACE, allow_hyphen_values = true)]
     pose: Vec<Place>,
+    /// Whether the same arguments are for many files, of which some do not have them.
+    #[arg(skip)]
+    are_for_many: bool,
 }
 
 /// The value of `--robot` for no robot at all.
@@ -67,6 +72,11 @@ impl RobotArgs {
     /// Adds a file or name as `--robot` does.
     pub(super) fn add(&mut self, robot: PathBuf) {
         self.robot.push(robot);
+    }
+
+    /// Says nothing of xacro arguments that a robot does not have: they are for many files.
+    pub(super) fn be_for_many(&mut self) {
+        self.are_for_many = true;
     }
 
     /// Takes no robot, as `--robot none` does.
@@ -106,11 +116,11 @@ impl RobotArgs {
             );
             return Vec::new();
         }
-        for (option, count) in [("--name", self.name.len()), ("--pose", self.pose.len())] {
-            if count > files.len() {
+        for (option, given) in [("--name", self.name.len()), ("--pose", self.pose.len())] {
+            if given > files.len() {
                 diagnostics.error(
                     &Source::new("the command line", 0),
-                    format!("{count} {option} for {} robots", files.len()),
+                    format!("{given} {option} for {}", count(files.len() as u64, "robot")),
                     format!("give {option} once for each --robot, in their order"),
                 );
             }
@@ -125,6 +135,7 @@ impl RobotArgs {
             let row = Place::on_floor(0.0, index as f64);
             models.push((model, self.pose.get(index).copied().unwrap_or(row).pose()));
         }
+        self.forgive_arguments(&files, diagnostics);
         self.tell_apart(&mut models, taken, diagnostics);
         let is_one = files.len() == 1;
         let mut robots: Vec<_> = models
@@ -137,6 +148,26 @@ impl RobotArgs {
             .collect();
         robots.sort_by(|(_, one), (_, other)| one.name.cmp(&other.name));
         robots
+    }
+
+    /// Removes the warnings about xacro arguments that one robot does not have and another one has: all robots are given
+    /// all of them. Adds one for each argument if there is no robot.
+    fn forgive_arguments(&self, files: &[PathBuf], diagnostics: &mut Diagnostics) {
+        for (name, _) in &self.xacro_args {
+            let what = unused_argument(name);
+            if files.is_empty() && !self.are_for_many {
+                diagnostics.warning(
+                    &Source::new("the command line", 0),
+                    &*what,
+                    "leave it out: there is no robot",
+                );
+            }
+            let lacking = diagnostics.problems().iter().filter(|problem| problem.what == what).count();
+            let different: HashSet<&PathBuf> = files.iter().collect();
+            if lacking < different.len() || self.are_for_many {
+                diagnostics.retain(|problem| problem.what != what);
+            }
+        }
     }
 
     /// Numbers robots whose files give them the same name; reports an error if a name given with --name is taken.

@@ -15,6 +15,7 @@ use super::status::Status;
 use super::view::{PageArgs, open_page};
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
+use crate::description::text::count;
 use crate::description::{Diagnostics, Severity};
 use crate::entities::Origin;
 use crate::recording::Profile;
@@ -51,7 +52,14 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --rate max --duration 10 --hash
   belvedere run --record run.mcap --duration 60
   belvedere run --robot car.urdf --udp velodyne_points=127.0.0.1:2368
-  belvedere run --rate max --wait-for recorder=3 --patience 30")]
+  belvedere run --rate max --wait-for recorder=3 --patience 30
+
+The table of streams:
+  RATE Hz   frames sent in a second of simulated time; idle: nobody reads them, so none are made
+  ASKED Hz  the rate that is set
+  SUBS      subscribers
+  DROPPED   frames that could not be sent, each with a warning that says why
+  FRAME ms  time to render a frame")]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
     #[command(flatten)]
@@ -389,7 +397,7 @@ fn print_hashes(rig: &Rig) -> Result<(), CliError> {
         let hash = outlet.hash().unwrap_or(0);
         all.update(outlet.topic().as_bytes());
         all.update(&hash.to_le_bytes());
-        print_line(&format!("{hash:032x}  {}  {} frames", outlet.topic(), outlet.tally().frames))?;
+        print_line(&format!("{hash:032x}  {}  {}", outlet.topic(), count(outlet.tally().frames, "frame")))?;
     }
     print_line(&format!("{:032x}  total", all.digest128()))
 }

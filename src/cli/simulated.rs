@@ -70,8 +70,10 @@ impl SimulatedArgs {
         self.package_path.push(folder);
     }
 
-    /// Removes the defaults: the robot that would be added to a world, or the world that a robot would run in.
+    /// Removes the defaults, for one of many files: the robot that would be added to a world, or the world that a robot
+    /// would run in.
     pub(super) fn be_alone(&mut self, is_world: bool) {
+        self.robots.be_for_many();
         if is_world && self.robots.are_ours() {
             self.robots.be_none();
         } else if !is_world {

@@ -10,7 +10,9 @@ use image::{ImageFormat, RgbImage};
 
 use super::{
     error::CliError,
-    follow::{DomainArgs, listen_for_stop, print_line, seconds, stop_wanted, subscribe, with_slash},
+    follow::{
+        DomainArgs, listen_for_stop, no_frame, print_line, seconds, stop_wanted, subscribe, with_slash,
+    },
 };
 use crate::picture;
 
@@ -52,7 +54,7 @@ pub fn run(args: &SnapshotArgs) -> Result<(), CliError> {
     while !stop_wanted() {
         let left = deadline.saturating_duration_since(Instant::now());
         if left.is_zero() {
-            return Err(CliError::NoFrame { topic, waited: args.timeout });
+            return Err(no_frame(&subscriber, args.timeout));
         }
         if !subscriber.wait(left.min(Duration::from_millis(200)))? {
             continue;

@@ -3,6 +3,7 @@
 mod table;
 
 use super::log::{show_table, terminal};
+use crate::description::text::count;
 use crate::rig::{Outlet, Rig, Tally};
 use std::collections::{HashMap, VecDeque};
 use std::io::IsTerminal as _;
@@ -159,7 +160,10 @@ fn total(rig: &Rig, before: &Sample, now: &Sample) -> String {
     let simulated_s = now.time_ns.saturating_sub(before.time_ns) as f64 * 1e-9;
     let factor = simulated_s / (now.at - before.at).as_secs_f64().max(1e-9);
     let time_s = now.time_ns as f64 * 1e-9;
-    format!("{time_s:.1} s simulated, real-time factor {factor:.3}, {frames} frames, {dropped} dropped")
+    format!(
+        "{time_s:.1} s simulated, real-time factor {factor:.3}, {}, {dropped} dropped",
+        count(frames, "frame")
+    )
 }
 
 #[cfg(test)]

@@ -18,7 +18,7 @@ use std::path::PathBuf;
   belvedere urdf my_robot.urdf.xacro --package-path ~/catkin_ws/src
   in a launch file: <param name=\"robot_description\" command=\"belvedere urdf kobuki_hexagons_kinect\"/>")]
 pub struct UrdfArgs {
-    /// A .urdf or .xacro file, or the name of a shipped robot
+    /// A .urdf or .xacro file, or the name of a shipped robot; not a .sdf file, which the other commands accept
     /// [default: the robot that `belvedere run` uses]
     #[arg(value_name = "FILE|NAME")]
     pub file: Option<PathBuf>,

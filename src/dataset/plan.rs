@@ -14,6 +14,7 @@ use crate::description::diagnostics::Source;
 use crate::description::load::{LoadOptions, load_robot, load_world};
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
+use crate::description::text::count;
 use crate::description::{Diagnostics, Rules};
 use belvedere_sensors::Pose;
 use placement::{Random, Route};
@@ -178,8 +179,7 @@ impl Plan {
         };
         let samples = plan.poses().checked_mul((plan.worlds.len() * plan.seeds.len()) as u64);
         if samples.is_none_or(|samples| samples == 0 || samples > MOST_SAMPLES) && !diagnostics.has_errors() {
-            let what =
-                samples.map_or("far too many samples".to_owned(), |samples| format!("{samples} samples"));
+            let what = samples.map_or("far too many samples".to_owned(), |samples| count(samples, "sample"));
             let remedy = format!("request 1 to {MOST_SAMPLES}, with list, path or random in [poses]");
             diagnostics.error(&text.source(&file.poses.span()), what, remedy);
         }

@@ -14,6 +14,7 @@
 //! ```
 
 mod error;
+mod notes;
 mod render;
 mod spawn;
 
@@ -29,6 +30,7 @@ use crate::world::physics::{Physics, Placement};
 use crate::world::scene::{Looks, WorldScene};
 use belvedere_sensors::{Execution, Pose};
 use glam::DVec3;
+use notes::Notes;
 use render::Studio;
 use std::time::Duration;
 
@@ -41,7 +43,7 @@ pub struct Simulation {
     options: RigOptions,
     /// Renders frames on demand.
     studio: Option<Studio>,
-    notes: Vec<Problem>,
+    notes: Notes,
     /// Simulated time before the last reset.
     before_resets_ns: u64,
     /// Length of physics' history.
@@ -84,13 +86,13 @@ impl SimulationBuilder {
         let Self { world, seed, gazebo_compat, execution } = self;
         let mut physics = Physics::with_models(&world, world.models.iter().map(|model| Some(placed(model))))?;
         let mut entities = Entities::default();
-        let mut notes = Vec::new();
+        let mut of_models = Vec::new();
         for (index, model) in world.models.iter().enumerate() {
             let robot = (!model.plugins.is_empty()).then(|| Robot::new(model, "", index, &mut physics));
             let (robot, problem) = robot.unzip();
-            notes.extend(problem.flatten().filter(|problem| problem.severity >= Severity::Warning));
+            of_models.extend(problem.flatten().filter(|problem| problem.severity >= Severity::Warning));
             let mut named = model.clone();
-            notes.extend(named.name_sensor_topics(&world.name));
+            of_models.extend(named.name_sensor_topics(&world.name));
             let entity = Entity {
                 name: model.name.clone(),
                 namespace: String::new(),
@@ -105,8 +107,10 @@ impl SimulationBuilder {
             entities.add(index, entity);
         }
         let mut scene = WorldScene::new(&world, &physics)?;
-        notes.append(&mut scene.take_notes());
-        notes.splice(..0, physics.take_notes());
+        let mut notes = Notes::default();
+        notes.add(physics.take_notes());
+        notes.add(of_models);
+        notes.add(scene.take_notes());
         let options = RigOptions { seed, gazebo_compat, truth: false, hashed: false, execution };
         Ok(Simulation {
             world,
@@ -141,13 +145,7 @@ impl Simulation {
 
     /// Returns notes on decisions made for the user so far, and on ignored input.
     pub fn notes(&self) -> &[Problem] {
-        &self.notes
-    }
-
-    /// Adds notes. Each note is kept once, however often the same model is spawned.
-    fn note(&mut self, mut notes: Vec<Problem>) {
-        notes.retain(|note| !self.notes.contains(note));
-        self.notes.extend(notes);
+        self.notes.all()
     }
 
     /// Returns the seed, the compatibility mode and the execution.

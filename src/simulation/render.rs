@@ -26,7 +26,7 @@ impl Simulation {
     pub fn streams(&mut self, truth: bool) -> Result<Rig, SimulationError> {
         let options = RigOptions { truth, ..self.options };
         let mut rig = Rig::open(&Slot::default(), self.stage().0, options)?;
-        self.note(rig.take_notes());
+        self.notes.add(rig.take_notes());
         Ok(rig)
     }
 
@@ -105,7 +105,7 @@ impl Simulation {
             let slot = Slot::default();
             let options = RigOptions { truth: true, ..self.options };
             let mut rig = Rig::open(&slot, self.stage().0, options)?;
-            self.note(rig.take_notes());
+            self.notes.add(rig.take_notes());
             self.remember(rig.window_ns());
             self.studio = Some(Studio { rig, slot });
         }

@@ -92,7 +92,7 @@ impl Simulation {
             notes.extend(problem.filter(|problem| problem.severity < Severity::Error));
             robot
         });
-        self.note(notes);
+        self.notes.add(notes);
         self.studio = None;
         let units = InertialUnit::all(&model, index);
         let feelers = Feeler::all(&model, index, &self.physics);

@@ -212,3 +212,29 @@ fn normal_maps() {
         );
     }
 }
+
+/// Pictures in TIFF are not read. Each place that can name one says so, and the remedy names formats that are.
+#[test]
+fn a_picture_in_tiff_is_told_with_the_formats_that_are_read() {
+    let folder = Folder::new();
+    folder.write("t.tif", b"II*\0\x08\0\0\0\0\0\0\0\0\0");
+    folder.write("m/a.material", "material A { technique { pass { texture_unit { texture t.tif\n } } } }");
+    folder.write("m/t.tif", b"II*\0");
+    folder.write("box.obj", "mtllib box.mtl\nusemtl m\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n");
+    folder.write("box.mtl", "newmtl m\nmap_Kd t.tif\n");
+    let map = "<material><pbr><metal><albedo_map>t.tif</albedo_map></metal></pbr></material>";
+    let script = "<material><script><uri>file://m</uri><name>A</name></script></material>";
+    let mesh = "<geometry><mesh><uri>box.obj</uri></mesh></geometry>";
+    let terrain = "<geometry><heightmap><uri>t.tif</uri><size>1 1 1</size></heightmap></geometry>";
+    for content in [box_visual(map), box_visual(script), visual(mesh), visual(terrain)] {
+        let (world, mut problems) = folder.load("1.6", &content, false);
+        if let (Some(world), true) = (world, problems.is_empty()) {
+            let built = belvedere::simulation::Simulation::builder(world).build();
+            problems = built.map(|simulation| simulation.notes().to_vec()).unwrap_or_default();
+        }
+        let [problem] = &problems[..] else { panic!("{content}: {problems:#?}") };
+        let text = problem.to_string();
+        let (what, remedy) = text.split_once("; ").unwrap();
+        assert!(what.contains("t.tif") && remedy.to_lowercase().contains("png"), "{text}");
+    }
+}

@@ -288,3 +288,37 @@ fn bad_meshes_of_a_world() {
     );
     assert_one_error(&load(""), 3, &["no <uri>"]);
 }
+
+/// Each message goes on in lower case after its semicolon, whether or not something near is suggested.
+#[test]
+fn remedies_begin_in_lower_case() {
+    let folder = Folder::new();
+    folder.write("a.obj", "usemtl gone\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write("a.mtl", "newmtl other\nKd 1 0 0\n");
+    let mesh = "<geometry><mesh><uri>a.obj</uri></mesh></geometry>";
+    let script =
+        |name: &str| box_visual(&format!("<material><script><name>{name}</name></script></material>"));
+    let include = "<include><uri>model://qqqqqqq</uri></include>".to_owned();
+    for content in [visual(mesh), script("Gazebo/Qqqqqqq"), script("Qqqqqqq"), include] {
+        let problems = folder.load("1.6", &content, false).1;
+        assert!(!problems.is_empty(), "{content}");
+        for problem in problems {
+            assert!(!problem.remedy.starts_with(char::is_uppercase), "{problem}");
+        }
+    }
+}
+
+/// A pipe that nobody writes into is an error at once. Opening it in the usual way would wait for a writer.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_mesh_that_is_a_pipe_without_a_writer_is_an_error() {
+    let folder = Folder::new();
+    let path = folder.path("pipe.stl");
+    assert!(std::process::Command::new("mkfifo").arg(&path).status().unwrap().success());
+    let content = visual("<geometry><mesh><uri>pipe.stl</uri></mesh></geometry>");
+    assert_one_error(
+        &folder.load("1.6", &content, false).1,
+        3,
+        &["pipe.stl", "a pipe that nobody writes into"],
+    );
+}

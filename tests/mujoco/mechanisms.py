@@ -270,6 +270,11 @@ def contacts():
     for name, (shape, size, mass, moments, at) in things.items():
         thing, mj_thing = solid("m", shape, size, mass, moments, at)
         yield Mechanism(name, ground + thing, mj_ground + mj_thing, "rest", ("m::l",), seconds=4)
+    size, moments = [0.4, 0.3, 0.2], block(2, 0.4, 0.3, 0.2)
+    stack = [solid(f"m{place}", "box", size, 2, moments, f"0 0 {0.102 + 0.202 * place} 0 0 0") for place in range(3)]
+    boxes, mj_boxes = ("".join(parts) for parts in zip(*stack))
+    links = tuple(f"m{place}::l" for place in range(3))
+    yield Mechanism("a stack of three boxes stands", ground + boxes, mj_ground + mj_boxes, "rest", links, seconds=4)
     for degrees, mu, judge in [(20, 0.5, "rest"), (35, 0.5, "path")]:
         turn = radians(degrees)
         at = f"{0.1 * sin(turn)} 0 {0.1 * cos(turn)} 0 {turn} 0"

@@ -31,6 +31,7 @@ mod interest;
 mod kobuki;
 mod lidar_packets;
 mod lossless;
+mod messages;
 mod named_files;
 mod poses;
 mod ranges;

@@ -103,3 +103,45 @@ fn a_body_at_rest_sleeps_and_wakes() {
     assert!(first < -0.5 && second < 3.0, "{first} {second}");
     assert!(!physics.sleeps(1));
 }
+
+/// Boxes of 2 kg are put down from 2 mm, one on the other, and never sleep. They stay where they land, and none sinks into
+/// the one below it.
+#[test]
+fn a_stack_of_boxes_rests_where_it_is_put() {
+    let boxes = |count: usize| -> String {
+        let model = |index: usize| {
+            let height = 0.1 + 0.2 * index as f64 + 0.002 * (index + 1) as f64;
+            format!(
+                "<model name='box_{index}'><allow_auto_disable>false</allow_auto_disable><pose>0 0 {height} 0 0 0</pose>
+                 <link name='l'><inertial><mass>2</mass><inertia><ixx>.0217</ixx><iyy>.0333</iyy><izz>.0417</izz></inertia>
+                 </inertial><collision name='c'><geometry><box><size>.4 .3 .2</size></box></geometry></collision></link>
+                 </model>"
+            )
+        };
+        (0..count).map(model).collect()
+    };
+    for (count, step_s, sinks_by) in
+        [(3, 0.001, 0.25e-3), (3, 0.01, 0.35e-3), (3, 0.05, 3e-3), (10, 0.001, 2.5e-3)]
+    {
+        let mut world = good("1.7", &(ground(0.0) + &boxes(count)));
+        world.max_step_size_s = step_s;
+        let mut physics = Physics::new(&world).unwrap();
+        let places = |physics: &Physics| -> Vec<DVec3> {
+            (1..=count).map(|model| physics.world_from_model(model).translation()).collect()
+        };
+        let run = |physics: &mut Physics, seconds: f64| {
+            (0..(seconds / step_s).round() as usize).for_each(|_| physics.step());
+        };
+        run(&mut physics, 3.0);
+        let rested = places(&physics);
+        for (index, place) in rested.iter().enumerate() {
+            let low = 0.1 + 0.2 * index as f64 - place.z;
+            assert!((0.0..sinks_by).contains(&low), "{count} by {step_s} s: box {index} is {low} m too low");
+            assert!(place.truncate().length() < 2e-3, "{count} by {step_s} s: box {index} moved to {place}");
+        }
+        run(&mut physics, 1.0);
+        for (before, after) in rested.iter().zip(places(&physics)) {
+            assert!((after - before).length() < 1e-5, "{count} by {step_s} s: {before} to {after}");
+        }
+    }
+}

@@ -2,7 +2,8 @@
 //!
 //! The tables `elements/sdf.txt` and `elements/urdf.txt` list what a file can contain, and whether it is read, is harmless,
 //! or would have an effect but is not simulated. [`report`] compares a file with them. For each kind of element it reports
-//! once what is not simulated, and what is unknown.
+//! once what is not simulated, and what is unknown. `elements/plugins.txt` lists the parameters of each plugin that is
+//! known, with which [`report_plugin`] compares it.
 //!
 //! A table is a list of contexts. A line without indentation begins a context; the lines below are its elements and, with
 //! a dot, its attributes:
@@ -15,6 +16,7 @@
 //! | `name ~` | harmless: it changes neither motion nor measurements |
 //! | `name ! values: difference` | not simulated, with that difference, unless it has one of the values; gives a warning |
 //! | `name ? values: difference` | the same for what rarely matters; gives a note |
+//! | `+ context` | the rows of that context |
 //!
 //! The row `others @ context: place` says that the elements of another context belong in that place, and gives a warning.
 //! The row `* *` stands for all other elements of the context, which the parser reports itself.
@@ -27,14 +29,28 @@ use crate::xml::Element;
 use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
-const TABLES: [&str; 2] = [include_str!("elements/sdf.txt"), include_str!("elements/urdf.txt")];
+const TABLES: [&str; 3] = [
+    include_str!("elements/sdf.txt"),
+    include_str!("elements/urdf.txt"),
+    include_str!("elements/plugins.txt"),
+];
 
 static CONTEXTS: LazyLock<BTreeMap<&'static str, Vec<Row>>> = LazyLock::new(|| {
-    let contexts = TABLES.iter().flat_map(|table| rows(&mut table.lines().peekable(), 0));
-    contexts.map(|context| (context.name, context.inside)).collect()
+    let mut contexts = BTreeMap::new();
+    for Row { name, inside, .. } in TABLES.iter().flat_map(|table| rows(&mut table.lines().peekable(), 0)) {
+        // Rows that a context takes from another one are those of an earlier one.
+        let with_taken = inside.into_iter().flat_map(|row| match row.fate {
+            Fate::Taken(from) => contexts.get(from).cloned().unwrap_or_else(|| vec![row]),
+            _ => vec![row],
+        });
+        let with_taken: Vec<Row> = with_taken.collect();
+        contexts.insert(name, with_taken);
+    }
+    contexts
 });
 
 /// A row of a table.
+#[derive(Clone)]
 struct Row {
     /// The name of an element, or of an attribute with a dot before it.
     name: &'static str,
@@ -43,11 +59,14 @@ struct Row {
 }
 
 /// The support of an element or attribute.
+#[derive(Clone)]
 enum Fate {
     Read,
     Context(&'static str),
     /// Its content is not compared.
     Passed,
+    /// The rows of this context stand here.
+    Taken(&'static str),
     NotSimulated {
         severity: Severity,
         unless: Vec<&'static str>,
@@ -72,6 +91,7 @@ fn rows(lines: &mut std::iter::Peekable<std::str::Lines<'static>>, depth: usize)
         let (name, rest) = text.split_once(' ').unwrap_or((text, ""));
         let fate = match (rest.chars().next(), rest.get(2..).unwrap_or_default()) {
             (None, _) => Fate::Read,
+            (Some(_), _) if name == "+" => Fate::Taken(rest),
             (Some('='), context) => Fate::Context(context),
             (Some('@'), rest) => {
                 let (context, place) = rest.split_once(": ").unwrap_or_default();
@@ -99,18 +119,32 @@ pub(crate) fn report<'e>(
     for (element, context) in elements {
         report.inside(element, inside(&CONTEXTS, context));
     }
-    for (first, count) in report.found.into_values() {
-        let Problem { severity, source, mut what, remedy } = first;
-        if count > 1 {
-            what = format!("{what} ({count} times in this file)");
-        }
-        diagnostics.add(Problem { severity, source, what, remedy });
-    }
+    report.finish("file", diagnostics);
+}
+
+/// Reports to `diagnostics` which parameters of a plugin are not simulated or unknown. The context is the plugin's name.
+pub(crate) fn report_plugin(plugin: &Element, context: &str, diagnostics: &mut Diagnostics) {
+    let mut report = Report::default();
+    report.inside(plugin, inside(&CONTEXTS, context));
+    report.finish("plugin", diagnostics);
 }
 
 /// Whether the tables have a context of that name.
 pub(crate) fn has_context(name: &str) -> bool {
     CONTEXTS.contains_key(name)
+}
+
+/// Whether a context has an element of that name.
+pub(crate) fn knows(context: &str, element: &str) -> bool {
+    inside(&CONTEXTS, context).iter().any(|row| row.name == element)
+}
+
+/// Returns how messages call an element: plugins by their name.
+fn title(element: &Element) -> String {
+    match element.attribute("name").or(element.attribute("filename")) {
+        Some(name) if element.name == "plugin" => format!("plugin '{name}'"),
+        _ => format!("<{}>", element.name),
+    }
 }
 
 fn inside<'t>(contexts: &'t BTreeMap<&'static str, Vec<Row>>, context: &str) -> &'t [Row] {
@@ -124,6 +158,17 @@ struct Report {
 }
 
 impl Report {
+    /// Adds the problems to `diagnostics`, with how often they occur in this `place`.
+    fn finish(self, place: &str, diagnostics: &mut Diagnostics) {
+        for (first, count) in self.found.into_values() {
+            let Problem { severity, source, mut what, remedy } = first;
+            if count > 1 {
+                what = format!("{what} ({count} times in this {place})");
+            }
+            diagnostics.add(Problem { severity, source, what, remedy });
+        }
+    }
+
     fn inside(&mut self, element: &Element, rows: &'static [Row]) {
         for (name, value) in &element.attributes {
             // Names with a prefix belong to other programs; a value may be in an attribute instead of the element.
@@ -144,7 +189,7 @@ impl Report {
                 Some(row) => match row.fate {
                     Fate::Read => self.inside(child, &row.inside),
                     Fate::Context(context) => self.inside(child, inside(&CONTEXTS, context)),
-                    Fate::Passed | Fate::Elsewhere { .. } => {}
+                    Fate::Passed | Fate::Elsewhere { .. } | Fate::Taken(_) => {}
                     Fate::NotSimulated { .. } => {
                         let value = child.attribute("value").map_or_else(|| child.text(), str::to_owned);
                         self.not_simulated(row, element, &what, &value, &child.source);
@@ -173,12 +218,12 @@ impl Report {
         }
         let value = value.trim();
         let written = if value.is_empty() { String::new() } else { format!("is '{value}' and ") };
-        let what = format!("{what} of <{}> {written}is not simulated: {difference}", parent.name);
+        let what = format!("{what} of {} {written}is not simulated: {difference}", title(parent));
         self.add(parent, row.name, *severity, source, what, String::new());
     }
 
     fn unknown(&mut self, parent: &Element, what: &str, meant: Option<String>, source: &Source) {
-        let text = format!("{what} of <{}> is not known, and is left out", parent.name);
+        let text = format!("{what} of {} is not known, and is left out", title(parent));
         let remedy = meant.unwrap_or_else(|| "check its spelling, and where it belongs".to_owned());
         self.add(parent, what, Severity::Warning, source, text, remedy);
     }
@@ -282,6 +327,7 @@ mod tests {
                 Fate::Elsewhere { context, place } => {
                     assert!(CONTEXTS.contains_key(context) && place.len() > 5, "{at}: {context}");
                 }
+                Fate::Taken(context) => panic!("{at}: {context} comes later, or is not there"),
                 Fate::Read | Fate::Passed => {}
             }
             let rows = &row.inside;

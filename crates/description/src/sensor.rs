@@ -26,6 +26,7 @@ mod preset;
 mod range;
 mod reader;
 pub(crate) mod ros2;
+mod ros_version;
 #[cfg(test)]
 mod tests;
 

@@ -19,6 +19,11 @@ pub fn pose(pose: &Pose) -> String {
     parts.join(" ")
 }
 
+/// Returns a number with what it counts: `1 frame`, `2 frames`.
+pub fn count(number: u64, what: &str) -> String {
+    format!("{number} {what}{}", if number == 1 { "" } else { "s" })
+}
+
 /// Returns its numbers, separated by spaces.
 pub fn vector(vector: DVec3) -> String {
     vector.to_array().map(number).join(" ")

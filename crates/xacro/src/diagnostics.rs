@@ -150,14 +150,21 @@ impl Diagnostics {
         self.problems.iter().filter(|problem| problem.severity == Severity::Error)
     }
 
-    /// Turns every warning into an error.
+    /// Turns every warning into an error, which says that it is one because of `--strict`.
     pub fn warnings_are_errors(&mut self) {
         for problem in &mut self.problems {
             if problem.severity == Severity::Warning {
                 problem.severity = Severity::Error;
+                self.known.insert(problem.clone());
+                problem.what.push_str(" (without --strict, a warning)");
             }
         }
-        self.known = self.problems.iter().cloned().collect();
+    }
+
+    /// Removes the problems that do not fulfil a condition.
+    pub fn retain(&mut self, condition: impl Fn(&Problem) -> bool) {
+        self.problems.retain(&condition);
+        self.known.retain(condition);
     }
 
     /// Returns true if there are errors, so that the description cannot be used.

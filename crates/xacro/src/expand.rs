@@ -16,9 +16,10 @@ use super::value::Value;
 use crate::budget::Budget;
 use crate::diagnostics::{Diagnostics, Problem, Source};
 use crate::package::{Found, PackagePath};
-use crate::suggestion::did_you_mean;
+use crate::suggestion::{did_you_mean, did_you_mean_or};
 use crate::xml::{Element, Node, Weight};
 use role::Role;
+use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -56,6 +57,7 @@ pub fn expand_root(
         packages,
         diagnostics,
         arguments: arguments.iter().cloned().collect(),
+        unused: RefCell::new(arguments.iter().map(|(name, _)| name.clone()).collect()),
         scopes: vec![Scope::default()],
         budget: Budget::default(),
         work: Rc::default(),
@@ -66,7 +68,14 @@ pub fn expand_root(
         // In a plain URDF, unknown elements are not misspelt macros.
         strict: path.extension().is_some_and(|extension| extension == "xacro"),
     };
-    expander.root(root)
+    let expanded = expander.root(root)?;
+    expander.warn_of_unused(path);
+    Ok(expanded)
+}
+
+/// What is wrong with an argument that a robot does not have.
+pub fn unused_argument(name: &str) -> String {
+    format!("this robot has no argument '{name}', which was given: it changes nothing")
 }
 
 /// The state of an expansion.
@@ -74,6 +83,8 @@ pub(super) struct Expander<'a> {
     pub(super) packages: &'a PackagePath,
     pub(super) diagnostics: &'a mut Diagnostics,
     pub(super) arguments: HashMap<String, String>,
+    /// Names of given arguments that have not been declared or read yet.
+    pub(super) unused: RefCell<BTreeSet<String>>,
     /// The file's scope first, then one for each macro call that is being expanded.
     pub(super) scopes: Vec<Scope>,
     pub(super) budget: Budget,
@@ -105,6 +116,22 @@ impl Expander<'_> {
             Element { name: root.name, attributes, children: output.children, source: root.source };
         set_attributes(&mut result, output.attributes);
         Ok(result)
+    }
+
+    /// Warns of given arguments that the files neither declare nor read. xacro says nothing of them.
+    fn warn_of_unused(&mut self, path: &Path) {
+        let unused = self.unused.take();
+        let known: BTreeSet<&String> = self.arguments.keys().filter(|name| !unused.contains(*name)).collect();
+        for name in &unused {
+            let listed = match known.len() {
+                0 => "leave it out: the robot has no arguments".to_owned(),
+                _ => {
+                    let names: Vec<&str> = known.iter().map(|name| name.as_str()).collect();
+                    did_you_mean_or(name, names.iter().copied(), &format!("there are: {}", names.join(", ")))
+                }
+            };
+            self.diagnostics.warning(&Source::new(path, 0), unused_argument(name), listed);
+        }
     }
 
     /// Expands nodes. `source` is the place of the element around them, because text has no place of its own.
@@ -206,6 +233,7 @@ impl Expander<'_> {
             }
             "arg" => {
                 let name = self.required(element, "name")?;
+                self.unused.borrow_mut().remove(&name);
                 if !self.arguments.contains_key(&name) {
                     let default = self.required(element, "default")?;
                     self.arguments.insert(name, default);

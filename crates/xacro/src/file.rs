@@ -3,27 +3,108 @@
 use std::fs::File;
 use std::io::{self, Read as _};
 use std::path::Path;
+use std::time::Duration;
 
 /// The largest file that is read, bytes.
 const LARGEST: u64 = 1 << 30;
 /// Most bytes that are read of what has no size, such as a pipe or a device: a file may name `/dev/zero`.
 const LARGEST_STREAM: u64 = 1 << 24;
+/// How long a pipe may give nothing while somebody has it open for writing.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Time between two looks into a pipe.
+const NAP: Duration = Duration::from_millis(5);
 
 /// Reads a whole file.
 ///
 /// # Errors
-/// If it cannot be read, or is larger than a gigabyte.
+/// If it cannot be read, or is larger than a gigabyte; if it is a pipe that nobody writes into.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
-    let file = File::open(path)?;
-    let about = file.metadata()?;
-    let most = if about.is_file() { LARGEST } else { LARGEST_STREAM };
-    let mut bytes = Vec::new();
-    if about.is_file() {
-        bytes.try_reserve_exact(about.len().min(most) as usize)?;
+    if !std::fs::metadata(path)?.is_file() {
+        return read_stream(path);
     }
-    file.take(most + 1).read_to_end(&mut bytes)?;
+    let file = File::open(path)?;
+    let size = file.metadata()?.len();
+    let mut bytes = Vec::new();
+    bytes.try_reserve_exact(size.min(LARGEST) as usize)?;
+    file.take(LARGEST + 1).read_to_end(&mut bytes)?;
+    within(bytes, LARGEST)
+}
+
+/// Reads a pipe or a device to its end.
+fn read_stream(path: &Path) -> io::Result<Vec<u8>> {
+    let mut stream = open_without_waiting(path)?;
+    let (mut bytes, mut part) = (Vec::new(), vec![0; 1 << 16]);
+    let mut waited = Duration::ZERO;
+    while bytes.len() as u64 <= LARGEST_STREAM {
+        match stream.read(&mut part) {
+            Ok(0) if bytes.is_empty() => {
+                return Err(io::Error::other("it is empty, or a pipe that nobody writes into"));
+            }
+            Ok(0) => break,
+            Ok(count) => {
+                bytes.extend_from_slice(&part[..count]);
+                waited = Duration::ZERO;
+            }
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock && waited < PATIENCE => {
+                std::thread::sleep(NAP);
+                waited += NAP;
+            }
+            Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                return Err(io::Error::other(format!("nothing came out of it for {} s", PATIENCE.as_secs())));
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+            Err(error) => return Err(error),
+        }
+    }
+    within(bytes, LARGEST_STREAM)
+}
+
+fn within(bytes: Vec<u8>, most: u64) -> io::Result<Vec<u8>> {
     if bytes.len() as u64 > most {
         return Err(io::Error::other(format!("it has more than {} MB", most >> 20)));
     }
     Ok(bytes)
+}
+
+/// Opens a pipe even if nobody has it open for writing, which otherwise would wait for a writer, without end.
+#[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
+fn open_without_waiting(path: &Path) -> io::Result<File> {
+    use std::os::unix::fs::OpenOptionsExt as _;
+    /// The flag `O_NONBLOCK` of these systems.
+    const NONBLOCK: i32 = 0o4000;
+    File::options().read(true).custom_flags(NONBLOCK).open(path)
+}
+
+#[cfg(not(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64"))))]
+fn open_without_waiting(path: &Path) -> io::Result<File> {
+    File::open(path)
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use super::*;
+    use std::process::Command;
+
+    /// A pipe without a writer is an error at once; of one with a slow writer, everything is read.
+    #[test]
+    fn a_pipe_is_read_only_while_somebody_writes_into_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let pipe = folder.path().join("pipe");
+        assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        let error = read(&pipe).unwrap_err().to_string();
+        assert!(error.contains("a pipe that nobody writes into"), "{error}");
+        let mut writer = Command::new("sh")
+            .args([
+                "-c",
+                "exec 3<>\"$1\"; sleep 0.3; printf one >&3; sleep 0.3; printf two >&3; sleep 0.1",
+                "sh",
+            ])
+            .arg(&pipe)
+            .spawn()
+            .unwrap();
+        // Until the writer has opened it, the pipe has none.
+        let bytes = std::iter::repeat_with(|| read(&pipe)).find_map(Result::ok).unwrap();
+        assert_eq!(bytes, b"onetwo");
+        assert!(writer.wait().unwrap().success());
+    }
 }

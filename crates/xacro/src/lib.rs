@@ -45,5 +45,5 @@ mod value;
 pub mod xml;
 mod yaml;
 
-pub use expand::{expand, expand_root};
+pub use expand::{expand, expand_root, unused_argument};
 pub use xml::Element;

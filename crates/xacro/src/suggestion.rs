@@ -20,24 +20,26 @@ enum Likeness {
     TwoSlips,
     /// It begins with the same characters, except for this number of the name's last ones.
     Beginning(usize),
-    /// Half of it agrees.
-    Half,
+    /// Two thirds of it agree.
+    Most,
     Unlike,
 }
 
 fn likeness(name: &str, candidate: &str, distance: usize) -> Likeness {
     let (length, other) = (name.chars().count(), candidate.chars().count());
-    let beginning = name.chars().zip(candidate.chars()).take_while(|(one, other)| one == other).count();
+    // All topics begin with a slash, which makes none of them alike.
+    let [bare, other_bare] = [name, candidate].map(|name| name.trim_start_matches('/'));
+    let beginning = bare.chars().zip(other_bare.chars()).take_while(|(one, other)| one == other).count();
     if distance <= 1 {
         Likeness::Slip
     } else if !name.is_empty() && (candidate.starts_with(name) || candidate.ends_with(name)) {
         Likeness::Part
-    } else if distance == 2 && length > 3 {
+    } else if distance == 2 && length > 5 {
         Likeness::TwoSlips
     } else if beginning >= BEGINNING {
-        Likeness::Beginning(length - beginning)
-    } else if 2 * distance <= length.max(other) {
-        Likeness::Half
+        Likeness::Beginning(bare.chars().count() - beginning)
+    } else if 3 * distance <= length.max(other) {
+        Likeness::Most
     } else {
         Likeness::Unlike
     }
@@ -65,7 +67,7 @@ pub fn closest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
 }
 
 /// Returns the candidate that was probably meant: one that differs by a typing error; else one that begins or ends like
-/// the name; else one of which half agrees. `None` if there is no such candidate.
+/// the name; else one of which two thirds agree. `None` if there is no such candidate.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let likely = most_like(name, candidates).filter(|(likeness, ..)| *likeness != Likeness::Unlike);
     likely.map(|(_, _, candidate)| candidate)
@@ -109,6 +111,9 @@ mod tests {
         assert_eq!(nearest("/scam", topics), Some("/scan"));
         assert_eq!(nearest("/depth/image_raw", topics), Some("/camera/depth/image_raw"));
         assert_eq!(nearest("/xyz", topics), None);
+        assert_eq!(nearest("/scan", ["/cam", "/tf", "/clock"]), None);
+        assert_eq!(nearest("/imu", ["/odom", "/image"]), None);
+        assert_eq!(nearest("/imige_rwa", ["/odom", "/image_raw"]), Some("/image_raw"));
         assert_eq!(nearest("weel_r", ["wheel_l", "wheel_r", "weight"]), Some("wheel_r"));
         assert_eq!(nearest("x", ["y"]), Some("y"));
         assert_eq!(nearest("hokuyo", ["camera"]), None);
@@ -118,8 +123,8 @@ mod tests {
     #[test]
     fn the_question_precedes_the_remedy() {
         assert_eq!(
-            did_you_mean_or("lazer", ["laser"], "Else leave it out"),
-            "did you mean 'laser'? Else leave it out"
+            did_you_mean_or("lazer", ["laser"], "else leave it out"),
+            "did you mean 'laser'? else leave it out"
         );
         assert_eq!(did_you_mean_or("lazer", ["hokuyo"], "leave it out"), "leave it out");
     }

@@ -4,7 +4,7 @@ use super::counted::{counted, fiducials};
 use super::robot::{joint_kind, parts};
 use super::streams::Streams;
 use crate::description::model::{Geometry, Light, LightKind, World};
-use crate::description::text::{angle, number, pose, vector};
+use crate::description::text::{angle, count, number, pose, vector};
 use crate::rig::Part;
 use crate::rig::sensor_report::sensor_report;
 use belvedere_sensors::scene::{Fog, FogLaw};
@@ -103,6 +103,8 @@ fn shape(geometry: &Geometry) -> String {
             )
         }
         Geometry::Plane { size: [x, y], .. } => format!("plane {} {}", number(*x), number(*y)),
-        Geometry::Mesh(mesh) => format!("mesh {} of {} triangles", mesh.path.display(), mesh.triangles.len()),
+        Geometry::Mesh(mesh) => {
+            format!("mesh {} of {}", mesh.path.display(), count(mesh.triangles.len() as u64, "triangle"))
+        }
     }
 }

@@ -1,5 +1,6 @@
 //! The table of streams, fitted to the size of the terminal.
 
+use crate::description::text::count;
 use std::fmt::Write as _;
 
 /// The line of a stream.
@@ -38,7 +39,7 @@ pub(super) fn table(rows: &[Row], total: &str, columns: usize, height: usize) ->
     lines.extend(shown.iter().map(|row| line(&row.topic, &mut row.cells.iter().map(String::as_str))));
     let left_out = rows.len() - shown.len();
     if left_out > 0 {
-        lines.push(cut(&format!("… {left_out} more streams: belvedere list"), width));
+        lines.push(cut(&format!("… {}: belvedere list", count(left_out as u64, "more stream")), width));
     }
     lines.push(cut(total, width));
     lines

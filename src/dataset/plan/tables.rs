@@ -6,6 +6,7 @@ use super::randomize::RandomizeTable;
 use super::text::Text;
 use crate::description::Diagnostics;
 use crate::description::diagnostics::Source;
+use crate::description::text;
 use crate::world::physics::FARTHEST_M;
 use belvedere_sensors::Pose;
 use glam::DVec3;
@@ -159,7 +160,7 @@ pub(super) fn route(
     if route.is_none() {
         diagnostics.error(
             &text.source(&path.span()),
-            format!("a path of {} points and {count} poses", points.len()),
+            format!("a path of {} and {}", text::count(points.len() as u64, "point"), text::count((*count).into(), "pose")),
             "write points = [[x, y, z], …], two or more, no two equal ones in a row, in metres up to 10,000 km, and a count of 2 or more",
         );
     }

@@ -3,7 +3,7 @@
 use super::super::packets::Packets;
 use super::super::report::{Say, noise};
 use crate::description::model::{self, BeamPhysics, Noise, RaySensor};
-use crate::description::text::{angle, number};
+use crate::description::text::{angle, count, number};
 use belvedere_sensors::scanner::presets::{Maker, Preset};
 use belvedere_sensors::scanner::{Beam, Halo, Intensity, Returns, Spread, Weather};
 
@@ -76,7 +76,13 @@ fn physics(physics: &BeamPhysics, say: Say<'_>) {
     if *beam != Beam::RAY {
         let [across, up] = beam.divergence_rad.map(number);
         let [width, height] = beam.aperture_m.map(number);
-        say("beam", format!("{width} x {height} m, widens by {across} x {up} rad, {} rays", beam.rays));
+        say(
+            "beam",
+            format!(
+                "{width} x {height} m, widens by {across} x {up} rad, {}",
+                count(beam.rays.into(), "ray")
+            ),
+        );
     }
     say("returns", returns_name(*returns));
     say(

@@ -74,7 +74,7 @@ pub fn load_robot(
     options: &LoadOptions,
     diagnostics: &mut Diagnostics,
 ) -> Option<Model> {
-    let path = find_robot(file_or_name.as_ref(), &options.packages, diagnostics)?;
+    let path = find_robot(file_or_name.as_ref(), ".urdf, .xacro or .sdf", &options.packages, diagnostics)?;
     // A world is no robot, and this says so.
     if path.extension().is_some_and(|extension| extension == "sdf" || extension == "world") {
         return load_sdf(&path, options, diagnostics);
@@ -91,6 +91,10 @@ pub fn load_robot(
 /// Loads a robot from an SDF file of one model.
 fn load_sdf(path: &Path, options: &LoadOptions, diagnostics: &mut Diagnostics) -> Option<Model> {
     diagnostics.opened(path);
+    for (name, _) in &options.xacro_args {
+        let remedy = "leave it out: a file of SDF has no arguments";
+        diagnostics.warning(&Source::new(path, 0), xacro::unused_argument(name), remedy);
+    }
     match Element::parse_file(path) {
         Ok(root) => sdf::load_model(&root, &options.packages, options.rules, diagnostics),
         Err(problem) => {
@@ -113,7 +117,16 @@ pub fn expand_robot(
     xacro_args: &[(String, String)],
     diagnostics: &mut Diagnostics,
 ) -> Option<Element> {
-    let path = find_robot(file_or_name.as_ref(), packages, diagnostics)?;
+    let path = find_robot(file_or_name.as_ref(), ".urdf or .xacro", packages, diagnostics)?;
+    if path.extension().is_some_and(|extension| extension == "sdf") {
+        let remedy = "name a .urdf or .xacro file; `belvedere run` and `belvedere check` read this one";
+        diagnostics.error(
+            &Source::new(path, 0),
+            "this is a file of SDF, and no URDF can be made of it",
+            remedy,
+        );
+        return None;
+    }
     match xacro::expand(&path, packages, xacro_args, diagnostics) {
         Ok(mut robot) => {
             if !urdf::is_robot(&robot, diagnostics) {
@@ -130,7 +143,13 @@ pub fn expand_robot(
     }
 }
 
-fn find_robot(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
+/// Returns the file of a robot; none and an error, which names the `formats` that there may be, if there is none.
+fn find_robot(
+    path: &Path,
+    formats: &str,
+    packages: &PackagePath,
+    diagnostics: &mut Diagnostics,
+) -> Option<PathBuf> {
     let is_robot_file = path.extension().is_some_and(|extension| {
         ["urdf", "xacro", "xml", "sdf", "world"].iter().any(|known| extension == *known)
     });
@@ -145,7 +164,7 @@ fn find_robot(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics
         return Some(found.path);
     }
     let names = robot_names(packages);
-    let otherwise = format!("give the path of a .urdf, .xacro or .sdf file or {}", one_of(&names, packages));
+    let otherwise = format!("give the path of a {formats} file or {}", one_of(&names, packages));
     not_found(path, "robot", names.iter().map(String::as_str), &otherwise, diagnostics);
     None
 }

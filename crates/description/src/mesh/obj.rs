@@ -204,7 +204,7 @@ impl<'a> Reader<'a> {
         let material = self.materials.get(&self.material).cloned();
         if material.is_none() && !self.material.is_empty() && !self.lacks_library {
             let known = self.materials.keys().map(String::as_str);
-            let remedy = did_you_mean_or(&self.material, known, "Name its library in mtllib");
+            let remedy = did_you_mean_or(&self.material, known, "name its library in mtllib");
             let what = format!("the material '{}' is not defined: its faces have no colour", self.material);
             self.warn(&format!("usemtl {}", self.material), &what, remedy);
         }

@@ -22,23 +22,9 @@ pub(super) fn ackermann(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
         "write an angle in radians above 0 and below π/2",
     );
     let max_speed_m_s = given.positive(&["max_speed"], 20.0);
-    // Gains of forces, which are not used here; the steering wheel of the driver.
-    given.element(&[
-        "left_steering_pid_gain",
-        "right_steering_pid_gain",
-        "linear_velocity_pid_gain",
-        "left_steering_i_range",
-        "right_steering_i_range",
-        "linear_velocity_i_range",
-        "steering_wheel_joint",
-        "max_steering_angle",
-        "ros",
-        "publish_odom",
-    ]);
     let rate_hz = given.rate(&["updateRate", "update_rate"], 100.0)?;
     let odometry = given.odometry(rate_hz, OdometryOrigin::World, [1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3]);
     let command_topic = given.topic(&["commandTopic", "command_topic"], "cmd_vel");
-    given.left_out();
     let rear = given.wheels(rear_left?, rear_right?, None, f64::INFINITY)?;
     let front = given.wheels(front_left?, front_right?, None, 0.0)?;
     Some(ModelPlugin::Base(Box::new(BasePlugin {
@@ -74,13 +60,10 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     );
     let steering_gain = given.positive(&["steer_p_gain"], 1.0);
     let max_speed_m_s = given.positive(&["max_velocity"], f64::INFINITY);
-    // The positions of the wheels are taken from the model.
-    given.element(&["kingpin_width", "wheel_separation", "min_velocity"]);
     let rate_hz = given.rate(&["odom_publish_frequency"], 50.0)?;
     let odometry = gz_odometry(given, rate_hz);
     let name = given.model.name.clone();
     let command_topic = given.topic(&["topic"], &format!("model/{name}/cmd_vel"));
-    given.left_out();
     let steering = [steer_left?, steer_right?];
     // gz-sim uses one name for all wheels: those on steered links are the front ones.
     let model = given.model;

@@ -23,7 +23,6 @@ pub(super) fn differential(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
         Some("encoder" | "ENCODER" | "0") => OdometryOrigin::Encoders,
         _ => OdometryOrigin::World,
     };
-    given.element(&["legacyMode", "num_wheel_pairs", "publish_odom", "ros"]);
     base(
         given,
         Wanted { left, right, separation_m, diameter_m, torque_n_m, acceleration, rate_hz, origin },
@@ -63,7 +62,6 @@ pub(super) fn create(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let separation_m = given.length(&["wheel_separation"], 0.26);
     let diameter_m = given.length(&["wheel_diameter"], 0.066);
     let torque_n_m = given.not_negative(&["torque"], 0.5);
-    given.element(&["front_castor_joint", "rear_castor_joint", "base_geom", "node_namespace"]);
     let (origin, acceleration) = (OdometryOrigin::Encoders, Some(0.0));
     let wanted = Wanted {
         left,
@@ -95,7 +93,6 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let name = given.model.name.clone();
     let command_topic = given.topic(&["topic"], &format!("model/{name}/cmd_vel"));
     let wheels = given.wheels(left?, right?, Some(0.5 * diameter_m?), f64::INFINITY)?;
-    given.left_out();
     Some(ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Differential(DifferentialDrive {
             wheels,
@@ -115,8 +112,6 @@ pub(super) fn gz_odometry(given: &mut Parameters<'_>, rate_hz: Option<f64>) -> O
     let name = given.model.name.clone();
     let link = given.link(&[], "base_footprint");
     let link_name = given.model.links.get(link).map(|link| link.name.clone()).unwrap_or_default();
-    // gz-sim publishes the transform on a topic of its own.
-    given.element(&["tf_topic"]);
     OdometryPlugin {
         topic: given.topic(&["odom_topic"], &format!("model/{name}/odometry")),
         frame: given.text(&["frame_id"]).unwrap_or_else(|| format!("{name}/odom")),
@@ -145,7 +140,6 @@ struct Wanted {
 fn base(given: &mut Parameters<'_>, wanted: Wanted, skids: bool) -> Option<ModelPlugin> {
     let odometry = given.odometry(wanted.rate_hz, wanted.origin, POSE_VARIANCE);
     let command_topic = given.topic(&["commandTopic", "command_topic"], "cmd_vel");
-    given.left_out();
     let radius_m = Some(0.5 * wanted.diameter_m?);
     let wheels = given.wheels(wanted.left?, wanted.right?, radius_m, wanted.torque_n_m?)?;
     Some(ModelPlugin::Base(Box::new(BasePlugin {

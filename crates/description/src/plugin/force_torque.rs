@@ -20,7 +20,6 @@ pub(super) fn force_torque(given: &mut Parameters<'_>) -> Option<Sensor> {
         given.topic(&["topicName"], "wrench")
     };
     let index = joint(given)?;
-    given.left_out();
     let joint = &given.model.joints[index];
     let (link, link_from_sensor) = (joint.child, Pose::from_translation(joint.pivot));
     let errors = InstrumentConfig::default().stddev([noise?; 3]);

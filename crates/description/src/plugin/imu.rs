@@ -51,10 +51,14 @@ fn densities(
     triad: &str,
     preset: &InstrumentConfig<3>,
 ) -> Option<InstrumentConfig<3>> {
-    let mut figure = |name: &str, default: f64| given.not_negative(&[&format!("{triad}{name}")], default);
-    let density = figure("NoiseDensity", preset.density[0]);
-    let walk = figure("RandomWalk", preset.drift[0]);
-    let bias = figure("TurnOnBiasSigma", preset.bias_stddev[0]);
+    let mut figure = |names: &[&str], default: f64| {
+        let names: Vec<String> = names.iter().map(|name| format!("{triad}{name}")).collect();
+        given.not_negative(&names.iter().map(String::as_str).collect::<Vec<_>>(), default)
+    };
+    let density = figure(&["NoiseDensity"], preset.density[0]);
+    // The plugin reads the gyroscope's with Bias, and files of RotorS write it without.
+    let walk = figure(&["BiasRandomWalk", "RandomWalk"], preset.drift[0]);
+    let bias = figure(&["TurnOnBiasSigma"], preset.bias_stddev[0]);
     let time_s = given.positive(&[&format!("{triad}BiasCorrelationTime")], preset.drift_time_s[0]);
     let config = InstrumentConfig::default().density([density?; 3]).drift([walk?; 3]);
     Some(config.bias_stddev([bias?; 3]).drift_time_s([time_s?; 3]))
@@ -66,7 +70,6 @@ fn unit(given: &mut Parameters<'_>, body: &[&str], config: Option<&ImuConfig>) -
     let link_from_sensor = given.offset();
     let topic = given.topic(&["topicName", "topic_name", "imuTopic"], "imu");
     let frame_name = given.text(&["frameName", "frame_name", "frameId"]).unwrap_or_default();
-    given.left_out();
     let unit = Imu::of_plugin(config?, InstrumentPlugin { topic, frame_name });
     Some(given.sensor(link, link_from_sensor?, rate_hz?, SensorKind::Imu(unit.into())))
 }

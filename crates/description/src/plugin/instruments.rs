@@ -21,10 +21,7 @@ pub(super) fn gps(given: &mut Parameters<'_>) -> Option<Sensor> {
     let velocity_topic = given.topic(&["velocityTopicName"], "fix_velocity");
     let topic = given.topic(&["topicName"], "fix");
     let frame_name = given.text(&["frameId"]).unwrap_or_else(|| "/world".into());
-    // Status and service of the fix, which are fixed here.
-    let _ = given.element(&["status", "service"]);
     let link = given.link(&["bodyName"], "base_link");
-    given.left_out();
     let x_from_east = (90.0 - heading?).to_radians();
     let origin = [latitude?, longitude?, altitude?, x_from_east];
     let receiver = NavSat {
@@ -49,7 +46,6 @@ pub(super) fn magnetic(given: &mut Parameters<'_>) -> Option<Sensor> {
     let topic = given.topic(&["topicName"], "magnetic");
     let frame_name = given.text(&["frameId"]).unwrap_or_default();
     let link = given.link(&["bodyName"], "base_link");
-    given.left_out();
     let (from_x, inclination) = (heading? - declination?, inclination?);
     let across = magnitude? * libm::cos(inclination);
     let in_world = DVec3::new(
@@ -68,13 +64,10 @@ pub(super) fn magnetic(given: &mut Parameters<'_>) -> Option<Sensor> {
 /// Reads `libhector_gazebo_ros_baro.so`, which publishes a height computed from the pressure.
 pub(super) fn baro(given: &mut Parameters<'_>) -> Option<Sensor> {
     let position = given.hector_noise::<1>("");
-    // Parameters of a message type that Debian does not package.
-    let _ = given.element(&["altimeterTopicName", "elevation", "qnh"]);
     let rate_hz = given.rate(&["updateRate"], 0.0);
     let topic = given.topic(&["topicName"], "pressure_height");
     let frame_name = given.text(&["frameId"]).unwrap_or_default();
     let link = given.link(&["bodyName"], "base_link");
-    given.left_out();
     let altimeter = Altimeter {
         position: position?,
         velocity: InstrumentConfig::default(),
@@ -92,7 +85,6 @@ pub(super) fn pressure(given: &mut Parameters<'_>) -> Option<Sensor> {
     let reference = given.number(&["referenceAltitude"], 500.0, is_height, remedy);
     let topic = given.topic(&["pressureTopic"], "air_pressure");
     let link = given.link(&["linkName"], "base_link");
-    given.left_out();
     let barometer = AirPressure {
         pressure: InstrumentConfig::default().stddev([libm::sqrt(variance?)]),
         reference_altitude_m: reference?,

@@ -17,7 +17,6 @@ pub(super) fn gz(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
 
 fn reporter(given: &mut Parameters<'_>, topic: String) -> Option<ModelPlugin> {
     // Either one element with names separated by commas, or one element for each name.
-    given.element(&["jointName", "joint_name"]);
     let is_name = |name: &str| name == "jointName" || name == "joint_name";
     let texts: Vec<String> = given
         .plugin
@@ -34,7 +33,6 @@ fn reporter(given: &mut Parameters<'_>, topic: String) -> Option<ModelPlugin> {
         }
     }
     let rate_hz = given.rate(&["updateRate", "update_rate"], 100.0)?;
-    given.left_out();
     let source = given.plugin.source.clone();
     Some(ModelPlugin::JointStates(JointStatesPlugin { topic, joints: texts, rate_hz, source }))
 }

@@ -13,21 +13,8 @@ pub(super) fn kobuki(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let left = given.joints(&["left_wheel_joint_name"], "wheel_left_joint");
     let right = given.joints(&["right_wheel_joint_name"], "wheel_right_joint");
     let torque_n_m = given.positive(&["torque"], 1.0);
-    // Both repeat the shapes and positions of the wheels, which are taken from the model.
-    given.element(&["wheel_separation", "wheel_diameter"]);
     let timeout_s = given.positive(&["velocity_command_timeout"], 0.6);
     let is_transform = given.flag(&["publish_tf"], true);
-    // Sensors of the base, which are found by their kind.
-    given.element(&[
-        "cliff_sensor_left_name",
-        "cliff_sensor_center_name",
-        "cliff_sensor_front_name",
-        "cliff_sensor_right_name",
-        "cliff_detection_threshold",
-        "bumper_name",
-        "imu_name",
-    ]);
-    given.left_out();
     let link = given.link(&[], "base_footprint");
     let wheels = given.wheels(left?, right?, None, torque_n_m?)?;
     Some(ModelPlugin::Base(Box::new(BasePlugin {

@@ -1,5 +1,5 @@
 //! `<plugin>` of a model: bases that drive it, sensors, and publishers of its state. A plugin is a file here and a row in
-//! [`read`].
+//! [`reader`], and its parameters are a context in `elements/plugins.txt`.
 
 mod ackermann;
 mod differential;
@@ -15,7 +15,7 @@ mod pose;
 use super::Rules;
 use super::diagnostics::Diagnostics;
 use super::label::is_label;
-use super::model::{Model, ModelPlugin};
+use super::model::{Model, ModelPlugin, Sensor};
 use super::xml::Element;
 use parameters::Parameters;
 
@@ -42,47 +42,63 @@ fn plain_name(file: &str) -> String {
     name.to_owned()
 }
 
+/// How a plugin is read.
+enum Read {
+    /// It is a sensor.
+    Sensor(fn(&mut Parameters<'_>) -> Option<Sensor>),
+    /// It drives the model, or publishes its state.
+    Plugin(fn(&mut Parameters<'_>) -> Option<ModelPlugin>),
+}
+
+/// Returns how the plugin of a name is read; none for one that is not simulated.
+fn reader(name: &str) -> Option<Read> {
+    Some(match name {
+        "gazebo_ros_imu" => Read::Sensor(imu::imu),
+        "hector_gazebo_ros_imu" => Read::Sensor(imu::hector),
+        "rotors_gazebo_imu_plugin" => Read::Sensor(imu::rotors),
+        "hector_gazebo_ros_gps" => Read::Sensor(instruments::gps),
+        "hector_gazebo_ros_magnetic" => Read::Sensor(instruments::magnetic),
+        "hector_gazebo_ros_baro" => Read::Sensor(instruments::baro),
+        "rotors_gazebo_pressure_plugin" => Read::Sensor(instruments::pressure),
+        "gazebo_ros_ft_sensor" => Read::Sensor(force_torque::force_torque),
+        "gazebo_ros_kobuki" => Read::Plugin(kobuki::kobuki),
+        "gazebo_ros_create" => Read::Plugin(differential::create),
+        "gazebo_ros_diff_drive" => Read::Plugin(differential::differential),
+        "gazebo_ros_skid_steer_drive" => Read::Plugin(differential::skid_steer),
+        "gz-sim-diff-drive" => Read::Plugin(differential::gz),
+        "gazebo_ros_force_based_move" => Read::Plugin(planar::force_based),
+        "gazebo_ros_planar_move" => Read::Plugin(planar::planar),
+        "gazebo_ros_ackermann_drive" => Read::Plugin(ackermann::ackermann),
+        "gz-sim-ackermann-steering" => Read::Plugin(ackermann::gz),
+        "gazebo_ros_p3d" => Read::Plugin(pose::pose),
+        "gz-sim-joint-state-publisher" => Read::Plugin(joint_states::gz),
+        "gazebo_ros_joint_state_publisher" => Read::Plugin(joint_states::joint_states),
+        _ => return None,
+    })
+}
+
 /// Reads the plugins in an element into a model whose links and joints have been read.
 pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostics: &mut Diagnostics) {
     for element in parent.elements_named("plugin").filter(|plugin| !is_label(plugin)) {
         let file = element.attribute("filename").unwrap_or_default();
-        let mut given = Parameters::new(element, model, rules, diagnostics);
-        let sensor = match plain_name(file).as_str() {
-            "gazebo_ros_imu" => Some(imu::imu(&mut given)),
-            "hector_gazebo_ros_imu" => Some(imu::hector(&mut given)),
-            "rotors_gazebo_imu_plugin" => Some(imu::rotors(&mut given)),
-            "hector_gazebo_ros_gps" => Some(instruments::gps(&mut given)),
-            "hector_gazebo_ros_magnetic" => Some(instruments::magnetic(&mut given)),
-            "hector_gazebo_ros_baro" => Some(instruments::baro(&mut given)),
-            "rotors_gazebo_pressure_plugin" => Some(instruments::pressure(&mut given)),
-            "gazebo_ros_ft_sensor" => Some(force_torque::force_torque(&mut given)),
-            _ => None,
-        };
-        if let Some(sensor) = sensor {
-            model.sensors.extend(sensor);
+        let name = plain_name(file);
+        let name = name.strip_suffix("-system").unwrap_or(&name);
+        let Some(read) = reader(name) else {
+            diagnostics.warning(
+                &element.source,
+                format!("the plugin '{file}' of model '{}' is not simulated and is left out", model.name),
+                format!("these are: {SUPPORTED}"),
+            );
             continue;
-        }
-        let plugin = match plain_name(file).trim_end_matches("-system") {
-            "gazebo_ros_kobuki" => kobuki::kobuki(&mut given),
-            "gazebo_ros_create" => differential::create(&mut given),
-            "gazebo_ros_diff_drive" => differential::differential(&mut given),
-            "gazebo_ros_skid_steer_drive" => differential::skid_steer(&mut given),
-            "gz-sim-diff-drive" => differential::gz(&mut given),
-            "gazebo_ros_force_based_move" => planar::force_based(&mut given),
-            "gazebo_ros_planar_move" => planar::planar(&mut given),
-            "gazebo_ros_ackermann_drive" => ackermann::ackermann(&mut given),
-            "gz-sim-ackermann-steering" => ackermann::gz(&mut given),
-            "gazebo_ros_p3d" => pose::pose(&mut given),
-            "gz-sim-joint-state-publisher" => joint_states::gz(&mut given),
-            "gazebo_ros_joint_state_publisher" => joint_states::joint_states(&mut given),
-            _ => {
-                diagnostics.warning(
-                    &element.source,
-                    format!("the plugin '{file}' of model '{}' is not simulated and is left out", model.name),
-                    format!("these are: {SUPPORTED}"),
-                );
+        };
+        let mut given = Parameters::new(element, name, model, rules, diagnostics);
+        let plugin = match read {
+            Read::Sensor(read) => {
+                let sensor = read(&mut given);
+                model.sensors.extend(sensor);
                 continue;
             }
+            Read::Plugin(read) => read(&mut given),
         };
         let Some(plugin) = plugin else { continue };
         let drives = |plugin: &ModelPlugin| matches!(plugin, ModelPlugin::Base(_));
@@ -95,5 +111,23 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
             continue;
         }
         model.plugins.push(plugin);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Each name below `SUPPORTED` has a reader, and the table knows its parameters.
+    #[test]
+    fn each_plugin_has_parameters_and_a_name_in_the_remedy() {
+        let contexts = include_str!("../elements/plugins.txt").lines().filter(|line| !line.starts_with(' '));
+        let readers: Vec<&str> = contexts.filter(|context| reader(context).is_some()).collect();
+        assert_eq!(readers.len(), 20, "{readers:?}");
+        let files =
+            SUPPORTED.split([',', ' ']).filter_map(|word| word.strip_prefix("lib")?.strip_suffix(".so"));
+        for name in files {
+            assert!(readers.contains(&name), "{name}");
+        }
     }
 }

@@ -2,9 +2,11 @@
 
 use crate::Rules;
 use crate::diagnostics::Diagnostics;
+use crate::elements;
 use crate::model::{
     JointIndex, JointKind, LinkIndex, Model, OdometryOrigin, OdometryPlugin, Sensor, SensorKind, Wheels,
 };
+use crate::sensor::ros2;
 use crate::suggestion::did_you_mean;
 use crate::topic;
 use crate::values::{child_bool, number, numbers};
@@ -12,19 +14,6 @@ use crate::xml::Element;
 use belvedere_sensors::Pose;
 use belvedere_sensors::noise::InstrumentConfig;
 use glam::DVec3;
-use std::cell::RefCell;
-
-/// Parameters in many files that have no effect in Gazebo, or none on what is simulated here.
-const OF_NO_EFFECT: [&str; 8] = [
-    "alwaysOn",
-    "rosDebugLevel",
-    "publishWheelTF",
-    "publishWheelJointState",
-    "robotNamespace",
-    "publish_wheel_tf",
-    "publish_distance",
-    "serviceName",
-];
 
 /// The parameters of one plugin. A value may have several names because Gazebo's plugins were renamed.
 pub(super) struct Parameters<'a> {
@@ -32,26 +21,30 @@ pub(super) struct Parameters<'a> {
     pub(super) model: &'a Model,
     rules: Rules,
     diagnostics: &'a mut Diagnostics,
-    /// Names of the parameters that were read.
-    asked: RefCell<Vec<String>>,
+    /// The plugin's name in the tables of elements.
+    context: &'a str,
 }
 
 impl<'a> Parameters<'a> {
+    /// Begins to read a plugin, and reports what is not simulated or unknown in it.
     pub(super) fn new(
         plugin: &'a Element,
+        context: &'a str,
         model: &'a Model,
         rules: Rules,
         diagnostics: &'a mut Diagnostics,
     ) -> Self {
         topic::check(plugin, diagnostics);
-        Self { plugin, model, rules, diagnostics, asked: RefCell::default() }
+        elements::report_plugin(plugin, context, diagnostics);
+        Self { plugin, model, rules, diagnostics, context }
     }
 
-    /// Returns the first element that has one of these names.
+    /// Returns the first element that has one of these names. Names that the plugin does not know are not read.
     pub(super) fn element(&self, names: &[&str]) -> Option<&'a Element> {
-        self.asked.borrow_mut().extend(names.iter().map(|name| (*name).to_owned()));
         let plugin: &'a Element = self.plugin;
-        names.iter().find_map(|name| plugin.child(name)).filter(|element| !element.text().is_empty())
+        let known = names.iter().filter(|name| elements::knows(self.context, name));
+        let is_given = |element: &&Element| !element.text().is_empty() || element.elements().next().is_some();
+        known.filter_map(|name| plugin.child(name)).next().filter(is_given)
     }
 
     pub(super) fn text(&self, names: &[&str]) -> Option<String> {
@@ -174,13 +167,14 @@ impl<'a> Parameters<'a> {
     /// Returns an absolute topic: under `<robotNamespace>` unless it begins with a slash.
     pub(super) fn topic(&self, names: &[&str], default: &str) -> String {
         let topic = self.text(names).unwrap_or_else(|| default.to_owned());
+        // ROS 2 has namespace and remappings in <ros>.
+        if self.element(&["ros"]).is_some() {
+            return ros2::topic(self.plugin, &topic, &[]);
+        }
         if topic.starts_with('/') {
             return topic;
         }
-        let namespace = self.element(&["robotNamespace", "node_namespace"]).map(Element::text);
-        // ROS 2 has it in <ros>.
-        let of_ros = || self.element(&["ros"])?.child("namespace").map(Element::text);
-        let namespace = namespace.or_else(of_ros).unwrap_or_default();
+        let namespace = self.text(&["robotNamespace", "node_namespace"]).unwrap_or_default();
         let namespace = namespace.trim_matches('/');
         if namespace.is_empty() { format!("/{topic}") } else { format!("/{namespace}/{topic}") }
     }
@@ -299,8 +293,8 @@ impl<'a> Parameters<'a> {
             numbers::<3>(&element.text(), &what, &element.source, self.diagnostics).map(DVec3::from_array)
         };
         let (xyz, rpy) = (
-            three(&["xyzOffset", "xyzOffsets", "xyz_offset"]),
-            three(&["rpyOffset", "rpyOffsets", "rpy_offset"]),
+            three(&["xyzOffset", "xyzOffsets", "xyz_offset", "xyz_offsets"]),
+            three(&["rpyOffset", "rpyOffsets", "rpy_offset", "rpy_offsets"]),
         );
         Some(Pose::from_xyz_rpy(xyz?, rpy?))
     }
@@ -331,18 +325,6 @@ impl<'a> Parameters<'a> {
                 true,
             ),
             pose_variance,
-        }
-    }
-
-    /// Adds a warning for each element that was not read.
-    pub(super) fn left_out(&mut self) {
-        let asked = self.asked.take();
-        for child in self.plugin.elements() {
-            let name = child.name.as_str();
-            if !OF_NO_EFFECT.contains(&name) && !asked.iter().any(|asked| asked == name) {
-                let what = format!("<{name}> of plugin '{}' is not simulated and is left out", self.name());
-                self.diagnostics.warning(&child.source, what, "remove it, or correct its name");
-            }
         }
     }
 }

@@ -5,25 +5,23 @@ use crate::model::{BasePlugin, Drive, ModelPlugin, OdometryOrigin};
 
 /// Reads the force-based plugin. Its gains are for the forces of another physics engine and are ignored.
 pub(super) fn force_based(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
-    given.element(&[
-        "yaw_velocity_p_gain",
-        "x_velocity_p_gain",
-        "y_velocity_p_gain",
-        "max_x_velocity",
-        "max_y_velocity",
-        "max_yaw_velocity",
-    ]);
-    planar(given)
+    // Here 0 is no limit.
+    let timeout_s = given.not_negative(&["commandTimeoutDuration"], 0.0)?;
+    let mut plugin = planar(given)?;
+    if let ModelPlugin::Base(base) = &mut plugin
+        && timeout_s > 0.0
+    {
+        base.command_timeout_s = Some(timeout_s);
+    }
+    Some(plugin)
 }
 
 pub(super) fn planar(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let rate_hz = given.rate(&["odometryRate", "publish_rate"], 20.0)?;
     // If negative, a command holds until the next one.
     let timeout_s = given.number(&["cmdTimeout", "cmd_timeout"], -1.0, |_| true, "")?;
-    given.element(&["ros", "update_rate", "publish_odom"]);
     let odometry = given.odometry(rate_hz, OdometryOrigin::World, [1e-5, 1e-5, 1e12, 1e12, 1e12, 1e-3]);
     let command_topic = given.topic(&["commandTopic", "command_topic"], "cmd_vel");
-    given.left_out();
     Some(ModelPlugin::Base(Box::new(BasePlugin {
         drive: Drive::Planar,
         command_topic,

@@ -8,10 +8,10 @@ pub(super) fn pose(given: &mut Parameters<'_>) -> Option<ModelPlugin> {
     let rate_hz = given.rate(&["updateRate", "update_rate"], 0.0);
     let stddev = given.not_negative(&["gaussianNoise", "gaussian_noise"], 0.0);
     let offset = given.offset();
-    let topic = given.topic(&["topicName", "topic_name"], "ground_truth");
+    let default = if given.element(&["ros"]).is_some() { "odom" } else { "ground_truth" };
+    let topic = given.topic(&["topicName", "topic_name"], default);
     let frame = given.text(&["frameName", "frame_name"]).unwrap_or_else(|| "world".into());
     let frame = frame.trim_start_matches('/').to_owned();
-    given.left_out();
     let source = given.plugin.source.clone();
     let (offset, rate_hz, stddev) = (offset?, rate_hz?, stddev?);
     Some(ModelPlugin::Pose(PosePlugin { topic, link, frame, offset, rate_hz, stddev, source }))

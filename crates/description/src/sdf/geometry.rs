@@ -162,7 +162,7 @@ impl Loader<'_> {
         what: &str,
     ) -> Option<std::path::PathBuf> {
         let (problem, remedy) = match self.resources.resolve(uri, folder) {
-            Resolved::Found(path) if path.is_file() => return Some(path),
+            Resolved::Found(path) if !path.is_dir() => return Some(path),
             Resolved::Found(path) => {
                 (format!("the {what} '{uri}' is a folder: {}", path.display()), "name a file in it".to_owned())
             }

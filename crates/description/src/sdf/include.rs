@@ -133,7 +133,7 @@ impl Loader<'_> {
                 self.missing(
                     &element.source,
                     format!("there is no model '{uri}': looked for {}", resources::list(&places)),
-                    format!("{meant}Add the folder that contains it to GAZEBO_MODEL_PATH or --package-path"),
+                    format!("{meant}add the folder that contains it to GAZEBO_MODEL_PATH or --package-path"),
                 );
                 return None;
             }

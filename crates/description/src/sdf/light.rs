@@ -25,10 +25,19 @@ impl Loader<'_> {
             Some("point") => LightKind::Point,
             Some("directional") => LightKind::Directional,
             Some("spot") => self.spot(element)?,
-            other => {
+            None => {
+                let what = format!(
+                    "the light '{}' has no type: it is a point light, as in Gazebo",
+                    name_of(element)
+                );
+                let remedy = "write type=\"point\", \"directional\" or \"spot\"";
+                self.diagnostics.warning(&element.source, what, remedy);
+                LightKind::Point
+            }
+            Some(other) => {
                 self.diagnostics.error(
                     &element.source,
-                    format!("the type of <light> is '{}'", other.unwrap_or_default()),
+                    format!("the type of <light> is '{other}'"),
                     "write type=\"point\", \"directional\" or \"spot\"",
                 );
                 return None;
@@ -98,6 +107,14 @@ impl Loader<'_> {
                 "write the full angle in radians, up to 3.1416",
             );
             (inner_angle, outer_angle) = (inner_angle.min(PI), PI);
+        }
+        if inner_angle > outer_angle && outer_angle > 0.0 {
+            self.diagnostics.warning(
+                source,
+                format!("<inner_angle> is {inner_angle}, above <outer_angle>: it is {outer_angle}, too"),
+                "write an <inner_angle> up to the <outer_angle>",
+            );
+            inner_angle = outer_angle;
         }
         if !(0.0..=PI).contains(&outer_angle)
             || !(0.0..=outer_angle).contains(&inner_angle)

@@ -76,7 +76,7 @@ impl Loader<'_> {
                 "light" => {
                     let model_from_light =
                         model_from_link * self.pose_in_link(child, scope.version, &name, frames);
-                    if !is_static {
+                    if !is_static && self.is_world {
                         self.diagnostics.warning(
                             &child.source,
                             "this light does not move with its link",

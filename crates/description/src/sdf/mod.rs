@@ -76,6 +76,8 @@ struct Loader<'a> {
     resources: Resources<'a>,
     rules: Rules,
     diagnostics: &'a mut Diagnostics,
+    /// False for a model alone, whose lights are left out.
+    is_world: bool,
     /// Limit on the size of included files.
     budget: Budget,
     /// Files being read, outermost first: a file in here that is included again is a cycle.
@@ -182,6 +184,7 @@ pub(super) fn load_model(
 ) -> Option<Model> {
     let path = root.source.file.clone();
     let mut loader = Loader::new(&path, packages, rules, diagnostics);
+    loader.is_world = false;
     let version = loader.version(root)?;
     let models: Vec<&Element> = root.elements_named("model").collect();
     let [element] = models[..] else {
@@ -226,6 +229,7 @@ impl<'a> Loader<'a> {
             resources: Resources::new(packages, path),
             rules,
             diagnostics,
+            is_world: true,
             budget: Budget::default(),
             open_files: vec![canonical(path)],
             meshes: HashMap::new(),

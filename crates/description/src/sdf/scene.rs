@@ -30,9 +30,14 @@ impl Loader<'_> {
 
     /// Reads `<fog>` with the defaults of SDF. As in Gazebo classic, there is none without a known type.
     fn fog(&mut self, fog: &Element) -> Option<Fog> {
-        let mut number = |name, otherwise| self.within(fog, name, MOST).unwrap_or(otherwise);
-        let [start_m, end_m] = [number("start", 1.0), number("end", 100.0)];
-        let density_per_m = number("density", 1.0);
+        // None after an error.
+        let mut number = |name, otherwise| match fog.child(name) {
+            Some(_) => self.within(fog, name, MOST),
+            None => Some(otherwise),
+        };
+        let [start_m, end_m, density_per_m] = [("start", 1.0), ("end", 100.0), ("density", 1.0)]
+            .map(|(name, otherwise)| number(name, otherwise));
+        let (start_m, end_m, density_per_m) = (start_m?, end_m?, density_per_m?);
         let colour = self.color(fog, "color").unwrap_or([1.0; 3]);
         let kind = child_text(fog, "type").unwrap_or_default();
         let law = match kind.as_str() {

@@ -1,10 +1,11 @@
 //! `<camera>`: angle of view, image, clip distances, noise; the lens is in `lens.rs`.
 
-use super::camera_plugin::{CameraTopics, gz_camera, is_ros2_camera};
+use super::camera_plugin::{CameraTopics, gz_camera};
 use super::gz::{gz_topic, is_gz};
 use super::lens::Picture;
 use super::plugin::extension;
 use super::reader::Reader;
+use super::ros_version::is_ros2_camera;
 use super::{DepthCamera, Kind, Sensor, SensorKind, depth};
 use crate::diagnostics::Diagnostics;
 use crate::model::{CameraPlugin, CameraSensor, Mosaic, PixelFormat};
@@ -50,7 +51,7 @@ impl Reader<'_> {
             }
             let topics = CameraTopics { image: "image_raw", info: "camera_info" };
             let plugin = self.camera_plugin(element, &topics);
-            self.not_simulated_by_plugin(element, &[]);
+            self.not_simulated_by_plugin(element);
             let plugin = plugin?;
             self.compare_lenses(element, &plugin, &camera.lens);
             Some(plugin)

@@ -9,23 +9,6 @@ use crate::model::{CameraPlugin, Lens, LensModel};
 use crate::values::{child_bool, child_text};
 use crate::xml::Element;
 
-/// Parameters of all camera plugins, without the distortion coefficients.
-const CAMERA_PARAMETERS: [&str; 12] = [
-    "robotNamespace",
-    "cameraName",
-    "imageTopicName",
-    "cameraInfoTopicName",
-    "frameName",
-    "updateRate",
-    "hackBaseline",
-    "autoDistortion",
-    "CxPrime",
-    "Cx",
-    "Cy",
-    "focalLength",
-];
-/// Parameters that many files set but that no plugin reads.
-const READ_BY_NOBODY: [&str; 2] = ["alwaysOn", "baseline"];
 /// Names of the distortion coefficients, after `distortion`, or in lower case after `distortion_`.
 const COEFFICIENTS: [&str; 5] = ["K1", "K2", "K3", "T1", "T2"];
 
@@ -39,9 +22,6 @@ impl Reader<'_> {
     /// Reads the camera plugin of ROS 2: names in lower case; rate and coefficients come from the sensor itself.
     pub(super) fn ros2_camera(&mut self, plugin: &Element) -> Option<CameraPlugin> {
         let camera_name = child_text(plugin, "camera_name").unwrap_or_else(|| self.sensor.clone());
-        let read =
-            ["ros", "camera_name", "frame_name", "hack_baseline", "min_depth", "max_depth", "border_crop"];
-        self.left_out(plugin, |name| read.contains(&name) || READ_BY_NOBODY.contains(&name), "remove it");
         Some(CameraPlugin {
             image_topic: ros2_topic(plugin, &camera_name, "image_raw"),
             camera_info_topic: ros2_topic(plugin, &camera_name, "camera_info"),
@@ -105,16 +85,10 @@ impl Reader<'_> {
         self.diagnostics.warning(&place.source, what, remedy);
     }
 
-    /// Adds a warning for each parameter of a camera plugin that would have an effect in Gazebo and has none here.
-    pub(super) fn not_simulated_by_plugin(&mut self, plugin: &Element, of_depth: &[&str]) {
+    /// Adds a warning for each parameter of a camera plugin that has an effect in Gazebo and none here.
+    pub(super) fn not_simulated_by_plugin(&mut self, plugin: &Element) {
         for child in plugin.elements() {
             let name = child.name.as_str();
-            let is_read = CAMERA_PARAMETERS.contains(&name) || of_depth.contains(&name);
-            let is_coefficient =
-                COEFFICIENTS.iter().any(|known| distortion_names(known).contains(&child.name));
-            if is_read || is_coefficient || READ_BY_NOBODY.contains(&name) {
-                continue;
-            }
             let (why, remedy) = match name {
                 // Images are not cropped.
                 "borderCrop" => match child_bool(plugin, name, self.diagnostics) {
@@ -127,7 +101,7 @@ impl Reader<'_> {
                 "triggerTopicName" => {
                     ("not simulated and is left out", "remove it: pictures are sent at <updateRate>")
                 }
-                _ => ("not simulated and is left out", "remove it, or correct its name"),
+                _ => continue,
             };
             let what = format!("{} is {why}", self.what(name));
             self.diagnostics.warning(&child.source, what, remedy);
@@ -169,12 +143,6 @@ pub(super) fn gz_camera(sensor: &Element, image_topic: String) -> CameraPlugin {
 pub(super) fn ros2_topic(plugin: &Element, camera_name: &str, name: &str) -> String {
     let full = format!("{camera_name}/{name}");
     ros2::topic(plugin, &full, &[name, &format!("~/{name}")])
-}
-
-/// Returns true for the camera plugin of ROS 2, which shares the file name with that of ROS 1.
-pub(super) fn is_ros2_camera(plugin: &Element) -> bool {
-    let of_ros1 = |child: &Element| CAMERA_PARAMETERS.contains(&child.name.as_str());
-    ros2::is_ros2(plugin) && !plugin.elements().any(of_ros1)
 }
 
 /// Returns the two names that files use for a coefficient.

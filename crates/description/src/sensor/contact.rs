@@ -5,6 +5,7 @@ use super::gz::{frame_name, gz_topic};
 use super::instrument::InstrumentPlugin;
 use super::plugin::{absolute, topic};
 use super::reader::Reader;
+use super::ros_version::is_ros2;
 use super::{Kind, SensorKind, ros2};
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::LinkIndex;
@@ -97,13 +98,7 @@ impl Reader<'_> {
 
     /// Reads `libgazebo_ros_bumper.so`. As in Gazebo, only the sensor has a rate.
     fn bumper(&mut self, plugin: &Element) -> InstrumentPlugin {
-        let of_ros2 = ros2::is_ros2(plugin);
-        let read: &[&str] = if of_ros2 {
-            &["ros", "frame_name", "alwaysOn", "updateRate", "always_on", "update_rate"]
-        } else {
-            &["robotNamespace", "bumperTopicName", "frameName", "alwaysOn", "updateRate"]
-        };
-        self.left_out(plugin, |name| read.contains(&name), "remove it, or correct its name");
+        let of_ros2 = is_ros2(plugin);
         let (topic, frame) = if of_ros2 {
             (ros2::topic(plugin, "bumper_states", &[]), child_text(plugin, "frame_name"))
         } else {

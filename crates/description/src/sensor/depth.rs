@@ -14,16 +14,6 @@ use belvedere_sensors::device::depth_model::presets::{self, DepthPreset};
 /// Default far clip distance in metres.
 const FAR_M: f64 = 100.0;
 
-/// Additional parameters of the Kinect's plugin.
-const DEPTH_PARAMETERS: [&str; 6] = [
-    "depthImageTopicName",
-    "depthImageCameraInfoTopicName",
-    "pointCloudTopicName",
-    "pointCloudCutoff",
-    "pointCloudCutoffMax",
-    "useDepth16UC1MM",
-];
-
 /// A depth camera with a colour camera at the same place.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DepthCamera {
@@ -155,7 +145,7 @@ impl Reader<'_> {
     fn depth_plugin(&mut self, plugin: &Element) -> Option<DepthCameraPlugin> {
         let topics = CameraTopics { image: "ir/image_raw", info: "ir/camera_info" };
         let camera = self.camera_plugin(plugin, &topics);
-        self.not_simulated_by_plugin(plugin, &DEPTH_PARAMETERS);
+        self.not_simulated_by_plugin(plugin);
         let cutoff = self.checked(
             Some(plugin),
             "pointCloudCutoff",
@@ -170,7 +160,10 @@ impl Reader<'_> {
             |depth| depth > 0.0,
             "write a depth in metres above 0",
         );
-        let depth_16uc1 = child_bool(plugin, "useDepth16UC1MM", self.diagnostics).unwrap_or(false);
+        // Its name, and an older one.
+        let [now, before] =
+            ["useDepth16UC1Format", "useDepth16UC1MM"].map(|name| child_bool(plugin, name, self.diagnostics));
+        let depth_16uc1 = now.or(before).unwrap_or(false);
         let (camera, cutoff_m, cutoff_max_m) = (camera?, cutoff?, cutoff_max?);
         if cutoff_m >= cutoff_max_m {
             self.diagnostics.error(

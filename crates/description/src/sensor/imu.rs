@@ -51,26 +51,6 @@ pub(super) const KIND: Kind = Kind {
     read: |reader, sensor| Some(SensorKind::Imu(reader.imu(sensor)?.into())),
 };
 
-/// Parameters of the plugin, of ROS 1 and of ROS 2.
-const PARAMETERS: [&str; 15] = [
-    "robotNamespace",
-    "topicName",
-    "frameName",
-    "updateRateHZ",
-    "gaussianNoise",
-    "rpyOffset",
-    "initialOrientationAsReference",
-    "ros",
-    "frame_name",
-    "initial_orientation_as_reference",
-    // Read by no plugin, or without effect in it.
-    "xyzOffset",
-    "bodyName",
-    "serviceName",
-    "alwaysOn",
-    "updateRate",
-];
-
 /// The three axes' names.
 const AXES: [&str; 3] = ["x", "y", "z"];
 
@@ -190,7 +170,6 @@ impl Reader<'_> {
     }
 
     fn imu_plugin(&mut self, plugin: &Element, unit: &mut Imu) -> Option<InstrumentPlugin> {
-        self.left_out(plugin, |name| PARAMETERS.contains(&name), "remove it, or correct its name");
         let names = ["initialOrientationAsReference", "initial_orientation_as_reference"];
         let starts = names.map(|name| child_bool(plugin, name, self.diagnostics).unwrap_or(false));
         if unit.reference.is_some() && !starts.contains(&true) {

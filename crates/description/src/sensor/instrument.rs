@@ -22,8 +22,6 @@ impl Reader<'_> {
     /// Returns the plugin that publishes an instrument: its plugin of ROS 2, or one made from its `<topic>`.
     pub(super) fn instrument_plugin(&mut self, sensor: &Element, kind: &Kind) -> Option<InstrumentPlugin> {
         if let Some(plugin) = self.plugin(sensor, kind) {
-            let read = ["ros", "frame_name", "alwaysOn", "updateRate"];
-            self.left_out(plugin, |name| read.contains(&name), "remove it, or correct its name");
             return Some(ros2_names(plugin));
         }
         gz_topic(sensor).map(|topic| InstrumentPlugin { topic, frame_name: frame_name(sensor) })

@@ -1,7 +1,9 @@
 //! `<plugin>` of a sensor: the plugin that publishes it, and its names.
 
 use super::reader::Reader;
+use super::ros_version::is_ros2_camera;
 use super::{KINDS, Kind, each_once};
+use crate::elements::report_plugin;
 use crate::suggestion::nearest;
 use crate::topic as topics;
 use crate::values::child_text;
@@ -24,6 +26,7 @@ impl Reader<'_> {
             if kind.plugins.contains(&name) {
                 if chosen.is_none() {
                     topics::check(element, self.diagnostics);
+                    report_plugin(element, context(element), self.diagnostics);
                     chosen = Some(element);
                     continue;
                 }
@@ -63,6 +66,14 @@ impl Reader<'_> {
             }
         }
         chosen
+    }
+}
+
+/// Returns the plugin's name in the tables of elements.
+fn context(plugin: &Element) -> &str {
+    match plain_name(plugin) {
+        "gazebo_ros_camera" if is_ros2_camera(plugin) => "gazebo_ros_camera_ros2",
+        name => name,
     }
 }
 

@@ -103,8 +103,6 @@ impl Reader<'_> {
     }
 
     fn hector_sonar(&mut self, plugin: &Element, ray: &mut RaySensor) -> Option<RangePlugin> {
-        let read = ["robotNamespace", "topicName", "frameId", "updateRate", "gaussianNoise", "offset"];
-        self.left_out(plugin, |name| read.contains(&name), "remove it, or correct its name");
         self.add_noise(plugin, ray)?;
         ray.noise.mean += self.number(Some(plugin), "offset", 0.0)?;
         self.plugin_rate_hz = match plugin.child("updateRate") {

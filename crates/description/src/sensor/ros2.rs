@@ -6,14 +6,6 @@ use super::plugin::{absolute, plain_name};
 use crate::values::child_text;
 use crate::xml::Element;
 
-/// Elements that only plugins of ROS 2 have.
-const MARKS: [&str; 4] = ["ros", "frame_name", "camera_name", "output_type"];
-
-/// Returns true if a plugin is written for ROS 2.
-pub(super) fn is_ros2(plugin: &Element) -> bool {
-    MARKS.iter().any(|mark| plugin.child(mark).is_some())
-}
-
 /// Returns the absolute topic that a plugin calls `name`, and files may call one of `aliases`, after remapping.
 pub(crate) fn topic(plugin: &Element, name: &str, aliases: &[&str]) -> String {
     let ros = plugin.child("ros");

@@ -43,6 +43,7 @@ fn a_type_and_a_plugin_name_one_kind() {
         for plugin in kind.plugins {
             let is_alike = |other: &Kind| other.types.iter().any(|one| kind.types.contains(one));
             assert!(others().all(|other| !is_alike(other) || !other.plugins.contains(plugin)), "{plugin}");
+            assert!(crate::elements::has_context(plugin), "{plugin} has no list of parameters");
             for kind_type in kind.types {
                 let text = format!(
                     "<sensor name='s' type='{kind_type}'><plugin filename='lib{plugin}.so'/></sensor>"
@@ -97,7 +98,7 @@ fn kinect_plugin_has_its_own_defaults() {
     let sensor = accepted(
         "<sensor name='k' type='depth'><plugin name='p' filename='libgazebo_ros_openni_kinect.so'>\
          <cameraName>camera</cameraName><pointCloudTopicName>depth/points</pointCloudTopicName>\
-         <distortion_k2>0.5</distortion_k2><useDepth16UC1MM>true</useDepth16UC1MM></plugin>\
+         <distortion_k2>0.5</distortion_k2><useDepth16UC1Format>true</useDepth16UC1Format></plugin>\
          <camera><distortion><k2>0.5</k2></distortion></camera></sensor>",
     );
     let SensorKind::Depth(DepthCamera { plugin: Some(plugin), .. }) = &sensor.kind else { panic!() };

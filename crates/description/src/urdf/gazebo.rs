@@ -156,7 +156,7 @@ impl Loader<'_> {
                     did_you_mean_or(
                         &name,
                         names.iter().map(String::as_str),
-                        "Name one as Gazebo/Red, or write <color> in the visual's <material>",
+                        "name one as Gazebo/Red, or write <color> in the visual's <material>",
                     ),
                 );
             }

@@ -39,7 +39,7 @@ impl Loader<'_> {
             self.diagnostics.warning(
                 &element.source,
                 format!("the material '{name}' is not defined: the shape is grey"),
-                did_you_mean_or(name, known, "Write <color rgba=\"…\"/> in it"),
+                did_you_mean_or(name, known, "write <color rgba=\"…\"/> in it"),
             );
         }
         found

@@ -37,7 +37,7 @@ impl Expander<'_> {
             self.scopes.iter().flat_map(|scope| scope.macros.keys()).map(String::as_str).collect();
         Fault::new(
             format!("unknown macro '{name}'"),
-            did_you_mean_or(name, known, &format!("Include the file that defines '{name}'")),
+            did_you_mean_or(name, known, &format!("include the file that defines '{name}'")),
         )
     }
 

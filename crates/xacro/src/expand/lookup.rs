@@ -64,7 +64,7 @@ impl Names for Properties<'_, '_> {
         let known = self.expander.scopes[..=self.scope].iter().flat_map(|scope| scope.properties.keys());
         let mut known: Vec<_> = known.map(String::as_str).collect();
         known.sort_unstable();
-        let define = format!("Define it with <xacro:property name=\"{name}\" value=\"…\"/>");
+        let define = format!("define it with <xacro:property name=\"{name}\" value=\"…\"/>");
         Fault::new(
             format!("undefined property '{name}' in '${{{}}}'", self.text.trim()),
             did_you_mean_or(name, known, &define),
@@ -87,6 +87,7 @@ struct InEval<'a, 'b> {
 
 impl Names for InEval<'_, '_> {
     fn get(&mut self, name: &str) -> Result<Option<Value>, Fault> {
+        self.expander.unused.borrow_mut().remove(name);
         Ok(self.expander.arguments.get(name).map(|value| Value::literal(value)))
     }
 

@@ -67,7 +67,7 @@ impl Expander<'_> {
         }
         let known: BTreeSet<&str> =
             self.scopes.iter().flat_map(|scope| scope.macros.keys()).map(String::as_str).collect();
-        let otherwise = "Write <xacro:… before the name of a macro";
+        let otherwise = "write <xacro:… before the name of a macro";
         let remedy = did_you_mean_or(name, known, otherwise);
         let what = format!("<{name}> is neither an element of URDF nor a macro; it is passed on as it is");
         self.diagnostics.warning(&element.source, what, remedy);

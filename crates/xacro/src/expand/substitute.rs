@@ -148,6 +148,7 @@ impl Expander<'_> {
     }
 
     pub(super) fn argument(&self, name: &str) -> Result<Value, Fault> {
+        self.unused.borrow_mut().remove(name);
         self.arguments.get(name).map(|value| Value::Text(value.clone())).ok_or_else(|| {
             Fault::new(
                 format!("undefined argument '{name}'"),

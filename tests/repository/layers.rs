@@ -17,6 +17,7 @@ const SIMULATOR: &[&str] = &[
     "dataset",
     "server",
     "recording",
+    "ros2",
     "link",
     "view",
     "picture",

@@ -13,7 +13,7 @@ pub use belvedere_rtps::Range;
 pub use names::{Naming, Remap, namespace};
 
 use belvedere_bridge::{Kind, Node, StreamInfo};
-use belvedere_rtps::{ListenError, Participant, Qos, TypeError};
+use belvedere_rtps::{JoinError, Participant, Qos, TopicError};
 use commands::Commands;
 use outgoing::{Outgoing, ros_stream};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -26,15 +26,15 @@ const LOOK: Duration = Duration::from_millis(500);
 /// Why streams cannot be published, or commands not be received.
 #[derive(Debug, thiserror::Error)]
 pub enum Ros2Error {
-    /// No port of ROS 2's domain can be opened.
+    /// The domain of ROS 2 cannot be joined.
     #[error("ROS 2's network: {0}")]
-    Listen(#[from] ListenError),
+    Join(#[from] JoinError),
     /// The domain of the simulation cannot be used.
     #[error(transparent)]
     Bridge(#[from] belvedere_bridge::Error),
-    /// A type has no name in ROS 2.
+    /// A topic has a name or type that ROS 2 forbids.
     #[error(transparent)]
-    Type(#[from] TypeError),
+    Type(#[from] TopicError),
     /// Velocities have no message.
     #[error("velocities have no message in ROS 2")]
     NoTwist,
@@ -85,7 +85,7 @@ impl Ros2 {
     /// Joins a domain of ROS 2 for a domain of simulations.
     ///
     /// # Errors
-    /// [`Ros2Error::Listen`] if no port can be opened.
+    /// [`Ros2Error::Join`] if no port can be opened.
     pub fn start(node: Node, options: Ros2Options) -> Result<Self, Ros2Error> {
         let namespace = format!("/{}", options.naming.namespace);
         let participant = Participant::join(&belvedere_rtps::Node {

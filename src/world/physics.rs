@@ -220,9 +220,8 @@ impl Physics {
         parameters.num_internal_pgs_iterations = 4;
         // In long steps, stiff contacts make bodies hop.
         let stiffest_hz = contact::STIFFEST_HZ.min(0.25 * SUBSTEPS as f64 / parameters.dt);
-        for softness in [&mut parameters.contact_softness, &mut parameters.static_contact_softness] {
-            softness.natural_frequency = softness.natural_frequency.max(stiffest_hz);
-        }
+        let softness = &mut parameters.contact_softness;
+        softness.natural_frequency = softness.natural_frequency.max(stiffest_hz);
         let mut physics = Self {
             rapier,
             frozen: 0,

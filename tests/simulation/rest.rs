@@ -121,7 +121,7 @@ fn a_stack_of_boxes_rests_where_it_is_put() {
         (0..count).map(model).collect()
     };
     for (count, step_s, sinks_by) in
-        [(3, 0.001, 0.25e-3), (3, 0.01, 0.35e-3), (3, 0.05, 3e-3), (10, 0.001, 2.5e-3)]
+        [(3, 0.001, 0.45e-3), (3, 0.01, 0.52e-3), (3, 0.05, 3e-3), (10, 0.001, 3.2e-3)]
     {
         let mut world = good("1.7", &(ground(0.0) + &boxes(count)));
         world.max_step_size_s = step_s;

@@ -123,12 +123,11 @@ impl Expander<'_> {
         let unused = self.unused.take();
         let known: BTreeSet<&String> = self.arguments.keys().filter(|name| !unused.contains(*name)).collect();
         for name in &unused {
-            let listed = match known.len() {
-                0 => "leave it out: the robot has no arguments".to_owned(),
-                _ => {
-                    let names: Vec<&str> = known.iter().map(|name| name.as_str()).collect();
-                    did_you_mean_or(name, names.iter().copied(), &format!("there are: {}", names.join(", ")))
-                }
+            let names: Vec<&str> = known.iter().map(|name| name.as_str()).collect();
+            let listed = if names.is_empty() {
+                "leave it out: the robot has no arguments".to_owned()
+            } else {
+                did_you_mean_or(name, names.iter().copied(), &format!("there are: {}", names.join(", ")))
             };
             self.diagnostics.warning(&Source::new(path, 0), unused_argument(name), listed);
         }

@@ -42,9 +42,9 @@ impl<'a> Parameters<'a> {
     /// Returns the first element that has one of these names. Names that the plugin does not know are not read.
     pub(super) fn element(&self, names: &[&str]) -> Option<&'a Element> {
         let plugin: &'a Element = self.plugin;
-        let known = names.iter().filter(|name| elements::knows(self.context, name));
+        let mut known = names.iter().filter(|name| elements::knows(self.context, name));
         let is_given = |element: &&Element| !element.text().is_empty() || element.elements().next().is_some();
-        known.filter_map(|name| plugin.child(name)).next().filter(is_given)
+        known.find_map(|name| plugin.child(name)).filter(is_given)
     }
 
     pub(super) fn text(&self, names: &[&str]) -> Option<String> {

@@ -90,14 +90,14 @@ impl Reader<'_> {
         // What SDF writes if there is no <collision>.
         let named = named.filter(|(name, _)| !name.is_empty() && name != "__default__").collect();
         let plugin = match self.plugin(sensor, &KIND) {
-            Some(plugin) => Some(self.bumper(plugin)),
+            Some(plugin) => Some(Self::bumper(plugin)),
             None => self.contact_topic(sensor, element),
         };
         ContactSensor { collisions: Vec::new(), named, plugin }
     }
 
     /// Reads `libgazebo_ros_bumper.so`. As in Gazebo, only the sensor has a rate.
-    fn bumper(&mut self, plugin: &Element) -> InstrumentPlugin {
+    fn bumper(plugin: &Element) -> InstrumentPlugin {
         let of_ros2 = is_ros2(plugin);
         let (topic, frame) = if of_ros2 {
             (ros2::topic(plugin, "bumper_states", &[]), child_text(plugin, "frame_name"))

@@ -363,7 +363,11 @@ fn errors_of_a_plan_name_their_line() {
             "clearance_m = -1",
             "plan.toml:24: error: clearance_m = -1; write 0 to 100 metres",
         ),
-        ("[-0.5, 0, 0], [0, 0, 0], [0, 0.5, 0]", "[0, 0, 0]", "plan.toml:20: error: a path of 1 points"),
+        (
+            "[-0.5, 0, 0], [0, 0, 0], [0, 0.5, 0]",
+            "[0, 0, 0]",
+            "plan.toml:20: error: a path of 1 point and 2 poses",
+        ),
         ("worlds =", "worlds", "plan.toml:2: error:"),
     ] {
         let text = PLAN.replace(old, new);

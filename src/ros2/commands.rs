@@ -75,11 +75,9 @@ fn pass_on(reader: &Reader, node: &Node, topic: &str, stop: &AtomicBool) {
                 .inspect_err(|error| tracing::warn!(topic, %error, "a velocity is ignored"))
                 .ok();
         }
-        if let Some(open) = &mut publisher {
-            if let Err(error) = open.send_structs(0, &[command]) {
-                tracing::warn!(topic, %error, "a velocity is ignored");
-                publisher = None;
-            }
+        if let Some(Err(error)) = publisher.as_mut().map(|open| open.send_structs(0, &[command])) {
+            tracing::warn!(topic, %error, "a velocity is ignored");
+            publisher = None;
         }
     }
 }

@@ -5,7 +5,7 @@ use belvedere::description::model::LightKind;
 use belvedere_sensors::scene::FogLaw;
 
 fn told(content: &str) -> Vec<String> {
-    Folder::new().load("1.6", content, false).1.iter().map(|problem| problem.to_string()).collect()
+    Folder::new().load("1.6", content, false).1.iter().map(ToString::to_string).collect()
 }
 
 #[test]

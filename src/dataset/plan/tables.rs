@@ -160,7 +160,7 @@ pub(super) fn route(
     if route.is_none() {
         diagnostics.error(
             &text.source(&path.span()),
-            format!("a path of {} and {}", text::count(points.len() as u64, "point"), text::count((*count).into(), "pose")),
+            format!("a path of {} and {}", text::count(points.len() as u64, "point"), text::count(*count, "pose")),
             "write points = [[x, y, z], …], two or more, no two equal ones in a row, in metres up to 10,000 km, and a count of 2 or more",
         );
     }

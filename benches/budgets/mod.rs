@@ -75,15 +75,12 @@ const HEAD: &str = "\
 # [noise.group.entry] widens the tolerance of 10 % for an entry that varies even with several copies, and gives the
 # measurements that justify it.
 #
-# The bests of family 25 model 17 are the highest ratios that this file has had for each entry. They were entered by hand
-# and measured with one copy of the executable. On a quiet machine of that kind, 7.5 for tag_room_rgb and 1.96 for
-# two_threads were seen, which the next `--record` there will confirm. Older ratios are left out if the entry measured
-# something else: those of refit_S3 before 5edb6a5 were compared with a build by parry3d, those of moving_500 before
-# 9970624 cast other rays, and those of R5 before 8bb9168 cast a million rays.
+# The bests of family 25 model 17 are the highest ratios that this file has had for each entry: those of 2026-11-27 are
+# medians over copies of the executable, older ones were entered by hand and measured with one copy. Older ratios are left
+# out if the entry measured something else: those of refit_S3 before 5edb6a5 were compared with a build by parry3d, those
+# of moving_500 before 9970624 cast other rays, and those of R5 before 8bb9168 cast a million rays.
 # Some frames were first measured on another or a busy machine (depth_64x64, depth_kinect, device_rgb, the lenses,
 # rolling_shutter, scan_beams, scan_moving, truth). Their bests are an eighth lower than those measurements, by hand.
-# The bests of that processor at avx2 are its old records. Its avx512_by_avx2 (how many times as fast a group is at avx512
-# as at avx2) has not been measured: no machine with AVX-512 was available since the gate measures both levels.
 # Instructions are copied by hand from the output of `cargo bench --bench counts`.
 
 ";

@@ -14,10 +14,9 @@ use std::time::{Duration, Instant};
 #[derive(Clone, Debug, clap::Args)]
 #[group(skip)]
 pub struct Ros2Args {
-    /// The domain of ROS 2
-    #[arg(long, value_name = "0-232", env = "ROS_DOMAIN_ID", default_value_t = 0)]
-    #[arg(value_parser = clap::value_parser!(u32).range(0..=232))]
-    ros_domain_id: u32,
+    /// The domain of ROS 2 [default: ROS_DOMAIN_ID, otherwise 0]
+    #[arg(long, value_name = "0-232", value_parser = clap::value_parser!(u32).range(0..=232))]
+    ros_domain_id: Option<u32>,
     /// A namespace before all topics except /tf, /tf_static and /clock
     #[arg(long, value_name = "NAMESPACE", value_parser = namespace, default_value = "")]
     ros_namespace: String,
@@ -49,7 +48,7 @@ impl Ros2Args {
     /// Returns the options, some of which ROS 2's own variables of the environment give.
     pub(super) fn options(&self) -> Result<Ros2Options, CliError> {
         Ok(Ros2Options {
-            domain_id: self.ros_domain_id,
+            domain_id: self.ros_domain_id.map_or_else(domain_id, Ok)?,
             range: range()?,
             naming: Naming { namespace: self.ros_namespace.clone(), remaps: self.remap.clone() },
             reliability: self.qos.clone(),
@@ -68,13 +67,7 @@ pub(super) struct Ros2Thread {
 impl Ros2Thread {
     /// Joins the domain of ROS 2 that the environment names, and publishes the streams of a simulation there.
     pub(super) fn start(domain: &Domain) -> Result<Self, CliError> {
-        let (name, value) = ("ROS_DOMAIN_ID", std::env::var("ROS_DOMAIN_ID").unwrap_or_default());
-        let domain_id = match value.parse() {
-            Ok(number @ 0..=232) => number,
-            _ if value.is_empty() => 0,
-            _ => return Err(CliError::Variable { name, value, expected: "a number from 0 to 232" }),
-        };
-        let options = Ros2Options { domain_id, range: range()?, ..Ros2Options::default() };
+        let options = Ros2Options { domain_id: domain_id()?, range: range()?, ..Ros2Options::default() };
         let mut ros2 = Ros2::start(Node::open(domain, "ros2")?, options)?;
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
@@ -100,6 +93,16 @@ impl Drop for Ros2Thread {
             // A thread that panicked has reported it.
             let _ = thread.join();
         }
+    }
+}
+
+/// Returns the domain that the environment names. As in ROS 2, an empty variable is the same as none.
+fn domain_id() -> Result<u32, CliError> {
+    let (name, value) = ("ROS_DOMAIN_ID", std::env::var("ROS_DOMAIN_ID").unwrap_or_default());
+    match value.parse() {
+        Ok(number @ 0..=232) => Ok(number),
+        _ if value.is_empty() => Ok(0),
+        _ => Err(CliError::Variable { name, value, expected: "a number from 0 to 232" }),
     }
 }
 

@@ -108,13 +108,11 @@ impl Ros2 {
             self.look()?;
         }
         for outgoing in &mut self.outgoing {
-            outgoing.follow(&self.node)?;
+            outgoing.follow(&self.node);
         }
         self.wait(at_most);
         for outgoing in &mut self.outgoing {
-            if let Err(error) = outgoing.send() {
-                tracing::warn!(topic = outgoing.topic(), %error, "frames are not published");
-            }
+            outgoing.send();
         }
         Ok(())
     }

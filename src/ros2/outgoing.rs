@@ -16,6 +16,8 @@ pub(super) struct Outgoing {
     is_latched: bool,
     writer: Writer,
     subscriber: Option<Subscriber>,
+    /// True if the stream could not be read last time, which has been reported.
+    has_failed: bool,
 }
 
 /// Returns the topic of ROS 2 for a stream; `None` for commands, and for streams that ROS has no message for.
@@ -40,21 +42,41 @@ impl Outgoing {
         let message = Ros::Two.type_name(stream.message_type.name);
         let hash = type_hash(&message, &stream.message_type.definition(Ros::Two));
         let writer = participant.writer(Topic { name, message: &message, hash: &hash }, qos)?;
-        Ok(Self { stream, topic: info.topic.clone(), is_latched, writer, subscriber: None })
+        Ok(Self {
+            stream,
+            topic: info.topic.clone(),
+            is_latched,
+            writer,
+            subscriber: None,
+            has_failed: false,
+        })
     }
 
     pub(super) fn topic(&self) -> &str {
         &self.topic
     }
 
-    /// Subscribes to the stream if somebody reads the topic, and ends the subscription if nobody does.
-    pub(super) fn follow(&mut self, node: &Node) -> Result<(), Ros2Error> {
+    /// Subscribes to the stream if somebody reads the topic, and ends the subscription if nobody does. If the stream
+    /// has no place for another subscriber, the next call tries again; the other topics go on.
+    pub(super) fn follow(&mut self, node: &Node) {
         let is_wanted = self.is_latched || self.writer.matched() > 0;
         if is_wanted == self.subscriber.is_some() {
-            return Ok(());
+            return;
         }
-        self.subscriber = if is_wanted { Some(node.subscriber(&self.topic)?) } else { None };
-        Ok(())
+        self.subscriber = None;
+        if is_wanted {
+            match node.subscriber(&self.topic) {
+                Ok(subscriber) => (self.subscriber, self.has_failed) = (Some(subscriber), false),
+                Err(error) => self.report(&error),
+            }
+        }
+    }
+
+    /// Reports an error of the stream, but not again while it lasts.
+    fn report(&mut self, error: &belvedere_bridge::Error) {
+        if !std::mem::replace(&mut self.has_failed, true) {
+            tracing::warn!(topic = self.topic, %error, "frames are not published in ROS 2");
+        }
     }
 
     pub(super) fn subscriber(&mut self) -> Option<&mut Subscriber> {
@@ -62,16 +84,22 @@ impl Outgoing {
     }
 
     /// Publishes the frames that have arrived.
-    pub(super) fn send(&mut self) -> Result<(), Ros2Error> {
-        let Some(subscriber) = &mut self.subscriber else { return Ok(()) };
-        while let Some(frame) = subscriber.take()? {
-            let mut message = self.writer.buffer();
-            // A frame that the message cannot represent is left out, as it is in recordings.
-            if self.stream.write(&frame.view(), &mut message).is_some() {
-                self.writer.write(message);
+    pub(super) fn send(&mut self) {
+        let Some(subscriber) = &mut self.subscriber else { return };
+        loop {
+            match subscriber.take() {
+                Ok(Some(frame)) => {
+                    let mut message = self.writer.buffer();
+                    // A frame that the message cannot represent is left out, as it is in recordings.
+                    if self.stream.write(&frame.view(), &mut message).is_some() {
+                        self.writer.write(message);
+                    }
+                    self.has_failed = false;
+                }
+                Ok(None) => return,
+                Err(error) => return self.report(&error),
             }
         }
-        Ok(())
     }
 }
 

@@ -19,7 +19,8 @@ import rclpy
 from geometry_msgs.msg import Twist
 from mcap.reader import make_reader
 from nav_msgs.msg import Odometry
-from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+from rclpy.qos import QoSProfile, ReliabilityPolicy
+from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 
 BELVEDERE, RECORDINGS = sys.argv[1], sys.argv[2:]
@@ -30,7 +31,7 @@ RETURN_S = 2.0  # from the start of a simulator until its first message
 @contextlib.contextmanager
 def program(*words):
     """Runs a command of belvedere, stops it with Ctrl-C, and checks its exit code."""
-    child = subprocess.Popen([BELVEDERE, *words, "--domain", DOMAIN], stdin=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+    child = subprocess.Popen([BELVEDERE, *words, "--domain", DOMAIN], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
     try:
         yield child
     finally:
@@ -104,10 +105,15 @@ def judge_replay(node, recording):
           f"and {len(types) - len(known)} topics of types that are not installed", flush=True)
 
 
+def streams():
+    """Returns the lines of `belvedere list`."""
+    done = subprocess.run([BELVEDERE, "list", "--json", "--domain", DOMAIN], capture_output=True, text=True)
+    return [json.loads(line) for line in done.stdout.splitlines()]
+
+
 def readers(topic):
-    """Returns the number of subscribers of a stream, by `belvedere list`."""
-    done = subprocess.run([BELVEDERE, "list", "--json", "--domain", DOMAIN], capture_output=True, text=True, check=True)
-    return next(line["subscribers"] for line in map(json.loads, done.stdout.splitlines()) if line["topic"].strip("/") == topic)
+    """Returns the number of subscribers of a stream."""
+    return next(line["subscribers"] for line in streams() if line["topic"].strip("/") == topic)
 
 
 def judge_simulator(node):
@@ -138,10 +144,32 @@ def judge_simulator(node):
     return took
 
 
+def judge_full_stream(node):
+    """A stream without a place for another subscriber is published later, and the others go on meanwhile."""
+    odometry, clock = [], []
+    subscriptions = [
+        node.create_subscription(Odometry, "/odom", odometry.append, 10),
+        node.create_subscription(Clock, "/clock", clock.append, 10),
+    ]
+    with program("run", "--drive", "still"), contextlib.ExitStack() as others:
+        assert spin(node, lambda: any(line["topic"].strip("/") == "odom" for line in streams()), 15) is not None
+        for _ in range(8):
+            others.enter_context(program("echo", "/odom"))
+        assert spin(node, lambda: readers("odom") == 8, 15) is not None, readers("odom")
+        with program("ros2"):
+            assert spin(node, lambda: len(clock) > 100, 15) is not None, len(clock)
+            assert not odometry
+            others.close()
+            assert spin(node, lambda: odometry, 15) is not None, "it is not published although there is a place"
+    for subscription in subscriptions:
+        node.destroy_subscription(subscription)
+
+
 rclpy.init()
 judge = rclpy.create_node("judge")
 for path in RECORDINGS:
     judge_replay(judge, path)
+judge_full_stream(judge)
 took = [judge_simulator(judge)]
 while took[-1] > RETURN_S and len(took) < 3:
     took.append(judge_simulator(judge))

@@ -87,9 +87,13 @@ fn camera(size: [u32; 2]) -> CameraConfig<'static> {
 }
 
 /// Renders depths and, with `all`, normals, instances, classes and backward flow.
+///
+/// The channels of 320 × 240 pixels are 2.5 MB and stay in the last-level cache. Those of 640 × 480 pixels do not: their
+/// ratio depends on the speed of the memory, and was 0.29 to 0.33 in six runs on one machine at AVX-512.
 fn truth_frames(stage: &Stage, all: bool, level: Level) -> impl FnMut() + use<'_> {
-    let camera = Camera::new(camera([640, 480])).expect("in range");
-    let rays = 640 * 480;
+    let [width, height] = [320, 240];
+    let camera = Camera::new(camera([width, height])).expect("in range");
+    let rays = (width * height) as usize;
     let mut workspace = WorkspaceBuf::default();
     workspace.execution = ours::execution(level);
     let (mut depth, mut normal) = (vec![0.0; rays], vec![[0.0; 3]; rays]);

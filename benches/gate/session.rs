@@ -5,10 +5,14 @@ use super::figures::{Figures, Pooled, Report, gains, pool};
 use super::options::Options;
 use super::verdict::{Mark, Source, TOLERANCE_ELSEWHERE, Verdict, judge, mark};
 use super::{copies, idle, machine, table};
+use std::time::Duration;
 
 /// An entry that seems to have fallen is measured this many times in total, each time with fresh copies, and the best
-/// median counts, because noise disappears.
-const TRIES: usize = 3;
+/// median counts, because noise disappears and a loss does not.
+const TRIES: usize = 8;
+/// Pause before each further try. What else runs on the same processor, also for other virtual machines, often lasts
+/// for seconds.
+const PAUSE: Duration = Duration::from_secs(5);
 /// The level and group of the budgets that say how many times as fast a group is at AVX-512 as at AVX2.
 const GAIN: (&str, &str) = ("avx512_by_avx2", "gain");
 
@@ -30,6 +34,7 @@ pub fn run(options: &Options) -> Result<(), String> {
             if again.is_empty() {
                 break;
             }
+            std::thread::sleep(PAUSE);
             keep_best(&mut judged, session.judge(&session.measure(again)?, &first));
         }
     }

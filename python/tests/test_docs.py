@@ -1,4 +1,4 @@
-"""Run the programs of docs/python.md and of the main README unchanged."""
+"""Run the programs of docs/python.md, docs/mujoco.md and the main README unchanged."""
 
 from __future__ import annotations
 
@@ -8,12 +8,16 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PROGRAMS = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "python.md").read_text(), re.DOTALL)
+PROGRAMS = [
+    (page, program)
+    for page in ("docs/python.md", "docs/mujoco.md")
+    for program in re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
+]
 
 
-@pytest.mark.parametrize("program", PROGRAMS, ids=range(len(PROGRAMS)))
-def test_programs_of_the_page(program: str) -> None:
-    exec(compile(program, "docs/python.md", "exec"), {})
+@pytest.mark.parametrize(("page", "program"), PROGRAMS, ids=range(len(PROGRAMS)))
+def test_programs_of_the_pages(page: str, program: str) -> None:
+    exec(compile(program, page, "exec"), {})
 
 
 def test_the_first_program(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,0 +1,172 @@
+"""Cameras of a model."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from belvedere import _arrays
+from belvedere._frames import Frames
+from belvedere._lens import Lens
+from belvedere._sensors import Camera, DepthCamera, Sensor
+from belvedere.mujoco._names import number_of
+from belvedere.mujoco._states import States, states_of
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+
+    from belvedere._arrays import ArrayLike
+    from belvedere.mujoco._scene import Scene
+
+#: The axes of a sensor (x forward, y left, z up) in those of MuJoCo's cameras (x right, y up, z backward), as columns.
+_AXES = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
+
+
+class SceneCamera:
+    """A camera of a model; :meth:`belvedere.mujoco.Scene.camera` makes it.
+
+    Its channels are those of its sensor, and ``geom`` int32: the geom of each pixel, −1 without a hit.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        camera: str | int | mujoco.MjvCamera,
+        width: int | None,
+        height: int | None,
+        sensor: Sensor | None,
+        options: dict[str, Any],
+    ) -> None:
+        self._scene = scene
+        self._camera = _camera_of(scene.model, camera)
+        if sensor is not None:
+            if not isinstance(sensor, (Camera, DepthCamera)):
+                raise ValueError(f"sensor: a Camera or DepthCamera is expected, not {sensor!r}")
+            if width is not None or height is not None or options:
+                raise ValueError("sensor: it has its own size and options; leave the others out")
+            #: The sensor in this place.
+            self.sensor: Sensor = sensor
+            return
+        size = _size(scene.model, self._camera, width, height)
+        lens, near, far = _optics(scene.model, self._camera, size)
+        self.sensor = Camera(*size, lens=lens, **({"near": near, "far": far} | options))
+
+    def render(
+        self,
+        states: Any,
+        channels: Sequence[str] | None = None,
+        *,
+        seeds: ArrayLike | int = 0,
+        frames: ArrayLike | int = 0,
+        threads: int | None = None,
+    ) -> Frames:
+        """Render a frame of each state.
+
+        Args:
+            states: an ``MjData``, a list of them, ``qpos`` (…, nq), or a dictionary of arrays with names and shapes
+                of ``MjData``, a state for each of their first axes: ``geom_xpos`` (…, ngeom, 3) and ``geom_xmat``
+                (…, ngeom, 9), ``cam_xpos`` and ``cam_xmat`` for a camera of the model, ``light_xpos`` and
+                ``light_xdir`` if lamps move.
+            channels: the channels to render; by default the sensor's main one.
+            seeds: the seeds of the noise: one for each frame, or the first of consecutive ones.
+            frames: the number of each frame, or one for all.
+            threads: the number of threads; one per processor by default.
+
+        Returns:
+            The arrays, by channel, with the shape of the states followed by the frame's.
+
+        Raises:
+            ValueError: an argument is invalid.
+
+        """
+        scene, sensor = self._scene, self.sensor
+        if isinstance(channels, str):
+            channels = (channels,)
+        wanted = list(sensor._default if channels is None else channels)
+        rendered = list(dict.fromkeys("instance" if name == "geom" else name for name in wanted))
+        read = states_of(scene.model, states)
+        batch = scene.batch(read)
+        matrices = self._matrices(read)
+        scene.place_headlight(batch, matrices[:, :3, 0])
+        batch.seeds[:] = np.array(_arrays.seeds("seeds", seeds, read.lead), np.uint64)
+        numbers = _arrays.numbers_of_frames(frames, read.lead)
+        batch.frames[:] = np.array(numbers, np.uint64)
+        arrays = batch.render(sensor, matrices, channels=rendered, threads=threads)
+        if "geom" in wanted:
+            arrays["geom"] = scene.geom_of(arrays["instance"])
+        shaped = {name: arrays[name].reshape(read.lead + arrays[name].shape[1:]) for name in wanted}
+        return Frames(shaped, read.lead, sensor.frame_shape, sensor, numbers)
+
+    def _matrices(self, states: States) -> NDArray[np.float64]:
+        """Return the sensor's pose in each state, (N, 4, 4)."""
+        if self._camera.type == mujoco.mjtCamera.mjCAMERA_FIXED:
+            matrices = states.matrices("cam_", int(self._camera.fixedcamid))
+        else:
+            matrices = np.tile(_frame_of(self._scene.model, self._camera), (states.count, 1, 1))
+        matrices[:, :3, :3] = matrices[:, :3, :3] @ _AXES
+        return matrices
+
+
+def _camera_of(model: mujoco.MjModel, camera: str | int | mujoco.MjvCamera) -> mujoco.MjvCamera:
+    if isinstance(camera, mujoco.MjvCamera):
+        if camera.type not in (mujoco.mjtCamera.mjCAMERA_FIXED, mujoco.mjtCamera.mjCAMERA_FREE):
+            raise ValueError("camera: a fixed or a free MjvCamera is expected; one that tracks a body is not supported")
+        chosen = camera
+    else:
+        chosen = mujoco.MjvCamera()
+        if isinstance(camera, (int, np.integer)) and not isinstance(camera, bool) and camera == -1:
+            mujoco.mjv_defaultFreeCamera(model, chosen)
+        else:
+            chosen.type = mujoco.mjtCamera.mjCAMERA_FIXED
+            chosen.fixedcamid = number_of(model, mujoco.mjtObj.mjOBJ_CAMERA, "camera", camera, model.ncam)
+    if chosen.type == mujoco.mjtCamera.mjCAMERA_FIXED:
+        is_flat = bool(model.cam_projection[chosen.fixedcamid])
+    else:
+        is_flat = bool(chosen.orthographic)
+    if is_flat:
+        raise ValueError("camera: it is orthographic; a camera with a perspective is expected")
+    return chosen
+
+
+def _size(
+    model: mujoco.MjModel, camera: mujoco.MjvCamera, width: int | None, height: int | None
+) -> tuple[int, int]:
+    own = [int(model.vis.global_.offwidth), int(model.vis.global_.offheight)]
+    if camera.type == mujoco.mjtCamera.mjCAMERA_FIXED:
+        resolution = model.cam_resolution[camera.fixedcamid]
+        if min(resolution) > 1:
+            own = [int(pixels) for pixels in resolution]
+    return (
+        _arrays.count("width", own[0] if width is None else width, 1, 16384),
+        _arrays.count("height", own[1] if height is None else height, 1, 16384),
+    )
+
+
+def _optics(
+    model: mujoco.MjModel, camera: mujoco.MjvCamera, size: tuple[int, int]
+) -> tuple[Lens, float, float]:
+    """Return the lens, the nearest and the farthest distance, from the frustum of MuJoCo's renderer."""
+    vertical, horizontal, clip = (np.zeros(2, np.float32) for _ in range(3))
+    mujoco.mjv_cameraFrustum(vertical, horizontal, clip, model, camera)
+    (below, above), (left, right), (near, far) = vertical.tolist(), horizontal.tolist(), clip.tolist()
+    width, height = size
+    # The pixels are square, whatever the sensor's shape is.
+    per_pixel = (below + above) / height
+    focal = near / per_pixel
+    middle = (right - left) / 2.0 / per_pixel
+    lens = Lens.pinhole(focal, focal, (width - 1) / 2.0 - middle, above / per_pixel - 0.5)
+    return lens, near, far
+
+
+def _frame_of(model: mujoco.MjModel, camera: mujoco.MjvCamera) -> NDArray[np.float64]:
+    """Return the pose of a free camera in the axes of MuJoCo's cameras, (4, 4)."""
+    place, forward, up, right = (np.zeros(3) for _ in range(4))
+    mujoco.mjv_cameraFrame(place, forward, up, right, mujoco.MjData(model), camera)
+    matrix = np.eye(4)
+    matrix[:3, :3] = np.stack([right, up, -forward], axis=1)
+    matrix[:3, 3] = place
+    return matrix

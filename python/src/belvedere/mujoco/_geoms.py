@@ -1,0 +1,110 @@
+"""Shapes of geoms as shapes of a world."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from belvedere._world import World
+    from belvedere.mujoco._looks import Looks
+
+_Geom = mujoco.mjtGeom
+
+
+def add_geom(world: World, model: mujoco.MjModel, geom: int, name: str, looks: Looks) -> str | None:
+    """Add the shape of a geom as a body of the world.
+
+    Returns:
+        None, or the reason why it cannot be added.
+
+    """
+    kind = _Geom(int(model.geom_type[geom]))
+    size = [float(length) for length in model.geom_size[geom]]
+    look: dict[str, Any] = {"name": name, "class_id": geom}
+    if kind == _Geom.mjGEOM_PLANE:
+        edges = [2.0 * size[0], 2.0 * size[1]]
+        look |= looks.of_plane(geom, edges)
+        if min(edges) > 0.0:
+            world.add_rectangle(edges, **look)
+        elif max(edges) == 0.0:
+            world.add_plane(**look)
+        else:
+            # Infinite along one axis: as long as the largest distance that matters.
+            far = float(model.vis.map.zfar * model.stat.extent)
+            world.add_rectangle([edge if edge > 0.0 else 2.0 * far for edge in edges], **look)
+        return None
+    if kind in (_Geom.mjGEOM_MESH, _Geom.mjGEOM_SDF):
+        if model.geom_dataid[geom] < 0:
+            return "it has no mesh"
+        vertices, faces, uvs = mesh(model, int(model.geom_dataid[geom]))
+        world.add_mesh(vertices, faces, uvs=uvs, **look, **looks.of(geom, has_uvs=uvs is not None))
+        return None
+    look |= looks.of(geom)
+    if kind == _Geom.mjGEOM_SPHERE:
+        world.add_sphere(size[0], **look)
+    elif kind == _Geom.mjGEOM_CAPSULE:
+        world.add_capsule(size[0], 2.0 * size[1], **look)
+    elif kind == _Geom.mjGEOM_ELLIPSOID:
+        world.add_ellipsoid(size, **look)
+    elif kind == _Geom.mjGEOM_CYLINDER:
+        world.add_cylinder(size[0], 2.0 * size[1], **look)
+    elif kind == _Geom.mjGEOM_BOX:
+        world.add_box([2.0 * half for half in size], **look)
+    elif kind == _Geom.mjGEOM_HFIELD:
+        world.add_mesh(*height_field(model, int(model.geom_dataid[geom])), **look)
+    else:
+        return f"geoms of type {kind.name} have no shape"
+    return None
+
+
+def mesh(
+    model: mujoco.MjModel, number: int
+) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32] | None]:
+    """Return vertices (V, 3), faces (F, 3) and texture coordinates (V, 2) of a mesh, if it has them."""
+    first, count = int(model.mesh_vertadr[number]), int(model.mesh_vertnum[number])
+    vertices = model.mesh_vert[first : first + count]
+    start, total = int(model.mesh_faceadr[number]), int(model.mesh_facenum[number])
+    faces = model.mesh_face[start : start + total]
+    texts = int(model.mesh_texcoordadr[number])
+    if texts < 0:
+        return vertices, faces, None
+    # A vertex has one place and several texture coordinates; here each pair is a vertex of its own.
+    coordinates = model.mesh_texcoord[texts : texts + int(model.mesh_texcoordnum[number])]
+    pairs = np.stack([faces, model.mesh_facetexcoord[start : start + total]], axis=-1).reshape(-1, 2)
+    unique, corners = np.unique(pairs, axis=0, return_inverse=True)
+    uvs = coordinates[unique[:, 1]].copy()
+    # Rows of textures are counted from the top, and v upwards.
+    uvs[:, 1] = 1.0 - uvs[:, 1]
+    return vertices[unique[:, 0]], corners.reshape(-1, 3).astype(np.int32), uvs
+
+
+def height_field(model: mujoco.MjModel, number: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """Return a height field with its sides and its base as triangles: vertices (V, 3) and faces (F, 3)."""
+    rows, columns = int(model.hfield_nrow[number]), int(model.hfield_ncol[number])
+    half_x, half_y, height, base = (float(length) for length in model.hfield_size[number])
+    first = int(model.hfield_adr[number])
+    tops = model.hfield_data[first : first + rows * columns].reshape(rows, columns) * height
+    x, y = np.linspace(-half_x, half_x, columns), np.linspace(-half_y, half_y, rows)
+    grid = np.stack([*np.meshgrid(x, y), tops], axis=-1)
+    ground = grid.copy()
+    ground[..., 2] = -base
+    numbers = np.arange(rows * columns).reshape(rows, columns)
+    a, b, c, d = numbers[:-1, :-1], numbers[:-1, 1:], numbers[1:, 1:], numbers[1:, :-1]
+    # Each cell is divided along the diagonal from its least to its greatest corner.
+    faces = [np.stack(corners, axis=-1).reshape(-1, 3) for corners in ((a, b, c), (a, c, d))]
+    below = rows * columns
+    for edge in (numbers[0], numbers[::-1, 0], numbers[-1, ::-1], numbers[:, -1]):
+        low, high = edge[:-1], edge[1:]
+        faces += [
+            np.stack([low, low + below, high + below], axis=-1),
+            np.stack([low, high + below, high], axis=-1),
+        ]
+    corners = np.array([numbers[0, 0], numbers[-1, 0], numbers[-1, -1], numbers[0, -1]]) + below
+    faces.append(corners[[[0, 1, 2], [0, 2, 3]]])
+    vertices = np.concatenate([grid.reshape(-1, 3), ground.reshape(-1, 3)])
+    return vertices.astype(np.float32), np.concatenate(faces).astype(np.int32)

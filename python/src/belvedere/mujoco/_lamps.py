@@ -1,0 +1,106 @@
+"""The lamps of a model, and the one at the camera."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import mujoco
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from belvedere._batch import Batch
+    from belvedere._world import World
+    from belvedere.mujoco._states import States
+
+_KINDS = {
+    int(mujoco.mjtLightType.mjLIGHT_SPOT): "spot",
+    int(mujoco.mjtLightType.mjLIGHT_DIRECTIONAL): "directional",
+    int(mujoco.mjtLightType.mjLIGHT_POINT): "point",
+}
+#: Ambient light of a model without lamps.
+_DARK = 0.3
+
+
+class Lamps:
+    """Lamps and background of a model, in a world."""
+
+    def __init__(self, world: World, model: mujoco.MjModel) -> None:
+        #: Differences from MuJoCo's renderer.
+        self.notes: list[str] = []
+        self._lights: list[int] = []
+        self._is_directional: list[bool] = []
+        headlight = model.vis.headlight
+        ambient = np.zeros(3)
+        for light in range(model.nlight):
+            if not model.light_active[light]:
+                continue
+            kind = _KINDS.get(int(model.light_type[light]))
+            if kind is None:
+                self.notes.append(f"light {light}: images are not lamps here, so it is dark")
+                continue
+            self._add(world, model, light, kind)
+            ambient += model.light_ambient[light]
+        self._headlight = len(self._lights) if headlight.active else None
+        if headlight.active:
+            world.add_light(
+                "directional", direction=(1, 0, 0), color=headlight.diffuse, specular=headlight.specular,
+                shadows=False,
+            )
+            ambient += headlight.ambient
+        elif not self._lights:
+            ambient += _DARK
+        world.set_environment(ambient, self._background(model))
+
+    def _add(self, world: World, model: mujoco.MjModel, light: int, kind: str) -> None:
+        cutoff = math.radians(min(float(model.light_cutoff[light]), 90.0))
+        direction = model.light_dir0[light] if np.any(model.light_dir0[light]) else (0.0, 0.0, -1.0)
+        exponent = float(model.light_exponent[light])
+        if kind == "spot":
+            name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_LIGHT, light) or f"number {light}"
+            self.notes.append(
+                f"light {name}: the edge of its cone is softer than MuJoCo's, and it keeps the direction that it has "
+                "in the model's first pose"
+            )
+        world.add_light(
+            kind,
+            position=model.light_pos0[light],
+            direction=direction,
+            color=np.maximum(model.light_diffuse[light], 0.0),
+            specular=np.maximum(model.light_specular[light], 0.0),
+            attenuation=np.maximum(model.light_attenuation[light], 0.0),
+            cone=(0.0 if exponent > 0.0 else cutoff, cutoff),
+            falloff=1.0,
+            shadows=bool(model.light_castshadow[light]),
+        )
+        self._lights.append(light)
+        self._is_directional.append(kind == "directional")
+
+    def _background(self, model: mujoco.MjModel) -> NDArray[np.float64]:
+        """Return the mean colour of the sky, or black."""
+        skies = np.flatnonzero(model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX)
+        if len(skies) == 0:
+            return np.zeros(3)
+        self.notes.append("the sky has the mean colour of its texture")
+        sky = int(skies[0])
+        count = int(model.tex_nchannel[sky])
+        first = int(model.tex_adr[sky])
+        total = int(model.tex_height[sky]) * int(model.tex_width[sky]) * count
+        pixels = model.tex_data[first : first + total].reshape(-1, count)
+        mean: NDArray[np.float64] = pixels[:, :3].mean(axis=0) / 255.0
+        return np.broadcast_to(mean, (3,)) if mean.size == 1 else mean
+
+    def place(self, batch: Batch, states: States) -> None:
+        """Place the lamps of each state."""
+        for number, (light, is_directional) in enumerate(zip(self._lights, self._is_directional, strict=True)):
+            field = "light_xdir" if is_directional else "light_xpos"
+            # Arrays of poses may be without lamps, which then stay where they are in the model.
+            if field in states.fields:
+                batch.light_vectors[:, number] = states.field(field)[:, light]
+
+    def place_headlight(self, batch: Batch, forward: NDArray[np.float64]) -> None:
+        """Turn the lamp at the camera to where the camera looks in each state, (N, 3)."""
+        if self._headlight is not None:
+            batch.light_vectors[:, self._headlight] = forward

@@ -1,0 +1,109 @@
+"""Materials and textures of a model as keywords of a world's shapes."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+#: The colour of geoms without a colour and a material. A geom of this colour has that of its material.
+_GREY = (0.5, 0.5, 0.5, 1.0)
+#: Shininess of 1 is this exponent of highlights.
+_EXPONENT = 128.0
+#: Specular and shininess of a geom without a material.
+_PLAIN = (0.5, 0.5)
+
+
+class Looks:
+    """The materials of a model; ``notes`` has a line for each one that is not shown as MuJoCo shows it."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        self._model = model
+        self._textures: dict[int, NDArray[np.uint8]] = {}
+        #: Differences, each once.
+        self.notes: dict[str, None] = {}
+
+    def rgba(self, geom: int) -> NDArray[np.float64]:
+        """Return the colour of a geom, (4,)."""
+        model = self._model
+        rgba, material = model.geom_rgba[geom], int(model.geom_matid[geom])
+        if material >= 0 and tuple(rgba.tolist()) == _GREY:
+            rgba = model.mat_rgba[material]
+        return np.clip(rgba.astype(np.float64), 0.0, 1.0)
+
+    def of(self, geom: int, has_uvs: bool = False) -> dict[str, Any]:
+        """Return the look of a geom that is not a plane."""
+        look, texture, material = self._plain(geom)
+        if texture < 0:
+            return look
+        if int(self._model.tex_type[texture]) == mujoco.mjtTexture.mjTEXTURE_2D and has_uvs:
+            look["texture"] = self._texels(texture)
+            look["texture_repeat"] = self._model.mat_texrepeat[material].tolist()
+            return look
+        self._note(material, "its texture is shown by its mean colour, since only meshes with coordinates and planes "
+                             "have textures of images")
+        mean = self._texels(texture)[..., :3].mean(axis=(0, 1)) / 255.0
+        look["color"] = [*(np.array(look["color"][:3]) * mean).tolist(), look["color"][3]]
+        return look
+
+    def of_plane(self, geom: int, edges: list[float]) -> dict[str, Any]:
+        """Return the look of a plane with these edges, of which 0 means infinite."""
+        look, texture, material = self._plain(geom)
+        if texture < 0 or int(self._model.tex_type[texture]) != mujoco.mjtTexture.mjTEXTURE_2D:
+            return self.of(geom) if texture >= 0 else look
+        given = self._model.mat_texrepeat[material].astype(np.float64)
+        texels, repeat = self._texels(texture), [1.0, 1.0]
+        for axis, edge in enumerate(edges):
+            is_finite = min(edges) > 0.0
+            uniform = bool(self._model.mat_texuniform[material])
+            # MuJoCo counts repetitions over two metres, or over the whole plane, from its middle.
+            repeat[axis] = given[axis] * edge / 2.0 if is_finite and uniform else given[axis]
+            if not is_finite:
+                repeat[axis] /= 2.0
+            shift = (repeat[axis] / 2.0 if is_finite else 0.0) + 0.5
+            length = texels.shape[1 - axis]
+            turned = round(shift * length) if axis == 0 else -round(shift * length)
+            texels = np.roll(texels, turned, axis=1 - axis)
+        return look | {"texture": texels, "texture_repeat": repeat}
+
+    def _plain(self, geom: int) -> tuple[dict[str, Any], int, int]:
+        """Return the look of a geom without its texture, the texture, and the material; -1 for none."""
+        model, material = self._model, int(self._model.geom_matid[geom])
+        color = self.rgba(geom)
+        specular, shininess = _PLAIN
+        emission, texture = 0.0, -1
+        if material >= 0:
+            specular, shininess = float(model.mat_specular[material]), float(model.mat_shininess[material])
+            emission = float(model.mat_emission[material])
+            roles = model.mat_texid[material]
+            textures = [int(roles[role]) for role in (mujoco.mjtTextureRole.mjTEXROLE_RGB,
+                                                      mujoco.mjtTextureRole.mjTEXROLE_RGBA)]
+            texture = max(textures)
+            if float(model.mat_reflectance[material]) > 0.0:
+                self._note(material, "it does not reflect other shapes")
+        look: dict[str, Any] = {
+            "color": color.tolist(),
+            "specular": [max(specular, 0.0)] * 3,
+            "shininess": max(shininess, 0.0) * _EXPONENT,
+            "emissive": (color[:3] * max(emission, 0.0)).tolist(),
+        }
+        return look, texture, material
+
+    def _texels(self, texture: int) -> NDArray[np.uint8]:
+        """Return the pixels of a texture, (height, width, 3); those of a cube are the six sides, one below the other."""
+        if texture not in self._textures:
+            model = self._model
+            height, width = int(model.tex_height[texture]), int(model.tex_width[texture])
+            count, first = int(model.tex_nchannel[texture]), int(model.tex_adr[texture])
+            pixels = model.tex_data[first : first + height * width * count].reshape(height, width, count)
+            colours = pixels[..., :3] if count >= 3 else np.repeat(pixels[..., :1], 3, axis=-1)
+            self._textures[texture] = np.ascontiguousarray(colours)
+        return self._textures[texture]
+
+    def _note(self, material: int, difference: str) -> None:
+        name = mujoco.mj_id2name(self._model, mujoco.mjtObj.mjOBJ_MATERIAL, material) or f"number {material}"
+        self.notes[f"material {name}: {difference}"] = None

@@ -1,0 +1,243 @@
+"""A model of MuJoCo as a world that sensors see."""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import mujoco
+import numpy as np
+
+from belvedere import _arrays, _native
+from belvedere._batch import Batch
+from belvedere._frames import Frames
+from belvedere._unpicklable import Unpicklable
+from belvedere._world import World
+from belvedere.mujoco._cameras import SceneCamera
+from belvedere.mujoco._geoms import add_geom
+from belvedere.mujoco._lamps import Lamps
+from belvedere.mujoco._lidars import SceneLidar
+from belvedere.mujoco._looks import Looks
+from belvedere.mujoco._states import States, states_of
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from belvedere._arrays import ArrayLike
+    from belvedere._sensors import Sensor
+
+_log = logging.getLogger("belvedere")
+#: A ray continues behind the back of a plane by this fraction of its distance, and by this many of its lengths.
+_BEHIND = 1e-6
+
+
+class Scene(Unpicklable):
+    """The shapes, materials, lamps and cameras of a model.
+
+    Shapes and their trees are built once; a state only moves them. Geoms whose alpha is 0 are left out. Planes with a
+    size end there, as they do for ``mj_ray``. ``notes`` lists what is left out or shown in another way than by
+    MuJoCo's renderer; each line is logged as ``belvedere``.
+
+    Args:
+        model: the model; later changes to it have no effect.
+        groups: the groups of geoms that are seen, by default those that MuJoCo shows.
+
+    Raises:
+        ValueError: an argument is invalid.
+
+    """
+
+    _instead = "create it in the other process, from its model"
+
+    def __init__(self, model: mujoco.MjModel, *, groups: Sequence[int] = (0, 1, 2)) -> None:
+        if not isinstance(model, mujoco.MjModel):
+            raise ValueError(f"model: an MjModel is expected, not {type(model).__name__}")
+        for group in groups:
+            _arrays.count("groups", group, 0, mujoco.mjNGROUP - 1)
+        self.model = model
+        #: The world of all geoms that are seen, a body each.
+        self.world = World()
+        #: Differences from MuJoCo's renderer, one line each.
+        self.notes: list[str] = []
+        looks = Looks(model)
+        geoms = []
+        for geom in range(model.ngeom):
+            if int(model.geom_group[geom]) not in groups or looks.rgba(geom)[3] == 0.0:
+                continue
+            name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or ""
+            why = add_geom(self.world, model, geom, name or f"geom {geom}", looks)
+            if why is None:
+                geoms.append(geom)
+            else:
+                self.notes.append(f"geom {name or geom}: {why}, so it is not seen")
+        #: The geom of each body of the world.
+        self.geoms: NDArray[np.int64] = np.array(geoms, np.int64)
+        self._lamps = Lamps(self.world, model)
+        self._note_rest(looks)
+        self._geom_of_instance = np.append(self.geoms[self.world.instance_bodies], -1).astype(np.int32)
+        self._is_plane = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
+        self._batch: Batch | None = None
+
+    def _note_rest(self, looks: Looks) -> None:
+        self.notes += [*looks.notes, *self._lamps.notes]
+        for kind, count in (("flex", self.model.nflex), ("skin", self.model.nskin)):
+            if count:
+                self.notes.append(f"{count} objects of type {kind} are not seen, since their shapes change")
+        for note in self.notes:
+            _log.warning("%s", note)
+
+    def camera(
+        self,
+        camera: str | int | mujoco.MjvCamera = -1,
+        width: int | None = None,
+        height: int | None = None,
+        *,
+        sensor: Sensor | None = None,
+        **options: Any,
+    ) -> SceneCamera:
+        """Return a camera of the model.
+
+        Args:
+            camera: its name or number; −1 is the free camera as it starts; or an ``MjvCamera``, fixed or free.
+            width: pixels across; by default those of the camera, or of MuJoCo's offscreen buffer.
+            height: pixels down.
+            sensor: a ``Camera`` or ``DepthCamera`` of this package, with any lens and preset, in the place of the
+                model's own; then there are no size and options.
+            **options: keywords of :class:`belvedere.Camera` other than size and lens: ``noise``, ``smooth``, …
+
+        Raises:
+            ValueError: there is no such camera, or it is orthographic.
+
+        """
+        return SceneCamera(self, camera, width, height, sensor, options)
+
+    def lidar(
+        self,
+        site: str | int | None = None,
+        *,
+        body: str | int | None = None,
+        preset: str | None = None,
+        sensor: Sensor | None = None,
+        **options: Any,
+    ) -> SceneLidar:
+        """Return a lidar on a site, or on a body: it looks along +x there, and +z is up.
+
+        Args:
+            site: name or number of a site.
+            body: name or number of a body, instead of a site.
+            preset: a preset of :class:`belvedere.Scanner`, such as ``os1_128``.
+            sensor: a ``Lidar`` or ``Scanner`` of this package.
+            **options: keywords of :class:`belvedere.Scanner` with a preset, otherwise of :class:`belvedere.Lidar`:
+                ``beams``, ``lines``, ``angles``, …
+
+        Raises:
+            ValueError: there is no such site, body or preset.
+
+        """
+        return SceneLidar(self, site, body, preset, sensor, options)
+
+    def cast(
+        self, state: Any, origins: ArrayLike, directions: ArrayLike, *, threads: int | None = None
+    ) -> Frames:
+        """Cast rays and return the first hit of each, as ``mj_multiRay`` does: a plane is hit only from its front.
+
+        Args:
+            state: one state: an ``MjData``, ``qpos`` (nq,), or a dictionary of arrays.
+            origins: (…, 3) in metres, or one for all rays (3,).
+            directions: (…, 3) of any length but 0.
+            threads: the number of threads; one per processor by default.
+
+        Returns:
+            ``distance`` float32, in lengths of the direction, ∞ without a hit; ``normal`` float32 (…, 3), outwards,
+            0 without a hit; ``geom`` int32, −1 without a hit; ``point`` float64 (…, 3), NaN without a hit.
+
+        Raises:
+            ValueError: an argument is invalid.
+
+        """
+        read = states_of(self.model, state)
+        if read.lead != ():
+            raise ValueError(f"state: one state is expected, not {read.count}")
+        rays = _arrays.vectors("directions", directions, 3, np.float64)
+        starts = np.broadcast_to(_arrays.vectors("origins", origins, 3, np.float64), rays.shape)
+        # Single precision counts from the middle of the origins.
+        reference = starts.reshape(-1, 3).mean(axis=0) if starts.size else np.zeros(3)
+        bodies = self.poses(read)[0] if len(self.geoms) else None
+        limits = np.zeros((*rays.shape[:-1], 2), np.float32)
+        limits[..., 1] = np.inf
+        distance = np.full(rays.shape[:-1], np.inf, np.float32)
+        normal = np.zeros(rays.shape, np.float32)
+        geom = np.full(rays.shape[:-1], -1, np.int32)
+        left = np.ones(rays.shape[:-1], bool)
+        while left.any():
+            hits = self.world.cast(
+                starts[left] - reference,
+                rays[left],
+                ranges=limits[left],
+                channels=("distance", "normal", "instance"),
+                bodies=bodies,
+                reference=reference,
+                threads=threads,
+            )
+            found = self.geom_of(hits["instance"])
+            behind = self._is_plane[found] & (found >= 0)
+            behind &= np.einsum("ij,ij->i", hits["normal"].astype(np.float64), rays[left]) > 0.0
+            distance[left] = np.where(behind, np.inf, hits["distance"])
+            normal[left] = np.where(behind[:, None], 0.0, hits["normal"])
+            geom[left] = np.where(behind, -1, found)
+            least = limits[left]
+            least[:, 0] = hits["distance"] * (1.0 + _BEHIND) + _BEHIND
+            limits[left] = least
+            left[left] = behind
+        with np.errstate(invalid="ignore"):
+            point = starts + rays * distance[..., None].astype(np.float64)
+        point[geom < 0] = np.nan
+        answers = {"distance": distance, "normal": normal, "geom": geom, "point": point}
+        return Frames(answers, rays.shape[:-3], rays.shape[-3:-1])
+
+    def geom_of(self, instances: NDArray[np.uint32]) -> NDArray[np.int32]:
+        """Return the geoms of the channel ``instance``, −1 where nothing was hit."""
+        last = np.uint32(len(self._geom_of_instance) - 1)
+        geoms: NDArray[np.int32] = self._geom_of_instance[np.minimum(instances, last)]
+        return geoms
+
+    def poses(self, states: States) -> NDArray[np.float64]:
+        """Return the poses of the bodies of the world in each state, (N, bodies, 7).
+
+        Raises:
+            ValueError: a pose is not a rotation and a translation.
+
+        """
+        return poses_of(states.matrices("geom_", self.geoms), "states")
+
+    def batch(self, states: States) -> Batch:
+        """Return a batch with a world for each state, without the lamp at the camera."""
+        if self._batch is None or self._batch.n != states.count:
+            self._batch = Batch(self.world, states.count)
+        batch = self._batch
+        if len(self.geoms):
+            batch.poses[:] = self.poses(states)
+        self._lamps.place(batch, states)
+        return batch
+
+    def place_headlight(self, batch: Batch, forward: NDArray[np.float64]) -> None:
+        """Turn the lamp at the camera to where the camera looks in each state, (N, 3)."""
+        self._lamps.place_headlight(batch, forward)
+
+    def __repr__(self) -> str:
+        """Return the number of geoms that are seen."""
+        return f"<Scene of {len(self.geoms)} of {self.model.ngeom} geoms>"
+
+
+def poses_of(matrices: NDArray[np.float64], argument: str) -> NDArray[np.float64]:
+    """Return matrices (…, 4, 4) as poses (…, 7).
+
+    Raises:
+        ValueError: one is not a rotation and a translation.
+
+    """
+    poses, bad = _native.poses_of_matrices(np.ascontiguousarray(matrices.reshape(-1, 4, 4)))
+    if bad is not None:
+        raise ValueError(f"{argument}: pose number {bad[0]}: {bad[1]}")
+    return poses.reshape(*matrices.shape[:-2], 7)

@@ -196,6 +196,20 @@ def test_the_renderer_has_the_interface_of_mujoco(model: mujoco.MjModel) -> None
         renderer.render()
 
 
+def test_gymnasium_gets_pictures() -> None:
+    gymnasium = pytest.importorskip("gymnasium")
+    env = bvm.PixelObservation(gymnasium.make("Hopper-v5"), 40, 30, "track", channels=("rgb", "depth"), state=True)
+    observation, _ = env.reset(seed=1)
+    assert env.observation_space.contains(observation)
+    assert observation["rgb"].shape == (30, 40, 3)
+    after, *_ = env.step(env.action_space.sample() * 0 + 1)
+    assert (after["depth"] != observation["depth"]).any()
+    alone = bvm.PixelObservation(gymnasium.make("Hopper-v5"), 8, 8)
+    assert alone.observation_space.shape == (8, 8, 3)
+    with pytest.raises(ValueError, match="env: an environment with a model of MuJoCo"):
+        bvm.PixelObservation(gymnasium.make("CartPole-v1"))
+
+
 def test_colours_are_those_of_materials_and_lamps() -> None:
     model = mujoco.MjModel.from_xml_string("""
         <mujoco>
@@ -239,9 +253,16 @@ def test_colours_are_those_of_materials_and_lamps() -> None:
         (lambda s, d: s.lidar("mast"), "site: there is none named 'mast'; there are lidar"),
         (lambda s, d: s.lidar("lidar", preset="nothing"), "preset|nothing"),
         (lambda s, d: s.camera("eye", 4, 4).render([[0.0, 1.0]]), r"states: shape \(1, 2\)"),
-        (lambda s, d: s.camera("eye", 4, 4).render(np.full((2, 14), np.nan)), "states: finite numbers are expected"),
-        (lambda s, d: s.camera("eye", 4, 4).render({"geom_xpos": d.geom_xpos}), "the array 'geom_xmat' is expected"),
+        (
+            lambda s, d: s.camera("eye", 4, 4).render(np.full((2, 14), np.nan)),
+            "states: finite numbers are expected",
+        ),
+        (
+            lambda s, d: s.camera("eye", 4, 4).render({"geom_xpos": d.geom_xpos}),
+            "the array 'geom_xmat' is expected",
+        ),
         (lambda s, d: s.camera("eye", 4, 4).render(mujoco.MjData(OTHER)), "belongs to another model"),
+        (lambda s, d: s.camera("eye", 4, 4).render(without_poses(d)), "states: pose number 0"),
         (lambda s, d: s.cast([d, d], (0, 0, 0), [[0, 0, 1]]), "state: one state is expected, not 2"),
         (lambda s, d: s.camera("eye", 4, 4).render(d, channels=("colour",)), "there is no channel 'colour'"),
     ],
@@ -253,3 +274,13 @@ def test_bad_input_is_one_clear_error(model: mujoco.MjModel, call, message: str)
 
 
 OTHER = mujoco.MjModel.from_xml_string("<mujoco><worldbody><geom size='1'/></worldbody></mujoco>")
+
+
+def without_poses(data: mujoco.MjData) -> dict[str, NDArray[np.float64]]:
+    """Arrays of a state whose geoms have no pose."""
+    return {
+        "geom_xpos": data.geom_xpos,
+        "geom_xmat": data.geom_xmat * np.nan,
+        "cam_xpos": data.cam_xpos,
+        "cam_xmat": data.cam_xmat,
+    }

@@ -16,9 +16,25 @@ model; its sensors render states: ``MjData``, arrays of ``qpos``, or arrays of p
 [2.5, 2.0, 1.5]
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
 from belvedere.mujoco._cameras import SceneCamera
 from belvedere.mujoco._lidars import SceneLidar
 from belvedere.mujoco._renderer import Renderer
 from belvedere.mujoco._scene import Scene
 
-__all__ = ["Renderer", "Scene", "SceneCamera", "SceneLidar"]
+if TYPE_CHECKING:
+    from belvedere.mujoco._pixels import PixelObservation
+
+__all__ = ["PixelObservation", "Renderer", "Scene", "SceneCamera", "SceneLidar"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import what needs gymnasium when it is used."""
+    if name == "PixelObservation":
+        from belvedere.mujoco._pixels import PixelObservation
+
+        return PixelObservation
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

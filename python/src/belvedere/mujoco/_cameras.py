@@ -114,7 +114,9 @@ class SceneCamera:
 def _camera_of(model: mujoco.MjModel, camera: str | int | mujoco.MjvCamera) -> mujoco.MjvCamera:
     if isinstance(camera, mujoco.MjvCamera):
         if camera.type not in (mujoco.mjtCamera.mjCAMERA_FIXED, mujoco.mjtCamera.mjCAMERA_FREE):
-            raise ValueError("camera: a fixed or a free MjvCamera is expected; one that tracks a body is not supported")
+            raise ValueError(
+                "camera: a fixed or a free MjvCamera is expected; one that tracks a body is not supported"
+            )
         chosen = camera
     else:
         chosen = mujoco.MjvCamera()
@@ -146,9 +148,7 @@ def _size(
     )
 
 
-def _optics(
-    model: mujoco.MjModel, camera: mujoco.MjvCamera, size: tuple[int, int]
-) -> tuple[Lens, float, float]:
+def _optics(model: mujoco.MjModel, camera: mujoco.MjvCamera, size: tuple[int, int]) -> tuple[Lens, float, float]:
     """Return the lens, the nearest and the farthest distance, from the frustum of MuJoCo's renderer."""
     vertical, horizontal, clip = (np.zeros(2, np.float32) for _ in range(3))
     mujoco.mjv_cameraFrustum(vertical, horizontal, clip, model, camera)

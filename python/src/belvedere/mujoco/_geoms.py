@@ -25,7 +25,7 @@ def add_geom(world: World, model: mujoco.MjModel, geom: int, name: str, looks: L
     """
     kind = _Geom(int(model.geom_type[geom]))
     size = [float(length) for length in model.geom_size[geom]]
-    look: dict[str, Any] = {"name": name, "class_id": geom}
+    look: dict[str, Any] = {"name": name, "class_id": geom, "seen_by": looks.seen_by(geom) or "all"}
     if kind == _Geom.mjGEOM_PLANE:
         edges = [2.0 * size[0], 2.0 * size[1]]
         look |= looks.of_plane(geom, edges)

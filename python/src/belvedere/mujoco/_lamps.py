@@ -46,7 +46,10 @@ class Lamps:
         self._headlight = len(self._lights) if headlight.active else None
         if headlight.active:
             world.add_light(
-                "directional", direction=(1, 0, 0), color=headlight.diffuse, specular=headlight.specular,
+                "directional",
+                direction=(1, 0, 0),
+                color=headlight.diffuse,
+                specular=headlight.specular,
                 shadows=False,
             )
             ambient += headlight.ambient

@@ -33,7 +33,22 @@ class Looks:
         rgba, material = model.geom_rgba[geom], int(model.geom_matid[geom])
         if material >= 0 and tuple(rgba.tolist()) == _GREY:
             rgba = model.mat_rgba[material]
-        return np.clip(rgba.astype(np.float64), 0.0, 1.0)
+        colour: NDArray[np.float64] = np.clip(rgba.astype(np.float64), 0.0, 1.0)
+        return colour
+
+    def seen_by(self, geom: int) -> str | None:
+        """Return the sensors that see a geom, as a keyword of shapes; None if no sensor does.
+
+        Pictures of MuJoCo leave out geoms that are shown with an alpha of 0. Its rays leave out those whose material
+        has an alpha of 0, whatever their own colour is, and without a material those whose colour has.
+        """
+        material = int(self._model.geom_matid[geom])
+        is_shown = self.rgba(geom)[3] > 0.0
+        colors = self._model.geom_rgba[geom] if material < 0 else self._model.mat_rgba[material]
+        is_hit = bool(colors[3] > 0.0)
+        if is_shown and is_hit:
+            return "all"
+        return "visual" if is_shown else "collision" if is_hit else None
 
     def of(self, geom: int, has_uvs: bool = False) -> dict[str, Any]:
         """Return the look of a geom that is not a plane."""
@@ -44,8 +59,11 @@ class Looks:
             look["texture"] = self._texels(texture)
             look["texture_repeat"] = self._model.mat_texrepeat[material].tolist()
             return look
-        self._note(material, "its texture is shown by its mean colour, since only meshes with coordinates and planes "
-                             "have textures of images")
+        self._note(
+            material,
+            "its texture is shown by its mean colour, since only meshes with coordinates and planes "
+            "have textures of images",
+        )
         mean = self._texels(texture)[..., :3].mean(axis=(0, 1)) / 255.0
         look["color"] = [*(np.array(look["color"][:3]) * mean).tolist(), look["color"][3]]
         return look
@@ -80,8 +98,10 @@ class Looks:
             specular, shininess = float(model.mat_specular[material]), float(model.mat_shininess[material])
             emission = float(model.mat_emission[material])
             roles = model.mat_texid[material]
-            textures = [int(roles[role]) for role in (mujoco.mjtTextureRole.mjTEXROLE_RGB,
-                                                      mujoco.mjtTextureRole.mjTEXROLE_RGBA)]
+            textures = [
+                int(roles[role])
+                for role in (mujoco.mjtTextureRole.mjTEXROLE_RGB, mujoco.mjtTextureRole.mjTEXROLE_RGBA)
+            ]
             texture = max(textures)
             if float(model.mat_reflectance[material]) > 0.0:
                 self._note(material, "it does not reflect other shapes")

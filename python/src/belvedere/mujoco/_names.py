@@ -6,9 +6,7 @@ import mujoco
 import numpy as np
 
 
-def number_of(
-    model: mujoco.MjModel, kind: mujoco.mjtObj, argument: str, given: str | int, count: int
-) -> int:
+def number_of(model: mujoco.MjModel, kind: mujoco.mjtObj, argument: str, given: str | int, count: int) -> int:
     """Return the number of an object.
 
     Raises:

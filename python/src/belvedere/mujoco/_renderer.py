@@ -43,7 +43,13 @@ class Renderer:
     """
 
     def __init__(
-        self, model: mujoco.MjModel, height: int = 240, width: int = 320, max_geom: int = 10000, *, smooth: bool = True
+        self,
+        model: mujoco.MjModel,
+        height: int = 240,
+        width: int = 320,
+        max_geom: int = 10000,
+        *,
+        smooth: bool = True,
     ) -> None:
         self._model = model
         self._size = _arrays.count("width", width, 1, 16384), _arrays.count("height", height, 1, 16384)

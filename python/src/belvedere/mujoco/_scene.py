@@ -35,9 +35,9 @@ _BEHIND = 1e-6
 class Scene(Unpicklable):
     """The shapes, materials, lamps and cameras of a model.
 
-    Shapes and their trees are built once; a state only moves them. Geoms whose alpha is 0 are left out. Planes with a
-    size end there, as they do for ``mj_ray``. ``notes`` lists what is left out or shown in another way than by
-    MuJoCo's renderer; each line is logged as ``belvedere``.
+    Shapes and their trees are built once; a state only moves them. As in MuJoCo, geoms whose alpha is 0 are left out,
+    and planes with a size end there. ``notes`` lists what is left out or shown in another way than by MuJoCo's
+    renderer; each line is logged as ``belvedere``.
 
     Args:
         model: the model; later changes to it have no effect.
@@ -63,7 +63,7 @@ class Scene(Unpicklable):
         looks = Looks(model)
         geoms = []
         for geom in range(model.ngeom):
-            if int(model.geom_group[geom]) not in groups or looks.rgba(geom)[3] == 0.0:
+            if int(model.geom_group[geom]) not in groups or looks.seen_by(geom) is None:
                 continue
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or ""
             why = add_geom(self.world, model, geom, name or f"geom {geom}", looks)
@@ -76,7 +76,8 @@ class Scene(Unpicklable):
         self._lamps = Lamps(self.world, model)
         self._note_rest(looks)
         self._geom_of_instance = np.append(self.geoms[self.world.instance_bodies], -1).astype(np.int32)
-        self._is_plane = model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE
+        # The last element is that of no geom.
+        self._is_plane = np.append(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE, False)
         self._batch: Batch | None = None
 
     def _note_rest(self, looks: Looks) -> None:
@@ -137,10 +138,8 @@ class Scene(Unpicklable):
         """
         return SceneLidar(self, site, body, preset, sensor, options)
 
-    def cast(
-        self, state: Any, origins: ArrayLike, directions: ArrayLike, *, threads: int | None = None
-    ) -> Frames:
-        """Cast rays and return the first hit of each, as ``mj_multiRay`` does: a plane is hit only from its front.
+    def cast(self, state: Any, origins: ArrayLike, directions: ArrayLike, *, threads: int | None = None) -> Frames:
+        """Cast rays and return the first hit of each, as ``mj_ray`` does: a plane is hit only from its front.
 
         Args:
             state: one state: an ``MjData``, ``qpos`` (nq,), or a dictionary of arrays.
@@ -177,11 +176,12 @@ class Scene(Unpicklable):
                 ranges=limits[left],
                 channels=("distance", "normal", "instance"),
                 bodies=bodies,
+                sees="collision",
                 reference=reference,
                 threads=threads,
             )
             found = self.geom_of(hits["instance"])
-            behind = self._is_plane[found] & (found >= 0)
+            behind = self._is_plane[found]
             behind &= np.einsum("ij,ij->i", hits["normal"].astype(np.float64), rays[left]) > 0.0
             distance[left] = np.where(behind, np.inf, hits["distance"])
             normal[left] = np.where(behind[:, None], 0.0, hits["normal"])

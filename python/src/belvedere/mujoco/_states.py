@@ -54,7 +54,7 @@ class States:
             raise ValueError(f"states: the array {name!r} is expected, too; there are {', '.join(self.fields)}")
         return self.fields[name]
 
-    def matrices(self, kind: str, number: int | slice) -> NDArray[np.float64]:
+    def matrices(self, kind: str, number: int | NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the poses of objects as matrices, (N, …, 4, 4); kind is ``geom_``, ``cam_``, ``site_`` or empty."""
         places = self.field(f"{kind}xpos")[:, number]
         turns = self.field(f"{kind}xmat")[:, number]
@@ -138,9 +138,7 @@ def _of_arrays(model: mujoco.MjModel, states: Mapping[str, ArrayLike]) -> States
             given = given.reshape(*given.shape[:-2], 9)
         if given.shape[-2:] != (count, *shape) or (lead is not None and given.shape[:-2] != lead):
             wanted = "…" if lead is None else ", ".join(map(str, lead))
-            raise ValueError(
-                f"states[{name!r}]: shape {given.shape}; ({wanted}, {count}, {shape[0]}) is expected"
-            )
+            raise ValueError(f"states[{name!r}]: shape {given.shape}; ({wanted}, {count}, {shape[0]}) is expected")
         lead = given.shape[:-2]
         fields[name] = given.reshape(-1, count, *shape)
     assert lead is not None

@@ -4,6 +4,7 @@
 //! Messages are written from the frames in shared memory by the encoders of recordings
 //! ([`RosStream`](crate::recording::ros::RosStream)), and sent by `belvedere-rtps`. What nobody reads is not rendered.
 
+mod cdr;
 mod commands;
 mod names;
 mod outgoing;

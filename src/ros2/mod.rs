@@ -8,8 +8,8 @@ mod cdr;
 mod commands;
 mod names;
 mod outgoing;
-mod parameters;
 mod rcl_interfaces;
+mod services;
 mod type_hash;
 
 pub use belvedere_rtps::Range;
@@ -19,8 +19,8 @@ use belvedere_bridge::{Kind, Node, StreamInfo};
 use belvedere_rtps::{JoinError, Participant, Qos, TopicError};
 use commands::Commands;
 use outgoing::{Outgoing, ros_stream};
-use parameters::Parameters;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use services::Services;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
@@ -81,8 +81,8 @@ pub struct Ros2 {
     /// Streams that cannot be published, which are reported once.
     refused: BTreeSet<String>,
     next_look: Instant,
-    /// Only kept, since a thread answers requests for them.
-    _parameters: Parameters,
+    /// Only kept, since a thread answers their requests.
+    _services: Services,
     // Dropped last: what it serves must be removed first.
     participant: Participant,
 }
@@ -107,7 +107,7 @@ impl Ros2 {
             commands: Vec::new(),
             refused: BTreeSet::new(),
             next_look: Instant::now(),
-            _parameters: Parameters::start(&participant, &node, &node_name, &options)?,
+            _services: Services::start(&participant, &node, &node_name, &options)?,
             node,
             options,
             participant,

@@ -1,13 +1,10 @@
-//! [`Simulator`]: the simulator that gets the commands.
+//! [`Simulator`]: the simulator that services send commands to.
 
 use belvedere_bridge::payload::{SimulationCommand, SimulationResult};
 use belvedere_bridge::{Error, Node, SimulationControl};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-
-/// How long a simulator's streams are looked for, which appear one after the other.
-const GRACE: Duration = Duration::from_millis(300);
+use std::time::Duration;
 
 /// The simulator of a domain. It may start later, and end and start again.
 pub(super) struct Simulator {
@@ -53,12 +50,8 @@ impl Simulator {
             Some(control) => control,
             none => none.insert(SimulationControl::open(&self.node)?),
         };
-        let until = Instant::now() + GRACE;
-        while !control.is_connected()? {
-            if Instant::now() >= until {
-                return Ok(None);
-            }
-            std::thread::sleep(Duration::from_millis(5));
+        if !control.is_connected()? {
+            return Ok(None);
         }
         control.call_while(command, text, timeout, || !self.stop.load(Ordering::Relaxed))
     }

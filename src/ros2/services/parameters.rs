@@ -1,21 +1,18 @@
 //! [`Parameters`]: the settings of sensors as parameters of the node.
 
 mod codec;
-mod simulator;
 mod table;
 
-use super::cdr::{Unreadable, message};
-use super::rcl_interfaces::{MESSAGES, PARAMETER_EVENT, SERVICES, Task};
-use super::type_hash::{message_hash, service_hash};
-use super::{Ros2Error, Ros2Options};
+use super::Group;
+use super::simulator::Simulator;
+use crate::ros2::cdr::{Unreadable, message};
+use crate::ros2::rcl_interfaces::{MESSAGES, PARAMETER_EVENT, SERVICES, Task};
+use crate::ros2::type_hash::{message_hash, service_hash};
+use crate::ros2::{Ros2Error, Ros2Options};
 use belvedere_bridge::payload::{SensorSettings, SimulationCommand};
 use belvedere_bridge::{Error, Node, Operation, StreamSpec, Subscriber, Text};
 use belvedere_rtps::{Participant, Qos, Request, Requests, Service, ServiceType, Topic, Writer};
 use codec::Value;
-use simulator::Simulator;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
 use std::time::Duration;
 use table::{Change, Table};
 
@@ -30,56 +27,8 @@ const TIMEOUT: Duration = Duration::from_secs(5);
 const NO_COMMANDS: &str =
     "belvedere ros2 was started with --no-commands, so parameters cannot be set from ROS 2";
 
-/// Longest wait for a request before looking whether to stop, and whether the settings have changed.
-const NAP: Duration = Duration::from_millis(50);
-
-/// The parameters of the node, and the thread that answers requests for them.
-#[derive(Debug)]
-pub(super) struct Parameters {
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Parameters {
-    /// Offers the parameters of the node with this name, such as `/belvedere`, for the simulation of a domain, which may
-    /// come and go.
-    ///
-    /// # Errors
-    /// If ROS 2 forbids the name, or the thread cannot be started.
-    pub(super) fn start(
-        participant: &Participant,
-        node: &Node,
-        node_name: &str,
-        options: &Ros2Options,
-    ) -> Result<Self, Ros2Error> {
-        let (requests, stop) = (Requests::new(), Arc::new(AtomicBool::new(false)));
-        let mut server = Server::new(participant, &requests, node, node_name, options)?;
-        let (node, stopped) = (node.clone(), stop.clone());
-        let thread = std::thread::Builder::new().name("parameters".to_owned()).spawn(move || {
-            while !stopped.load(Ordering::Relaxed) {
-                if let Some(request) = requests.take(NAP) {
-                    // Not kept, since the streams of commands and results have few places.
-                    server.answer(&request, &mut Simulator::new(&node, &stopped));
-                }
-                server.follow();
-            }
-        })?;
-        Ok(Self { stop, thread: Some(thread) })
-    }
-}
-
-impl Drop for Parameters {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            // A thread that panicked has reported it.
-            let _ = thread.join();
-        }
-    }
-}
-
 /// The parameter services of the node, and its topic of changes.
-struct Server {
+pub(super) struct Parameters {
     /// In the order of [`SERVICES`].
     services: Vec<Service>,
     settings: Subscriber,
@@ -93,9 +42,9 @@ struct Server {
     has_failed: bool,
 }
 
-impl Server {
+impl Parameters {
     /// Offers the services of the node with this name.
-    fn new(
+    pub(super) fn new(
         participant: &Participant,
         requests: &Requests,
         node: &Node,
@@ -124,35 +73,6 @@ impl Server {
             no_commands: options.no_commands,
             has_failed: false,
         })
-    }
-
-    /// Answers a request.
-    fn answer(&mut self, request: &Request, simulator: &mut Simulator) {
-        let number = self.services.iter().position(|service| service.number() == request.service);
-        let Some((index, of)) = number.and_then(|index| Some((index, SERVICES.get(index)?))) else { return };
-        let response = self.respond(of.task, &request.body, simulator).unwrap_or_else(|error| {
-            tracing::warn!(service = of.name, "a request is refused, since {error}");
-            refusal(of.task, &format!("the request cannot be read: {error}"))
-        });
-        if let Some(service) = self.services.get(index) {
-            service.reply(request, response);
-        }
-    }
-
-    /// Follows the settings that the simulator publishes, and publishes what is different.
-    fn follow(&mut self) {
-        match self.read() {
-            Ok(None) => {}
-            Ok(Some(table)) => {
-                self.publish(&table);
-                (self.table, self.has_failed) = (table, false);
-            }
-            Err(error) => {
-                if !std::mem::replace(&mut self.has_failed, true) {
-                    tracing::warn!(%error, "parameters do not follow the settings of sensors");
-                }
-            }
-        }
     }
 
     /// Returns the response to a request.
@@ -217,7 +137,7 @@ impl Server {
         }
         let result = configure_all(&sensors, simulator);
         // The new values were published before the result.
-        self.follow();
+        self.tend();
         result
     }
 
@@ -245,6 +165,36 @@ impl Server {
             to.text(&self.node_name);
             changes.iter().for_each(|parameters| codec::write_parameters(to, parameters));
         }));
+    }
+}
+
+impl Group for Parameters {
+    fn answer(&mut self, request: &Request, simulator: &mut Simulator) {
+        let number = self.services.iter().position(|service| service.number() == request.service);
+        let Some((index, of)) = number.and_then(|index| Some((index, SERVICES.get(index)?))) else { return };
+        let response = self.respond(of.task, &request.body, simulator).unwrap_or_else(|error| {
+            tracing::warn!(service = of.name, "a request is refused, since {error}");
+            refusal(of.task, &format!("the request cannot be read: {error}"))
+        });
+        if let Some(service) = self.services.get(index) {
+            service.reply(request, response);
+        }
+    }
+
+    /// Follows the settings that the simulator publishes, and publishes what is different.
+    fn tend(&mut self) {
+        match self.read() {
+            Ok(None) => {}
+            Ok(Some(table)) => {
+                self.publish(&table);
+                (self.table, self.has_failed) = (table, false);
+            }
+            Err(error) => {
+                if !std::mem::replace(&mut self.has_failed, true) {
+                    tracing::warn!(%error, "parameters do not follow the settings of sensors");
+                }
+            }
+        }
     }
 }
 

@@ -1,8 +1,8 @@
 //! Requests and responses of the parameter services, in CDR.
 
-use super::super::cdr::{Cdr, Unreadable};
 use super::MOST_PARAMETERS;
 use super::table::Parameter;
+use crate::ros2::cdr::{Cdr, Unreadable};
 use belvedere_bridge::RosBytes;
 
 /// The most elements of an array that a request gives for a parameter. None of ours is an array.

@@ -63,7 +63,7 @@ impl Exchange {
     fn write(&mut self, number: u8, length: usize) {
         let mut payload = vec![number; length];
         payload[..4].copy_from_slice(&[0, 1, 0, 0]);
-        self.writer.write(Sample { payload: Arc::new(payload), time: Duration::ZERO, key: None }, self.now);
+        self.writer.write(Sample::plain(Arc::new(payload), Duration::ZERO), self.now);
     }
 
     /// Lets time pass, in steps of a tenth of a millisecond.

@@ -15,6 +15,7 @@ const MOST_PARTIAL: usize = 4;
 /// A sample that has come.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Received {
+    pub(crate) sequence: i64,
     pub(crate) about: About,
     pub(crate) payload: Vec<u8>,
 }
@@ -96,9 +97,10 @@ impl Reader {
             Content::Data { sequence, about, payload }
                 if payload.len() <= limit && source.wants(sequence) =>
             {
-                source.add(sequence, Received { about, payload: payload.to_vec() }, reliable, &mut out);
+                let sample = Received { sequence, about, payload: payload.to_vec() };
+                source.add(sample, reliable, &mut out);
             }
-            Content::Fragments { sequence, first, size, total, payload } => {
+            Content::Fragments { sequence, about, first, size, total, payload } => {
                 if total as usize > limit || !source.wants(sequence) {
                     return out;
                 }
@@ -110,13 +112,8 @@ impl Reader {
                 if assembly.is_whole()
                     && let Some(assembly) = source.partial.remove(&sequence)
                 {
-                    let about = About::default();
-                    source.add(
-                        sequence,
-                        Received { about, payload: assembly.into_data() },
-                        reliable,
-                        &mut out,
-                    );
+                    let sample = Received { sequence, about, payload: assembly.into_data() };
+                    source.add(sample, reliable, &mut out);
                 }
             }
             Content::Gap { start, list } if reliable => {
@@ -202,7 +199,8 @@ impl Source {
         self.next.is_none_or(|next| sequence >= next) && !self.waiting.contains_key(&sequence)
     }
 
-    fn add(&mut self, sequence: i64, sample: Received, reliable: bool, out: &mut Vec<Received>) {
+    fn add(&mut self, sample: Received, reliable: bool, out: &mut Vec<Received>) {
+        let sequence = sample.sequence;
         if !reliable {
             self.next = Some(sequence + 1);
             self.partial = self.partial.split_off(&(sequence + 1));

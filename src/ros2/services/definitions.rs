@@ -16,7 +16,10 @@ pub(super) const MESSAGES: &[(&str, &str)] = &[
     ("geometry_msgs/Accel", "geometry_msgs/Vector3 linear\ngeometry_msgs/Vector3 angular"),
     ("simulation_interfaces/Result", "uint8 result\nstring error_message"),
     ("simulation_interfaces/SimulationState", "uint8 state"),
-    ("simulation_interfaces/SimulatorFeatures", "uint16[] features\nstring[] spawn_formats\nstring custom_info"),
+    (
+        "simulation_interfaces/SimulatorFeatures",
+        "uint16[] features\nstring[] spawn_formats\nstring custom_info",
+    ),
     ("simulation_interfaces/Resource", "string uri\nstring resource_string"),
     ("simulation_interfaces/EntityCategory", "uint8 category"),
     ("simulation_interfaces/TagsFilter", "string[] tags\nuint8 filter_mode"),

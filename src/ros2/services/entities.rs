@@ -23,14 +23,14 @@ pub(super) fn category(model: &Description) -> u8 {
 }
 
 /// Answers with the names of the entities that match.
-pub(super) fn get_entities(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn get_entities(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let states = filtered(client, request);
     let models = result(reply, states).map(|states| states.models).unwrap_or_default();
     write_names(reply, &models);
 }
 
 /// Answers with the names and states of the entities that match.
-pub(super) fn get_entities_states(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn get_entities_states(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let states = filtered(client, request);
     let none = States { stamp_ns: 0, models: Vec::new() };
     let States { stamp_ns, models } = result(reply, states).unwrap_or(none);
@@ -39,7 +39,7 @@ pub(super) fn get_entities_states(client: &mut Client, request: &[u8], reply: &m
     models.iter().for_each(|model| write_state(reply, stamp_ns, Some(model)));
 }
 
-fn filtered(client: &mut Client, request: &[u8]) -> Result<States, Refusal> {
+fn filtered(client: &mut Client<'_>, request: &[u8]) -> Result<States, Refusal> {
     let filters = Filters::read(&mut Cdr::new(request)?)?;
     let States { stamp_ns, models } = client.states()?;
     Ok(States { stamp_ns, models: filters.select(models, client)? })
@@ -51,7 +51,7 @@ fn write_names(reply: &mut RosBytes<'_>, models: &[ModelState]) {
 }
 
 /// Answers with the state of an entity.
-pub(super) fn get_entity_state(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn get_entity_state(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let found = name_in(request).and_then(|name| state_of(client, &name));
     let found = result(reply, found);
     let (stamp_ns, model) = found.as_ref().map_or((0, None), |(stamp_ns, model)| (*stamp_ns, Some(model)));
@@ -62,16 +62,18 @@ fn name_in(request: &[u8]) -> Result<String, Refusal> {
     Ok(Cdr::new(request)?.text()?.to_owned())
 }
 
-fn state_of(client: &mut Client, name: &str) -> Result<(u64, ModelState), Refusal> {
+fn state_of(client: &mut Client<'_>, name: &str) -> Result<(u64, ModelState), Refusal> {
     let States { stamp_ns, models } = client.states()?;
     match models.into_iter().find(|model| model.name.as_str() == name) {
         Some(model) => Ok((stamp_ns, model)),
-        None => Err(Refusal::not_found(format!("there is no entity '{name}'; GetEntities lists their names"))),
+        None => {
+            Err(Refusal::not_found(format!("there is no entity '{name}'; GetEntities lists their names")))
+        }
     }
 }
 
 /// Answers with the category of an entity.
-pub(super) fn get_entity_info(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn get_entity_info(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let described = name_in(request).and_then(|name| describe(client, &name));
     let described = result(reply, described);
     reply.u8(described.as_ref().map_or(0, category));
@@ -82,7 +84,7 @@ pub(super) fn get_entity_info(client: &mut Client, request: &[u8], reply: &mut R
 }
 
 /// Describes an entity. An empty name, which means the whole simulation elsewhere, is that of no entity.
-fn describe(client: &mut Client, name: &str) -> Result<Description, Refusal> {
+fn describe(client: &mut Client<'_>, name: &str) -> Result<Description, Refusal> {
     if name.is_empty() {
         return Err(Refusal::not_found("the name of the entity is empty; GetEntities lists their names"));
     }
@@ -90,12 +92,12 @@ fn describe(client: &mut Client, name: &str) -> Result<Description, Refusal> {
 }
 
 /// Removes an entity.
-pub(super) fn delete_entity(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn delete_entity(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let outcome = delete(client, request);
     result(reply, outcome);
 }
 
-fn delete(client: &mut Client, request: &[u8]) -> Result<(), Refusal> {
+fn delete(client: &mut Client<'_>, request: &[u8]) -> Result<(), Refusal> {
     let name = name_in(request)?;
     client.may_change_models()?;
     describe(client, &name)?;
@@ -110,7 +112,7 @@ fn named(operation: Operation, name: &str) -> SimulationCommand {
 }
 
 /// Moves an entity, or changes its velocity.
-pub(super) fn set_entity_state(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn set_entity_state(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let outcome = read_new_state(request).and_then(|new| set_state(client, &new));
     result(reply, outcome);
 }
@@ -134,13 +136,15 @@ fn read_new_state(request: &[u8]) -> Result<NewState, Refusal> {
     Ok(NewState { name, state, sets_pose, sets_twist })
 }
 
-fn set_state(client: &mut Client, new: &NewState) -> Result<(), Refusal> {
+fn set_state(client: &mut Client<'_>, new: &NewState) -> Result<(), Refusal> {
     let NewState { name, state, sets_pose, sets_twist } = new;
     client.may_change_models()?;
     let is_static = describe(client, name)?.is("static");
     let is_zero = |(linear, angular): ([f64; 3], [f64; 3])| linear == [0.0; 3] && angular == [0.0; 3];
     if is_static && !((is_zero(state.twist) || !sets_twist) && is_zero(state.acceleration)) {
-        return Err(Refusal::failed(format!("'{name}' is static, so it can have no velocity; only its pose can be set")));
+        return Err(Refusal::failed(format!(
+            "'{name}' is static, so it can have no velocity; only its pose can be set"
+        )));
     }
     let mut command = named(Operation::SetModelState, name);
     command.reference = Text::new(&state.frame)

@@ -47,7 +47,7 @@ impl Filters {
     pub(super) fn select(
         &self,
         models: Vec<ModelState>,
-        client: &mut Client,
+        client: &mut Client<'_>,
     ) -> Result<Vec<ModelState>, Refusal> {
         let mut selected = Vec::new();
         for model in models {
@@ -107,7 +107,11 @@ mod tests {
         assert!(expression("").unwrap().is_none());
         let refused = |pattern: &str| expression(pattern).unwrap_err().message;
         assert_eq!(refused("("), "the filter '(' is not a regular expression: unclosed group");
-        assert!(refused("((((a{99}){99}){99}){99})").contains("too much memory"), "{}", refused("((((a{99}){99}){99}){99})"));
+        assert!(
+            refused("((((a{99}){99}){99}){99})").contains("too much memory"),
+            "{}",
+            refused("((((a{99}){99}){99}){99})")
+        );
         assert!(refused(&"a".repeat(5000)).contains("5000 bytes"));
     }
 }

@@ -68,7 +68,10 @@ impl Resource {
         let mut diagnostics = Diagnostics::default();
         let robot = expand_robot(file, packages, &[], &mut diagnostics);
         first_error(&diagnostics)?;
-        robot.map_or_else(|| Err(unreadable(&format!("{} is no robot", file.display()))), |root| Self::of(&root))
+        robot.map_or_else(
+            || Err(unreadable(&format!("{} is no robot", file.display()))),
+            |root| Self::of(&root),
+        )
     }
 
     fn of(root: &Element) -> Result<Self, Refusal> {
@@ -78,7 +81,9 @@ impl Resource {
             other => {
                 return Err(Refusal::new(
                     UNSUPPORTED_FORMAT,
-                    format!("its first element is <{other}>; spawn URDF (<robot>), xacro, or SDF with one <model>"),
+                    format!(
+                        "its first element is <{other}>; spawn URDF (<robot>), xacro, or SDF with one <model>"
+                    ),
                 ));
             }
         };
@@ -121,7 +126,11 @@ fn file_of(uri: &str, packages: &PackagePath) -> Result<PathBuf, Refusal> {
         }
         return Ok(PathBuf::from(uri));
     };
-    if path.is_file() { Ok(path) } else { Err(Refusal::not_found(format!("there is no file {}", path.display()))) }
+    if path.is_file() {
+        Ok(path)
+    } else {
+        Err(Refusal::not_found(format!("there is no file {}", path.display())))
+    }
 }
 
 #[cfg(test)]

@@ -49,7 +49,7 @@ impl Wanted {
 }
 
 /// Adds a model, and answers with its name.
-pub(super) fn spawn_entity(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn spawn_entity(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let wanted = Cdr::new(request).and_then(|mut fields| Wanted::read(&mut fields));
     let name = wanted.map_err(Refusal::from).and_then(|wanted| spawn(client, wanted));
     let name = result(reply, name).unwrap_or_default();
@@ -57,14 +57,16 @@ pub(super) fn spawn_entity(client: &mut Client, request: &[u8], reply: &mut RosB
 }
 
 /// Adds several models. One that cannot be added does not prevent the others.
-pub(super) fn spawn_entities(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn spawn_entities(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let wanted = Cdr::new(request).and_then(|mut fields| fields.list(MOST_REQUESTS, Wanted::read));
     let (outcome, results) = match wanted {
         Ok(wanted) => {
             let results: Vec<_> = wanted.into_iter().map(|wanted| spawn(client, wanted)).collect();
             let failed = results.iter().filter(|result| result.is_err()).count();
-            let message = format!("{failed} of {} entities were not spawned; see their results", results.len());
-            let outcome = if failed == 0 { Ok(()) } else { Err(Refusal::new(ENTITIES_SPAWN_FAILED, message)) };
+            let message =
+                format!("{failed} of {} entities were not spawned; see their results", results.len());
+            let outcome =
+                if failed == 0 { Ok(()) } else { Err(Refusal::new(ENTITIES_SPAWN_FAILED, message)) };
             (outcome, results)
         }
         Err(reason) => (Err(reason.into()), Vec::new()),
@@ -78,7 +80,7 @@ pub(super) fn spawn_entities(client: &mut Client, request: &[u8], reply: &mut Ro
 }
 
 /// Adds a model, and returns its name.
-fn spawn(client: &mut Client, wanted: Wanted) -> Result<String, Refusal> {
+fn spawn(client: &mut Client<'_>, wanted: Wanted) -> Result<String, Refusal> {
     client.may_change_models()?;
     let Wanted { name, allow_renaming, uri, text, namespace: given, frame, pose } = wanted;
     let resource = Resource::read(&uri, &text)?;
@@ -87,7 +89,8 @@ fn spawn(client: &mut Client, wanted: Wanted) -> Result<String, Refusal> {
     values::pose(&command).map_err(|why| Refusal::new(INVALID_POSE, why))?;
     let bad_namespace = |why: String| Refusal::new(NAMESPACE_INVALID, why);
     let checked = namespace(&given).map_err(bad_namespace)?;
-    command.robot_namespace = Text::new(&checked).map_err(|why| bad_namespace(format!("'{given}': {why}")))?;
+    command.robot_namespace =
+        Text::new(&checked).map_err(|why| bad_namespace(format!("'{given}': {why}")))?;
     command.reference =
         Text::new(&frame).map_err(|why| Refusal::not_found(format!("the frame '{frame}': {why}")))?;
     let name = if name.is_empty() { resource.name } else { name };
@@ -105,13 +108,16 @@ fn spawn(client: &mut Client, wanted: Wanted) -> Result<String, Refusal> {
 }
 
 /// Returns a name that no model has: the one that is wanted or, if it may be changed, that name with a number.
-fn free_name(client: &mut Client, wanted: &str, allow_renaming: bool) -> Result<String, Refusal> {
+fn free_name(client: &mut Client<'_>, wanted: &str, allow_renaming: bool) -> Result<String, Refusal> {
     let valid = if wanted.is_empty() { Err("it is empty".to_owned()) } else { model_name(wanted) };
     let base = match valid {
         Ok(name) => name,
         Err(_) if allow_renaming => "entity".to_owned(),
         Err(why) => {
-            return Err(Refusal::new(NAME_INVALID, format!("'{wanted}' cannot be the name of an entity: {why}")));
+            return Err(Refusal::new(
+                NAME_INVALID,
+                format!("'{wanted}' cannot be the name of an entity: {why}"),
+            ));
         }
     };
     for number in 0..MOST_NAMES {

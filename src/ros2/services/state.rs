@@ -47,7 +47,7 @@ const SCOPE_SPAWNED: u8 = 4;
 const SCOPE_ALL: u8 = 255;
 
 /// Answers with the features of the simulation that runs now.
-pub(super) fn get_simulator_features(client: &mut Client, _: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn get_simulator_features(client: &mut Client<'_>, _: &[u8], reply: &mut RosBytes<'_>) {
     let mut features = Vec::new();
     let mut info = format!("belvedere {}", env!("CARGO_PKG_VERSION"));
     match client.describe("") {
@@ -75,7 +75,7 @@ pub(super) fn get_simulator_features(client: &mut Client, _: &[u8], reply: &mut 
 }
 
 /// Answers with the state of the simulation.
-pub(super) fn get_simulation_state(client: &mut Client, _: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn get_simulation_state(client: &mut Client<'_>, _: &[u8], reply: &mut RosBytes<'_>) {
     let state = client.describe("").map(|description| state_of(client, &description));
     // The state comes before the result here.
     reply.u8(*state.as_ref().unwrap_or(&STOPPED));
@@ -83,21 +83,21 @@ pub(super) fn get_simulation_state(client: &mut Client, _: &[u8], reply: &mut Ro
 }
 
 /// A paused simulation that stands at its start is stopped, unless a client wanted it to be paused there.
-fn state_of(client: &Client, description: &Description) -> u8 {
+fn state_of(client: &Client<'_>, description: &Description) -> u8 {
     match description.is("paused") {
-        true if description.time_ns == 0 && !client.is_paused_at_start => STOPPED,
+        true if description.time_ns == 0 && !*client.is_paused_at_start => STOPPED,
         true => PAUSED,
         false => PLAYING,
     }
 }
 
 /// Plays, pauses or stops the simulation.
-pub(super) fn set_simulation_state(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn set_simulation_state(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let outcome = set_state(client, request);
     result(reply, outcome);
 }
 
-fn set_state(client: &mut Client, request: &[u8]) -> Result<(), Refusal> {
+fn set_state(client: &mut Client<'_>, request: &[u8]) -> Result<(), Refusal> {
     let wanted = Cdr::new(request)?.u8()?;
     let description = client.may_change()?;
     let state = state_of(client, &description);
@@ -128,17 +128,17 @@ fn set_state(client: &mut Client, request: &[u8]) -> Result<(), Refusal> {
             )));
         }
     }
-    client.is_paused_at_start = wanted == PAUSED;
+    *client.is_paused_at_start = wanted == PAUSED;
     Ok(())
 }
 
 /// Puts the simulation back to its start, or a part of it.
-pub(super) fn reset_simulation(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn reset_simulation(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let outcome = reset(client, request);
     result(reply, outcome);
 }
 
-fn reset(client: &mut Client, request: &[u8]) -> Result<(), Refusal> {
+fn reset(client: &mut Client<'_>, request: &[u8]) -> Result<(), Refusal> {
     let scope = match Cdr::new(request)?.u8()? {
         0 => SCOPE_ALL,
         scope => scope,
@@ -171,13 +171,13 @@ fn reset(client: &mut Client, request: &[u8]) -> Result<(), Refusal> {
 }
 
 /// Removes spawned models, and restarts at time 0.
-fn reset_to_start(client: &mut Client) -> Result<(), Refusal> {
+fn reset_to_start(client: &mut Client<'_>) -> Result<(), Refusal> {
     delete_spawned(client)?;
     client.command(&SimulationCommand::new(Operation::ResetSimulation), "", PATIENCE)
 }
 
 /// Removes the models that were added while the simulation ran.
-fn delete_spawned(client: &mut Client) -> Result<(), Refusal> {
+fn delete_spawned(client: &mut Client<'_>) -> Result<(), Refusal> {
     for model in client.states()?.models {
         // A model that was deleted by somebody else meanwhile is gone, as it should be.
         let Ok(description) = client.describe(model.name.as_str()) else { continue };

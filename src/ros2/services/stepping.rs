@@ -11,14 +11,14 @@ use std::time::Duration;
 const FOREVER: Duration = Duration::from_secs(365 * 86_400);
 
 /// Runs physics steps, and answers when they are done.
-pub(super) fn step_simulation(client: &mut Client, request: &[u8], reply: &mut RosBytes<'_>) {
+pub(super) fn step_simulation(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let outcome = step(client, request);
     // The streams to the simulator have few places, and steps are rare.
-    client.rest();
+    client.simulator.rest();
     result(reply, outcome);
 }
 
-fn step(client: &mut Client, request: &[u8]) -> Result<(), Refusal> {
+fn step(client: &mut Client<'_>, request: &[u8]) -> Result<(), Refusal> {
     let steps = Cdr::new(request)?.u64()?;
     let state = client.may_change()?;
     if !state.is("paused") {

@@ -1,7 +1,6 @@
 //! Who else is there, and whose readers and writers fit ours.
 
 use std::net::{Ipv4Addr, SocketAddrV4};
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::{Engine, MOST_ENDPOINTS, MOST_PARTICIPANTS, Remote};
@@ -122,7 +121,7 @@ impl Engine {
             } else {
                 own.reader.unmatch(writer.guid);
             }
-            own.state.matched.store(own.reader.writers(), Ordering::Relaxed);
+            own.inbox.set_matched(own.reader.writers());
         }
     }
 
@@ -134,7 +133,7 @@ impl Engine {
         }
         for own in self.readers.values_mut() {
             own.reader.unmatch(guid);
-            own.state.matched.store(own.reader.writers(), Ordering::Relaxed);
+            own.inbox.set_matched(own.reader.writers());
         }
     }
 
@@ -152,7 +151,7 @@ impl Engine {
         }
         for own in self.readers.values_mut() {
             own.reader.unmatch_all(prefix);
-            own.state.matched.store(own.reader.writers(), Ordering::Relaxed);
+            own.inbox.set_matched(own.reader.writers());
         }
     }
 }

@@ -92,11 +92,6 @@ impl<'a> Cdr<'a> {
         (0..count).map(|_| element(self)).collect()
     }
 
-    /// Returns true if no byte is left but those that fill the message up to a multiple of four.
-    pub(super) fn is_at_end(&self) -> bool {
-        self.body.len() - self.at < 4 && self.body[self.at..].iter().all(|byte| *byte == 0)
-    }
-
     fn take(&mut self, count: usize) -> Result<&'a [u8], Unreadable> {
         let end = self.at.checked_add(count).ok_or(Unreadable::Short)?;
         let taken = self.body.get(self.at..end).ok_or(Unreadable::Short)?;
@@ -143,8 +138,8 @@ mod tests {
         assert_eq!((read.bool(), read.u64()), (Ok(true), Ok(u64::MAX)));
         assert_eq!((read.text(), read.i64()), (Ok("wall"), Ok(-5)));
         assert_eq!(read.list(2, Cdr::f64), Ok(vec![0.5, f64::NEG_INFINITY]));
-        assert_eq!((read.text(), read.u8(), read.is_at_end()), (Ok(""), Ok(7), false));
-        assert_eq!((read.u32(), read.is_at_end(), read.u8()), (Ok(9), true, Err(Unreadable::Short)));
+        assert_eq!((read.text(), read.u8()), (Ok(""), Ok(7)));
+        assert_eq!((read.u32(), read.u8()), (Ok(9), Err(Unreadable::Short)));
     }
 
     #[test]

@@ -1,13 +1,34 @@
 //! [`Services`]: the services of the node, whose requests a thread answers.
 //!
 //! Each [`Group`] of services has a file here. Those that change the simulation send commands by the [`Simulator`].
+//!
+//! | file | is |
+//! |---|---|
+//! | `simulator` | commands to the simulator |
+//! | `parameters` | the settings of sensors as parameters |
+//! | `interfaces` | the services of `simulation_interfaces` |
+//! | `definitions`, `refusal`, `geometry` | parts of their messages |
+//! | `client`, `resource`, `filters` | questions to the simulator, descriptions of models, filters of entities |
+//! | `state`, `stepping`, `entities`, `spawning` | what these services do |
 
+mod client;
+mod definitions;
+mod entities;
+mod filters;
+mod geometry;
+mod interfaces;
 mod parameters;
+mod refusal;
+mod resource;
 mod simulator;
+mod spawning;
+mod state;
+mod stepping;
 
 use super::{Ros2Error, Ros2Options};
 use belvedere_bridge::Node;
 use belvedere_rtps::{Participant, Request, Requests};
+use interfaces::Interfaces;
 use parameters::Parameters;
 use simulator::Simulator;
 use std::sync::Arc;
@@ -20,8 +41,8 @@ const NAP: Duration = Duration::from_millis(50);
 
 /// Services that belong together.
 trait Group: Send {
-    /// Answers a request, if it is for one of these services.
-    fn answer(&mut self, request: &Request, simulator: &mut Simulator);
+    /// Answers a request, or returns it if it is for none of these services.
+    fn answer(&mut self, request: Request, simulator: &mut Simulator) -> Option<Request>;
 
     /// Called often, also if there is no request.
     fn tend(&mut self) {}
@@ -47,15 +68,20 @@ impl Services {
     ) -> Result<Self, Ros2Error> {
         let requests = Requests::new();
         let parameters = Parameters::new(participant, &requests, node, node_name, options)?;
-        let mut groups: Vec<Box<dyn Group>> = vec![Box::new(parameters)];
         let stop = Arc::new(AtomicBool::new(false));
+        let interfaces = Interfaces::new(participant, &requests, node, &stop, options)?;
+        let mut groups: Vec<Box<dyn Group>> = vec![Box::new(parameters), Box::new(interfaces)];
         let (stopped, mut simulator) = (stop.clone(), Simulator::new(node, &stop));
         let thread = std::thread::Builder::new().name("services".to_owned()).spawn(move || {
             while !stopped.load(Ordering::Relaxed) {
                 if let Some(request) = requests.take(NAP) {
-                    groups.iter_mut().for_each(|group| group.answer(&request, &mut simulator));
+                    // A request of no group is for a service that has just been removed.
+                    let _ = groups
+                        .iter_mut()
+                        .try_fold(request, |request, group| group.answer(request, &mut simulator));
                 }
                 groups.iter_mut().for_each(|group| group.tend());
+                simulator.tend();
             }
         })?;
         Ok(Self { stop, thread: Some(thread) })

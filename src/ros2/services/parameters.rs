@@ -169,16 +169,19 @@ impl Parameters {
 }
 
 impl Group for Parameters {
-    fn answer(&mut self, request: &Request, simulator: &mut Simulator) {
+    fn answer(&mut self, request: Request, simulator: &mut Simulator) -> Option<Request> {
         let number = self.services.iter().position(|service| service.number() == request.service);
-        let Some((index, of)) = number.and_then(|index| Some((index, SERVICES.get(index)?))) else { return };
+        let Some((index, of)) = number.and_then(|index| Some((index, SERVICES.get(index)?))) else {
+            return Some(request);
+        };
         let response = self.respond(of.task, &request.body, simulator).unwrap_or_else(|error| {
             tracing::warn!(service = of.name, "a request is refused, since {error}");
             refusal(of.task, &format!("the request cannot be read: {error}"))
         });
         if let Some(service) = self.services.get(index) {
-            service.reply(request, response);
+            service.reply(&request, response);
         }
+        None
     }
 
     /// Follows the settings that the simulator publishes, and publishes what is different.

@@ -41,10 +41,10 @@ def program(*words):
 class Client:
     """A parameter client with a participant of its own, each of whose calls returns a response within ten seconds."""
 
-    def __init__(self):
+    def __init__(self, name):
         self.context = rclpy.Context()
         self.context.init()
-        self.node = rclpy.create_node("judge", context=self.context)
+        self.node = rclpy.create_node(name, context=self.context)
         self.executor = SingleThreadedExecutor(context=self.context)
         self.executor.add_node(self.node)
         self.client = AsyncParameterClient(self.node, "/belvedere")
@@ -156,7 +156,7 @@ def judge_refusals(judge):
 
 def judge_clients(judge):
     """Two participants ask in turn, and one of them asks without waiting; each gets its own replies."""
-    other = Client()
+    other = Client("other")
     assert other.client.wait_for_services(10)
     for number in range(10):
         for client in (judge, other):
@@ -170,7 +170,7 @@ def judge_clients(judge):
 
 
 begin = time.monotonic()
-judge = Client()
+judge = Client("judge")
 events = []
 judge.node.create_subscription(ParameterEvent, "/parameter_events", events.append, 100)
 with program("run", "--ros2", "--drive", "still"):

@@ -7,6 +7,7 @@ use crate::guid::{EntityId, Guid, Prefix};
 use crate::message::{About, Content, Encoder, Place};
 use crate::numbers::NumberSet;
 use crate::peer::{Link, Peer};
+use crate::spdp::FAST_DDS;
 
 /// At most so many samples of a writer wait for one before them, and so many are in parts.
 const MOST_WAITING: usize = 256;
@@ -79,8 +80,7 @@ impl Reader {
         };
         self.sources.insert(peer.guid, source);
         if self.reliable {
-            // Has nothing and asks for nothing, but for a heartbeat.
-            self.answer(peer.guid, &NumberSet::empty(1), false, link);
+            self.ask(peer, link);
         }
         true
     }
@@ -221,10 +221,17 @@ impl Reader {
     pub(crate) fn ask_again(&mut self, link: &mut impl Link) {
         let silent = |source: &&Source| source.heartbeat.is_none();
         let reliable = self.sources.values().filter(|_| self.reliable);
-        let silent: Vec<Guid> = reliable.filter(silent).map(|source| source.peer.guid).collect();
-        for guid in silent {
-            self.answer(guid, &NumberSet::empty(1), false, link);
+        let silent: Vec<Peer> = reliable.filter(silent).map(|source| source.peer).collect();
+        for peer in silent {
+            self.ask(peer, link);
         }
+    }
+
+    /// Has nothing of a writer and asks for nothing, but for a heartbeat. Fast DDS sends one at once if the empty set
+    /// begins with 0, and otherwise only after its period of three seconds. Others take that set for malformed.
+    fn ask(&mut self, peer: Peer, link: &mut impl Link) {
+        let base = i64::from(peer.vendor != FAST_DDS);
+        self.answer(peer.guid, &NumberSet::empty(base), false, link);
     }
 
     /// The entity to which datagrams for this reader are addressed.

@@ -67,7 +67,7 @@ pub struct Ros2Options {
     pub naming: Naming,
     /// The reliability of topics, by their names in ROS 2; all others are reliable.
     pub reliability: Vec<(String, Reliability)>,
-    /// True if velocities from ROS 2 are ignored, and parameters cannot be set.
+    /// True if velocities from ROS 2 are ignored, and services that change something refuse.
     pub no_commands: bool,
 }
 

@@ -157,6 +157,7 @@ impl Sides {
                 }
             }
         }
+        assert!(self.readers.iter().all(|reader| reader.kept() <= reader.most_kept()));
         self.now += Duration::from_millis(1);
         self.writer.step(self.now, &mut self.link);
         taken

@@ -12,6 +12,10 @@ use crate::peer::{Link, Peer};
 const MOST_WAITING: usize = 256;
 const MOST_PARTIAL: usize = 4;
 
+/// So many bytes of samples that are not complete or have to wait are kept for all writers, beside four of the largest
+/// samples.
+const MOST_KEPT: usize = 4 << 20;
+
 /// A sample that has come.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Received {
@@ -29,6 +33,8 @@ struct Source {
     /// Samples that came before their turn; `None` will not come.
     waiting: BTreeMap<i64, Option<Received>>,
     partial: BTreeMap<i64, Assembly>,
+    /// Bytes of the samples that wait or are in parts.
+    kept: usize,
     heartbeat: Option<u32>,
     answers: u32,
 }
@@ -67,6 +73,7 @@ impl Reader {
             next,
             waiting: BTreeMap::new(),
             partial: BTreeMap::new(),
+            kept: 0,
             heartbeat: None,
             answers: 0,
         };
@@ -88,20 +95,52 @@ impl Reader {
         self.sources.retain(|guid, _| guid.prefix != prefix);
     }
 
+    /// The bytes that are kept of samples which cannot be given on yet.
+    pub(crate) fn kept(&self) -> usize {
+        self.sources.values().map(|source| source.kept).sum()
+    }
+
+    /// The most bytes that are kept.
+    pub(crate) fn most_kept(&self) -> usize {
+        MOST_KEPT + 4 * self.limit
+    }
+
     /// Takes what a writer says, and gives the samples that are complete and whose turn it is.
     pub(crate) fn take(&mut self, from: Guid, content: &Content<'_>, link: &mut impl Link) -> Vec<Received> {
+        let room = self.most_kept().saturating_sub(self.kept());
+        let out = self.heard(from, content, room, link);
+        if let Some(source) = self.sources.get_mut(&from) {
+            source.count();
+        }
+        out
+    }
+
+    /// Does the same; no more than `room` bytes are to be kept beside those that are kept already.
+    fn heard(
+        &mut self,
+        from: Guid,
+        content: &Content<'_>,
+        room: usize,
+        link: &mut impl Link,
+    ) -> Vec<Received> {
         let (reliable, limit) = (self.reliable, self.limit);
         let Some(source) = self.sources.get_mut(&from) else { return Vec::new() };
         let mut out = Vec::new();
         match *content {
-            Content::Data { sequence, about, payload }
-                if payload.len() <= limit && source.wants(sequence) =>
-            {
+            Content::Data { sequence, about, payload } if source.wants(sequence) => {
+                if payload.len() > limit {
+                    source.refuse(sequence, reliable, &mut out);
+                    return out;
+                }
                 let sample = Received { sequence, about, payload: payload.to_vec() };
-                source.add(sample, reliable, &mut out);
+                source.add(sample, reliable, room, &mut out);
             }
-            Content::Fragments { sequence, about, first, size, total, payload } => {
-                if total as usize > limit || !source.wants(sequence) {
+            Content::Fragments { sequence, about, first, size, total, payload } if source.wants(sequence) => {
+                if total as usize > limit {
+                    source.refuse(sequence, reliable, &mut out);
+                    return out;
+                }
+                if !source.partial.contains_key(&sequence) && total as usize > room {
                     return out;
                 }
                 if !source.partial.contains_key(&sequence) && source.partial.len() >= MOST_PARTIAL {
@@ -113,7 +152,7 @@ impl Reader {
                     && let Some(assembly) = source.partial.remove(&sequence)
                 {
                     let sample = Received { sequence, about, payload: assembly.into_data() };
-                    source.add(sample, reliable, &mut out);
+                    source.add(sample, reliable, room, &mut out);
                 }
             }
             Content::Gap { start, list } if reliable => {
@@ -199,7 +238,20 @@ impl Source {
         self.next.is_none_or(|next| sequence >= next) && !self.waiting.contains_key(&sequence)
     }
 
-    fn add(&mut self, sample: Received, reliable: bool, out: &mut Vec<Received>) {
+    /// Counts the bytes that are kept.
+    fn count(&mut self) {
+        let waiting = self.waiting.values().flatten().map(|sample| sample.payload.len());
+        self.kept = waiting.chain(self.partial.values().map(Assembly::len)).sum();
+    }
+
+    /// A sample that is too large will not come, so that those behind it need not wait.
+    fn refuse(&mut self, sequence: i64, reliable: bool, out: &mut Vec<Received>) {
+        if reliable {
+            self.skip(sequence, sequence + 1, out);
+        }
+    }
+
+    fn add(&mut self, sample: Received, reliable: bool, room: usize, out: &mut Vec<Received>) {
         let sequence = sample.sequence;
         if !reliable {
             self.next = Some(sequence + 1);
@@ -207,8 +259,9 @@ impl Source {
             out.push(sample);
             return;
         }
-        self.next.get_or_insert(sequence);
-        if self.waiting.len() < MOST_WAITING {
+        // One whose turn it is does not wait. Others may come again, so none is lost.
+        let is_next = *self.next.get_or_insert(sequence) == sequence;
+        if is_next || (self.waiting.len() < MOST_WAITING && sample.payload.len() <= room) {
             self.waiting.insert(sequence, Some(sample));
         }
         self.give(out);

@@ -25,7 +25,7 @@ const TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Why nothing can be set with `--no-commands`.
 const NO_COMMANDS: &str =
-    "belvedere ros2 was started with --no-commands, so parameters cannot be set from ROS 2";
+    "belvedere ros2 was started with --no-commands, so it sets no parameters; start it without this option";
 
 /// The parameter services of the node, and its topic of changes.
 pub(super) struct Parameters {

@@ -26,7 +26,7 @@ DOMAIN = f"services-{os.getpid()}"
 HASHES = json.loads(Path(simulation_interfaces.__file__).with_name("hashes.json").read_text())
 ROBOT = "turtlebot"
 UNSUPPORTED, OK, NOT_FOUND, FAILED = 0, 1, 2, 4
-STOPPED, PLAYING, PAUSED, QUITTING = range(4)
+STOPPED, PLAYING, PAUSED, QUITTING, NO_WORLD = range(5)
 BOX = """<sdf version="1.7"><model name="box"><link name="link"><collision name="c"><geometry><box><size>0.2 0.2 0.2</size>
 </box></geometry></collision></link></model></sdf>"""
 WALL = BOX.replace('name="box">', 'name="wall"><static>true</static>')
@@ -200,6 +200,7 @@ def judge_spawning(caller):
     spawn(106, "resource_string:1", resource_string="<robot")
     spawn(106, "other:", resource_string='<robot name="r"><link name="a"/><link name="b"/></robot>', name="other")
     spawn(109, "orientation", resource_string=BOX, name="other", initial_pose=PoseStamped(pose=Pose(orientation=Quaternion(w=float("nan")))))
+    spawn(103, "by its name", uri="file:///etc/hosts")
     spawn(NOT_FOUND, "no file", uri="file:///no/such.urdf")
     spawn(NOT_FOUND, "did you mean", uri="kobuki_nostack_camra")
     spawn(UNSUPPORTED, "scheme", uri="https://example.org/box.sdf")
@@ -233,7 +234,8 @@ def judge_end_of_the_simulator(caller, child):
     ended = caller.end(steps, "StepSimulation").result
     assert ended.result == FAILED and ended.error_message, ended
     child.wait(timeout=20)
-    for name in ("GetSimulationState", "GetEntities", "ResetSimulation", "StepSimulation", "SpawnEntity"):
+    assert caller.expect(FAILED, "GetSimulationState", "start one with belvedere run").state.state == NO_WORLD
+    for name in ("GetEntities", "ResetSimulation", "StepSimulation", "SpawnEntity"):
         caller.expect(FAILED, name, "start one with belvedere run")
     features = caller.call("GetSimulatorFeatures").features
     assert not features.features and "no simulator" in features.custom_info, features

@@ -14,8 +14,8 @@ const UNSUPPORTED_FORMAT: u8 = 103;
 const NO_RESOURCE: u8 = 104;
 pub(super) const RESOURCE_PARSE_ERROR: u8 = 106;
 
-/// Extensions of files that are parts of models.
-const MESHES: [&str; 9] = ["dae", "fbx", "glb", "gltf", "obj", "ply", "stl", "usd", "usda"];
+/// Extensions of files that are read. A refusal may quote a file, so no other file is read for a program of the network.
+const EXTENSIONS: [&str; 4] = ["sdf", "urdf", "xacro", "xml"];
 
 /// A model that can be spawned.
 pub(super) struct Resource {
@@ -52,14 +52,18 @@ impl Resource {
     }
 
     fn of_file(file: &Path, packages: &PackagePath) -> Result<Self, Refusal> {
-        let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-        if MESHES.iter().any(|mesh| extension == *mesh) {
-            return Err(Refusal::new(
-                UNSUPPORTED_FORMAT,
-                format!("{} is a mesh; give a URDF, xacro or SDF file that refers to it", file.display()),
-            ));
-        }
         if file.is_file() {
+            let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
+            if !EXTENSIONS.iter().any(|known| extension == *known) {
+                return Err(Refusal::new(
+                    UNSUPPORTED_FORMAT,
+                    format!(
+                        "{} is no description of a model by its name; give a .urdf, .xacro, .sdf or .xml file, which can \
+                         refer to meshes",
+                        file.display()
+                    ),
+                ));
+            }
             let root = Element::parse_file(file).map_err(|problem| unreadable(&problem.to_string()))?;
             if root.name != "robot" {
                 return Self::of(&root);
@@ -166,7 +170,7 @@ mod tests {
             ("/no/such.urdf", "", 2, "there is no file"),
             ("package://no_such/robot.urdf", "", 2, "ROS_PACKAGE_PATH"),
             ("https://fuel.gazebosim.org/box", "", 0, "scheme"),
-            ("/box.stl", "", 2, "there is no file"),
+            ("/etc/hostname", "", UNSUPPORTED_FORMAT, "by its name"),
         ] {
             let refusal = Resource::read(uri, text).err().unwrap();
             assert_eq!(refusal.code, code, "{refusal:?}");

@@ -37,6 +37,8 @@ const STOPPED: u8 = 0;
 const PLAYING: u8 = 1;
 const PAUSED: u8 = 2;
 const QUITTING: u8 = 3;
+/// Answered if there is no simulation.
+const NO_WORLD: u8 = 4;
 /// A result of SetSimulationState.
 const ALREADY_IN_TARGET_STATE: u8 = 101;
 
@@ -78,7 +80,7 @@ pub(super) fn get_simulator_features(client: &mut Client<'_>, _: &[u8], reply: &
 pub(super) fn get_simulation_state(client: &mut Client<'_>, _: &[u8], reply: &mut RosBytes<'_>) {
     let state = client.describe("").map(|description| state_of(client, &description));
     // The state comes before the result here.
-    reply.u8(*state.as_ref().unwrap_or(&STOPPED));
+    reply.u8(*state.as_ref().unwrap_or(&NO_WORLD));
     result(reply, state);
 }
 

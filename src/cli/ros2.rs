@@ -27,7 +27,7 @@ pub struct Ros2Args {
     /// be repeated
     #[arg(long, value_name = "TOPIC=PROFILE", value_parser = reliability)]
     qos: Vec<(String, Reliability)>,
-    /// Ignore velocities from ROS 2
+    /// Let ROS 2 change nothing: velocities are ignored, and services that change something refuse
     #[arg(long)]
     no_commands: bool,
 }

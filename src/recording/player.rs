@@ -369,10 +369,25 @@ impl Player {
 
     fn serve(&mut self) {
         while let Some(request) = self.inbox.take() {
-            if let Some(outcome) = self.obey(&request) {
+            if request.operation() == Some(Operation::Query) {
+                self.inbox.tell(&request.command, self.time_ns, self.describe(&request));
+            } else if let Some(outcome) = self.obey(&request) {
                 self.inbox.answer(&request.command, self.time_ns, &outcome);
             }
         }
+    }
+
+    /// Answers a query.
+    fn describe(&self, request: &Request) -> Result<String, String> {
+        if !request.command.name.as_str().is_empty() {
+            return Err(format!("this is a replay, so it has no model '{}'", request.command.name));
+        }
+        let time = match (&self.steps, self.paused) {
+            (Some(_), _) => "stepping",
+            (None, true) => "paused",
+            (None, false) => "playing",
+        };
+        Ok(format!("{time} replay"))
     }
 
     /// Executes a command and returns its result, or `None` for a step, which is answered later.

@@ -1,6 +1,7 @@
 //! [`Commands`]: velocities from ROS 2 that drive a robot.
 
 use super::Ros2Error;
+use super::cdr::Cdr;
 use super::type_hash::type_hash;
 use belvedere_bridge::payload::VelocityCommand;
 use belvedere_bridge::{Kind, Node, Publisher, Ros, RosMessage, StreamSpec};
@@ -82,21 +83,13 @@ fn pass_on(reader: &Reader, node: &Node, topic: &str, stop: &AtomicBool) {
     }
 }
 
-/// Reads a `geometry_msgs/msg/Twist` in CDR; `None` if it has another form or a number is not finite.
+/// Reads a `geometry_msgs/msg/Twist`; `None` if it has another form or a number is not finite.
 fn twist(sample: &[u8]) -> Option<VelocityCommand> {
-    let (header, body) = sample.split_first_chunk::<4>()?;
-    let read: fn([u8; 8]) -> f64 = match header[..2] {
-        [0, 0] => f64::from_be_bytes,
-        [0, 1] => f64::from_le_bytes,
-        _ => return None,
-    };
-    let (numbers, _) = body.as_chunks::<8>();
-    let values: Vec<f64> = numbers.iter().take(6).map(|bytes| read(*bytes)).collect();
-    let &[x, y, z, roll, pitch, yaw] = &values[..] else { return None };
-    values
-        .iter()
-        .all(|value| value.is_finite())
-        .then_some(VelocityCommand { linear: [x, y, z], angular: [roll, pitch, yaw] })
+    let mut fields = Cdr::new(sample).ok()?;
+    let mut vector = || Some([fields.f64().ok()?, fields.f64().ok()?, fields.f64().ok()?]);
+    let (linear, angular) = (vector()?, vector()?);
+    let is_finite = [linear, angular].as_flattened().iter().all(|value| value.is_finite());
+    is_finite.then_some(VelocityCommand { linear, angular })
 }
 
 #[cfg(test)]

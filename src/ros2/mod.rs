@@ -4,9 +4,12 @@
 //! Messages are written from the frames in shared memory by the encoders of recordings
 //! ([`RosStream`](crate::recording::ros::RosStream)), and sent by `belvedere-rtps`. What nobody reads is not rendered.
 
+mod cdr;
 mod commands;
 mod names;
 mod outgoing;
+mod rcl_interfaces;
+mod services;
 mod type_hash;
 
 pub use belvedere_rtps::Range;
@@ -17,6 +20,7 @@ use belvedere_rtps::{JoinError, Participant, Qos, TopicError};
 use commands::Commands;
 use outgoing::{Outgoing, ros_stream};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use services::Services;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
@@ -63,7 +67,7 @@ pub struct Ros2Options {
     pub naming: Naming,
     /// The reliability of topics, by their names in ROS 2; all others are reliable.
     pub reliability: Vec<(String, Reliability)>,
-    /// True if velocities from ROS 2 are ignored.
+    /// True if velocities from ROS 2 are ignored, and services that change something refuse.
     pub no_commands: bool,
 }
 
@@ -77,6 +81,8 @@ pub struct Ros2 {
     /// Streams that cannot be published, which are reported once.
     refused: BTreeSet<String>,
     next_look: Instant,
+    /// Only kept, since a thread answers their requests.
+    _services: Services,
     // Dropped last: what it serves must be removed first.
     participant: Participant,
 }
@@ -85,7 +91,8 @@ impl Ros2 {
     /// Joins a domain of ROS 2 for a domain of simulations.
     ///
     /// # Errors
-    /// [`Ros2Error::Join`] if no port can be opened.
+    /// [`Ros2Error::Join`] if no port can be opened; [`Ros2Error::Bridge`] if the domain of simulations cannot be used;
+    /// [`Ros2Error::Thread`].
     pub fn start(node: Node, options: Ros2Options) -> Result<Self, Ros2Error> {
         let namespace = format!("/{}", options.naming.namespace);
         let participant = Participant::join(&belvedere_rtps::Node {
@@ -94,8 +101,17 @@ impl Ros2 {
             namespace: &namespace,
             name: "belvedere",
         })?;
-        let (outgoing, commands, refused) = (Vec::new(), Vec::new(), BTreeSet::new());
-        Ok(Self { node, options, outgoing, commands, refused, next_look: Instant::now(), participant })
+        let node_name = format!("{}/belvedere", namespace.trim_end_matches('/'));
+        Ok(Self {
+            outgoing: Vec::new(),
+            commands: Vec::new(),
+            refused: BTreeSet::new(),
+            next_look: Instant::now(),
+            _services: Services::start(&participant, &node, &node_name, &options)?,
+            node,
+            options,
+            participant,
+        })
     }
 
     /// Waits at most for this time until frames arrive, and publishes them.

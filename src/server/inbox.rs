@@ -97,13 +97,20 @@ impl Inbox {
 
     /// Sends a command's result at a simulated time.
     pub(crate) fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
+        self.tell(command, time_ns, outcome.clone().map(|()| String::new()));
+    }
+
+    /// Sends the answer to a query at a simulated time.
+    pub(crate) fn tell(&self, command: &SimulationCommand, time_ns: u64, outcome: Result<String, String>) {
         let result = SimulationResult {
             id: command.id,
             time_ns,
             done: outcome.is_ok().into(),
             operation: command.operation,
             reserved: 0,
-            reason: Text::cut(outcome.as_ref().err().map_or("", String::as_str)),
+            reason: Text::cut(match &outcome {
+                Ok(text) | Err(text) => text,
+            }),
         };
         if let Err(error) = self.results.send_structs(time_ns, &[result]) {
             tracing::warn!(%error, "a simulation command could not be answered");

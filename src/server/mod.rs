@@ -24,7 +24,7 @@ pub mod post;
 pub(crate) mod room;
 mod shared_memory;
 mod states;
-mod values;
+pub(crate) mod values;
 
 pub use files::ModelFiles;
 pub use shared_memory::SharedMemory;

@@ -53,6 +53,10 @@ impl Server<'_> {
     fn apply(&mut self, request: &Request) {
         let command = &request.command;
         let time_ns = self.simulation.time_ns();
+        if request.operation() == Some(Operation::Query) {
+            // It changes nothing, so frames that wait in the post need not be sent first.
+            return self.inbox.tell(command, time_ns, self.describe(command.name.as_str()));
+        }
         let outcome = match request.operation() {
             None => Err(format!(
                 "operation {} is not known to this simulator; it knows {}",
@@ -99,6 +103,29 @@ impl Server<'_> {
         self.inbox.answer(command, time_ns, outcome);
     }
 
+    /// Describes the simulation and a model, if it is named, in words.
+    fn describe(&self, name: &str) -> Result<String, String> {
+        let time = match (&self.steps, self.paused) {
+            (Some(_), _) => "stepping",
+            (None, true) => "paused",
+            (None, false) => "playing",
+        };
+        let mut words = vec![time];
+        if !name.is_empty() {
+            let (_, entity) = self.simulation.entities().find(name)?;
+            words.push(match entity {
+                entity if entity.robot.is_some() => "robot",
+                entity if entity.model.trajectory.is_some() => "actor",
+                entity if entity.model.is_static => "static",
+                _ => "object",
+            });
+            if entity.origin == Origin::Spawned {
+                words.push("spawned");
+            }
+        }
+        Ok(words.join(" "))
+    }
+
     fn operate(&mut self, operation: Operation, request: &Request) -> Result<(), String> {
         let command = &request.command;
         match operation {
@@ -111,7 +138,8 @@ impl Server<'_> {
                 self.paused = false;
                 self.epoch += 1;
             }
-            Operation::Step => {}
+            // Answered by the caller.
+            Operation::Step | Operation::Query => {}
             Operation::ResetWorld => {
                 self.simulation.replace();
             }

@@ -13,7 +13,7 @@ const FASTEST: f64 = 1e4;
 ///
 /// # Errors
 /// A message, if it is not finite, too far, or not a rotation.
-pub(super) fn pose(command: &SimulationCommand) -> Result<Pose, String> {
+pub(crate) fn pose(command: &SimulationCommand) -> Result<Pose, String> {
     let position = vector(command.position, FARTHEST_M, "position")?;
     let rotation = DQuat::from_array(command.orientation);
     let length = rotation.length();
@@ -30,7 +30,7 @@ pub(super) fn pose(command: &SimulationCommand) -> Result<Pose, String> {
 ///
 /// # Errors
 /// A message, if they are not finite or too high.
-pub(super) fn twist(command: &SimulationCommand) -> Result<(DVec3, DVec3), String> {
+pub(crate) fn twist(command: &SimulationCommand) -> Result<(DVec3, DVec3), String> {
     Ok((
         vector(command.linear, FASTEST, "linear velocity")?,
         vector(command.angular, FASTEST, "angular velocity")?,

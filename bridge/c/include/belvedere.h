@@ -256,6 +256,9 @@ enum bv_operation
     // Change settings of the sensor name, or of the sensor that publishes the topic name: key=value words in
     // the text.
     BV_OPERATION_CONFIGURE = 9,
+    // Change nothing. The result's reason holds words that describe the simulation and, if there is a name, that
+    // model.
+    BV_OPERATION_QUERY = 10,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -579,7 +582,7 @@ typedef struct bv_simulation_result {
     uint16_t operation;
     // Reserved; 0.
     uint32_t reserved;
-    // The reason for a refusal; empty otherwise.
+    // The reason for a refusal, or the answer to a query; empty otherwise.
     char reason[488];
 } bv_simulation_result;
 

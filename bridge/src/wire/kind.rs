@@ -188,6 +188,9 @@ wire_enum! {
         /// Change settings of the sensor `name`, or of the sensor that publishes the topic `name`: `key=value` words in
         /// the text.
         Configure = 9 "configure",
+        /// Change nothing. The result's `reason` holds words that describe the simulation and, if there is a `name`, that
+        /// model.
+        Query = 10 "query",
     }
 }
 

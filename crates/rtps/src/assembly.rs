@@ -36,6 +36,11 @@ impl Assembly {
         }
     }
 
+    /// The bytes of the whole sample.
+    pub(crate) fn len(&self) -> usize {
+        self.data.len()
+    }
+
     pub(crate) fn is_whole(&self) -> bool {
         self.missing == 0
     }

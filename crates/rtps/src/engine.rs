@@ -1,14 +1,15 @@
 //! The thread of a participant: it reads every socket, sends all that is due, and knows who else is there.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 mod discovery;
+mod replies;
 
 use crate::guid::{EntityId, Guid, Prefix};
-use crate::mailbox::{Mailbox, Order, ReaderState, WriterState};
+use crate::mailbox::{Inbox, Mailbox, Order, WriterState};
 use crate::message::{Content, Encoder, Message, Place};
 use crate::peer::Link;
 use crate::reader::Reader;
@@ -16,6 +17,7 @@ use crate::sedp::Endpoint;
 use crate::sockets::Sockets;
 use crate::spdp::{self, Announcement};
 use crate::writer::{Keep, Sample, Writer};
+use replies::Held;
 
 /// How often we announce ourselves: often in the beginning, then now and then.
 const ANNOUNCE_FIRST: Duration = Duration::from_millis(100);
@@ -54,7 +56,7 @@ struct OwnWriter {
 struct OwnReader {
     endpoint: Endpoint,
     reader: Reader,
-    state: Arc<ReaderState>,
+    inbox: Inbox,
 }
 
 /// What the thread of a participant knows.
@@ -76,6 +78,8 @@ pub(crate) struct Engine {
     subscriptions_reader: Reader,
     writers: BTreeMap<EntityId, OwnWriter>,
     readers: BTreeMap<EntityId, OwnReader>,
+    /// Replies of services that wait for their clients.
+    held: VecDeque<Held>,
 }
 
 impl Engine {
@@ -103,6 +107,7 @@ impl Engine {
             subscriptions_reader: reader(EntityId::SUBSCRIPTIONS_READER),
             writers: BTreeMap::new(),
             readers: BTreeMap::new(),
+            held: VecDeque::new(),
         }
     }
 
@@ -137,11 +142,14 @@ impl Engine {
 
     fn due(&mut self) -> Instant {
         let announce = self.announce_due;
-        self.all_writers().filter_map(|writer| writer.due()).chain([announce]).min().unwrap_or(announce)
+        let held = self.held.front().map(|held| held.until);
+        let others = [announce].into_iter().chain(held);
+        self.all_writers().filter_map(|writer| writer.due()).chain(others).min().unwrap_or(announce)
     }
 
     /// Sends what is due.
     fn work(&mut self, now: Instant) {
+        self.send_held(now);
         let mut link = &self.sockets;
         let own = self.writers.values_mut().map(|own| &mut own.writer);
         for writer in [&mut self.publications, &mut self.subscriptions].into_iter().chain(own) {
@@ -213,11 +221,11 @@ impl Engine {
                     self.found_reader(reader, now);
                 }
             }
-            Order::AddReader(endpoint, state) => {
-                let reader = Reader::new(endpoint.guid, endpoint.reliable, endpoint.transient, state.limit);
+            Order::AddReader(endpoint, inbox) => {
+                let reader = Reader::new(endpoint.guid, endpoint.reliable, endpoint.transient, inbox.limit());
                 self.subscriptions.write(announced(&endpoint), now);
                 let entity = endpoint.guid.entity;
-                self.readers.insert(entity, OwnReader { endpoint, reader, state });
+                self.readers.insert(entity, OwnReader { endpoint, reader, inbox });
                 let writers: Vec<Endpoint> = self.remote(true);
                 for writer in &writers {
                     self.found_writer(writer);
@@ -225,8 +233,7 @@ impl Engine {
             }
             Order::Remove(entity) => {
                 let guid = Guid::new(self.prefix, entity);
-                let payload = Arc::new(Endpoint::encode_key(guid));
-                let sample = Sample { payload, time: Duration::ZERO, key: Some((guid, true)) };
+                let sample = Sample::keyed(Endpoint::encode_key(guid), guid, true);
                 if self.writers.remove(&entity).is_some() {
                     self.publications.write(sample, now);
                 } else if self.readers.remove(&entity).is_some() {
@@ -235,12 +242,13 @@ impl Engine {
             }
             Order::Write(entity, payload, time) => {
                 let Some(own) = self.writers.get_mut(&entity) else { return };
-                for buffer in own.writer.write(Sample { payload, time, key: None }, now) {
+                for buffer in own.writer.write(Sample::plain(payload, time), now) {
                     if let Some(buffer) = Arc::into_inner(buffer) {
                         own.state.give_back(buffer);
                     }
                 }
             }
+            Order::Reply(entity, sample) => self.hold(entity, sample, now),
             Order::Stop => {}
         }
     }
@@ -253,7 +261,7 @@ impl Engine {
     fn datagram(&mut self, datagram: &[u8], from: Ipv4Addr, now: Instant) {
         let Some(mut message) = Message::new(datagram) else { return };
         while let Some(said) = message.next() {
-            let (source, destination) = (message.source, message.destination);
+            let (source, vendor, destination) = (message.source, message.vendor, message.destination);
             if source == self.prefix || ![Prefix::UNKNOWN, self.prefix].contains(&destination) {
                 continue;
             }
@@ -270,7 +278,7 @@ impl Engine {
                 Content::AckNack { .. } | Content::NackFragments { .. } => {
                     self.answered(said.writer, Guid::new(source, said.reader), &said.content, now);
                 }
-                content => self.written(writer, said.reader, &content, now),
+                content => self.written(writer, vendor, said.reader, &content, now),
             }
         }
     }
@@ -302,7 +310,14 @@ impl Engine {
     }
 
     /// A writer of another participant says something.
-    fn written(&mut self, writer: Guid, reader: EntityId, content: &Content<'_>, now: Instant) {
+    fn written(
+        &mut self,
+        writer: Guid,
+        vendor: [u8; 2],
+        reader: EntityId,
+        content: &Content<'_>,
+        now: Instant,
+    ) {
         let mut link = &self.sockets;
         match writer.entity {
             EntityId::PUBLICATIONS_WRITER => {
@@ -323,7 +338,7 @@ impl Engine {
                     for sample in own.reader.take(writer, content, &mut link) {
                         // What is disposed has no value.
                         if !sample.about.disposed && !sample.about.is_key {
-                            own.state.push(sample.payload);
+                            own.inbox.push(writer, vendor, sample);
                         }
                     }
                 }
@@ -334,6 +349,5 @@ impl Engine {
 
 /// The sample of discovery that announces an endpoint.
 fn announced(endpoint: &Endpoint) -> Sample {
-    let payload = Arc::new(endpoint.encode());
-    Sample { payload, time: Duration::ZERO, key: Some((endpoint.guid, false)) }
+    Sample::keyed(endpoint.encode(), endpoint.guid, false)
 }

@@ -5,10 +5,13 @@ use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::guid::{EntityId, Guid, Prefix};
-use crate::message::{Content, Message};
+use crate::answer::Answer;
+use crate::guid::{EntityId, Guid, Prefix, SampleIdentity};
+use crate::message::{Content, Encoder, Message, Place};
+use crate::numbers::NumberSet;
 use crate::peer::{Link, Peer};
 use crate::reader::Reader;
+use crate::spdp::UNKNOWN_VENDOR;
 use crate::writer::{Keep, Sample, Writer};
 
 const WRITER: Guid = Guid { prefix: Prefix([1; 12]), entity: EntityId([0, 0, 1, 3]) };
@@ -55,7 +58,7 @@ impl Exchange {
     }
 
     fn join(&mut self, reliable: bool) {
-        let peer = |guid| Peer { guid, address: ADDRESS, reliable, transient: true };
+        let peer = |guid| Peer { guid, address: ADDRESS, reliable, transient: true, vendor: UNKNOWN_VENDOR };
         self.writer.match_reader(peer(READER), self.now);
         self.reader.match_writer(peer(WRITER), &mut self.link);
     }
@@ -63,7 +66,7 @@ impl Exchange {
     fn write(&mut self, number: u8, length: usize) {
         let mut payload = vec![number; length];
         payload[..4].copy_from_slice(&[0, 1, 0, 0]);
-        self.writer.write(Sample { payload: Arc::new(payload), time: Duration::ZERO, key: None }, self.now);
+        self.writer.write(Sample::plain(Arc::new(payload), Duration::ZERO), self.now);
     }
 
     /// Lets time pass, in steps of a tenth of a millisecond.
@@ -167,12 +170,81 @@ fn best_effort_loses_what_is_lost_and_no_more() {
 }
 
 #[test]
-fn a_sample_that_is_too_large_is_not_assembled() {
-    let mut exchange = Exchange::new(false, 5, 0);
-    exchange.join(false);
-    exchange.write(1, (1 << 20) + 4);
-    exchange.pass(Duration::from_millis(100));
-    exchange.write(2, 1 << 20);
-    exchange.pass(Duration::from_millis(100));
-    assert_eq!(exchange.came, [(2, 1 << 20)]);
+fn a_sample_that_is_too_large_is_not_assembled_and_those_behind_it_come() {
+    for reliable in [false, true] {
+        let mut exchange = Exchange::new(reliable, 5, 0);
+        exchange.join(reliable);
+        exchange.write(1, (1 << 20) + 4);
+        exchange.pass(Duration::from_millis(100));
+        exchange.write(2, 1 << 20);
+        exchange.pass(Duration::from_millis(100));
+        assert_eq!(exchange.came, [(2, 1 << 20)], "{reliable}");
+        assert_eq!(exchange.writer.due(), None, "the writer has nothing more to do");
+    }
+}
+
+#[test]
+fn what_is_kept_for_later_is_bounded_and_comes_nevertheless() {
+    let mut exchange = Exchange::new(true, 300, 0);
+    exchange.join(true);
+    exchange.pass(Duration::from_millis(1));
+    let head = |number: i64| {
+        let mut datagram = Vec::new();
+        let place = Place { reader: READER.entity, writer: WRITER.entity };
+        Encoder::new(&mut datagram, WRITER.prefix, READER.prefix).data(place, number, None, 40_000);
+        datagram.resize(datagram.len() + 40_000, number as u8);
+        datagram
+    };
+    for number in (2..=300).rev() {
+        exchange.deliver(&head(number));
+    }
+    let (kept, most) = (exchange.reader.kept(), exchange.reader.most_kept());
+    assert!(kept <= most && kept > most - 40_000, "{kept} of {most}");
+    assert_eq!(exchange.came, []);
+    for number in 1..=300 {
+        exchange.deliver(&head(number));
+    }
+    assert_eq!(exchange.came, (1..=300).map(|number| (number as u8, 40_000)).collect::<Vec<_>>());
+    assert_eq!(exchange.reader.kept(), 0);
+}
+
+/// A reply names its request in every datagram, and goes to its client alone: another one is told that there is a gap.
+#[test]
+fn a_reply_goes_to_its_client_alone() {
+    let other = Guid { prefix: Prefix([3; 12]), ..READER };
+    let related = SampleIdentity { writer: READER, sequence: 12 };
+    for length in [8, 150_000] {
+        let mut exchange = Exchange::new(true, 10, 0);
+        exchange.join(true);
+        let address = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7413);
+        let peer = Peer { guid: other, address, reliable: true, transient: false, vendor: UNKNOWN_VENDOR };
+        exchange.writer.match_reader(peer, exchange.now);
+        exchange.link.sent.clear();
+        let answer =
+            Answer { client: READER.prefix, reader: Some(READER), related: Some(related), header: None };
+        let sample = Sample::plain(Arc::new(vec![0; length]), Duration::ZERO);
+        exchange.writer.write(Sample { answer: Some(answer), ..sample }, exchange.now);
+        let mut parts = 0;
+        for _ in 0..100 {
+            exchange.now += Duration::from_millis(1);
+            exchange.writer.step(exchange.now, &mut exchange.link);
+            for datagram in exchange.link.sent.drain(..) {
+                let mut message = Message::new(&datagram).expect("a datagram of ours");
+                while let Some(said) = message.next() {
+                    if let Content::Data { about, .. } | Content::Fragments { about, .. } = said.content {
+                        assert_eq!((message.destination, about.related), (READER.prefix, Some(related)));
+                        parts += 1;
+                    }
+                }
+            }
+        }
+        assert_eq!(parts, usize::div_ceil(length, 64_000));
+        exchange.writer.acknack(other, &NumberSet::of(1, [1]), 1, exchange.now, &mut exchange.link);
+        exchange.writer.step(exchange.now, &mut exchange.link);
+        let gap = exchange.link.sent.pop_front().expect("an answer");
+        let mut message = Message::new(&gap).expect("a datagram of ours");
+        let said = message.next().map(|said| said.content);
+        assert_eq!(said, Some(Content::Gap { start: 1, list: NumberSet::empty(2) }));
+        assert_eq!(message.destination, other.prefix);
+    }
 }

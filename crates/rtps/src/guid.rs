@@ -36,6 +36,13 @@ impl EntityId {
     }
 }
 
+/// The name of a sample in a whole domain. A reply has the name of its request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct SampleIdentity {
+    pub(crate) writer: Guid,
+    pub(crate) sequence: i64,
+}
+
 /// The name of a participant, reader or writer in a whole domain.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct Guid {

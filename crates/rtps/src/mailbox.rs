@@ -3,21 +3,61 @@
 use std::collections::VecDeque;
 use std::fmt;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use crate::guid::EntityId;
+use crate::guid::{EntityId, Guid};
+use crate::lock::lock;
+use crate::reader::Received;
+use crate::requests::{Request, Requests};
 use crate::sedp::Endpoint;
 use crate::sockets::Waker;
+use crate::writer::Sample;
 
 /// What the participant's thread is to do.
 #[derive(Debug)]
 pub(crate) enum Order {
     AddWriter(Endpoint, Arc<WriterState>),
-    AddReader(Endpoint, Arc<ReaderState>),
+    AddReader(Endpoint, Inbox),
     Remove(EntityId),
     Write(EntityId, Arc<Vec<u8>>, Duration),
+    Reply(EntityId, Sample),
     Stop,
+}
+
+/// Where samples go that a reader gives on.
+#[derive(Debug)]
+pub(crate) enum Inbox {
+    Samples(Arc<ReaderState>),
+    /// Requests of a service, with its number, and the most bytes of a request.
+    Requests(Requests, u32, usize),
+}
+
+impl Inbox {
+    /// The most bytes of a sample.
+    pub(crate) fn limit(&self) -> usize {
+        match self {
+            Inbox::Samples(state) => state.limit,
+            Inbox::Requests(.., limit) => *limit,
+        }
+    }
+
+    pub(crate) fn push(&self, writer: Guid, vendor: [u8; 2], sample: Received) {
+        match self {
+            Inbox::Samples(state) => state.push(sample.payload),
+            Inbox::Requests(requests, service, _) => {
+                if let Some(request) = Request::of(*service, writer, vendor, sample) {
+                    requests.push(request);
+                }
+            }
+        }
+    }
+
+    pub(crate) fn set_matched(&self, count: usize) {
+        if let Inbox::Samples(state) = self {
+            state.matched.store(count, Ordering::Relaxed);
+        }
+    }
 }
 
 /// Orders that wait for the participant's thread.
@@ -26,11 +66,6 @@ pub(crate) struct Mailbox {
     /// Nothing, once the thread has left: writers may outlive their participant.
     orders: Mutex<Option<Vec<Order>>>,
     pub(crate) waker: Waker,
-}
-
-/// A lock that holds whatever a panic left: every value is whole between two statements.
-pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 impl Mailbox {

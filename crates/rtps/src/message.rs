@@ -1,7 +1,7 @@
 //! Datagrams: what their submessages say (8.3, 9.4).
 
 use crate::bytes::Bytes;
-use crate::guid::{EntityId, Guid, Prefix};
+use crate::guid::{EntityId, Guid, Prefix, SampleIdentity};
 use crate::numbers::NumberSet;
 use crate::parameters::{Parameters, id};
 
@@ -39,7 +39,7 @@ pub(crate) enum Content<'a> {
     /// A whole sample.
     Data { sequence: i64, about: About, payload: &'a [u8] },
     /// Some fragments of a sample: `first` counts from 1, and all but the last fragment have `size` bytes.
-    Fragments { sequence: i64, first: u32, size: u16, total: u32, payload: &'a [u8] },
+    Fragments { sequence: i64, about: About, first: u32, size: u16, total: u32, payload: &'a [u8] },
     /// Samples that will not come: from `start` to before the base of the set, and those in the set.
     Gap { start: i64, list: NumberSet },
     /// Which samples a writer has.
@@ -59,6 +59,8 @@ pub(crate) struct About {
     pub(crate) disposed: bool,
     /// The payload is the key alone.
     pub(crate) is_key: bool,
+    /// The sample that this one belongs to.
+    pub(crate) related: Option<SampleIdentity>,
 }
 
 /// Goes through the submessages of a datagram. What is malformed ends it.
@@ -66,6 +68,8 @@ pub(crate) struct About {
 pub(crate) struct Message<'a> {
     rest: &'a [u8],
     pub(crate) source: Prefix,
+    /// Who made the program of the source.
+    pub(crate) vendor: [u8; 2],
     pub(crate) destination: Prefix,
 }
 
@@ -76,9 +80,8 @@ impl<'a> Message<'a> {
         if bytes.array()? != *b"RTPS" || bytes.array::<2>()?[0] != 2 {
             return None;
         }
-        bytes.take(2)?;
-        let source = bytes.prefix()?;
-        Some(Message { rest: bytes.rest(), source, destination: Prefix::UNKNOWN })
+        let (vendor, source) = (bytes.array()?, bytes.prefix()?);
+        Some(Message { rest: bytes.rest(), source, vendor, destination: Prefix::UNKNOWN })
     }
 
     /// The next submessage that says something to a reader or writer.
@@ -98,8 +101,8 @@ impl<'a> Message<'a> {
             match kind {
                 kind::INFO_DST => self.destination = bytes.prefix()?,
                 kind::INFO_SRC => {
-                    bytes.take(8)?;
-                    self.source = bytes.prefix()?;
+                    bytes.take(6)?;
+                    (self.vendor, self.source) = (bytes.array()?, bytes.prefix()?);
                 }
                 kind::DATA => return data(bytes, flags, little),
                 kind::DATA_FRAG => return fragments(bytes, flags, little),
@@ -135,7 +138,7 @@ fn fragments(mut bytes: Bytes<'_>, flags: u8, little: bool) -> Option<Submessage
     let after = bytes;
     let (reader, writer, sequence) = (bytes.entity()?, bytes.entity()?, bytes.sequence()?);
     let (first, count, size, total) = (bytes.u32()?, bytes.u16()?, bytes.u16()?, bytes.u32()?);
-    let (_, payload) = inline(after, to_inline, flags, little)?;
+    let (about, payload) = inline(after, to_inline, flags, little)?;
     let start = u64::from(first.checked_sub(1)?) * u64::from(size);
     if !(1..MOST).contains(&sequence) || size == 0 || count == 0 || start >= u64::from(total) {
         return None;
@@ -143,7 +146,8 @@ fn fragments(mut bytes: Bytes<'_>, flags: u8, little: bool) -> Option<Submessage
     // What is behind the fragments or the sample is padding.
     let length = (u64::from(count) * u64::from(size)).min(u64::from(total) - start);
     let payload = payload.get(..usize::try_from(length).ok()?)?;
-    Some(Submessage { reader, writer, content: Content::Fragments { sequence, first, size, total, payload } })
+    let content = Content::Fragments { sequence, about, first, size, total, payload };
+    Some(Submessage { reader, writer, content })
 }
 
 /// Steps over inline parameters, if there are any, and says what of them counts here.
@@ -159,6 +163,10 @@ fn inline(mut bytes: Bytes<'_>, to_inline: usize, flags: u8, little: bool) -> Op
             id::KEY_HASH => about.key = value.guid(),
             // Big endian whatever the flags say: bit 0 is "disposed", bit 1 "unregistered".
             id::STATUS_INFO => about.disposed = value.array::<4>()?[3] & 3 != 0,
+            id::RELATED_SAMPLE_IDENTITY | id::OLD_RELATED_SAMPLE_IDENTITY => {
+                let identity = value.guid().zip(value.sequence());
+                about.related = identity.map(|(writer, sequence)| SampleIdentity { writer, sequence });
+            }
             _ => {}
         }
     }

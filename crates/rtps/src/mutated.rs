@@ -4,13 +4,15 @@ use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::guid::{EntityId, Guid, Prefix};
+use crate::answer::Answer;
+use crate::guid::{EntityId, Guid, Prefix, SampleIdentity};
 use crate::message::{Content, Encoder, Message, Place};
 use crate::numbers::NumberSet;
 use crate::peer::{Link, Peer};
 use crate::reader::Reader;
+use crate::requests::{Request, Requests};
 use crate::sedp::Endpoint;
-use crate::spdp::{Announcement, LEASE};
+use crate::spdp::{Announcement, CYCLONE, FAST_DDS, LEASE};
 use crate::writer::{Keep, Sample, Writer};
 
 const PREFIX: Prefix = Prefix([1; 12]);
@@ -43,8 +45,8 @@ impl Random {
 /// A datagram of each kind.
 fn datagrams() -> Vec<Vec<u8>> {
     let place = Place { reader: READER.entity, writer: WRITER.entity };
-    let announcement =
-        Announcement { prefix: PREFIX, discovery: vec![ADDRESS], user: vec![ADDRESS; 3], lease: LEASE };
+    let (discovery, user) = (vec![ADDRESS], vec![ADDRESS; 3]);
+    let announcement = Announcement { prefix: PREFIX, discovery, user, lease: LEASE, vendor: FAST_DDS };
     let announcement = announcement.encode(0, ADDRESS, "belvedere");
     let endpoint = Endpoint::decode(&endpoint(), true).expect("an endpoint").encode();
     let one = |write: &dyn Fn(&mut Encoder<'_>)| {
@@ -52,19 +54,30 @@ fn datagrams() -> Vec<Vec<u8>> {
         write(&mut Encoder::new(&mut datagram, PREFIX, READER.prefix));
         datagram
     };
-    let mut fragment = one(&|to| to.fragments(place, 3, (2, 1, 400), 1000, 400));
+    let client = Some(SampleIdentity { writer: WRITER, sequence: 0 });
+    let mut fragment = one(&|to| to.fragments(place, 3, None, (2, 1, 400), 1000, 400));
     fragment.extend_from_slice(&[7; 400]);
-    let mut sample = one(&|to| {
-        to.time(Duration::new(1, 5));
-        to.data(place, 2, 40);
-    });
-    sample.extend_from_slice(&[7; 40]);
+    let mut request_fragment = one(&|to| to.fragments(place, 3, client, (1, 1, 400), 400, 400));
+    request_fragment.extend_from_slice(&[7; 400]);
+    let data = |related| {
+        let mut sample = one(&|to| {
+            to.time(Duration::new(1, 5));
+            to.data(place, 2, related, 40);
+        });
+        sample.extend_from_slice(&[7; 40]);
+        sample
+    };
+    let mut request_of_cyclone = data(None);
+    request_of_cyclone[6..8].copy_from_slice(&CYCLONE);
     vec![
         one(&|to| to.keyed(place, 1, WRITER, false, &announcement)),
         one(&|to| to.keyed(place, 1, WRITER, true, &Endpoint::encode_key(WRITER))),
         one(&|to| to.keyed(place, 1, WRITER, false, &endpoint)),
         fragment,
-        sample,
+        request_fragment,
+        data(None),
+        data(client),
+        request_of_cyclone,
         one(&|to| to.heartbeat(place, 1, 9, 4)),
         one(&|to| to.gap(place, 1, 7)),
         one(&|to| to.acknack(place, &NumberSet::of(3, [3, 5, 200]), 3, false)),
@@ -86,6 +99,7 @@ fn endpoint() -> Vec<u8> {
 struct Sides {
     readers: [Reader; 2],
     writer: Writer,
+    requests: Requests,
     link: Counter,
     now: Instant,
 }
@@ -96,17 +110,21 @@ impl Sides {
         let mut sides = Sides {
             readers: [true, false].map(|reliable| Reader::new(READER, reliable, false, 4096)),
             writer: Writer::new(WRITER, Keep::Last(4), true, now),
+            requests: Requests::new(),
             link: Counter(0),
             now,
         };
-        let peer = |guid| Peer { guid, address: ADDRESS, reliable: true, transient: true };
+        let peer = |guid| Peer { guid, address: ADDRESS, reliable: true, transient: true, vendor: FAST_DDS };
         for reader in &mut sides.readers {
             reader.match_writer(peer(WRITER), &mut sides.link);
         }
         sides.writer.match_reader(peer(READER), now);
         for length in [8, 200_000, 8, 8] {
-            let sample = Sample { payload: Arc::new(vec![0; length]), time: Duration::ZERO, key: None };
-            sides.writer.write(sample, now);
+            let sample = Sample::plain(Arc::new(vec![0; length]), Duration::ZERO);
+            // Those of eight bytes are replies.
+            let related = Some(SampleIdentity { writer: READER, sequence: 1 });
+            let answer = Answer { client: READER.prefix, reader: Some(READER), related, header: None };
+            sides.writer.write(Sample { answer: (length == 8).then_some(answer), ..sample }, now);
         }
         sides
     }
@@ -129,11 +147,17 @@ impl Sides {
                         Endpoint::decode(payload, true);
                     }
                     for reader in &mut self.readers {
-                        taken += reader.take(WRITER, content, &mut self.link).len();
+                        for sample in reader.take(WRITER, content, &mut self.link) {
+                            taken += 1;
+                            if let Some(request) = Request::of(1, WRITER, message.vendor, sample) {
+                                self.requests.push(request);
+                            }
+                        }
                     }
                 }
             }
         }
+        assert!(self.readers.iter().all(|reader| reader.kept() <= reader.most_kept()));
         self.now += Duration::from_millis(1);
         self.writer.step(self.now, &mut self.link);
         taken
@@ -145,7 +169,7 @@ fn a_million_mutated_datagrams_are_read() {
     let datagrams = datagrams();
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut sides = Sides::new();
-    let mut taken = 0;
+    let (mut taken, mut asked) = (0, [0; 3]);
     for number in 0..1_000_000 {
         let mut datagram = datagrams[number % datagrams.len()].clone();
         for _ in 0..random.below(4) {
@@ -173,10 +197,22 @@ fn a_million_mutated_datagrams_are_read() {
             datagram.truncate(2000);
         }
         taken += sides.take(&datagram);
+        while let Some(request) = sides.requests.take(Duration::ZERO) {
+            let kind = if request.answer.header.is_some() {
+                2
+            } else {
+                usize::from(request.answer.reader.is_some())
+            };
+            asked[kind] += 1;
+        }
         if number % 1000 == 0 {
             sides = Sides::new();
         }
     }
     assert!(taken > 1000, "{taken} samples came through");
+    assert!(
+        asked.iter().all(|count| *count > 100),
+        "requests without a name, with one, and of Cyclone: {asked:?}"
+    );
     assert!(sides.link.0 > 0, "something was answered");
 }

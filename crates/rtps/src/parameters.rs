@@ -4,7 +4,7 @@ use std::net::{Ipv4Addr, SocketAddrV4};
 use std::time::Duration;
 
 use crate::bytes::{Append, Bytes};
-use crate::guid::Guid;
+use crate::guid::{Guid, SampleIdentity};
 
 const SENTINEL: u16 = 0x0001;
 
@@ -32,6 +32,9 @@ pub(crate) mod id {
     pub(crate) const ENTITY_NAME: u16 = 0x0062;
     pub(crate) const KEY_HASH: u16 = 0x0070;
     pub(crate) const STATUS_INFO: u16 = 0x0071;
+    /// Which sample this one belongs to: by the standard of remote procedure calls, and as Fast DDS had it before.
+    pub(crate) const RELATED_SAMPLE_IDENTITY: u16 = 0x0083;
+    pub(crate) const OLD_RELATED_SAMPLE_IDENTITY: u16 = 0x800F;
 }
 
 /// What stands before a parameter list that is a payload: its encoding, in little endian.
@@ -126,6 +129,13 @@ impl List<'_> {
 
     pub(crate) fn guid(&mut self, id: u16, value: Guid) -> &mut Self {
         self.bytes(id, &value.bytes())
+    }
+
+    pub(crate) fn sample_identity(&mut self, id: u16, value: SampleIdentity) -> &mut Self {
+        self.with(id, |to| {
+            to.extend_from_slice(&value.writer.bytes());
+            to.put_sequence(value.sequence);
+        })
     }
 
     pub(crate) fn string(&mut self, id: u16, value: &str) -> &mut Self {

@@ -9,11 +9,12 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 use crate::engine::Engine;
 use crate::guid::{EntityId, Guid, Prefix};
-use crate::mailbox::{Mailbox, OnMatched, Order, ReaderState, WriterState, lock};
+use crate::lock::lock;
+use crate::mailbox::{Inbox, Mailbox, OnMatched, Order, ReaderState, WriterState};
 use crate::ros;
 use crate::sedp::Endpoint;
 use crate::sockets::{JoinError, Range, Sockets, Waker};
-use crate::spdp::{Announcement, LEASE};
+use crate::spdp::{Announcement, LEASE, UNKNOWN_VENDOR};
 
 /// What a topic's readers can rely on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,15 +47,18 @@ impl Qos {
 /// Why a writer or reader cannot be made.
 #[derive(Debug, PartialEq, Eq, thiserror::Error)]
 pub enum TopicError {
-    /// The name of the topic.
+    /// The name of the topic or service.
     #[error(
-        "\"{0}\" is not the name of a topic; a name is written as /camera/image_raw, with letters, digits and _, at \
-         most 255"
+        "\"{0}\" is not the name of a topic or service; a name is written as /camera/image_raw, with letters, digits \
+         and _, at most 255"
     )]
     Name(String),
     /// Its type.
     #[error("\"{0}\" is not the type of a message; a type is written as sensor_msgs/msg/Image")]
     Type(String),
+    /// The type of a service.
+    #[error("\"{0}\" is not the type of a service; a type is written as rcl_interfaces/srv/GetParameters")]
+    ServiceType(String),
     /// The hash of its type.
     #[error("\"{0}\" is not the hash of a type; it is RIHS01_ and 64 hexadecimal digits, or empty")]
     Hash(String),
@@ -86,18 +90,18 @@ pub struct Topic<'a> {
 
 /// What the node has, for `ros2 node info`.
 #[derive(Debug)]
-struct Graph {
+pub(crate) struct Graph {
     next: u32,
-    readers: Vec<Guid>,
-    writers: Vec<Guid>,
+    pub(crate) readers: Vec<Guid>,
+    pub(crate) writers: Vec<Guid>,
 }
 
 #[derive(Debug)]
-struct Shared {
+pub(crate) struct Shared {
     prefix: Prefix,
     namespace: String,
     node: String,
-    mailbox: Arc<Mailbox>,
+    pub(crate) mailbox: Arc<Mailbox>,
     graph: Mutex<Graph>,
 }
 
@@ -105,23 +109,16 @@ struct Shared {
 const GRAPH_WRITER: u32 = 1;
 
 impl Shared {
-    fn now() -> Duration {
+    pub(crate) fn now() -> Duration {
         SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default()
     }
 
-    fn guid(&self, entity: EntityId) -> Guid {
+    pub(crate) fn guid(&self, entity: EntityId) -> Guid {
         Guid::new(self.prefix, entity)
     }
 
     fn endpoint(&self, entity: EntityId, topic: Topic<'_>, qos: Qos) -> Result<Endpoint, TopicError> {
-        if !topic.name.strip_prefix('/').is_some_and(ros::is_name) {
-            return Err(TopicError::Name(topic.name.to_owned()));
-        }
-        let is_hash =
-            |digits: &str| digits.len() == 64 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
-        if !topic.hash.is_empty() && !topic.hash.strip_prefix("RIHS01_").is_some_and(is_hash) {
-            return Err(TopicError::Hash(topic.hash.to_owned()));
-        }
+        check(topic.name, topic.hash)?;
         let type_name =
             ros::type_name(topic.message).ok_or_else(|| TopicError::Type(topic.message.to_owned()))?;
         let topic_name = ros::topic(topic.name);
@@ -135,23 +132,47 @@ impl Shared {
         self.mailbox.post_sample(EntityId::user_writer(GRAPH_WRITER), sample, Shared::now(), 1);
     }
 
-    fn number(&self) -> u32 {
+    pub(crate) fn change_graph(&self, change: impl FnOnce(&mut Graph)) {
+        let mut graph = lock(&self.graph);
+        change(&mut graph);
+        self.tell(&graph);
+    }
+
+    pub(crate) fn number(&self) -> u32 {
         let mut graph = lock(&self.graph);
         graph.next += 1;
         graph.next
     }
 
-    fn remove(&self, entity: EntityId) {
+    pub(crate) fn remove(&self, entity: EntityId) {
         let guid = self.guid(entity);
         self.mailbox.post(Order::Remove(entity));
-        let mut graph = lock(&self.graph);
-        graph.readers.retain(|other| *other != guid);
-        graph.writers.retain(|other| *other != guid);
-        self.tell(&graph);
+        self.change_graph(|graph| {
+            graph.readers.retain(|other| *other != guid);
+            graph.writers.retain(|other| *other != guid);
+        });
     }
 }
 
-fn endpoint(guid: Guid, topic: String, type_name: String, qos: Qos, user_data: Vec<u8>) -> Endpoint {
+/// Checks the name and the hash of a topic or service.
+pub(crate) fn check(name: &str, hash: &str) -> Result<(), TopicError> {
+    if !name.strip_prefix('/').is_some_and(ros::is_name) {
+        return Err(TopicError::Name(name.to_owned()));
+    }
+    let is_hash = |digits: &str| digits.len() == 64 && digits.bytes().all(|byte| byte.is_ascii_hexdigit());
+    if !hash.is_empty() && !hash.strip_prefix("RIHS01_").is_some_and(is_hash) {
+        return Err(TopicError::Hash(hash.to_owned()));
+    }
+    Ok(())
+}
+
+pub(crate) fn endpoint(
+    guid: Guid,
+    topic: String,
+    type_name: String,
+    qos: Qos,
+    user_data: Vec<u8>,
+) -> Endpoint {
     Endpoint {
         guid,
         topic,
@@ -169,7 +190,7 @@ fn endpoint(guid: Guid, topic: String, type_name: String, qos: Qos, user_data: V
 /// A node of ROS 2, as a participant of DDS. It has one thread.
 #[derive(Debug)]
 pub struct Participant {
-    shared: Arc<Shared>,
+    pub(crate) shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
 }
 
@@ -189,7 +210,7 @@ impl Participant {
         let sockets = Sockets::open(node.domain, node.range)?;
         let prefix = random_prefix();
         let (discovery, user) = (sockets.discovery_locators()?, sockets.user_locators()?);
-        let announcement = Announcement { prefix, discovery, user, lease: LEASE };
+        let announcement = Announcement { prefix, discovery, user, lease: LEASE, vendor: UNKNOWN_VENDOR };
         let announcement = announcement.encode(node.domain, sockets.group(), node.name);
         let mailbox = Arc::new(Mailbox::new(Waker::new()?));
         let engine = Engine::new(prefix, sockets, Arc::clone(&mailbox), announcement);
@@ -241,10 +262,7 @@ impl Participant {
         let state = Arc::new(WriterState::new(call));
         let depth = endpoint.depth as usize;
         shared.mailbox.post(Order::AddWriter(endpoint, Arc::clone(&state)));
-        let mut graph = lock(&shared.graph);
-        graph.writers.push(shared.guid(entity));
-        shared.tell(&graph);
-        drop(graph);
+        shared.change_graph(|graph| graph.writers.push(shared.guid(entity)));
         Ok(Writer { shared, entity, state, depth })
     }
 
@@ -257,11 +275,8 @@ impl Participant {
         let entity = EntityId::user_reader(shared.number());
         let endpoint = shared.endpoint(entity, topic, qos)?;
         let state = Arc::new(ReaderState::new(qos.depth, limit));
-        shared.mailbox.post(Order::AddReader(endpoint, Arc::clone(&state)));
-        let mut graph = lock(&shared.graph);
-        graph.readers.push(shared.guid(entity));
-        shared.tell(&graph);
-        drop(graph);
+        shared.mailbox.post(Order::AddReader(endpoint, Inbox::Samples(Arc::clone(&state))));
+        shared.change_graph(|graph| graph.readers.push(shared.guid(entity)));
         Ok(Reader { shared, entity, state })
     }
 }
@@ -299,14 +314,8 @@ impl Writer {
     }
 
     /// Sends a sample: CDR with its header of four bytes. It returns at once.
-    pub fn write(&self, mut sample: Vec<u8>) {
-        // Others read the numbers behind it where they are aligned; the header says how many bytes do not count.
-        let padding = sample.len().next_multiple_of(4) - sample.len();
-        sample.resize(sample.len() + padding, 0);
-        if let Some(options) = sample.get_mut(3) {
-            *options |= padding as u8;
-        }
-        self.shared.mailbox.post_sample(self.entity, sample, Shared::now(), self.depth);
+    pub fn write(&self, sample: Vec<u8>) {
+        self.shared.mailbox.post_sample(self.entity, ros::padded(sample), Shared::now(), self.depth);
     }
 }
 

@@ -7,14 +7,20 @@ use crate::guid::{EntityId, Guid, Prefix};
 use crate::message::{About, Content, Encoder, Place};
 use crate::numbers::NumberSet;
 use crate::peer::{Link, Peer};
+use crate::spdp::FAST_DDS;
 
 /// At most so many samples of a writer wait for one before them, and so many are in parts.
 const MOST_WAITING: usize = 256;
 const MOST_PARTIAL: usize = 4;
 
+/// So many bytes of samples that are not complete or have to wait are kept for all writers, beside four of the largest
+/// samples.
+const MOST_KEPT: usize = 4 << 20;
+
 /// A sample that has come.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Received {
+    pub(crate) sequence: i64,
     pub(crate) about: About,
     pub(crate) payload: Vec<u8>,
 }
@@ -28,6 +34,8 @@ struct Source {
     /// Samples that came before their turn; `None` will not come.
     waiting: BTreeMap<i64, Option<Received>>,
     partial: BTreeMap<i64, Assembly>,
+    /// Bytes of the samples that wait or are in parts.
+    kept: usize,
     heartbeat: Option<u32>,
     answers: u32,
 }
@@ -66,13 +74,13 @@ impl Reader {
             next,
             waiting: BTreeMap::new(),
             partial: BTreeMap::new(),
+            kept: 0,
             heartbeat: None,
             answers: 0,
         };
         self.sources.insert(peer.guid, source);
         if self.reliable {
-            // Has nothing and asks for nothing, but for a heartbeat.
-            self.answer(peer.guid, &NumberSet::empty(1), false, link);
+            self.ask(peer, link);
         }
         true
     }
@@ -87,19 +95,52 @@ impl Reader {
         self.sources.retain(|guid, _| guid.prefix != prefix);
     }
 
+    /// The bytes that are kept of samples which cannot be given on yet.
+    pub(crate) fn kept(&self) -> usize {
+        self.sources.values().map(|source| source.kept).sum()
+    }
+
+    /// The most bytes that are kept.
+    pub(crate) fn most_kept(&self) -> usize {
+        MOST_KEPT + 4 * self.limit
+    }
+
     /// Takes what a writer says, and gives the samples that are complete and whose turn it is.
     pub(crate) fn take(&mut self, from: Guid, content: &Content<'_>, link: &mut impl Link) -> Vec<Received> {
+        let room = self.most_kept().saturating_sub(self.kept());
+        let out = self.heard(from, content, room, link);
+        if let Some(source) = self.sources.get_mut(&from) {
+            source.count();
+        }
+        out
+    }
+
+    /// Does the same; no more than `room` bytes are to be kept beside those that are kept already.
+    fn heard(
+        &mut self,
+        from: Guid,
+        content: &Content<'_>,
+        room: usize,
+        link: &mut impl Link,
+    ) -> Vec<Received> {
         let (reliable, limit) = (self.reliable, self.limit);
         let Some(source) = self.sources.get_mut(&from) else { return Vec::new() };
         let mut out = Vec::new();
         match *content {
-            Content::Data { sequence, about, payload }
-                if payload.len() <= limit && source.wants(sequence) =>
-            {
-                source.add(sequence, Received { about, payload: payload.to_vec() }, reliable, &mut out);
+            Content::Data { sequence, about, payload } if source.wants(sequence) => {
+                if payload.len() > limit {
+                    source.refuse(sequence, reliable, &mut out);
+                    return out;
+                }
+                let sample = Received { sequence, about, payload: payload.to_vec() };
+                source.add(sample, reliable, room, &mut out);
             }
-            Content::Fragments { sequence, first, size, total, payload } => {
-                if total as usize > limit || !source.wants(sequence) {
+            Content::Fragments { sequence, about, first, size, total, payload } if source.wants(sequence) => {
+                if total as usize > limit {
+                    source.refuse(sequence, reliable, &mut out);
+                    return out;
+                }
+                if !source.partial.contains_key(&sequence) && total as usize > room {
                     return out;
                 }
                 if !source.partial.contains_key(&sequence) && source.partial.len() >= MOST_PARTIAL {
@@ -110,13 +151,8 @@ impl Reader {
                 if assembly.is_whole()
                     && let Some(assembly) = source.partial.remove(&sequence)
                 {
-                    let about = About::default();
-                    source.add(
-                        sequence,
-                        Received { about, payload: assembly.into_data() },
-                        reliable,
-                        &mut out,
-                    );
+                    let sample = Received { sequence, about, payload: assembly.into_data() };
+                    source.add(sample, reliable, room, &mut out);
                 }
             }
             Content::Gap { start, list } if reliable => {
@@ -185,10 +221,17 @@ impl Reader {
     pub(crate) fn ask_again(&mut self, link: &mut impl Link) {
         let silent = |source: &&Source| source.heartbeat.is_none();
         let reliable = self.sources.values().filter(|_| self.reliable);
-        let silent: Vec<Guid> = reliable.filter(silent).map(|source| source.peer.guid).collect();
-        for guid in silent {
-            self.answer(guid, &NumberSet::empty(1), false, link);
+        let silent: Vec<Peer> = reliable.filter(silent).map(|source| source.peer).collect();
+        for peer in silent {
+            self.ask(peer, link);
         }
+    }
+
+    /// Has nothing of a writer and asks for nothing, but for a heartbeat. Fast DDS sends one at once if the empty set
+    /// begins with 0, and otherwise only after its period of three seconds. Others take that set for malformed.
+    fn ask(&mut self, peer: Peer, link: &mut impl Link) {
+        let base = i64::from(peer.vendor != FAST_DDS);
+        self.answer(peer.guid, &NumberSet::empty(base), false, link);
     }
 
     /// The entity to which datagrams for this reader are addressed.
@@ -202,15 +245,30 @@ impl Source {
         self.next.is_none_or(|next| sequence >= next) && !self.waiting.contains_key(&sequence)
     }
 
-    fn add(&mut self, sequence: i64, sample: Received, reliable: bool, out: &mut Vec<Received>) {
+    /// Counts the bytes that are kept.
+    fn count(&mut self) {
+        let waiting = self.waiting.values().flatten().map(|sample| sample.payload.len());
+        self.kept = waiting.chain(self.partial.values().map(Assembly::len)).sum();
+    }
+
+    /// A sample that is too large will not come, so that those behind it need not wait.
+    fn refuse(&mut self, sequence: i64, reliable: bool, out: &mut Vec<Received>) {
+        if reliable {
+            self.skip(sequence, sequence + 1, out);
+        }
+    }
+
+    fn add(&mut self, sample: Received, reliable: bool, room: usize, out: &mut Vec<Received>) {
+        let sequence = sample.sequence;
         if !reliable {
             self.next = Some(sequence + 1);
             self.partial = self.partial.split_off(&(sequence + 1));
             out.push(sample);
             return;
         }
-        self.next.get_or_insert(sequence);
-        if self.waiting.len() < MOST_WAITING {
+        // One whose turn it is does not wait. Others may come again, so none is lost.
+        let is_next = *self.next.get_or_insert(sequence) == sequence;
+        if is_next || (self.waiting.len() < MOST_WAITING && sample.payload.len() <= room) {
             self.waiting.insert(sequence, Some(sample));
         }
         self.give(out);

@@ -30,6 +30,31 @@ pub(crate) fn type_name(name: &str) -> Option<String> {
     fits.then(|| format!("{package}::{kind}::dds_::{name}_"))
 }
 
+/// The topics of requests and replies of the service `/belvedere/get_parameters`:
+/// `rq/belvedere/get_parametersRequest` and `rr/belvedere/get_parametersReply`.
+pub(crate) fn service_topics(name: &str) -> [String; 2] {
+    let name = name.trim_start_matches('/');
+    [format!("rq/{name}Request"), format!("rr/{name}Reply")]
+}
+
+/// The types of requests and replies of the service `rcl_interfaces/srv/GetParameters`; `None` if it is not of this
+/// form.
+pub(crate) fn service_types(name: &str) -> Option<[String; 2]> {
+    let parts = type_name(name)?;
+    Some([format!("{parts}Request_"), format!("{parts}Response_")])
+}
+
+/// A sample whose length is a multiple of four, as numbers that follow it in a datagram are read where they are aligned.
+/// The header says how many bytes do not count.
+pub(crate) fn padded(mut sample: Vec<u8>) -> Vec<u8> {
+    let padding = sample.len().next_multiple_of(4) - sample.len();
+    sample.resize(sample.len() + padding, 0);
+    if let Some(options) = sample.get_mut(3) {
+        *options |= padding as u8;
+    }
+    sample
+}
+
 /// The user data of a reader or writer.
 pub(crate) fn user_data(hash: &str) -> Vec<u8> {
     if hash.is_empty() { Vec::new() } else { format!("typehash={hash};").into_bytes() }
@@ -70,5 +95,10 @@ mod tests {
         for bad in ["Image", "sensor_msgs/Image", "sensor_msgs/msg/", "a/b/c/d", ""] {
             assert_eq!(type_name(bad), None, "{bad}");
         }
+        let name = "rcl_interfaces::srv::dds_::GetParameters";
+        let types = [format!("{name}_Request_"), format!("{name}_Response_")];
+        assert_eq!(service_types("rcl_interfaces/srv/GetParameters"), Some(types));
+        let topics = ["rq/belvedere/get_parametersRequest", "rr/belvedere/get_parametersReply"];
+        assert_eq!(service_topics("/belvedere/get_parameters"), topics);
     }
 }

@@ -10,6 +10,7 @@ mod job;
 pub(crate) use job::Sample;
 use job::{FRAGMENT, Job};
 
+use crate::answer::Answer;
 use crate::guid::{EntityId, Guid, Prefix};
 use crate::message::{Encoder, Place};
 use crate::numbers::NumberSet;
@@ -92,6 +93,13 @@ impl Writer {
 
     pub(crate) fn readers(&self) -> usize {
         self.readers.len()
+    }
+
+    /// Has the client's reader shown that it knows this writer? One that is best effort never says anything.
+    pub(crate) fn is_heard_by(&self, client: Answer) -> bool {
+        let is_it = |guid: Guid| client.reader.map_or(guid.prefix == client.client, |reader| reader == guid);
+        let mut readers = self.readers.values().filter(|proxy| is_it(proxy.peer.guid));
+        readers.any(|proxy| proxy.answered.is_some() || !proxy.peer.reliable)
     }
 
     /// Adds a sample. Gives back the buffers of samples that are no longer needed.
@@ -199,7 +207,7 @@ impl Writer {
                 if gaps.is_empty() {
                     gaps.push((sequence, kept));
                 }
-            } else if let Some(sample) = self.history.get(&sequence) {
+            } else if let Some(sample) = self.history.get(&sequence).filter(|sample| sample.is_for(from)) {
                 let job = Job { sequence, sample: sample.clone(), reader: Some(from), only: None, next: 0 };
                 self.repair(job, now);
             } else {
@@ -300,7 +308,7 @@ impl Writer {
         if beats {
             self.heartbeats += 1;
         }
-        for (address, prefix, reader) in self.targets(job.reader) {
+        for (address, prefix, reader) in self.targets(job) {
             let place = Place { reader, writer: self.guid.entity };
             let mut encoder = Encoder::new(&mut self.head, self.guid.prefix, prefix);
             encoder.time(sample.time);
@@ -309,10 +317,10 @@ impl Writer {
                 encoder.keyed(place, job.sequence, key, disposed, body);
                 body = &[];
             } else if job.count() == 1 {
-                encoder.data(place, job.sequence, body.len());
+                encoder.data(place, job.sequence, sample.related(), body.len());
             } else {
                 let which = (job.next + 1, 1, FRAGMENT as u16);
-                encoder.fragments(place, job.sequence, which, total as u32, body.len());
+                encoder.fragments(place, job.sequence, sample.related(), which, total as u32, body.len());
             }
             let mut tail = Encoder::behind(&mut self.tail);
             let here =
@@ -335,10 +343,10 @@ impl Writer {
     }
 
     /// Each participant that is to get a sample, once, with its reader if it has only one.
-    fn targets(&self, only: Option<Guid>) -> Vec<(SocketAddrV4, Prefix, EntityId)> {
+    fn targets(&self, job: &Job) -> Vec<(SocketAddrV4, Prefix, EntityId)> {
         let mut targets: Vec<(SocketAddrV4, Prefix, EntityId)> = Vec::new();
         let readers = self.readers.values().map(|proxy| proxy.peer);
-        for peer in readers.filter(|peer| only.is_none_or(|only| peer.guid == only)) {
+        for peer in readers.filter(|peer| job.is_for(peer.guid)) {
             match targets.iter_mut().find(|(address, ..)| *address == peer.address) {
                 Some((_, _, reader)) => *reader = EntityId::UNKNOWN,
                 None => targets.push((peer.address, peer.guid.prefix, peer.guid.entity)),

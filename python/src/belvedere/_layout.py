@@ -208,6 +208,9 @@ class Operation(IntEnum):
     #: Change settings of the sensor name, or of the sensor that publishes the topic name: key=value words in
     #: the text.
     CONFIGURE = 9
+    #: Change nothing. The result's reason holds words that describe the simulation and, if there is a name, that
+    #: model.
+    QUERY = 10
 
 
 HEADER = np.dtype(

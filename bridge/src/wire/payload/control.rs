@@ -59,7 +59,7 @@ wire_structs! {
         pub operation: u16 = 18,
         /// Reserved; 0.
         pub reserved: u32 = 20,
-        /// The reason for a refusal; empty otherwise.
+        /// The reason for a refusal, or the answer to a query; empty otherwise.
         pub reason: Text<488> = 24,
     }
 

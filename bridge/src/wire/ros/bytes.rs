@@ -55,7 +55,7 @@ impl<'a> RosBytes<'a> {
         self.out.len()
     }
 
-    numbers! { u8, i8, u16, u32, u64, f32, f64 }
+    numbers! { u8, i8, u16, u32, u64, i64, f32, f64 }
 
     /// Appends the number of elements of an array, which follow.
     pub fn count(&mut self, count: usize) {

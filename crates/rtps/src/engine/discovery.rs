@@ -1,7 +1,6 @@
 //! Who else is there, and whose readers and writers fit ours.
 
 use std::net::{Ipv4Addr, SocketAddrV4};
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
 use super::{Engine, MOST_ENDPOINTS, MOST_PARTICIPANTS, Remote};
@@ -45,6 +44,7 @@ impl Engine {
             return;
         }
         let Some(discovery) = self.sockets.choose(&announced.discovery, from) else { return };
+        let vendor = announced.vendor;
         let remote = Remote { announced, seen: now, knows_us: false, from, discovery };
         self.participants.insert(prefix, remote);
         self.announce_to(discovery);
@@ -54,6 +54,7 @@ impl Engine {
             address: discovery,
             reliable: true,
             transient: true,
+            vendor,
         };
         self.publications.match_reader(peer(EntityId::PUBLICATIONS_READER), now);
         self.subscriptions.match_reader(peer(EntityId::SUBSCRIPTIONS_READER), now);
@@ -99,6 +100,7 @@ impl Engine {
             address: self.sockets.choose(locators, remote.from)?,
             reliable: endpoint.reliable,
             transient: endpoint.transient,
+            vendor: remote.announced.vendor,
         })
     }
 
@@ -122,7 +124,7 @@ impl Engine {
             } else {
                 own.reader.unmatch(writer.guid);
             }
-            own.state.matched.store(own.reader.writers(), Ordering::Relaxed);
+            own.inbox.set_matched(own.reader.writers());
         }
     }
 
@@ -134,7 +136,7 @@ impl Engine {
         }
         for own in self.readers.values_mut() {
             own.reader.unmatch(guid);
-            own.state.matched.store(own.reader.writers(), Ordering::Relaxed);
+            own.inbox.set_matched(own.reader.writers());
         }
     }
 
@@ -152,7 +154,7 @@ impl Engine {
         }
         for own in self.readers.values_mut() {
             own.reader.unmatch_all(prefix);
-            own.state.matched.store(own.reader.writers(), Ordering::Relaxed);
+            own.inbox.set_matched(own.reader.writers());
         }
     }
 }

@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use super::kind;
 use crate::bytes::Append;
-use crate::guid::{EntityId, Guid, Prefix};
+use crate::guid::{EntityId, Guid, Prefix, SampleIdentity};
 use crate::numbers::NumberSet;
 use crate::parameters::{List, id};
 
@@ -61,8 +61,18 @@ impl<'a> Encoder<'a> {
     }
 
     /// A sample whose `length` bytes follow from elsewhere.
-    pub(crate) fn data(&mut self, place: Place, sequence: i64, length: usize) {
-        self.submessage(kind::DATA, 4, length, |body| data_head(body, 16, place, sequence));
+    pub(crate) fn data(
+        &mut self,
+        place: Place,
+        sequence: i64,
+        related: Option<SampleIdentity>,
+        length: usize,
+    ) {
+        let flags = if related.is_some() { 4 | 2 } else { 4 };
+        self.submessage(kind::DATA, flags, length, |body| {
+            data_head(body, 16, place, sequence);
+            relation(body, related);
+        });
     }
 
     /// A sample of discovery, with its key beside it.
@@ -86,16 +96,19 @@ impl<'a> Encoder<'a> {
         &mut self,
         place: Place,
         sequence: i64,
+        related: Option<SampleIdentity>,
         (first, count, size): (u32, u16, u16),
         total: u32,
         length: usize,
     ) {
-        self.submessage(kind::DATA_FRAG, 0, length, |body| {
+        let flags = if related.is_some() { 2 } else { 0 };
+        self.submessage(kind::DATA_FRAG, flags, length, |body| {
             data_head(body, 28, place, sequence);
             body.put_u32(first);
             body.put_u16(count);
             body.put_u16(size);
             body.put_u32(total);
+            relation(body, related);
         });
     }
 
@@ -141,6 +154,16 @@ impl<'a> Encoder<'a> {
 fn entities(body: &mut Vec<u8>, place: Place) {
     body.extend_from_slice(&place.reader.0);
     body.extend_from_slice(&place.writer.0);
+}
+
+/// The inline parameters of a sample that belongs to another one.
+fn relation(body: &mut Vec<u8>, related: Option<SampleIdentity>) {
+    if let Some(related) = related {
+        List(body)
+            .sample_identity(id::RELATED_SAMPLE_IDENTITY, related)
+            .sample_identity(id::OLD_RELATED_SAMPLE_IDENTITY, related)
+            .end();
+    }
 }
 
 /// What samples and fragments begin with. `to_inline` bytes lead from behind its field to the inline parameters.

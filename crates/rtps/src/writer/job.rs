@@ -3,7 +3,8 @@
 use std::sync::Arc;
 use std::time::Duration;
 
-use crate::guid::Guid;
+use crate::answer::Answer;
+use crate::guid::{Guid, SampleIdentity};
 use crate::numbers::NumberSet;
 
 /// Bytes of a sample in one datagram.
@@ -17,9 +18,30 @@ pub(crate) struct Sample {
     pub(crate) time: Duration,
     /// What it is about, and whether that is gone: in discovery alone.
     pub(crate) key: Option<(Guid, bool)>,
+    /// The client that gets it: for replies of services alone. Other samples are for every reader.
+    pub(crate) answer: Option<Answer>,
 }
 
 impl Sample {
+    /// A sample of a topic.
+    pub(crate) fn plain(payload: Arc<Vec<u8>>, time: Duration) -> Sample {
+        Sample { payload, time, key: None, answer: None }
+    }
+
+    /// A sample of discovery.
+    pub(crate) fn keyed(payload: Vec<u8>, key: Guid, disposed: bool) -> Sample {
+        let time = Duration::ZERO;
+        Sample { payload: Arc::new(payload), time, key: Some((key, disposed)), answer: None }
+    }
+
+    pub(super) fn is_for(&self, reader: Guid) -> bool {
+        self.answer.is_none_or(|answer| answer.client == reader.prefix)
+    }
+
+    pub(super) fn related(&self) -> Option<SampleIdentity> {
+        self.answer.and_then(|answer| answer.related)
+    }
+
     pub(super) fn is_disposed(&self) -> bool {
         self.key.is_some_and(|(_, disposed)| disposed)
     }
@@ -39,6 +61,10 @@ pub(super) struct Job {
 }
 
 impl Job {
+    pub(super) fn is_for(&self, reader: Guid) -> bool {
+        self.reader.is_none_or(|only| only == reader) && self.sample.is_for(reader)
+    }
+
     pub(super) fn count(&self) -> u32 {
         self.sample.payload.len().div_ceil(FRAGMENT).max(1) as u32
     }

@@ -3,7 +3,9 @@
 use std::sync::{LazyLock, mpsc};
 use std::time::{Duration, Instant};
 
-use belvedere_rtps::{JoinError, Node, Participant, Qos, Range, Reader, Topic, Writer};
+use belvedere_rtps::{
+    JoinError, Node, Participant, Qos, Range, Reader, Requests, ServiceType, Topic, Writer,
+};
 
 /// Whatever must happen happens within this time.
 const LONG: Duration = Duration::from_secs(60);
@@ -141,8 +143,14 @@ fn names_that_cannot_be_are_refused() {
     let long = "/x".repeat(200);
     for name in ["", "/", "scan", "/a//b", "/a b", "/1st", "/é", &long] {
         let said = refused(Topic { name, ..topic() });
-        assert!(said.starts_with(&format!("\"{name}\" is not the name of a topic; ")), "{said}");
+        assert!(said.starts_with(&format!("\"{name}\" is not the name of a topic or service; ")), "{said}");
     }
+    let service = ServiceType { name: "/trigger", service: "Trigger", hash: "" };
+    let refused_service = ours.service(&Requests::new(), service, 100).expect_err("it is none").to_string();
+    assert_eq!(
+        refused_service,
+        "\"Trigger\" is not the type of a service; a type is written as rcl_interfaces/srv/GetParameters"
+    );
     let said = refused(Topic { hash: "RIHS01_12", ..topic() });
     assert_eq!(
         said,

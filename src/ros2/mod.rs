@@ -5,6 +5,7 @@
 //! ([`RosStream`](crate::recording::ros::RosStream)), and sent by `belvedere-rtps`. What nobody reads is not rendered.
 
 mod commands;
+mod listing;
 mod names;
 mod outgoing;
 mod type_hash;
@@ -15,13 +16,11 @@ pub use names::{Naming, Remap, namespace};
 use belvedere_bridge::{Kind, Node, StreamInfo};
 use belvedere_rtps::{JoinError, Participant, Qos, TopicError};
 use commands::Commands;
+use listing::Listing;
 use outgoing::{Outgoing, ros_stream};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
-
-/// Interval at which new streams are looked for.
-const LOOK: Duration = Duration::from_millis(500);
+use std::time::Duration;
 
 /// Why streams cannot be published, or commands not be received.
 #[derive(Debug, thiserror::Error)]
@@ -76,7 +75,9 @@ pub struct Ros2 {
     commands: Vec<Commands>,
     /// Streams that cannot be published, which are reported once.
     refused: BTreeSet<String>,
-    next_look: Instant,
+    /// No network takes announcements, which is reported once.
+    is_cut: bool,
+    listing: Listing,
     // Dropped last: what it serves must be removed first.
     participant: Participant,
 }
@@ -94,8 +95,16 @@ impl Ros2 {
             namespace: &namespace,
             name: "belvedere",
         })?;
-        let (outgoing, commands, refused) = (Vec::new(), Vec::new(), BTreeSet::new());
-        Ok(Self { node, options, outgoing, commands, refused, next_look: Instant::now(), participant })
+        Ok(Self {
+            listing: Listing::start(node.clone())?,
+            node,
+            options,
+            outgoing: Vec::new(),
+            commands: Vec::new(),
+            refused: BTreeSet::new(),
+            is_cut: false,
+            participant,
+        })
     }
 
     /// Waits at most for this time until frames arrive, and publishes them.
@@ -103,9 +112,9 @@ impl Ros2 {
     /// # Errors
     /// If the domain of simulations cannot be used any more.
     pub fn turn(&mut self, at_most: Duration) -> Result<(), Ros2Error> {
-        if Instant::now() >= self.next_look {
-            self.next_look = Instant::now() + LOOK;
-            self.look()?;
+        if let Some(streams) = self.listing.take()? {
+            self.look(&streams);
+            self.report_network();
         }
         for outgoing in &mut self.outgoing {
             outgoing.follow(&self.node);
@@ -118,14 +127,13 @@ impl Ros2 {
     }
 
     /// Updates the topics to the streams that there are now.
-    fn look(&mut self) -> Result<(), Ros2Error> {
-        let streams = self.node.streams()?;
+    fn look(&mut self, streams: &[StreamInfo]) {
         let is_there = |topic: &str, is_wanted: &dyn Fn(&StreamInfo) -> bool| {
             streams.iter().any(|stream| stream.topic == topic && is_wanted(stream))
         };
         self.outgoing.retain(|known| is_there(known.topic(), &|stream| stream.publishers > 0));
         self.commands.retain(|known| is_there(known.topic(), &|stream| stream.subscribers > 0));
-        for stream in &streams {
+        for stream in streams {
             let is_known = self.outgoing.iter().any(|known| known.topic() == stream.topic)
                 || self.commands.iter().any(|known| known.topic() == stream.topic)
                 || self.refused.contains(&stream.topic);
@@ -140,7 +148,19 @@ impl Ros2 {
                 self.refused.insert(stream.topic.clone());
             }
         }
-        Ok(())
+    }
+
+    /// Reports that no other node can be found, and that the network is back.
+    fn report_network(&mut self) {
+        let is_cut = self.participant.is_cut();
+        match (std::mem::replace(&mut self.is_cut, is_cut), is_cut) {
+            (false, true) => tracing::warn!(
+                "no network takes multicast datagrams, so nodes of ROS 2 cannot be found; bring one up, for this host \
+                 alone with: ip link set lo up multicast on"
+            ),
+            (true, false) => tracing::info!("a network takes multicast datagrams again"),
+            _ => {}
+        }
     }
 
     /// Publishes a stream, or accepts commands for it.

@@ -57,6 +57,9 @@ impl Ros2Args {
     }
 }
 
+/// Interval at which it is tried again to join a domain of ROS 2.
+const TRY_AGAIN: Duration = Duration::from_secs(1);
+
 /// A node of ROS 2 in the simulator's process, which dropping it ends.
 pub(super) struct Ros2Thread {
     stop: Arc<AtomicBool>,
@@ -65,13 +68,15 @@ pub(super) struct Ros2Thread {
 }
 
 impl Ros2Thread {
-    /// Joins the domain of ROS 2 that the environment names, and publishes the streams of a simulation there.
+    /// Joins the domain of ROS 2 that the environment names, and publishes the streams of a simulation there. If the
+    /// domain cannot be joined, the simulation goes on, and it is tried again every second.
     pub(super) fn start(domain: &Domain) -> Result<Self, CliError> {
         let options = Ros2Options { domain_id: domain_id()?, range: range()?, ..Ros2Options::default() };
-        let mut ros2 = Ros2::start(Node::open(domain, "ros2")?, options)?;
+        let node = Node::open(domain, "ros2")?;
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
         let turn = move || {
+            let Some(mut ros2) = join(&node, &options, &stopped) else { return };
             while !stopped.load(Ordering::Relaxed) {
                 if let Err(error) = ros2.turn(NAP) {
                     // The simulation goes on.
@@ -84,6 +89,31 @@ impl Ros2Thread {
             std::thread::Builder::new().name("ros2".into()).spawn(turn).map_err(CliError::NoThread)?;
         Ok(Self { stop, thread: Some(thread) })
     }
+}
+
+/// Joins the domain of ROS 2, and tries again until it can be joined or `stopped` is set.
+fn join(node: &Node, options: &Ros2Options, stopped: &AtomicBool) -> Option<Ros2> {
+    let mut has_failed = false;
+    while !stopped.load(Ordering::Relaxed) {
+        match Ros2::start(node.clone(), options.clone()) {
+            Ok(ros2) => {
+                if has_failed {
+                    tracing::info!("ROS 2 gets messages now");
+                }
+                return Some(ros2);
+            }
+            Err(error) if !has_failed => {
+                tracing::warn!("{error}; the simulation goes on, and joins when it can");
+            }
+            Err(_) => {}
+        }
+        has_failed = true;
+        let next = Instant::now() + TRY_AGAIN;
+        while Instant::now() < next && !stopped.load(Ordering::Relaxed) {
+            std::thread::sleep(NAP);
+        }
+    }
+    None
 }
 
 impl Drop for Ros2Thread {

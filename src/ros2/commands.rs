@@ -6,22 +6,20 @@ use super::type_hash::type_hash;
 use belvedere_bridge::payload::VelocityCommand;
 use belvedere_bridge::{Kind, Node, Publisher, Ros, RosMessage, StreamSpec};
 use belvedere_rtps::{Participant, Qos, Reader, Topic};
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// The longest message that is accepted. A `geometry_msgs/msg/Twist` has 52 bytes.
 const MOST_BYTES: usize = 1024;
-/// Longest wait for a message before looking whether to stop.
-const NAP: Duration = Duration::from_millis(100);
 
-/// The velocities for one robot, received by a thread.
+/// The velocities for one robot.
+///
+/// They are handed to the simulator before they are acknowledged. So a node that steps a paused simulation knows that a
+/// velocity holds from the next step on, once rclpy's `wait_for_all_acked` has returned.
 #[derive(Debug)]
 pub(super) struct Commands {
     topic: String,
-    stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    /// One for reliable writers and one for those that are best effort. Dropping them ends the subscription.
+    _readers: [Reader; 2],
 }
 
 impl Commands {
@@ -36,14 +34,16 @@ impl Commands {
         let of = Ros::Two.type_name(message.ros.name);
         let hash = type_hash(&of, &message.definition(Ros::Two));
         let topic_of_ros = Topic { name, message: &of, hash: &hash };
-        // Best effort matches writers of both kinds, and a velocity that is late is worth nothing.
-        let reader = participant.reader(topic_of_ros, Qos::best_effort(1), MOST_BYTES)?;
-        let stop = Arc::new(AtomicBool::new(false));
-        let (node, stopped, own) = (node.clone(), stop.clone(), topic.to_owned());
-        let thread = std::thread::Builder::new()
-            .name("velocities".to_owned())
-            .spawn(move || pass_on(&reader, &node, &own, &stopped))?;
-        Ok(Self { topic: topic.to_owned(), stop, thread: Some(thread) })
+        let velocities = Arc::new(Mutex::new(Velocities::new(node, topic)));
+        let reader = |qos| {
+            let velocities = velocities.clone();
+            let pass_on = move |sample: &[u8]| {
+                velocities.lock().unwrap_or_else(PoisonError::into_inner).pass_on(sample);
+            };
+            participant.watched_reader(topic_of_ros, qos, MOST_BYTES, pass_on)
+        };
+        let readers = [reader(Qos::volatile(1))?, reader(Qos::best_effort(1))?];
+        Ok(Self { topic: topic.to_owned(), _readers: readers })
     }
 
     pub(super) fn topic(&self) -> &str {
@@ -51,34 +51,36 @@ impl Commands {
     }
 }
 
-impl Drop for Commands {
-    fn drop(&mut self) {
-        self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
-            // A thread that panicked has reported it.
-            let _ = thread.join();
-        }
-    }
+/// Hands velocities to the simulator.
+struct Velocities {
+    node: Node,
+    topic: String,
+    /// Made at the first velocity, as a stream has few places for publishers.
+    publisher: Option<Publisher>,
 }
 
-/// Passes velocities on until `stop` is set. The publisher is made at the first one, as a stream has few places for them.
-fn pass_on(reader: &Reader, node: &Node, topic: &str, stop: &AtomicBool) {
-    let mut publisher: Option<Publisher> = None;
-    while !stop.load(Ordering::Relaxed) {
-        let Some(sample) = reader.take(NAP) else { continue };
-        let Some(command) = twist(&sample) else {
-            tracing::warn!(topic, "a message is ignored, since it is not a Twist of finite numbers");
-            continue;
+impl Velocities {
+    fn new(node: &Node, topic: &str) -> Self {
+        Self { node: node.clone(), topic: topic.to_owned(), publisher: None }
+    }
+
+    fn pass_on(&mut self, sample: &[u8]) {
+        let Some(command) = twist(sample) else {
+            tracing::warn!(
+                topic = self.topic,
+                "a message is ignored, since it is not a Twist of finite numbers"
+            );
+            return;
         };
-        if publisher.is_none() {
-            publisher = node
-                .publisher(&StreamSpec::velocity_command(topic))
-                .inspect_err(|error| tracing::warn!(topic, %error, "a velocity is ignored"))
-                .ok();
+        let ignored = |error: &belvedere_bridge::Error| tracing::warn!(topic = self.topic, %error, "a velocity is ignored");
+        if self.publisher.is_none() {
+            let opened = self.node.publisher(&StreamSpec::velocity_command(&self.topic));
+            self.publisher = opened.inspect_err(ignored).ok();
         }
-        if let Some(Err(error)) = publisher.as_mut().map(|open| open.send_structs(0, &[command])) {
-            tracing::warn!(topic, %error, "a velocity is ignored");
-            publisher = None;
+        let sent = self.publisher.as_mut().map(|open| open.send_structs(0, &[command]));
+        if let Some(Err(error)) = sent {
+            ignored(&error);
+            self.publisher = None;
         }
     }
 }

@@ -6,6 +6,7 @@
 
 mod cdr;
 mod commands;
+mod listing;
 mod names;
 mod outgoing;
 mod rcl_interfaces;
@@ -18,14 +19,12 @@ pub use names::{Naming, Remap, namespace};
 use belvedere_bridge::{Kind, Node, StreamInfo};
 use belvedere_rtps::{JoinError, Participant, Qos, TopicError};
 use commands::Commands;
+use listing::Listing;
 use outgoing::{Outgoing, ros_stream};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use services::Services;
 use std::collections::BTreeSet;
-use std::time::{Duration, Instant};
-
-/// Interval at which new streams are looked for.
-const LOOK: Duration = Duration::from_millis(500);
+use std::time::Duration;
 
 /// Why streams cannot be published, or commands not be received.
 #[derive(Debug, thiserror::Error)]
@@ -80,7 +79,9 @@ pub struct Ros2 {
     commands: Vec<Commands>,
     /// Streams that cannot be published, which are reported once.
     refused: BTreeSet<String>,
-    next_look: Instant,
+    /// No network takes announcements, which is reported once.
+    is_cut: bool,
+    listing: Listing,
     /// Only kept, since a thread answers their requests.
     _services: Services,
     // Dropped last: what it serves must be removed first.
@@ -103,13 +104,14 @@ impl Ros2 {
         })?;
         let node_name = format!("{}/belvedere", namespace.trim_end_matches('/'));
         Ok(Self {
-            outgoing: Vec::new(),
-            commands: Vec::new(),
-            refused: BTreeSet::new(),
-            next_look: Instant::now(),
+            listing: Listing::start(node.clone())?,
             _services: Services::start(&participant, &node, &node_name, &options)?,
             node,
             options,
+            outgoing: Vec::new(),
+            commands: Vec::new(),
+            refused: BTreeSet::new(),
+            is_cut: false,
             participant,
         })
     }
@@ -119,9 +121,9 @@ impl Ros2 {
     /// # Errors
     /// If the domain of simulations cannot be used any more.
     pub fn turn(&mut self, at_most: Duration) -> Result<(), Ros2Error> {
-        if Instant::now() >= self.next_look {
-            self.next_look = Instant::now() + LOOK;
-            self.look()?;
+        if let Some(streams) = self.listing.take()? {
+            self.look(&streams);
+            self.report_network();
         }
         for outgoing in &mut self.outgoing {
             outgoing.follow(&self.node);
@@ -134,14 +136,13 @@ impl Ros2 {
     }
 
     /// Updates the topics to the streams that there are now.
-    fn look(&mut self) -> Result<(), Ros2Error> {
-        let streams = self.node.streams()?;
+    fn look(&mut self, streams: &[StreamInfo]) {
         let is_there = |topic: &str, is_wanted: &dyn Fn(&StreamInfo) -> bool| {
             streams.iter().any(|stream| stream.topic == topic && is_wanted(stream))
         };
         self.outgoing.retain(|known| is_there(known.topic(), &|stream| stream.publishers > 0));
         self.commands.retain(|known| is_there(known.topic(), &|stream| stream.subscribers > 0));
-        for stream in &streams {
+        for stream in streams {
             let is_known = self.outgoing.iter().any(|known| known.topic() == stream.topic)
                 || self.commands.iter().any(|known| known.topic() == stream.topic)
                 || self.refused.contains(&stream.topic);
@@ -156,7 +157,19 @@ impl Ros2 {
                 self.refused.insert(stream.topic.clone());
             }
         }
-        Ok(())
+    }
+
+    /// Reports that no other node can be found, and that the network is back.
+    fn report_network(&mut self) {
+        let is_cut = self.participant.is_cut();
+        match (std::mem::replace(&mut self.is_cut, is_cut), is_cut) {
+            (false, true) => tracing::warn!(
+                "no network takes multicast datagrams, so nodes of ROS 2 cannot be found; bring one up, for this host \
+                 alone with: ip link set lo up multicast on"
+            ),
+            (true, false) => tracing::info!("a network takes multicast datagrams again"),
+            _ => {}
+        }
     }
 
     /// Publishes a stream, or accepts commands for it.

@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, VecDeque};
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::sync::Arc;
+use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 mod discovery;
@@ -14,14 +15,15 @@ use crate::message::{Content, Encoder, Message, Place};
 use crate::peer::Link;
 use crate::reader::Reader;
 use crate::sedp::Endpoint;
-use crate::sockets::Sockets;
+use crate::sockets::{Announced, Sockets};
 use crate::spdp::{self, Announcement};
 use crate::writer::{Keep, Sample, Writer};
 use replies::Held;
 
-/// How often we announce ourselves: often in the beginning, then now and then.
+/// How often we announce ourselves: often in the beginning and after a network was down, then every second. A network
+/// that was cut without an error, longer than a lease, is noticed by nobody; one second later others know us again.
 const ANNOUNCE_FIRST: Duration = Duration::from_millis(100);
-const ANNOUNCE: Duration = Duration::from_secs(3);
+const ANNOUNCE: Duration = Duration::from_secs(1);
 const ANNOUNCED_OFTEN: u32 = 10;
 
 /// More participants or endpoints than this are not noted, so that a flood of them cannot fill the memory.
@@ -69,6 +71,8 @@ pub(crate) struct Engine {
     announcement: Vec<u8>,
     /// How often we have announced ourselves.
     announced: u32,
+    /// A network could not be sent to.
+    is_down: bool,
     announce_due: Instant,
     participants: BTreeMap<Prefix, Remote>,
     endpoints: BTreeMap<Guid, (Endpoint, bool)>,
@@ -98,6 +102,7 @@ impl Engine {
             mailbox,
             announcement,
             announced: 0,
+            is_down: false,
             announce_due: now,
             participants: BTreeMap::new(),
             endpoints: BTreeMap::new(),
@@ -156,11 +161,14 @@ impl Engine {
             writer.step(now, &mut link);
         }
         if self.announce_due <= now {
-            self.announced = self.announced.saturating_add(1);
+            let datagram = self.announcement_to(Prefix::UNKNOWN, false);
+            let reached = self.sockets.announce(&datagram);
+            self.mailbox.is_cut.store(reached == Announced::Nowhere, Ordering::Relaxed);
+            let is_down = reached != Announced::Everywhere;
+            let is_mended = std::mem::replace(&mut self.is_down, is_down) && !is_down;
+            self.announced = if is_mended { 0 } else { self.announced.saturating_add(1) };
             let often = self.announced < ANNOUNCED_OFTEN;
             self.announce_due = now + if often { ANNOUNCE_FIRST } else { ANNOUNCE };
-            let datagram = self.announcement_to(Prefix::UNKNOWN, false);
-            self.sockets.announce(&datagram);
             for neighbour in self.sockets.neighbours().filter(|_| often) {
                 (&self.sockets).send(neighbour, [&datagram, &[], &[]]);
             }
@@ -180,9 +188,8 @@ impl Engine {
     }
 
     /// Says that we are gone.
-    fn leave(mut self) {
+    fn leave(self) {
         self.mailbox.close();
-        self.announced = self.announced.saturating_add(1);
         let datagram = self.announcement_to(Prefix::UNKNOWN, true);
         self.sockets.announce(&datagram);
         for remote in self.participants.values() {

@@ -156,6 +156,22 @@ fn a_late_reader_gets_the_history() {
 }
 
 #[test]
+fn a_reader_that_has_forgotten_its_writer_gets_the_history_again() {
+    let mut exchange = Exchange::new(true, 2, 0);
+    exchange.join(true);
+    for number in 0..5 {
+        exchange.write(number, 100);
+        exchange.pass(Duration::from_millis(30));
+    }
+    exchange.came.clear();
+    exchange.reader = Reader::new(READER, true, true, 1 << 20);
+    let writer = Peer { guid: WRITER, address: ADDRESS, reliable: true, transient: true };
+    exchange.reader.match_writer(writer, &mut exchange.link);
+    exchange.pass(Duration::from_secs(1));
+    assert_eq!(exchange.came, [(3, 100), (4, 100)]);
+}
+
+#[test]
 fn best_effort_loses_what_is_lost_and_no_more() {
     let mut exchange = Exchange::new(false, 5, 0);
     exchange.join(false);

@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 use std::fmt;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -66,11 +66,13 @@ pub(crate) struct Mailbox {
     /// Nothing, once the thread has left: writers may outlive their participant.
     orders: Mutex<Option<Vec<Order>>>,
     pub(crate) waker: Waker,
+    /// The last announcement of the participant has reached no network.
+    pub(crate) is_cut: AtomicBool,
 }
 
 impl Mailbox {
     pub(crate) fn new(waker: Waker) -> Mailbox {
-        Mailbox { orders: Mutex::new(Some(Vec::new())), waker }
+        Mailbox { orders: Mutex::new(Some(Vec::new())), waker, is_cut: AtomicBool::new(false) }
     }
 
     pub(crate) fn post(&self, order: Order) {
@@ -149,7 +151,6 @@ impl fmt::Debug for WriterState {
 }
 
 /// What a reader's user and the participant's thread share.
-#[derive(Debug)]
 pub(crate) struct ReaderState {
     pub(crate) matched: AtomicUsize,
     samples: Mutex<VecDeque<Vec<u8>>>,
@@ -157,15 +158,29 @@ pub(crate) struct ReaderState {
     depth: usize,
     /// The most bytes of a sample.
     pub(crate) limit: usize,
+    /// Called with each sample, which is not kept then.
+    on_sample: Option<Mutex<OnSample>>,
 }
 
+pub(crate) type OnSample = Box<dyn FnMut(&[u8]) + Send>;
+
 impl ReaderState {
-    pub(crate) fn new(depth: usize, limit: usize) -> ReaderState {
+    pub(crate) fn new(depth: usize, limit: usize, on_sample: Option<OnSample>) -> ReaderState {
         let (matched, samples, arrived) = (AtomicUsize::new(0), Mutex::default(), Condvar::new());
-        ReaderState { matched, samples, arrived, depth: depth.max(1), limit }
+        ReaderState {
+            matched,
+            samples,
+            arrived,
+            depth: depth.max(1),
+            limit,
+            on_sample: on_sample.map(Mutex::new),
+        }
     }
 
     pub(crate) fn push(&self, sample: Vec<u8>) {
+        if let Some(call) = &self.on_sample {
+            return lock(call)(&sample);
+        }
         let mut samples = lock(&self.samples);
         if samples.len() >= self.depth {
             samples.pop_front();
@@ -189,5 +204,11 @@ impl ReaderState {
             let waited = self.arrived.wait_timeout(samples, left);
             samples = waited.unwrap_or_else(PoisonError::into_inner).0;
         }
+    }
+}
+
+impl fmt::Debug for ReaderState {
+    fn fmt(&self, to: &mut fmt::Formatter<'_>) -> fmt::Result {
+        to.debug_struct("ReaderState").field("matched", &self.matched).finish_non_exhaustive()
     }
 }

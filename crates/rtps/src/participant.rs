@@ -10,7 +10,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use crate::engine::Engine;
 use crate::guid::{EntityId, Guid, Prefix};
 use crate::lock::lock;
-use crate::mailbox::{Inbox, Mailbox, OnMatched, Order, ReaderState, WriterState};
+use crate::mailbox::{Inbox, Mailbox, OnMatched, OnSample, Order, ReaderState, WriterState};
 use crate::ros;
 use crate::sedp::Endpoint;
 use crate::sockets::{JoinError, Range, Sockets, Waker};
@@ -233,6 +233,12 @@ impl Participant {
         Ok(Participant { shared: Arc::new(shared), thread: Some(thread) })
     }
 
+    /// Whether the last announcement of the participant has reached no network, so that others cannot find it. It is
+    /// announced again every second.
+    pub fn is_cut(&self) -> bool {
+        self.shared.mailbox.is_cut.load(Ordering::Relaxed)
+    }
+
     /// Writes a topic.
     ///
     /// # Errors
@@ -271,10 +277,36 @@ impl Participant {
     /// # Errors
     /// If the topic's name, type or hash is none.
     pub fn reader(&self, topic: Topic<'_>, qos: Qos, limit: usize) -> Result<Reader, TopicError> {
+        self.open_reader(topic, qos, limit, None)
+    }
+
+    /// Reads a topic, and calls `on_sample` with each sample: CDR with its header of four bytes. The call is made by the
+    /// participant's thread, which acknowledges the sample only after it. So a writer that has the acknowledgement of
+    /// a reliable reader knows that the sample was dealt with. [`Reader::take`] gives nothing then.
+    ///
+    /// # Errors
+    /// If the topic's name, type or hash is none.
+    pub fn watched_reader(
+        &self,
+        topic: Topic<'_>,
+        qos: Qos,
+        limit: usize,
+        on_sample: impl FnMut(&[u8]) + Send + 'static,
+    ) -> Result<Reader, TopicError> {
+        self.open_reader(topic, qos, limit, Some(Box::new(on_sample)))
+    }
+
+    fn open_reader(
+        &self,
+        topic: Topic<'_>,
+        qos: Qos,
+        limit: usize,
+        call: Option<OnSample>,
+    ) -> Result<Reader, TopicError> {
         let shared = Arc::clone(&self.shared);
         let entity = EntityId::user_reader(shared.number());
         let endpoint = shared.endpoint(entity, topic, qos)?;
-        let state = Arc::new(ReaderState::new(qos.depth, limit));
+        let state = Arc::new(ReaderState::new(qos.depth, limit, call));
         shared.mailbox.post(Order::AddReader(endpoint, Inbox::Samples(Arc::clone(&state))));
         shared.change_graph(|graph| graph.readers.push(shared.guid(entity)));
         Ok(Reader { shared, entity, state })

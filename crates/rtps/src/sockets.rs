@@ -36,6 +36,15 @@ pub enum Range {
     Localhost,
 }
 
+/// Which networks an announcement has reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Announced {
+    Everywhere,
+    /// Some of them are down.
+    Somewhere,
+    Nowhere,
+}
+
 /// The sockets of a participant.
 #[derive(Debug)]
 pub(crate) struct Sockets {
@@ -59,7 +68,7 @@ pub enum JoinError {
     /// All ports are in use, or may not be used.
     #[error(
         "no pair of UDP ports from {first} to {last}, those of domain {domain}, can be listened at: {source}; \
-         choose another domain"
+         end programs that use them, or choose another domain (ROS_DOMAIN_ID)"
     )]
     Ports {
         /// The domain.
@@ -138,13 +147,17 @@ impl Sockets {
         Ok(self.reachable().map(|address| SocketAddrV4::new(address, port)).collect())
     }
 
-    /// Sends to all participants of the domain, on every network.
-    pub(crate) fn announce(&self, datagram: &[u8]) {
-        for address in &self.own {
-            if sockopt::set_ip_multicast_if(&self.discovery, address).is_ok() {
-                // A network that is down does not keep the others from it.
-                let _ = self.discovery.send_to(datagram, self.group());
-            }
+    /// Sends to all participants of the domain, on every network. A network that is down does not keep the others from
+    /// the datagram.
+    pub(crate) fn announce(&self, datagram: &[u8]) -> Announced {
+        let reaches = |address: &&Ipv4Addr| {
+            sockopt::set_ip_multicast_if(&self.discovery, address).is_ok()
+                && self.discovery.send_to(datagram, self.group()).is_ok()
+        };
+        match self.own.iter().filter(reaches).count() {
+            0 => Announced::Nowhere,
+            reached if reached < self.own.len() => Announced::Somewhere,
+            _ => Announced::Everywhere,
         }
     }
 

@@ -186,7 +186,13 @@ impl Writer {
         link: &mut impl Link,
     ) {
         let Some(proxy) = self.readers.get_mut(&from).filter(|proxy| proxy.peer.reliable) else { return };
-        // Counts start anew in a reader that did.
+        // A reader whose lease of us ended while the network was cut begins anew, and has forgotten what it had.
+        if proxy.answered.is_some_and(|last| count < last) && missing.base() <= 1 {
+            let history = self.transient && proxy.peer.transient;
+            proxy.start = if history { 1 } else { self.next };
+            proxy.acked = proxy.start - 1;
+            proxy.answered = None;
+        }
         if proxy.answered.is_some_and(|last| last.wrapping_sub(count) < 1000) {
             return;
         }

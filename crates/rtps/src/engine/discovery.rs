@@ -116,10 +116,14 @@ impl Engine {
         }
     }
 
+    /// If a topic has a reliable reader and one that is best effort, a reliable writer is read by the reliable one
+    /// alone. So such a pair gets each sample once, from writers of both kinds.
     pub(super) fn found_writer(&mut self, writer: &Endpoint) {
         let Some(peer) = self.peer(writer) else { return };
+        let mut served = self.readers.values().filter(|own| writer.serves(&own.endpoint));
+        let by_reliable = served.any(|own| own.endpoint.reliable);
         for own in self.readers.values_mut() {
-            if writer.serves(&own.endpoint) {
+            if writer.serves(&own.endpoint) && own.endpoint.reliable == by_reliable {
                 own.reader.match_writer(peer, &mut &self.sockets);
             } else {
                 own.reader.unmatch(writer.guid);

@@ -11,6 +11,7 @@ use crate::message::{Content, Encoder, Message, Place};
 use crate::numbers::NumberSet;
 use crate::peer::{Link, Peer};
 use crate::reader::Reader;
+use crate::spdp::UNKNOWN_VENDOR;
 use crate::writer::{Keep, Sample, Writer};
 
 const WRITER: Guid = Guid { prefix: Prefix([1; 12]), entity: EntityId([0, 0, 1, 3]) };
@@ -57,7 +58,7 @@ impl Exchange {
     }
 
     fn join(&mut self, reliable: bool) {
-        let peer = |guid| Peer { guid, address: ADDRESS, reliable, transient: true };
+        let peer = |guid| Peer { guid, address: ADDRESS, reliable, transient: true, vendor: UNKNOWN_VENDOR };
         self.writer.match_reader(peer(READER), self.now);
         self.reader.match_writer(peer(WRITER), &mut self.link);
     }
@@ -95,7 +96,8 @@ impl Exchange {
                     self.writer.nack_fragments(READER, *sequence, *missing, self.now);
                 }
                 content => {
-                    for sample in self.reader.take(WRITER, content, &mut self.link) {
+                    let taken = self.reader.take(WRITER, content, &mut self.link);
+                    for sample in taken.into_iter().filter(|sample| !sample.is_too_large) {
                         let number = sample.payload[4];
                         assert!(sample.payload[4..].iter().all(|&byte| byte == number));
                         self.came.push((number, sample.payload.len()));
@@ -216,7 +218,7 @@ fn a_reply_goes_to_its_client_alone() {
         let mut exchange = Exchange::new(true, 10, 0);
         exchange.join(true);
         let address = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7413);
-        let peer = Peer { guid: other, address, reliable: true, transient: false };
+        let peer = Peer { guid: other, address, reliable: true, transient: false, vendor: UNKNOWN_VENDOR };
         exchange.writer.match_reader(peer, exchange.now);
         exchange.link.sent.clear();
         let answer =

@@ -10,9 +10,9 @@ use crate::message::{Content, Encoder, Message, Place};
 use crate::numbers::NumberSet;
 use crate::peer::{Link, Peer};
 use crate::reader::Reader;
-use crate::requests::{CYCLONE, Request, Requests};
+use crate::requests::{Request, Requests};
 use crate::sedp::Endpoint;
-use crate::spdp::{Announcement, LEASE};
+use crate::spdp::{Announcement, CYCLONE, FAST_DDS, LEASE};
 use crate::writer::{Keep, Sample, Writer};
 
 const PREFIX: Prefix = Prefix([1; 12]);
@@ -45,8 +45,8 @@ impl Random {
 /// A datagram of each kind.
 fn datagrams() -> Vec<Vec<u8>> {
     let place = Place { reader: READER.entity, writer: WRITER.entity };
-    let announcement =
-        Announcement { prefix: PREFIX, discovery: vec![ADDRESS], user: vec![ADDRESS; 3], lease: LEASE };
+    let (discovery, user) = (vec![ADDRESS], vec![ADDRESS; 3]);
+    let announcement = Announcement { prefix: PREFIX, discovery, user, lease: LEASE, vendor: FAST_DDS };
     let announcement = announcement.encode(0, ADDRESS, "belvedere");
     let endpoint = Endpoint::decode(&endpoint(), true).expect("an endpoint").encode();
     let one = |write: &dyn Fn(&mut Encoder<'_>)| {
@@ -114,7 +114,7 @@ impl Sides {
             link: Counter(0),
             now,
         };
-        let peer = |guid| Peer { guid, address: ADDRESS, reliable: true, transient: true };
+        let peer = |guid| Peer { guid, address: ADDRESS, reliable: true, transient: true, vendor: FAST_DDS };
         for reader in &mut sides.readers {
             reader.match_writer(peer(WRITER), &mut sides.link);
         }

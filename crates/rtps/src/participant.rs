@@ -14,7 +14,7 @@ use crate::mailbox::{Inbox, Mailbox, OnMatched, Order, ReaderState, WriterState}
 use crate::ros;
 use crate::sedp::Endpoint;
 use crate::sockets::{JoinError, Range, Sockets, Waker};
-use crate::spdp::{Announcement, LEASE};
+use crate::spdp::{Announcement, LEASE, UNKNOWN_VENDOR};
 
 /// What a topic's readers can rely on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -210,7 +210,7 @@ impl Participant {
         let sockets = Sockets::open(node.domain, node.range)?;
         let prefix = random_prefix();
         let (discovery, user) = (sockets.discovery_locators()?, sockets.user_locators()?);
-        let announcement = Announcement { prefix, discovery, user, lease: LEASE };
+        let announcement = Announcement { prefix, discovery, user, lease: LEASE, vendor: UNKNOWN_VENDOR };
         let announcement = announcement.encode(node.domain, sockets.group(), node.name);
         let mailbox = Arc::new(Mailbox::new(Waker::new()?));
         let engine = Engine::new(prefix, sockets, Arc::clone(&mailbox), announcement);

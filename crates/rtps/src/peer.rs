@@ -17,4 +17,6 @@ pub(crate) struct Peer {
     pub(crate) address: SocketAddrV4,
     pub(crate) reliable: bool,
     pub(crate) transient: bool,
+    /// Who made its program.
+    pub(crate) vendor: [u8; 2],
 }

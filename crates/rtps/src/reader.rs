@@ -7,6 +7,7 @@ use crate::guid::{EntityId, Guid, Prefix};
 use crate::message::{About, Content, Encoder, Place};
 use crate::numbers::NumberSet;
 use crate::peer::{Link, Peer};
+use crate::spdp::FAST_DDS;
 
 /// At most so many samples of a writer wait for one before them, and so many are in parts.
 const MOST_WAITING: usize = 256;
@@ -21,7 +22,9 @@ const MOST_KEPT: usize = 4 << 20;
 pub(crate) struct Received {
     pub(crate) sequence: i64,
     pub(crate) about: About,
+    /// Nothing, if the sample is larger than the reader takes.
     pub(crate) payload: Vec<u8>,
+    pub(crate) is_too_large: bool,
 }
 
 /// What has come from a writer.
@@ -79,8 +82,7 @@ impl Reader {
         };
         self.sources.insert(peer.guid, source);
         if self.reliable {
-            // Has nothing and asks for nothing, but for a heartbeat.
-            self.answer(peer.guid, &NumberSet::empty(1), false, link);
+            self.ask(peer, link);
         }
         true
     }
@@ -128,16 +130,15 @@ impl Reader {
         let mut out = Vec::new();
         match *content {
             Content::Data { sequence, about, payload } if source.wants(sequence) => {
-                if payload.len() > limit {
-                    source.refuse(sequence, reliable, &mut out);
-                    return out;
-                }
-                let sample = Received { sequence, about, payload: payload.to_vec() };
+                let is_too_large = payload.len() > limit;
+                let payload = if is_too_large { Vec::new() } else { payload.to_vec() };
+                let sample = Received { sequence, about, payload, is_too_large };
                 source.add(sample, reliable, room, &mut out);
             }
             Content::Fragments { sequence, about, first, size, total, payload } if source.wants(sequence) => {
                 if total as usize > limit {
-                    source.refuse(sequence, reliable, &mut out);
+                    let sample = Received { sequence, about, payload: Vec::new(), is_too_large: true };
+                    source.add(sample, reliable, room, &mut out);
                     return out;
                 }
                 if !source.partial.contains_key(&sequence) && total as usize > room {
@@ -151,7 +152,8 @@ impl Reader {
                 if assembly.is_whole()
                     && let Some(assembly) = source.partial.remove(&sequence)
                 {
-                    let sample = Received { sequence, about, payload: assembly.into_data() };
+                    let payload = assembly.into_data();
+                    let sample = Received { sequence, about, payload, is_too_large: false };
                     source.add(sample, reliable, room, &mut out);
                 }
             }
@@ -221,10 +223,17 @@ impl Reader {
     pub(crate) fn ask_again(&mut self, link: &mut impl Link) {
         let silent = |source: &&Source| source.heartbeat.is_none();
         let reliable = self.sources.values().filter(|_| self.reliable);
-        let silent: Vec<Guid> = reliable.filter(silent).map(|source| source.peer.guid).collect();
-        for guid in silent {
-            self.answer(guid, &NumberSet::empty(1), false, link);
+        let silent: Vec<Peer> = reliable.filter(silent).map(|source| source.peer).collect();
+        for peer in silent {
+            self.ask(peer, link);
         }
+    }
+
+    /// Has nothing of a writer and asks for nothing, but for a heartbeat. Fast DDS sends one at once if the empty set
+    /// begins with 0, and otherwise only after its period of three seconds. Others take that set for malformed.
+    fn ask(&mut self, peer: Peer, link: &mut impl Link) {
+        let base = i64::from(peer.vendor != FAST_DDS);
+        self.answer(peer.guid, &NumberSet::empty(base), false, link);
     }
 
     /// The entity to which datagrams for this reader are addressed.
@@ -242,13 +251,6 @@ impl Source {
     fn count(&mut self) {
         let waiting = self.waiting.values().flatten().map(|sample| sample.payload.len());
         self.kept = waiting.chain(self.partial.values().map(Assembly::len)).sum();
-    }
-
-    /// A sample that is too large will not come, so that those behind it need not wait.
-    fn refuse(&mut self, sequence: i64, reliable: bool, out: &mut Vec<Received>) {
-        if reliable {
-            self.skip(sequence, sequence + 1, out);
-        }
     }
 
     fn add(&mut self, sample: Received, reliable: bool, room: usize, out: &mut Vec<Received>) {

@@ -8,13 +8,11 @@ use crate::answer::Answer;
 use crate::guid::{Guid, SampleIdentity};
 use crate::lock::lock;
 use crate::reader::Received;
+use crate::spdp::CYCLONE;
 
 /// So many requests and bytes wait at most. What is older is dropped, as a topic that keeps the last samples does.
 const MOST_REQUESTS: usize = 256;
 const MOST_BYTES: usize = 16 << 20;
-
-/// The number of Cyclone DDS among those who make programs of DDS.
-pub(crate) const CYCLONE: [u8; 2] = [1, 16];
 
 /// Requests of several services, in the order in which they arrive.
 #[derive(Clone, Debug, Default)]
@@ -31,7 +29,7 @@ struct Queue {
 pub struct Request {
     /// The service: [`Service::number`](crate::Service::number).
     pub service: u32,
-    /// The request: CDR with its header of four bytes.
+    /// The request: CDR with its header of four bytes. It is empty if the client sent more bytes than the service takes.
     pub body: Vec<u8>,
     pub(crate) answer: Answer,
 }
@@ -116,21 +114,22 @@ mod tests {
     use super::*;
     use crate::guid::{EntityId, Prefix};
     use crate::message::About;
+    use crate::spdp::FAST_DDS;
 
     const WRITER: Guid = Guid { prefix: Prefix([1; 12]), entity: EntityId([0, 0, 1, 3]) };
     const READER: Guid = Guid { prefix: Prefix([1; 12]), entity: EntityId([0, 0, 1, 4]) };
-    const FAST: [u8; 2] = [1, 15];
 
     fn received(related: Option<Guid>, payload: &[u8]) -> Received {
         let related = related.map(|writer| SampleIdentity { writer, sequence: 0 });
         let about = About { related, ..About::default() };
-        Received { sequence: 7, about, payload: payload.to_vec() }
+        Received { sequence: 7, about, payload: payload.to_vec(), is_too_large: false }
     }
 
     #[test]
     fn a_reply_names_the_reader_that_the_request_names_or_else_the_writer() {
         for (given, named) in [(Some(READER), READER), (None, WRITER), (Some(Guid::of([9; 16])), WRITER)] {
-            let request = Request::of(3, WRITER, FAST, received(given, &[0, 1, 0, 0, 5])).expect("a request");
+            let request =
+                Request::of(3, WRITER, FAST_DDS, received(given, &[0, 1, 0, 0, 5])).expect("a request");
             assert_eq!((request.service, &request.body[..]), (3, &[0, 1, 0, 0, 5][..]));
             assert_eq!(request.answer.client, WRITER.prefix);
             assert_eq!(request.answer.related, Some(SampleIdentity { writer: named, sequence: 7 }));
@@ -162,7 +161,7 @@ mod tests {
         for (size, count) in [(1, 1000), (1 << 20, 20)] {
             for number in 0..count {
                 let payload = u32::to_le_bytes(number).repeat(size);
-                requests.push(Request::of(1, WRITER, FAST, received(None, &payload)).expect("a request"));
+                requests.push(Request::of(1, WRITER, FAST_DDS, received(None, &payload)).expect("a request"));
             }
             let mut taken = Vec::new();
             while let Some(request) = requests.take(Duration::ZERO) {

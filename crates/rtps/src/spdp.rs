@@ -21,7 +21,14 @@ pub(crate) struct Announcement {
     /// Where its other readers and writers listen.
     pub(crate) user: Vec<SocketAddrV4>,
     pub(crate) lease: Duration,
+    /// Who made its program.
+    pub(crate) vendor: [u8; 2],
 }
+
+/// Those who make programs of DDS have numbers; we have none.
+pub(crate) const UNKNOWN_VENDOR: [u8; 2] = [0, 0];
+pub(crate) const FAST_DDS: [u8; 2] = [1, 15];
+pub(crate) const CYCLONE: [u8; 2] = [1, 16];
 
 /// At most so many addresses of a participant or endpoint are kept.
 pub(crate) const MOST_LOCATORS: usize = 16;
@@ -30,12 +37,16 @@ impl Announcement {
     /// Reads what a participant announces; `None` if it is malformed or lacks its name.
     pub(crate) fn decode(payload: &[u8]) -> Option<Announcement> {
         let mut list = parameters::of_payload(payload)?;
-        let mut prefix = None;
+        let (mut prefix, mut vendor) = (None, UNKNOWN_VENDOR);
         let (mut discovery, mut user, mut lease) = (Vec::new(), Vec::new(), Duration::from_secs(100));
         while let Some((id, mut value)) = list.next().ok()? {
             let locators = match id {
                 id::PARTICIPANT_GUID => {
                     prefix = Some(value.guid()?.prefix);
+                    continue;
+                }
+                id::VENDOR_ID => {
+                    vendor = value.array()?;
                     continue;
                 }
                 id::LEASE_DURATION => {
@@ -50,7 +61,7 @@ impl Announcement {
                 locators.extend(parameters::locator(&mut value));
             }
         }
-        Some(Announcement { prefix: prefix?, discovery, user, lease })
+        Some(Announcement { prefix: prefix?, discovery, user, lease, vendor })
     }
 
     /// What we announce.
@@ -58,7 +69,7 @@ impl Announcement {
         let mut payload = ENCAPSULATION.to_vec();
         let mut list = List(&mut payload);
         list.bytes(id::PROTOCOL_VERSION, &[2, 3])
-            .bytes(id::VENDOR_ID, &[0, 0])
+            .bytes(id::VENDOR_ID, &self.vendor)
             .guid(id::PARTICIPANT_GUID, Guid::new(self.prefix, EntityId::PARTICIPANT))
             .number(id::DOMAIN_ID, domain)
             .number(id::BUILTIN_ENDPOINT_SET, BUILTIN_ENDPOINTS)
@@ -108,6 +119,7 @@ mod tests {
             discovery: vec![address(7410)],
             user: vec![address(7411), address(7413)],
             lease: LEASE,
+            vendor: [1, 15],
         };
         let payload = announced.encode(0, address(7400), "belvedere");
         assert_eq!(Announcement::decode(&payload), Some(announced));

@@ -44,6 +44,7 @@ impl Engine {
             return;
         }
         let Some(discovery) = self.sockets.choose(&announced.discovery, from) else { return };
+        let vendor = announced.vendor;
         let remote = Remote { announced, seen: now, knows_us: false, from, discovery };
         self.participants.insert(prefix, remote);
         self.announce_to(discovery);
@@ -53,6 +54,7 @@ impl Engine {
             address: discovery,
             reliable: true,
             transient: true,
+            vendor,
         };
         self.publications.match_reader(peer(EntityId::PUBLICATIONS_READER), now);
         self.subscriptions.match_reader(peer(EntityId::SUBSCRIPTIONS_READER), now);
@@ -98,6 +100,7 @@ impl Engine {
             address: self.sockets.choose(locators, remote.from)?,
             reliable: endpoint.reliable,
             transient: endpoint.transient,
+            vendor: remote.announced.vendor,
         })
     }
 

@@ -184,7 +184,9 @@ mod tests {
                 bytes.time(0);
                 bytes.text("");
                 (0..19).for_each(|number| bytes.f64(f64::from(number)));
-                flags.iter().for_each(|flag| bytes.u8(*flag));
+                for flag in flags {
+                    bytes.u8(*flag);
+                }
             });
             let NewState { name, state, sets_pose, sets_twist } = read_new_state(&request).unwrap();
             assert_eq!((name.as_str(), state.pose), ("box", ([0.0, 1.0, 2.0], [3.0, 4.0, 5.0, 6.0])));

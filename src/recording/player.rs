@@ -370,7 +370,9 @@ impl Player {
     fn serve(&mut self) {
         while let Some(request) = self.inbox.take() {
             if request.operation() == Some(Operation::Query) {
-                self.inbox.tell(&request.command, self.time_ns, self.describe(&request));
+                let answer = self.describe(&request);
+                let answer = answer.as_deref().map_err(String::as_str);
+                self.inbox.tell(&request.command, self.time_ns, answer);
             } else if let Some(outcome) = self.obey(&request) {
                 self.inbox.answer(&request.command, self.time_ns, &outcome);
             }

@@ -10,6 +10,9 @@ pub(super) enum Unreadable {
     /// The encoding is not plain CDR.
     #[error("its encoding is not CDR")]
     Encoding,
+    /// Nothing is left of a message that was too large.
+    #[error("it is larger than this service accepts")]
+    Large,
     /// The message ends before its last field.
     #[error("it ends before its last field")]
     Short,
@@ -49,6 +52,9 @@ macro_rules! numbers {
 impl<'a> Cdr<'a> {
     /// Begins to read a message, which starts with the four bytes that name its encoding.
     pub(super) fn new(message: &'a [u8]) -> Result<Self, Unreadable> {
+        if message.is_empty() {
+            return Err(Unreadable::Large);
+        }
         let (encoding, body) = message.split_first_chunk::<4>().ok_or(Unreadable::Short)?;
         let is_little = match encoding[..2] {
             [0, 0] => false,

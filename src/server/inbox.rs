@@ -97,18 +97,18 @@ impl Inbox {
 
     /// Sends a command's result at a simulated time.
     pub(crate) fn answer(&self, command: &SimulationCommand, time_ns: u64, outcome: &Result<(), String>) {
-        self.tell(command, time_ns, outcome.clone().map(|()| String::new()));
+        self.tell(command, time_ns, outcome.as_ref().map(|()| "").map_err(String::as_str));
     }
 
     /// Sends the answer to a query at a simulated time.
-    pub(crate) fn tell(&self, command: &SimulationCommand, time_ns: u64, outcome: Result<String, String>) {
+    pub(crate) fn tell(&self, command: &SimulationCommand, time_ns: u64, outcome: Result<&str, &str>) {
         let result = SimulationResult {
             id: command.id,
             time_ns,
             done: outcome.is_ok().into(),
             operation: command.operation,
             reserved: 0,
-            reason: Text::cut(match &outcome {
+            reason: Text::cut(match outcome {
                 Ok(text) | Err(text) => text,
             }),
         };

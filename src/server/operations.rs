@@ -55,7 +55,8 @@ impl Server<'_> {
         let time_ns = self.simulation.time_ns();
         if request.operation() == Some(Operation::Query) {
             // It changes nothing, so frames that wait in the post need not be sent first.
-            return self.inbox.tell(command, time_ns, self.describe(command.name.as_str()));
+            let answer = self.describe(command.name.as_str());
+            return self.inbox.tell(command, time_ns, answer.as_deref().map_err(String::as_str));
         }
         let outcome = match request.operation() {
             None => Err(format!(

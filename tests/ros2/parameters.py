@@ -154,6 +154,12 @@ def judge_refusals(judge):
     assert judge.values(RATE, NOISE) == [(ParameterType.PARAMETER_DOUBLE, 8.0), (ParameterType.PARAMETER_DOUBLE, 0.5)]
 
 
+    # A request that is too large is refused as well.
+    done, said = judge.set_atomically((RATE, "x" * 100_000))
+    assert not done and said == "the request cannot be read: it is larger than this service accepts", said
+    assert judge.set_atomically((RATE, 8.0)) == (True, "")
+
+
 def judge_clients(judge):
     """Two participants ask in turn, and one of them asks without waiting; each gets its own replies."""
     other = Client("other")

@@ -96,7 +96,8 @@ impl Exchange {
                     self.writer.nack_fragments(READER, *sequence, *missing, self.now);
                 }
                 content => {
-                    for sample in self.reader.take(WRITER, content, &mut self.link) {
+                    let taken = self.reader.take(WRITER, content, &mut self.link);
+                    for sample in taken.into_iter().filter(|sample| !sample.is_too_large) {
                         let number = sample.payload[4];
                         assert!(sample.payload[4..].iter().all(|&byte| byte == number));
                         self.came.push((number, sample.payload.len()));

@@ -44,6 +44,7 @@ impl Inbox {
 
     pub(crate) fn push(&self, writer: Guid, vendor: [u8; 2], sample: Received) {
         match self {
+            Inbox::Samples(_) if sample.is_too_large => {}
             Inbox::Samples(state) => state.push(sample.payload),
             Inbox::Requests(requests, service, _) => {
                 if let Some(request) = Request::of(*service, writer, vendor, sample) {

@@ -22,7 +22,9 @@ const MOST_KEPT: usize = 4 << 20;
 pub(crate) struct Received {
     pub(crate) sequence: i64,
     pub(crate) about: About,
+    /// Nothing, if the sample is larger than the reader takes.
     pub(crate) payload: Vec<u8>,
+    pub(crate) is_too_large: bool,
 }
 
 /// What has come from a writer.
@@ -128,16 +130,15 @@ impl Reader {
         let mut out = Vec::new();
         match *content {
             Content::Data { sequence, about, payload } if source.wants(sequence) => {
-                if payload.len() > limit {
-                    source.refuse(sequence, reliable, &mut out);
-                    return out;
-                }
-                let sample = Received { sequence, about, payload: payload.to_vec() };
+                let is_too_large = payload.len() > limit;
+                let payload = if is_too_large { Vec::new() } else { payload.to_vec() };
+                let sample = Received { sequence, about, payload, is_too_large };
                 source.add(sample, reliable, room, &mut out);
             }
             Content::Fragments { sequence, about, first, size, total, payload } if source.wants(sequence) => {
                 if total as usize > limit {
-                    source.refuse(sequence, reliable, &mut out);
+                    let sample = Received { sequence, about, payload: Vec::new(), is_too_large: true };
+                    source.add(sample, reliable, room, &mut out);
                     return out;
                 }
                 if !source.partial.contains_key(&sequence) && total as usize > room {
@@ -151,7 +152,8 @@ impl Reader {
                 if assembly.is_whole()
                     && let Some(assembly) = source.partial.remove(&sequence)
                 {
-                    let sample = Received { sequence, about, payload: assembly.into_data() };
+                    let payload = assembly.into_data();
+                    let sample = Received { sequence, about, payload, is_too_large: false };
                     source.add(sample, reliable, room, &mut out);
                 }
             }
@@ -249,13 +251,6 @@ impl Source {
     fn count(&mut self) {
         let waiting = self.waiting.values().flatten().map(|sample| sample.payload.len());
         self.kept = waiting.chain(self.partial.values().map(Assembly::len)).sum();
-    }
-
-    /// A sample that is too large will not come, so that those behind it need not wait.
-    fn refuse(&mut self, sequence: i64, reliable: bool, out: &mut Vec<Received>) {
-        if reliable {
-            self.skip(sequence, sequence + 1, out);
-        }
     }
 
     fn add(&mut self, sample: Received, reliable: bool, room: usize, out: &mut Vec<Received>) {

@@ -29,7 +29,7 @@ struct Queue {
 pub struct Request {
     /// The service: [`Service::number`](crate::Service::number).
     pub service: u32,
-    /// The request: CDR with its header of four bytes.
+    /// The request: CDR with its header of four bytes. It is empty if the client sent more bytes than the service takes.
     pub body: Vec<u8>,
     pub(crate) answer: Answer,
 }
@@ -122,7 +122,7 @@ mod tests {
     fn received(related: Option<Guid>, payload: &[u8]) -> Received {
         let related = related.map(|writer| SampleIdentity { writer, sequence: 0 });
         let about = About { related, ..About::default() };
-        Received { sequence: 7, about, payload: payload.to_vec() }
+        Received { sequence: 7, about, payload: payload.to_vec(), is_too_large: false }
     }
 
     #[test]

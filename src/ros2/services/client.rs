@@ -24,6 +24,12 @@ impl Description {
     pub(super) fn is(&self, word: &str) -> bool {
         self.words.split(' ').any(|known| known == word)
     }
+
+    /// Returns the number of the model's category in `simulation_interfaces/msg/EntityCategory`.
+    pub(super) fn category(&self) -> u8 {
+        let numbers = [("robot", 1), ("actor", 4), ("static", 5)];
+        numbers.iter().find(|(word, _)| self.is(word)).map_or(0, |(_, number)| *number)
+    }
 }
 
 /// The states of all models at one time.

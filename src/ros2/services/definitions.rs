@@ -1,7 +1,7 @@
 //! The fields of the messages of `simulation_interfaces`, from which the hashes of its services follow.
 //!
 //! They are those of versions 1.5 (Jazzy) and 1.6 (Kilted). Version 2.1 has the same bytes in a request, except for three
-//! flags at the end of SetEntityState's.
+//! flags at the end of that of `SetEntityState`.
 
 /// Definitions of the messages that requests and responses contain.
 pub(super) const MESSAGES: &[(&str, &str)] = &[

@@ -1,4 +1,5 @@
-//! GetEntities, GetEntitiesStates, GetEntityState, SetEntityState, GetEntityInfo and DeleteEntity.
+//! The services `GetEntities`, `GetEntitiesStates`, `GetEntityState`, `SetEntityState`, `GetEntityInfo` and
+//! `DeleteEntity`.
 
 use super::client::{Client, Description, PATIENCE, States};
 use super::filters::Filters;
@@ -9,18 +10,8 @@ use crate::server::values;
 use belvedere_bridge::payload::{ModelState, SimulationCommand};
 use belvedere_bridge::{Operation, RosBytes, Text};
 
-/// A result of SetEntityState.
+/// A result of `SetEntityState`.
 const INVALID_POSE: u8 = 101;
-
-/// Returns the number of a model's category.
-pub(super) fn category(model: &Description) -> u8 {
-    match () {
-        () if model.is("robot") => 1,
-        () if model.is("actor") => 4,
-        () if model.is("static") => 5,
-        () => 0,
-    }
-}
 
 /// Answers with the names of the entities that match.
 pub(super) fn get_entities(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
@@ -36,18 +27,22 @@ pub(super) fn get_entities_states(client: &mut Client<'_>, request: &[u8], reply
     let States { stamp_ns, models } = result(reply, states).unwrap_or(none);
     write_names(reply, &models);
     reply.count(models.len());
-    models.iter().for_each(|model| write_state(reply, stamp_ns, Some(model)));
+    for model in &models {
+        write_state(reply, stamp_ns, Some(model));
+    }
 }
 
 fn filtered(client: &mut Client<'_>, request: &[u8]) -> Result<States, Refusal> {
     let filters = Filters::read(&mut Cdr::new(request)?)?;
     let States { stamp_ns, models } = client.states()?;
-    Ok(States { stamp_ns, models: filters.select(models, client)? })
+    Ok(States { stamp_ns, models: filters.select(models, client) })
 }
 
 fn write_names(reply: &mut RosBytes<'_>, models: &[ModelState]) {
     reply.count(models.len());
-    models.iter().for_each(|model| reply.text(model.name.as_str()));
+    for model in models {
+        reply.text(model.name.as_str());
+    }
 }
 
 /// Answers with the state of an entity.
@@ -76,7 +71,7 @@ fn state_of(client: &mut Client<'_>, name: &str) -> Result<(u64, ModelState), Re
 pub(super) fn get_entity_info(client: &mut Client<'_>, request: &[u8], reply: &mut RosBytes<'_>) {
     let described = name_in(request).and_then(|name| describe(client, &name));
     let described = result(reply, described);
-    reply.u8(described.as_ref().map_or(0, category));
+    reply.u8(described.as_ref().map_or(0, Description::category));
     let is_spawned = described.is_some_and(|model| model.is("spawned"));
     reply.text(if is_spawned { "spawned while the simulation ran" } else { "" });
     // No tags.
@@ -117,7 +112,7 @@ pub(super) fn set_entity_state(client: &mut Client<'_>, request: &[u8], reply: &
     result(reply, outcome);
 }
 
-/// A request of SetEntityState.
+/// A request of `SetEntityState`.
 struct NewState {
     name: String,
     state: EntityState,
@@ -189,7 +184,9 @@ mod tests {
                 bytes.time(0);
                 bytes.text("");
                 (0..19).for_each(|number| bytes.f64(f64::from(number)));
-                flags.iter().for_each(|flag| bytes.u8(*flag));
+                for flag in flags {
+                    bytes.u8(*flag);
+                }
             });
             let NewState { name, state, sets_pose, sets_twist } = read_new_state(&request).unwrap();
             assert_eq!((name.as_str(), state.pose), ("box", ([0.0, 1.0, 2.0], [3.0, 4.0, 5.0, 6.0])));

@@ -1,7 +1,6 @@
 //! [`Filters`]: which entities a request is about.
 
 use super::client::Client;
-use super::entities::category;
 use super::refusal::Refusal;
 use crate::ros2::cdr::Cdr;
 use belvedere_bridge::payload::ModelState;
@@ -44,11 +43,7 @@ impl Filters {
     }
 
     /// Returns those of the models that match.
-    pub(super) fn select(
-        &self,
-        models: Vec<ModelState>,
-        client: &mut Client<'_>,
-    ) -> Result<Vec<ModelState>, Refusal> {
+    pub(super) fn select(&self, models: Vec<ModelState>, client: &mut Client<'_>) -> Vec<ModelState> {
         let mut selected = Vec::new();
         for model in models {
             let name = model.name.as_str();
@@ -57,12 +52,12 @@ impl Filters {
             }
             // The simulator is asked only if it matters. A model that was deleted meanwhile matches nothing.
             let matches = self.categories.is_empty()
-                || client.describe(name).is_ok_and(|known| self.categories.contains(&category(&known)));
+                || client.describe(name).is_ok_and(|known| self.categories.contains(&known.category()));
             if matches {
                 selected.push(model);
             }
         }
-        Ok(selected)
+        selected
     }
 }
 

@@ -80,7 +80,9 @@ impl Services {
                         .iter_mut()
                         .try_fold(request, |request, group| group.answer(request, &mut simulator));
                 }
-                groups.iter_mut().for_each(|group| group.tend());
+                for group in &mut groups {
+                    group.tend();
+                }
                 simulator.tend();
             }
         })?;

@@ -84,7 +84,11 @@ impl Parameters {
             Task::List => {
                 let (prefixes, depth) = codec::prefixes(body)?;
                 let found = self.table.list(&prefixes, depth);
-                return Ok(message(|to| found.iter().for_each(|names| codec::write_texts(to, names))));
+                return Ok(message(|to| {
+                    let [names, prefixes] = &found;
+                    codec::write_texts(to, names);
+                    codec::write_texts(to, prefixes);
+                }));
             }
             Task::Set => {
                 let wanted = codec::parameters(body)?;
@@ -92,7 +96,9 @@ impl Parameters {
                 let results: Vec<_> = wanted.into_iter().map(one).collect();
                 return Ok(message(|to| {
                     to.count(results.len());
-                    results.iter().for_each(|result| codec::write_result(to, result));
+                    for result in &results {
+                        codec::write_result(to, result);
+                    }
                 }));
             }
             Task::SetAtomically => {
@@ -108,7 +114,9 @@ impl Parameters {
             Task::GetTypes => codec::write_types(to, &found),
             _ => {
                 to.count(names.len());
-                names.iter().for_each(|name| codec::write_descriptor(to, name, self.table.get(name)));
+                for name in &names {
+                    codec::write_descriptor(to, name, self.table.get(name));
+                }
             }
         }))
     }
@@ -163,7 +171,9 @@ impl Parameters {
         self.events.write(message(|to| {
             to.time(self.changed_ns);
             to.text(&self.node_name);
-            changes.iter().for_each(|parameters| codec::write_parameters(to, parameters));
+            for parameters in &changes {
+                codec::write_parameters(to, parameters);
+            }
         }));
     }
 }
@@ -237,7 +247,10 @@ fn configure(
 fn refusal(task: Task, reason: &str) -> Vec<u8> {
     let refused = Err(reason.to_owned());
     message(|to| match task {
-        Task::List => [0, 0].into_iter().for_each(|count| to.count(count)),
+        Task::List => {
+            codec::write_texts(to, &[]);
+            codec::write_texts(to, &[]);
+        }
         Task::Get | Task::GetTypes | Task::Describe => to.count(0),
         Task::Set => {
             to.count(1);

@@ -9,7 +9,7 @@ use crate::description::xml::Element;
 use crate::description::{Diagnostics, xacro};
 use std::path::{Path, PathBuf};
 
-/// Results of SpawnEntity.
+/// Results of `SpawnEntity`.
 const UNSUPPORTED_FORMAT: u8 = 103;
 const NO_RESOURCE: u8 = 104;
 pub(super) const RESOURCE_PARSE_ERROR: u8 = 106;
@@ -29,7 +29,7 @@ impl Resource {
     /// Reads the description from a URI or, if that is empty, from a text.
     ///
     /// # Errors
-    /// A refusal with the code that SpawnEntity has for the reason.
+    /// A refusal with the code that `SpawnEntity` has for the reason.
     pub(super) fn read(uri: &str, text: &str) -> Result<Self, Refusal> {
         let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
         let packages = package_path([], ros_package_path.as_deref());

@@ -1,4 +1,4 @@
-//! SpawnEntity and SpawnEntities.
+//! The services `SpawnEntity` and `SpawnEntities`.
 
 use super::client::Client;
 use super::geometry::{Pose, read_pose_stamped, set_pose};
@@ -18,15 +18,15 @@ const MOST_REQUESTS: usize = 64;
 /// Most names that are tried for a model whose name is taken.
 const MOST_NAMES: usize = 1000;
 
-/// Results of SpawnEntity.
+/// Results of `SpawnEntity`.
 const NAME_NOT_UNIQUE: u8 = 101;
 const NAME_INVALID: u8 = 102;
 const NAMESPACE_INVALID: u8 = 105;
 const INVALID_POSE: u8 = 109;
-/// A result of SpawnEntities.
+/// A result of `SpawnEntities`.
 const ENTITIES_SPAWN_FAILED: u8 = 150;
 
-/// The request of SpawnEntity, or an element of that of SpawnEntities.
+/// The request of `SpawnEntity`, or an element of that of `SpawnEntities`.
 struct Wanted {
     name: String,
     allow_renaming: bool,
@@ -99,9 +99,10 @@ fn spawn(client: &mut Client<'_>, wanted: Wanted) -> Result<String, Refusal> {
     client.command(&command, &resource.text, PATIENCE).map_err(|refusal| {
         // The simulator reports a problem in the text with its line, as in `crate:3: error: …`.
         let place = refusal.message.strip_prefix(&name).and_then(|rest| rest.strip_prefix(':'));
-        match place.is_some_and(|rest| rest.starts_with(|first: char| first.is_ascii_digit())) {
-            true => Refusal::new(RESOURCE_PARSE_ERROR, refusal.message),
-            false => refusal,
+        if place.is_some_and(|rest| rest.starts_with(|first: char| first.is_ascii_digit())) {
+            Refusal::new(RESOURCE_PARSE_ERROR, refusal.message)
+        } else {
+            refusal
         }
     })?;
     Ok(name)

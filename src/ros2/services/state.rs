@@ -1,4 +1,4 @@
-//! GetSimulatorFeatures, GetSimulationState, SetSimulationState and ResetSimulation.
+//! The services `GetSimulatorFeatures`, `GetSimulationState`, `SetSimulationState` and `ResetSimulation`.
 
 use super::client::{Client, Description, PATIENCE};
 use super::refusal::{Refusal, result};
@@ -39,10 +39,10 @@ const PAUSED: u8 = 2;
 const QUITTING: u8 = 3;
 /// Answered if there is no simulation.
 const NO_WORLD: u8 = 4;
-/// A result of SetSimulationState.
+/// A result of `SetSimulationState`.
 const ALREADY_IN_TARGET_STATE: u8 = 101;
 
-/// The scopes of ResetSimulation, which are bits.
+/// The scopes of `ResetSimulation`, which are bits.
 const SCOPE_TIME: u8 = 1;
 const SCOPE_STATE: u8 = 2;
 const SCOPE_SPAWNED: u8 = 4;
@@ -70,9 +70,13 @@ pub(super) fn get_simulator_features(client: &mut Client<'_>, _: &[u8], reply: &
     }
     let formats: &[&str] = if features.contains(&0) { &["urdf", "xacro", "sdf"] } else { &[] };
     reply.count(features.len());
-    features.iter().for_each(|feature| reply.u16(*feature));
+    for feature in &features {
+        reply.u16(*feature);
+    }
     reply.count(formats.len());
-    formats.iter().for_each(|format| reply.text(format));
+    for format in formats {
+        reply.text(format);
+    }
     reply.text(&info);
 }
 
@@ -86,10 +90,12 @@ pub(super) fn get_simulation_state(client: &mut Client<'_>, _: &[u8], reply: &mu
 
 /// A paused simulation that stands at its start is stopped, unless a client wanted it to be paused there.
 fn state_of(client: &Client<'_>, description: &Description) -> u8 {
-    match description.is("paused") {
-        true if description.time_ns == 0 && !*client.is_paused_at_start => STOPPED,
-        true => PAUSED,
-        false => PLAYING,
+    if !description.is("paused") {
+        PLAYING
+    } else if description.time_ns == 0 && !*client.is_paused_at_start {
+        STOPPED
+    } else {
+        PAUSED
     }
 }
 

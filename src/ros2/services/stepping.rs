@@ -1,4 +1,4 @@
-//! StepSimulation.
+//! The service `StepSimulation`.
 
 use super::client::Client;
 use super::refusal::{Refusal, result};

@@ -103,19 +103,25 @@ pub(super) fn parameters(body: &[u8]) -> Result<Vec<(&str, Value)>, Unreadable> 
 /// Writes a list of texts.
 pub(super) fn write_texts(to: &mut RosBytes<'_>, texts: &[&str]) {
     to.count(texts.len());
-    texts.iter().for_each(|text| to.text(text));
+    for text in texts {
+        to.text(text);
+    }
 }
 
 /// Writes the values of parameters; those that do not exist are not set.
 pub(super) fn write_values(to: &mut RosBytes<'_>, found: &[Option<&Parameter>]) {
     to.count(found.len());
-    found.iter().for_each(|found| found.map_or(Value::NotSet, |known| known.value).write(to));
+    for found in found {
+        found.map_or(Value::NotSet, |known| known.value).write(to);
+    }
 }
 
 /// Writes the types of parameters; those that do not exist are not set.
 pub(super) fn write_types(to: &mut RosBytes<'_>, found: &[Option<&Parameter>]) {
     to.count(found.len());
-    found.iter().for_each(|found| to.u8(found.map_or(Value::NotSet, |known| known.value).number()));
+    for found in found {
+        to.u8(found.map_or(Value::NotSet, |known| known.value).number());
+    }
 }
 
 /// Writes the description of a parameter, or for one that does not exist, why not.
@@ -134,7 +140,9 @@ pub(super) fn write_descriptor(to: &mut RosBytes<'_>, name: &str, found: Result<
     to.count(usize::from(setting.is_some()));
     if let Some(setting) = setting {
         // Every number between the limits is allowed.
-        [setting.min, setting.max, 0.0].into_iter().for_each(|number| to.f64(number));
+        for number in [setting.min, setting.max, 0.0] {
+            to.f64(number);
+        }
     }
     to.count(0);
 }

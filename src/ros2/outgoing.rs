@@ -23,8 +23,7 @@ pub(super) struct Outgoing {
 /// Returns the topic of ROS 2 for a stream; `None` for commands, and for streams that ROS has no message for.
 pub(super) fn ros_stream(info: &StreamInfo) -> Option<RosStream> {
     let kind = info.kind?;
-    let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower)
-        || info.topic == StreamSpec::SIMULATION_COMMAND;
+    let is_command = kind.is_robot_command() || info.topic == StreamSpec::SIMULATION_COMMAND;
     (!is_command).then(|| RosStream::new(Ros::Two, kind, &info.topic, info.layers)).flatten()
 }
 

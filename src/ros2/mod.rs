@@ -6,6 +6,7 @@
 
 mod cdr;
 mod commands;
+mod messages;
 mod names;
 mod outgoing;
 mod type_hash;
@@ -15,7 +16,7 @@ pub use names::{Naming, Remap, namespace};
 
 use belvedere_bridge::{Kind, Node, StreamInfo};
 use belvedere_rtps::{JoinError, Participant, Qos, TopicError};
-use commands::Commands;
+use commands::{Commands, Form};
 use outgoing::{Outgoing, ros_stream};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::collections::BTreeSet;
@@ -36,9 +37,6 @@ pub enum Ros2Error {
     /// A topic has a name or type that ROS 2 forbids.
     #[error(transparent)]
     Type(#[from] TopicError),
-    /// Velocities have no message.
-    #[error("velocities have no message in ROS 2")]
-    NoTwist,
     /// A thread cannot be started.
     #[error("starting a thread: {0}")]
     Thread(#[from] std::io::Error),
@@ -150,8 +148,11 @@ impl Ros2 {
         if stream.kind == Some(Kind::VelocityCommand) && stream.subscribers > 0 {
             if !self.options.no_commands {
                 let name = self.options.naming.name(&format!("/{}", stream.topic))?;
-                let commands = Commands::new(&self.participant, &self.node, &stream.topic, &name);
-                self.commands.push(commands.map_err(because)?);
+                for form in Form::ALL {
+                    let commands =
+                        Commands::new(&self.participant, &self.node, &stream.topic, &name, form);
+                    self.commands.push(commands.map_err(because)?);
+                }
             }
             return Ok(());
         }

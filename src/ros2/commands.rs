@@ -1,20 +1,17 @@
 //! [`Commands`]: velocities from ROS 2 that drive a robot.
 
-use super::Ros2Error;
 use super::cdr::Cdr;
 use super::messages::Message;
+use super::{NAP, Ros2Error};
 use belvedere_bridge::payload::VelocityCommand;
 use belvedere_bridge::{Node, Publisher, StreamSpec};
 use belvedere_rtps::{Participant, Qos, Reader, Topic};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
-use std::time::Duration;
 
 /// The longest message that is accepted. A `geometry_msgs/msg/Twist` has 52 bytes.
 const MOST_BYTES: usize = 1024;
-/// Longest wait for a message before looking whether to stop.
-const NAP: Duration = Duration::from_millis(100);
 
 /// A message that is a velocity.
 #[derive(Debug, Clone, Copy)]

@@ -28,6 +28,17 @@ impl Message {
         },
     };
 
+    pub(super) const COMPRESSED_IMAGE: Self = Self {
+        of_ros1: "sensor_msgs/CompressedImage",
+        describe: |fields| {
+            fields.header(None);
+            fields.put("format", "");
+            fields.put("data", &[0_u8; 0][..]);
+        },
+    };
+    pub(super) const STRING: Self =
+        Self { of_ros1: "std_msgs/String", describe: |fields| fields.put("data", "") };
+
     /// Returns the name of the type, such as `geometry_msgs/msg/Twist`.
     pub(super) fn name(&self) -> String {
         Ros::Two.type_name(self.of_ros1)

@@ -9,6 +9,7 @@ use crate::description::{Diagnostics, Rules};
 use crate::ros2::{Descriptions, Naming, Range, Reliability, Remap, Ros2, Ros2Options, namespace};
 use belvedere_bridge::{Domain, Node};
 use std::collections::HashSet;
+use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs as _};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -56,9 +57,11 @@ fn reliability(text: &str) -> Result<(String, Reliability), String> {
 impl Ros2Args {
     /// Returns the options, some of which ROS 2's own variables of the environment give.
     pub(super) fn options(&self) -> Result<Ros2Options, CliError> {
+        let (range, peers) = reach()?;
         Ok(Ros2Options {
             domain_id: self.ros_domain_id.map_or_else(domain_id, Ok)?,
-            range: range()?,
+            range,
+            peers,
             naming: Naming { namespace: self.ros_namespace.clone(), remaps: self.remap.clone() },
             reliability: self.qos.clone(),
             jpeg_quality: self.jpeg_quality,
@@ -81,9 +84,11 @@ impl Ros2Thread {
     /// descriptions of its robots by their namespaces.
     pub(super) fn start(domain: &Domain, robots: &[(String, String)]) -> Result<Self, CliError> {
         let descriptions = described(robots);
+        let (range, peers) = reach()?;
         let options = Ros2Options {
             domain_id: domain_id()?,
-            range: range()?,
+            range,
+            peers,
             descriptions: descriptions.clone(),
             ..Ros2Options::default()
         };
@@ -136,7 +141,7 @@ impl Drop for Ros2Thread {
 
 /// Returns the domain that the environment names. As in ROS 2, an empty variable is the same as none.
 fn domain_id() -> Result<u32, CliError> {
-    let (name, value) = ("ROS_DOMAIN_ID", std::env::var("ROS_DOMAIN_ID").unwrap_or_default());
+    let (name, value) = ("ROS_DOMAIN_ID", variable("ROS_DOMAIN_ID"));
     match value.parse() {
         Ok(number @ 0..=232) => Ok(number),
         _ if value.is_empty() => Ok(0),
@@ -144,26 +149,64 @@ fn domain_id() -> Result<u32, CliError> {
     }
 }
 
-/// Returns who can see the node, as ROS 2's variables of the environment say.
-fn range() -> Result<Range, CliError> {
-    let variable = |name: &str| std::env::var(name).unwrap_or_default();
-    if !variable("ROS_STATIC_PEERS").is_empty() {
-        tracing::warn!("ROS_STATIC_PEERS is ignored: hosts find each other by multicast");
-    }
+/// Returns the value of a variable of the environment; an empty text if it does not exist, as in ROS 2.
+fn variable(name: &str) -> String {
+    std::env::var(name).unwrap_or_default()
+}
+
+/// Returns who can see the node, and the peers that are found without multicast, as ROS 2's variables say.
+fn reach() -> Result<(Range, Vec<Ipv4Addr>), CliError> {
     let (name, value) = ("ROS_AUTOMATIC_DISCOVERY_RANGE", variable("ROS_AUTOMATIC_DISCOVERY_RANGE"));
-    match value.as_str() {
-        "" | "SUBNET" | "SYSTEM_DEFAULT" if variable("ROS_LOCALHOST_ONLY") != "1" => Ok(Range::Subnet),
-        "" | "LOCALHOST" | "SUBNET" | "SYSTEM_DEFAULT" => Ok(Range::Localhost),
-        _ => Err(CliError::Variable { name, value, expected: "SUBNET, LOCALHOST or SYSTEM_DEFAULT" }),
+    let range = match value.as_str() {
+        "OFF" => Range::Off,
+        "" | "SUBNET" | "SYSTEM_DEFAULT" if variable("ROS_LOCALHOST_ONLY") != "1" => Range::Subnet,
+        "" | "LOCALHOST" | "SUBNET" | "SYSTEM_DEFAULT" => Range::Localhost,
+        _ => {
+            let expected = "SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT";
+            return Err(CliError::Variable { name, value, expected });
+        }
+    };
+    if range == Range::Off {
+        tracing::warn!(
+            "{name} is OFF, so no node of ROS 2 finds this one; SUBNET or LOCALHOST makes it visible"
+        );
     }
+    let peers = peers()?;
+    if peers.is_empty() || !["OFF", "SYSTEM_DEFAULT"].contains(&value.as_str()) {
+        return Ok((range, peers));
+    }
+    if range != Range::Off {
+        tracing::warn!("ROS_STATIC_PEERS is ignored while {name} is {value}, as in ROS 2");
+    }
+    Ok((range, Vec::new()))
+}
+
+/// Returns the addresses of the hosts in `ROS_STATIC_PEERS`.
+fn peers() -> Result<Vec<Ipv4Addr>, CliError> {
+    let value = variable("ROS_STATIC_PEERS");
+    value.split(';').map(str::trim).filter(|host| !host.is_empty()).map(address).collect()
+}
+
+/// Returns the address of a host, given by an address or a name.
+fn address(host: &str) -> Result<Ipv4Addr, CliError> {
+    let found = (host, 0).to_socket_addrs().into_iter().flatten();
+    let mut found = found.filter_map(|address| match address {
+        SocketAddr::V4(address) => Some(*address.ip()),
+        SocketAddr::V6(_) => None,
+    });
+    found.next().ok_or_else(|| CliError::Variable {
+        name: "a host in ROS_STATIC_PEERS",
+        value: host.to_owned(),
+        expected: "an IPv4 address, or a name that has one; hosts are separated by ;",
+    })
 }
 
 /// Publish the streams of a running simulation as topics of ROS 2, and drive its robots by the velocities that arrive
 /// there, until Ctrl-C.
 ///
 /// No installation of ROS is needed: the program speaks the protocol of DDS, as rmw_fastrtps and rmw_cyclonedds do. A
-/// sensor is rendered only while somebody reads its topic. ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and
-/// ROS_LOCALHOST_ONLY have their usual meaning. With --robot and other options as given to `belvedere run`, the robot's
+/// sensor is rendered only while somebody reads its topic. ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS
+/// and ROS_LOCALHOST_ONLY have their usual meaning. With --robot and other options as given to `belvedere run`, the robot's
 /// description is published, too. `belvedere run --ros2` is simulator and node in one.
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 #[derive(Clone, Debug, clap::Args)]

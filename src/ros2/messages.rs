@@ -50,3 +50,37 @@ impl Message {
         type_hash(&self.name(), &Ros::Two.definition(self.of_ros1, &mut describe))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The hashes are those of Jazzy's packages.
+    #[test]
+    fn messages_have_the_names_and_hashes_of_ros2() {
+        for (message, name, hash) in [
+            (
+                Message::TWIST,
+                "geometry_msgs/msg/Twist",
+                "9c45bf16fe0983d80e3cfe750d6835843d265a9a6c46bd2e609fcddde6fb8d2a",
+            ),
+            (
+                Message::TWIST_STAMPED,
+                "geometry_msgs/msg/TwistStamped",
+                "5f0fcd4f81d5d06ad9b4c4c63e3ea51b82d6ae4d0558f1d475229b1121db6f64",
+            ),
+            (
+                Message::COMPRESSED_IMAGE,
+                "sensor_msgs/msg/CompressedImage",
+                "15640771531571185e2efc8a100baf923961a4d15d5569652e6cb6691e8e371a",
+            ),
+            (
+                Message::STRING,
+                "std_msgs/msg/String",
+                "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18",
+            ),
+        ] {
+            assert_eq!((message.name(), message.hash()), (name.to_owned(), format!("RIHS01_{hash}")));
+        }
+    }
+}

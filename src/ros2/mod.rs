@@ -25,6 +25,7 @@ use descriptions::Described;
 use outgoing::{Outgoing, ros_stream};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::collections::BTreeSet;
+use std::net::Ipv4Addr;
 use std::time::{Duration, Instant};
 
 /// Longest wait for something before looking whether to stop.
@@ -68,6 +69,8 @@ pub struct Ros2Options {
     pub domain_id: u32,
     /// Who can see the node.
     pub range: Range,
+    /// Hosts whose nodes are found without multicast.
+    pub peers: Vec<Ipv4Addr>,
     /// The names of topics.
     pub naming: Naming,
     /// The reliability of topics, by their names in ROS 2; all others are reliable.
@@ -90,6 +93,7 @@ impl Default for Ros2Options {
         Self {
             domain_id: 0,
             range: Range::default(),
+            peers: Vec::new(),
             naming: Naming::default(),
             reliability: Vec::new(),
             jpeg_quality: Self::JPEG_QUALITY,
@@ -124,6 +128,7 @@ impl Ros2 {
         let participant = Participant::join(&belvedere_rtps::Node {
             domain: options.domain_id,
             range: options.range,
+            peers: &options.peers,
             namespace: &namespace,
             name: "belvedere",
         })?;

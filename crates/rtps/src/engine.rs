@@ -153,8 +153,9 @@ impl Engine {
             self.announce_due = now + if often { ANNOUNCE_FIRST } else { ANNOUNCE };
             let datagram = self.announcement_to(Prefix::UNKNOWN, false);
             self.sockets.announce(&datagram);
-            for neighbour in self.sockets.neighbours().filter(|_| often) {
-                (&self.sockets).send(neighbour, [&datagram, &[], &[]]);
+            // A peer may come at any time, and its network need not carry multicast.
+            for peer in self.sockets.neighbours().filter(|_| often).chain(self.sockets.peers()) {
+                (&self.sockets).send(peer, [&datagram, &[], &[]]);
             }
             let mut link = &self.sockets;
             self.publications_reader.ask_again(&mut link);
@@ -259,7 +260,9 @@ impl Engine {
             }
             let writer = Guid::new(source, said.writer);
             if said.writer == EntityId::SPDP_WRITER {
-                if let Content::Data { about, payload, .. } = said.content {
+                if !self.sockets.is_off()
+                    && let Content::Data { about, payload, .. } = said.content
+                {
                     self.announcement(writer, about, payload, from, now);
                 }
                 continue;

@@ -45,7 +45,7 @@ fn datagrams() -> Vec<Vec<u8>> {
     let place = Place { reader: READER.entity, writer: WRITER.entity };
     let announcement =
         Announcement { prefix: PREFIX, discovery: vec![ADDRESS], user: vec![ADDRESS; 3], lease: LEASE };
-    let announcement = announcement.encode(0, ADDRESS, "belvedere");
+    let announcement = announcement.encode(0, Some(ADDRESS), "belvedere");
     let endpoint = Endpoint::decode(&endpoint(), true).expect("an endpoint").encode();
     let one = |write: &dyn Fn(&mut Encoder<'_>)| {
         let mut datagram = Vec::new();

@@ -2,8 +2,15 @@
 
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, seconds, stop_wanted};
-use crate::ros2::{Naming, Range, Reliability, Remap, Ros2, Ros2Options, namespace};
+use super::robot_descriptions::{DescriptionReceiver, robot_descriptions};
+use super::robots::RobotArgs;
+use crate::description::models::package_path;
+use crate::description::{Diagnostics, Rules};
+use crate::ros2::{Descriptions, Naming, Range, Reliability, Remap, Ros2, Ros2Options, namespace};
 use belvedere_bridge::{Domain, Node};
+use std::collections::HashSet;
+use std::net::{Ipv4Addr, SocketAddr, ToSocketAddrs as _};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -27,6 +34,9 @@ pub struct Ros2Args {
     /// be repeated
     #[arg(long, value_name = "TOPIC=PROFILE", value_parser = reliability)]
     qos: Vec<(String, Reliability)>,
+    /// Quality of compressed images, 1 to 100, which are the topics that end in /compressed
+    #[arg(long, value_name = "1-100", value_parser = clap::value_parser!(u8).range(1..=100), default_value_t = Ros2Options::JPEG_QUALITY)]
+    jpeg_quality: u8,
     /// Let ROS 2 change nothing: velocities are ignored, and services that change something refuse
     #[arg(long)]
     no_commands: bool,
@@ -47,12 +57,16 @@ fn reliability(text: &str) -> Result<(String, Reliability), String> {
 impl Ros2Args {
     /// Returns the options, some of which ROS 2's own variables of the environment give.
     pub(super) fn options(&self) -> Result<Ros2Options, CliError> {
+        let (range, peers) = reach()?;
         Ok(Ros2Options {
             domain_id: self.ros_domain_id.map_or_else(domain_id, Ok)?,
-            range: range()?,
+            range,
+            peers,
             naming: Naming { namespace: self.ros_namespace.clone(), remaps: self.remap.clone() },
             reliability: self.qos.clone(),
+            jpeg_quality: self.jpeg_quality,
             no_commands: self.no_commands,
+            ..Ros2Options::default()
         })
     }
 }
@@ -63,15 +77,25 @@ const TRY_AGAIN: Duration = Duration::from_secs(1);
 /// A node of ROS 2 in the simulator's process, which dropping it ends.
 pub(super) struct Ros2Thread {
     stop: Arc<AtomicBool>,
+    descriptions: Descriptions,
     /// `None` once it has ended.
     thread: Option<JoinHandle<()>>,
 }
 
 impl Ros2Thread {
-    /// Joins the domain of ROS 2 that the environment names, and publishes the streams of a simulation there. If the
-    /// domain cannot be joined, the simulation goes on, and it is tried again every second.
-    pub(super) fn start(domain: &Domain) -> Result<Self, CliError> {
-        let options = Ros2Options { domain_id: domain_id()?, range: range()?, ..Ros2Options::default() };
+    /// Joins the domain of ROS 2 that the environment names, and publishes the streams of a simulation there, and the
+    /// descriptions of its robots by their namespaces. If the domain cannot be joined, the simulation goes on, and it is
+    /// tried again every second.
+    pub(super) fn start(domain: &Domain, robots: &[(String, String)]) -> Result<Self, CliError> {
+        let descriptions = described(robots);
+        let (range, peers) = reach()?;
+        let options = Ros2Options {
+            domain_id: domain_id()?,
+            range,
+            peers,
+            descriptions: descriptions.clone(),
+            ..Ros2Options::default()
+        };
         let node = Node::open(domain, "ros2")?;
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
@@ -87,7 +111,26 @@ impl Ros2Thread {
         };
         let thread =
             std::thread::Builder::new().name("ros2".into()).spawn(turn).map_err(CliError::NoThread)?;
-        Ok(Self { stop, thread: Some(thread) })
+        Ok(Self { stop, descriptions, thread: Some(thread) })
+    }
+}
+
+/// Returns the descriptions of robots by their namespaces. If two robots share a namespace, the first is described.
+fn described(robots: &[(String, String)]) -> Descriptions {
+    let descriptions = Descriptions::default();
+    for (namespace, urdf) in robots.iter().rev() {
+        descriptions.set(namespace, urdf);
+    }
+    descriptions
+}
+
+impl DescriptionReceiver for Ros2Thread {
+    fn set(&self, namespace: &str, urdf: &str) {
+        self.descriptions.set(namespace, urdf);
+    }
+
+    fn remove(&self, namespace: &str) {
+        self.descriptions.remove(namespace);
     }
 }
 
@@ -128,7 +171,7 @@ impl Drop for Ros2Thread {
 
 /// Returns the domain that the environment names. As in ROS 2, an empty variable is the same as none.
 fn domain_id() -> Result<u32, CliError> {
-    let (name, value) = ("ROS_DOMAIN_ID", std::env::var("ROS_DOMAIN_ID").unwrap_or_default());
+    let (name, value) = ("ROS_DOMAIN_ID", variable("ROS_DOMAIN_ID"));
     match value.parse() {
         Ok(number @ 0..=232) => Ok(number),
         _ if value.is_empty() => Ok(0),
@@ -136,32 +179,72 @@ fn domain_id() -> Result<u32, CliError> {
     }
 }
 
-/// Returns who can see the node, as ROS 2's variables of the environment say.
-fn range() -> Result<Range, CliError> {
-    let variable = |name: &str| std::env::var(name).unwrap_or_default();
-    if !variable("ROS_STATIC_PEERS").is_empty() {
-        tracing::warn!("ROS_STATIC_PEERS is ignored: hosts find each other by multicast");
-    }
+/// Returns the value of a variable of the environment; an empty text if it does not exist, as in ROS 2.
+fn variable(name: &str) -> String {
+    std::env::var(name).unwrap_or_default()
+}
+
+/// Returns who can see the node, and the peers that are found without multicast, as ROS 2's variables say.
+fn reach() -> Result<(Range, Vec<Ipv4Addr>), CliError> {
     let (name, value) = ("ROS_AUTOMATIC_DISCOVERY_RANGE", variable("ROS_AUTOMATIC_DISCOVERY_RANGE"));
-    match value.as_str() {
-        "" | "SUBNET" | "SYSTEM_DEFAULT" if variable("ROS_LOCALHOST_ONLY") != "1" => Ok(Range::Subnet),
-        "" | "LOCALHOST" | "SUBNET" | "SYSTEM_DEFAULT" => Ok(Range::Localhost),
-        _ => Err(CliError::Variable { name, value, expected: "SUBNET, LOCALHOST or SYSTEM_DEFAULT" }),
+    let range = match value.as_str() {
+        "OFF" => Range::Off,
+        "" | "SUBNET" | "SYSTEM_DEFAULT" if variable("ROS_LOCALHOST_ONLY") != "1" => Range::Subnet,
+        "" | "LOCALHOST" | "SUBNET" | "SYSTEM_DEFAULT" => Range::Localhost,
+        _ => {
+            let expected = "SUBNET, LOCALHOST, OFF or SYSTEM_DEFAULT";
+            return Err(CliError::Variable { name, value, expected });
+        }
+    };
+    if range == Range::Off {
+        tracing::warn!(
+            "{name} is OFF, so no node of ROS 2 finds this one; SUBNET or LOCALHOST makes it visible"
+        );
     }
+    let peers = peers()?;
+    if peers.is_empty() || !["OFF", "SYSTEM_DEFAULT"].contains(&value.as_str()) {
+        return Ok((range, peers));
+    }
+    if range != Range::Off {
+        tracing::warn!("ROS_STATIC_PEERS is ignored while {name} is {value}, as in ROS 2");
+    }
+    Ok((range, Vec::new()))
+}
+
+/// Returns the addresses of the hosts in `ROS_STATIC_PEERS`.
+fn peers() -> Result<Vec<Ipv4Addr>, CliError> {
+    let value = variable("ROS_STATIC_PEERS");
+    value.split(';').map(str::trim).filter(|host| !host.is_empty()).map(address).collect()
+}
+
+/// Returns the address of a host, given by an address or a name.
+fn address(host: &str) -> Result<Ipv4Addr, CliError> {
+    let found = (host, 0).to_socket_addrs().into_iter().flatten();
+    let mut found = found.filter_map(|address| match address {
+        SocketAddr::V4(address) => Some(*address.ip()),
+        SocketAddr::V6(_) => None,
+    });
+    found.next().ok_or_else(|| CliError::Variable {
+        name: "a host in ROS_STATIC_PEERS",
+        value: host.to_owned(),
+        expected: "an IPv4 address, or a name that has one; hosts are separated by ;",
+    })
 }
 
 /// Publish the streams of a running simulation as topics of ROS 2, and drive its robots by the velocities that arrive
 /// there, until Ctrl-C.
 ///
 /// No installation of ROS is needed: the program speaks the protocol of DDS, as rmw_fastrtps and rmw_cyclonedds do. A
-/// sensor is rendered only while somebody reads its topic. ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE and
-/// ROS_LOCALHOST_ONLY have their usual meaning. `belvedere run --ros2` is simulator and node in one.
+/// sensor is rendered only while somebody reads its topic. ROS_DOMAIN_ID, ROS_AUTOMATIC_DISCOVERY_RANGE, ROS_STATIC_PEERS
+/// and ROS_LOCALHOST_ONLY have their usual meaning. With --robot and other options as given to `belvedere run`, the robot's
+/// description is published, too. `belvedere run --ros2` is simulator and node in one.
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 #[derive(Clone, Debug, clap::Args)]
 #[command(after_help = "Examples:
   belvedere ros2                      (beside belvedere run, in a second terminal)
   ros2 topic hz /image_raw
   ros2 run teleop_twist_keyboard teleop_twist_keyboard
+  belvedere ros2 --robot my_robot.urdf.xacro     (as given to run: its description is published)
   belvedere ros2 --remap /scan:=/front/scan --qos /image_raw=sensor_data
   ROS_DOMAIN_ID=7 belvedere ros2 --ros-namespace robot1 --no-commands")]
 pub struct Ros2Command {
@@ -169,6 +252,11 @@ pub struct Ros2Command {
     domain: DomainArgs,
     #[command(flatten)]
     ros2: Ros2Args,
+    #[command(flatten)]
+    robots: RobotArgs,
+    /// A folder of ROS packages, searched before ROS_PACKAGE_PATH and the shipped packages; may be repeated
+    #[arg(long, value_name = "FOLDER")]
+    package_path: Vec<PathBuf>,
     /// Stop after this number of seconds
     #[arg(long, value_name = "SECONDS", value_parser = seconds, allow_negative_numbers = true)]
     duration: Option<Duration>,
@@ -177,13 +265,33 @@ pub struct Ros2Command {
     wait: bool,
 }
 
+impl Ros2Command {
+    /// Loads the descriptions of robots of a simulator in another process, from the same arguments. Without arguments
+    /// there are none, since another robot than ours may run.
+    fn descriptions(&self) -> Result<Descriptions, CliError> {
+        if self.robots.are_ours() && self.robots.xacro_args().is_empty() {
+            return Ok(Descriptions::default());
+        }
+        let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+        let packages = package_path(self.package_path.iter().cloned(), ros_package_path.as_deref());
+        let mut diagnostics = Diagnostics::default();
+        // The simulator has already reported problems in these files.
+        let rules = Rules { skip_missing: true, ..Rules::default() };
+        let robots = self.robots.load(&packages, rules, &HashSet::new(), &mut diagnostics);
+        if diagnostics.has_errors() {
+            return Err(CliError::Description(diagnostics.errors().cloned().collect()));
+        }
+        Ok(described(&robot_descriptions(&robots, &packages, self.robots.xacro_args())))
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
-/// [`CliError::NoSimulator`]; [`CliError::Ros2`] if ROS 2's network cannot be used; [`CliError::Variable`].
+/// [`CliError::Description`] if a robot cannot be loaded; [`CliError::NoSimulator`]; [`CliError::Ros2`] if ROS 2's network cannot be used; [`CliError::Variable`].
 pub fn run(args: &Ros2Command) -> Result<(), CliError> {
     listen_for_stop()?;
-    let options = args.ros2.options()?;
+    let options = Ros2Options { descriptions: args.descriptions()?, ..args.ros2.options()? };
     let node = Node::open(&args.domain.domain, "ros2")?;
     if !args.wait {
         check_topics(&node, &args.domain.domain, &[])?;

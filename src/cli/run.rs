@@ -1,17 +1,16 @@
 //! `belvedere run`: the simulator.
 
 use super::attachments::attachments;
+use super::displays::Displays;
 use super::error::CliError;
 use super::follow::{NAP, listen_for_stop, print_line, seconds, stop_wanted};
-use super::isolated::Isolated;
 use super::pacer::Pacer;
 use super::record::RECORDER;
 use super::recording_thread::RecordingThread;
+use super::robot_descriptions::robot_descriptions;
 use super::ros2::Ros2Thread;
 use super::shown::Shown;
-use super::shown_scene::ShownScene;
 use super::simulated::SimulatedArgs;
-use super::status::Status;
 use super::view::{PageArgs, open_page};
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
@@ -183,7 +182,9 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let xacro_args = args.simulated.robots.xacro_args();
     let kept = args.record.as_ref().map(|_| attachments(&world, &robots, &packages, xacro_args));
-    let shown = args.view.then(|| Shown::new(&world.models, &robots, &packages, xacro_args));
+    let described =
+        if args.view || args.ros2 { robot_descriptions(&robots, &packages, xacro_args) } else { Vec::new() };
+    let shown = args.view.then(|| Shown::new(&world.models, &robots, described.clone()));
     let node = Node::open(&args.domain, "belvedere")?;
     let mut simulation =
         Simulation::builder(world).seed(args.seed).gazebo_compat(args.simulated.gazebo_compat).build()?;
@@ -226,38 +227,22 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .transpose()?;
     let page =
         shown.map(|shown| open_page(&Node::open(&args.domain, "view")?, &args.page, shown)).transpose()?;
-    let ros2 = args.ros2.then(|| Ros2Thread::start(&args.domain)).transpose()?;
-    let mut displays = Displays {
-        status: Isolated::new("the table of streams", || Status::new(server.rig())),
-        scene: Isolated::new("the scene of the page", || ShownScene::new(page.as_ref(), server.simulation())),
-    };
+    let ros2 = args.ros2.then(|| Ros2Thread::start(&args.domain, &described)).transpose()?;
+    let mut displays = Displays::new(&server, page.as_ref(), ros2.as_ref(), &described);
     let ended = run_loop(&mut server, args, &node, &mut displays, post.as_deref());
     if let Some(post) = &post {
         post.flush();
     }
-    displays.status.show(Status::hide);
+    displays.hide();
     // The recording is completed first, so that nothing below can leave it incomplete.
     let recorded = recording.map_or(Ok(()), RecordingThread::finish);
-    let table = displays.status.end(|status| status.finish(server.rig(), server.simulated_ns()));
+    let table = displays.end(&server);
     drop((page, ros2));
     // If standard error is closed, the table is not needed.
     let _ = std::io::stderr().write_all(table.unwrap_or_default().as_bytes());
     // If the recording failed, it is the reason why the run ended.
     recorded.and(ended)?;
     if args.hash { print_hashes(server.rig()) } else { Ok(()) }
-}
-
-/// The displays of the run, which do not influence it.
-struct Displays<'a> {
-    status: Isolated<Status>,
-    scene: Isolated<ShownScene<'a>>,
-}
-
-impl Displays<'_> {
-    fn refresh(&mut self, server: &Server<'_>) {
-        self.status.show(|status| status.refresh(server.rig(), server.simulated_ns()));
-        self.scene.show(|scene| scene.refresh(server));
-    }
 }
 
 /// Returns the description of the run that is added to its recording.

@@ -1,10 +1,9 @@
 //! The models that a page shows, in addition to the streams.
 
-use super::attachments::robot_urdf;
 use crate::description::model::Model;
-use crate::description::package::PackagePath;
 use crate::gltf::{self, Thing};
 use crate::simulation::SpawnOptions;
+
 /// The models that a page shows.
 pub(super) struct Shown {
     /// A binary glTF file.
@@ -14,20 +13,8 @@ pub(super) struct Shown {
 }
 
 impl Shown {
-    pub(super) fn new(
-        world: &[Model],
-        robots: &[(Model, SpawnOptions)],
-        packages: &PackagePath,
-        xacro_args: &[(String, String)],
-    ) -> Self {
-        let urdf = |(model, options): &(Model, SpawnOptions)| {
-            Some((options.namespace.clone(), robot_urdf(model, packages, xacro_args)?))
-        };
-        Self::with(world, robots, robots.iter().filter_map(urdf).collect())
-    }
-
     /// Creates it from the robots' `descriptions`: (namespace, URDF).
-    pub(super) fn with(
+    pub(super) fn new(
         world: &[Model],
         robots: &[(Model, SpawnOptions)],
         descriptions: Vec<(String, String)>,

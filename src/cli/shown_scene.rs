@@ -1,43 +1,40 @@
-//! [`ShownScene`]: updates the page's models when models are spawned or deleted.
+//! [`ShownScene`]: updates the page's models, and the descriptions of robots, when models are spawned or deleted.
 
+use super::robot_descriptions::RobotDescriptions;
 use crate::entities::{Entities, EntityId, Origin};
 use crate::gltf::{self, Thing};
 use crate::server::Server;
 use crate::simulation::Simulation;
 use crate::view::ViewServer;
-use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 /// Interval at which the models are compared.
 const LOOK: Duration = Duration::from_millis(200);
 
-/// Keeps the models on a page up to date.
+/// Keeps the models on a page, and the descriptions of robots, up to date.
 pub(super) struct ShownScene<'a> {
     page: Option<&'a ViewServer>,
+    descriptions: RobotDescriptions<'a>,
     known: Vec<EntityId>,
-    /// Robots whose description the page has, with their namespaces.
-    described: HashMap<EntityId, String>,
     next_look: Instant,
 }
 
 impl<'a> ShownScene<'a> {
     /// Starts with the current models, which the page, if there is one, already shows.
-    pub(super) fn new(page: Option<&'a ViewServer>, simulation: &Simulation) -> Self {
-        let entities = simulation.entities();
-        let is_described = |namespace: &str| page.is_some_and(|page| page.has_robot_description(namespace));
-        let robots = entities.iter().filter(|(_, entity)| entity.origin == Origin::Start);
-        let described = robots.filter(|(_, robot)| is_described(&robot.namespace));
-        Self {
-            page,
-            known: ids(entities),
-            described: described.map(|(id, robot)| (id, robot.namespace.clone())).collect(),
-            next_look: Instant::now() + LOOK,
-        }
+    pub(super) fn new(
+        page: Option<&'a ViewServer>,
+        descriptions: RobotDescriptions<'a>,
+        simulation: &Simulation,
+    ) -> Self {
+        let known = ids(simulation.entities());
+        Self { page, descriptions, known, next_look: Instant::now() + LOOK }
     }
 
-    /// Updates the page from time to time if models have been added or removed.
+    /// Updates all from time to time if models have been added or removed.
     pub(super) fn refresh(&mut self, server: &Server<'_>) {
-        let Some(page) = self.page.filter(|_| Instant::now() >= self.next_look) else { return };
+        if self.descriptions.is_unused() || Instant::now() < self.next_look {
+            return;
+        }
         self.next_look = Instant::now() + LOOK;
         let simulation = server.simulation();
         let now = ids(simulation.entities());
@@ -45,7 +42,8 @@ impl<'a> ShownScene<'a> {
             return;
         }
         self.known = now;
-        self.describe(page, server);
+        self.descriptions.update(server);
+        let Some(page) = self.page else { return };
         let things = simulation.entities().iter().map(|(id, entity)| Thing {
             name: &entity.name,
             model: &entity.model,
@@ -54,24 +52,6 @@ impl<'a> ShownScene<'a> {
                 || entity.origin == Origin::Spawned && entity.robot.is_some(),
         });
         page.set_scene(gltf::write(things));
-    }
-
-    /// Gives the page the descriptions of new robots and removes those of deleted ones. If two robots share a
-    /// namespace, the first is described.
-    fn describe(&mut self, page: &ViewServer, server: &Server<'_>) {
-        let entities = server.simulation().entities();
-        for (_, namespace) in self.described.extract_if(|id, _| entities.get(*id).is_none()) {
-            page.remove_robot_description(&namespace);
-        }
-        for (id, entity) in entities.iter() {
-            if let Some(urdf) = server.description(id)
-                && entity.robot.is_some()
-                && !page.has_robot_description(&entity.namespace)
-            {
-                page.set_robot_description(&entity.namespace, urdf);
-                self.described.insert(id, entity.namespace.clone());
-            }
-        }
     }
 }
 

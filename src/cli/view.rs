@@ -2,6 +2,7 @@
 
 use super::error::CliError;
 use super::follow::{DomainArgs, NAP, check_topics, listen_for_stop, print_line, stop_wanted};
+use super::robot_descriptions::robot_descriptions;
 use super::robots::{RobotArgs, argument};
 use super::shown::Shown;
 use super::terminal;
@@ -168,7 +169,8 @@ fn load(args: &ViewArgs) -> Result<Shown, CliError> {
     let robots = args.robots.load(&packages, rules, &taken.collect(), &mut diagnostics);
     match world {
         Some(world) if !diagnostics.has_errors() => {
-            Ok(Shown::new(&world.models, &robots, &packages, args.robots.xacro_args()))
+            let descriptions = robot_descriptions(&robots, &packages, args.robots.xacro_args());
+            Ok(Shown::new(&world.models, &robots, descriptions))
         }
         _ => Err(CliError::Description(diagnostics.errors().cloned().collect())),
     }

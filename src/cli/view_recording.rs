@@ -84,7 +84,7 @@ impl RecordingToView {
                 (model, SpawnOptions { name, namespace, world_from_model, is_robot: Some(true) })
             })
             .collect();
-        Shown::with(&world.map(|world| world.models).unwrap_or_default(), &robots, descriptions)
+        Shown::new(&world.map(|world| world.models).unwrap_or_default(), &robots, descriptions)
     }
 
     /// Creates a player in place of a simulator.

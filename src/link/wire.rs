@@ -59,7 +59,7 @@ pub(super) struct Described {
 
 /// Returns true for commands to a robot or its simulator.
 pub(super) fn is_command(kind: Kind) -> bool {
-    matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower | Kind::SimulationCommand)
+    kind.is_robot_command() || kind == Kind::SimulationCommand
 }
 
 /// Returns the bytes of shared memory that a mirror of the stream may take here. Pools of commands belong to their

@@ -4,7 +4,7 @@ use super::send_order::SendOrder;
 use super::stream::RecordedStream;
 use super::writer::{Compression, Profile, RecordingWriter, StreamId, StreamTally};
 use super::{Attachment, NewFile, RecordingError};
-use belvedere_bridge::{Domain, FrameHeader, Node, StreamInfo, Subscriber, clock};
+use belvedere_bridge::{Domain, FrameHeader, Kind, Node, Subscriber, clock};
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 use std::path::Path;
@@ -144,7 +144,7 @@ impl Recorder {
             let is_wanted =
                 self.wanted.is_empty() || self.wanted.contains(&info.topic) || info.topic == CLOCK;
             // The size of a stream without a publisher is not known yet.
-            let is_open = info.publishers > 0 || is_command(&info);
+            let is_open = info.publishers > 0 || info.kind.is_some_and(Kind::is_robot_command);
             if !is_wanted || !is_open || self.known.contains(&info.topic) {
                 continue;
             }
@@ -249,12 +249,6 @@ fn start_to_write(file: &NewFile, options: &RecorderOptions) -> Result<Writing, 
         .name("recording".into())
         .spawn(move || write(writer, &notes, &writing))?;
     Ok((shared, sender, writer))
-}
-
-/// Returns true for commands to a robot, whose streams exist before there is a publisher.
-fn is_command(info: &StreamInfo) -> bool {
-    use belvedere_bridge::Kind::{MotorPower, ResetOdometry, VelocityCommand};
-    matches!(info.kind, Some(VelocityCommand | ResetOdometry | MotorPower))
 }
 
 /// Passes a stream's frames on to the writer until the recorder stops.

@@ -75,8 +75,7 @@ impl RecordedStream {
 
     /// Returns the specification with which a replay opens the stream.
     pub(super) fn spec(&self) -> StreamSpec {
-        let is_command = matches!(self.kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
-        let spec = if is_command {
+        let spec = if self.kind.is_robot_command() {
             StreamSpec::command(&self.topic, self.kind)
         } else if self.encoding == Encoding::Struct {
             StreamSpec::structs(&self.topic, self.kind, 1)

@@ -6,7 +6,10 @@
 
 mod cdr;
 mod commands;
+mod compressed;
+mod descriptions;
 mod listing;
+mod messages;
 mod names;
 mod outgoing;
 mod rcl_interfaces;
@@ -14,17 +17,27 @@ mod services;
 mod type_hash;
 
 pub use belvedere_rtps::Range;
+pub use descriptions::Descriptions;
 pub use names::{Naming, Remap, namespace};
 
 use belvedere_bridge::{Kind, Node, StreamInfo};
 use belvedere_rtps::{JoinError, Participant, Qos, TopicError};
 use commands::Commands;
+use compressed::Compressed;
+use descriptions::Described;
 use listing::Listing;
 use outgoing::{Outgoing, ros_stream};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use services::Services;
 use std::collections::BTreeSet;
+use std::net::Ipv4Addr;
 use std::time::Duration;
+
+/// Longest wait for something before looking whether to stop.
+const NAP: Duration = Duration::from_millis(100);
+
+/// The number of messages of a topic that are kept for readers that are slow.
+const DEPTH: usize = 10;
 
 /// Why streams cannot be published, or commands not be received.
 #[derive(Debug, thiserror::Error)]
@@ -38,9 +51,6 @@ pub enum Ros2Error {
     /// A topic has a name or type that ROS 2 forbids.
     #[error(transparent)]
     Type(#[from] TopicError),
-    /// Velocities have no message.
-    #[error("velocities have no message in ROS 2")]
-    NoTwist,
     /// A thread cannot be started.
     #[error("starting a thread: {0}")]
     Thread(#[from] std::io::Error),
@@ -56,18 +66,44 @@ pub enum Reliability {
 }
 
 /// What is published, and how.
-#[derive(Debug, Clone, Default)]
+#[derive(Debug, Clone)]
 pub struct Ros2Options {
     /// The domain, as `ROS_DOMAIN_ID` gives it: 0 to 232.
     pub domain_id: u32,
     /// Who can see the node.
     pub range: Range,
+    /// Hosts whose nodes are found without multicast.
+    pub peers: Vec<Ipv4Addr>,
     /// The names of topics.
     pub naming: Naming,
     /// The reliability of topics, by their names in ROS 2; all others are reliable.
     pub reliability: Vec<(String, Reliability)>,
+    /// The quality of compressed images that are JPEG, 1 to 100.
+    pub jpeg_quality: u8,
     /// True if velocities from ROS 2 are ignored, and services that change something refuse.
     pub no_commands: bool,
+    /// The descriptions of robots. A clone of them, which the caller keeps, changes what is published.
+    pub descriptions: Descriptions,
+}
+
+impl Ros2Options {
+    /// The quality of JPEG unless another one is chosen.
+    pub const JPEG_QUALITY: u8 = 95;
+}
+
+impl Default for Ros2Options {
+    fn default() -> Self {
+        Self {
+            domain_id: 0,
+            range: Range::default(),
+            peers: Vec::new(),
+            naming: Naming::default(),
+            reliability: Vec::new(),
+            jpeg_quality: Self::JPEG_QUALITY,
+            no_commands: false,
+            descriptions: Descriptions::default(),
+        }
+    }
 }
 
 /// The node `belvedere` of ROS 2.
@@ -77,6 +113,7 @@ pub struct Ros2 {
     options: Ros2Options,
     outgoing: Vec<Outgoing>,
     commands: Vec<Commands>,
+    described: Described,
     /// Streams that cannot be published, which are reported once.
     refused: BTreeSet<String>,
     /// No network takes announcements, which is reported once.
@@ -99,6 +136,7 @@ impl Ros2 {
         let participant = Participant::join(&belvedere_rtps::Node {
             domain: options.domain_id,
             range: options.range,
+            peers: &options.peers,
             namespace: &namespace,
             name: "belvedere",
         })?;
@@ -110,6 +148,7 @@ impl Ros2 {
             options,
             outgoing: Vec::new(),
             commands: Vec::new(),
+            described: Described::default(),
             refused: BTreeSet::new(),
             is_cut: false,
             participant,
@@ -135,8 +174,9 @@ impl Ros2 {
         Ok(())
     }
 
-    /// Updates the topics to the streams that there are now.
+    /// Updates the topics to the streams and descriptions that there are now.
     fn look(&mut self, streams: &[StreamInfo]) {
+        self.described.update(&self.options.descriptions, &self.participant, &self.options.naming);
         let is_there = |topic: &str, is_wanted: &dyn Fn(&StreamInfo) -> bool| {
             streams.iter().any(|stream| stream.topic == topic && is_wanted(stream))
         };
@@ -185,14 +225,29 @@ impl Ros2 {
         }
         let Some(ros) = ros_stream(stream).filter(|_| stream.publishers > 0) else { return Ok(()) };
         let name = self.options.naming.name(&ros.topic)?;
-        let given = self.options.reliability.iter().find(|(topic, _)| *topic == name);
-        let qos = given.map(|(_, reliability)| match reliability {
-            Reliability::Reliable => Qos::volatile(10),
-            Reliability::SensorData => Qos::best_effort(5),
-        });
-        let outgoing = Outgoing::new(&self.participant, stream, ros, &name, qos).map_err(because)?;
+        let compressed = Compressed::is_possible(stream)
+            .then(|| self.options.naming.name_below(&ros.topic, &name, "compressed"))
+            .map(|name| self.compressed(stream, &name))
+            .transpose()
+            .map_err(because)?;
+        let qos = self.qos(&name);
+        let outgoing =
+            Outgoing::new(&self.participant, stream, ros, &name, qos, compressed).map_err(because)?;
         self.outgoing.push(outgoing);
         Ok(())
+    }
+
+    fn compressed(&self, stream: &StreamInfo, name: &str) -> Result<Compressed, Ros2Error> {
+        let (qos, quality) = (self.qos(name), self.options.jpeg_quality);
+        Compressed::new(&self.participant, &self.node, &stream.topic, name, qos, quality)
+    }
+
+    /// Returns the quality of service of a topic that is not latched.
+    fn qos(&self, name: &str) -> Qos {
+        match self.options.reliability.iter().find(|(topic, _)| topic == name) {
+            Some((_, Reliability::SensorData)) => Qos::best_effort(5),
+            Some((_, Reliability::Reliable)) | None => Qos::volatile(DEPTH),
+        }
     }
 
     /// Sleeps until a frame of a followed stream arrives.

@@ -37,17 +37,30 @@ impl Naming {
     /// # Errors
     /// Why ROS 2 forbids the name.
     pub(super) fn name(&self, topic: &str) -> Result<String, String> {
-        let is_common = ["/tf", "/tf_static", "/clock"].contains(&topic);
-        let name = if is_common || self.namespace.is_empty() {
-            topic.to_owned()
-        } else {
-            format!("/{}{topic}", self.namespace)
-        };
+        let name = self.scoped(topic);
         if let Some(remap) = self.remaps.iter().find(|remap| remap.from == topic || remap.from == name) {
             return Ok(remap.to.clone());
         }
         check(&name)?;
         Ok(name)
+    }
+
+    /// Returns the topic in the namespace, before other names are given.
+    fn scoped(&self, topic: &str) -> String {
+        let is_common = ["/tf", "/tf_static", "/clock"].contains(&topic);
+        if is_common || self.namespace.is_empty() {
+            topic.to_owned()
+        } else {
+            format!("/{}{topic}", self.namespace)
+        }
+    }
+
+    /// Returns the name of a topic `last` below another one, `topic`, whose name is `name`. It follows the other one unless
+    /// it has another name of its own.
+    pub(super) fn name_below(&self, topic: &str, name: &str, last: &str) -> String {
+        let [plain, full] = [topic.to_owned(), self.scoped(topic)].map(|of| format!("{of}/{last}"));
+        let remap = self.remaps.iter().find(|remap| remap.from == plain || remap.from == full);
+        remap.map_or_else(|| format!("{name}/{last}"), |remap| remap.to.clone())
     }
 }
 
@@ -97,6 +110,15 @@ mod tests {
         ] {
             assert_eq!(naming.name(topic).as_deref(), Ok(name));
         }
+        for (topic, name, below) in [
+            ("/image_raw", "/bot/image_raw", "/bot/image_raw/compressed"),
+            ("/scan", "/lidar/scan", "/lidar/scan/compressed"),
+        ] {
+            assert_eq!(naming.name_below(topic, name, "compressed"), below);
+        }
+        let remaps = vec!["/image_raw/compressed:=/jpeg".parse().unwrap()];
+        let naming = Naming { remaps, ..Naming::default() };
+        assert_eq!(naming.name_below("/image_raw", "/image_raw", "compressed"), "/jpeg");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! [`Outgoing`]: a stream that is published as a topic of ROS 2.
 
 use super::Ros2Error;
+use super::compressed::Compressed;
 use super::type_hash::type_hash;
 use crate::recording::ros::RosStream;
 use belvedere_bridge::{Kind, Node, Ros, StreamInfo, StreamSpec, Subscriber};
@@ -15,6 +16,8 @@ pub(super) struct Outgoing {
     /// True if readers that join later get the last message.
     is_latched: bool,
     writer: Writer,
+    /// The topic with the same images in less memory, if it is a stream of images.
+    compressed: Option<Compressed>,
     subscriber: Option<Subscriber>,
     /// True if the stream could not be read last time, which has been reported.
     has_failed: bool,
@@ -23,22 +26,22 @@ pub(super) struct Outgoing {
 /// Returns the topic of ROS 2 for a stream; `None` for commands, and for streams that ROS has no message for.
 pub(super) fn ros_stream(info: &StreamInfo) -> Option<RosStream> {
     let kind = info.kind?;
-    let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower)
-        || info.topic == StreamSpec::SIMULATION_COMMAND;
+    let is_command = kind.is_robot_command() || info.topic == StreamSpec::SIMULATION_COMMAND;
     (!is_command).then(|| RosStream::new(Ros::Two, kind, &info.topic, info.layers)).flatten()
 }
 
 impl Outgoing {
-    /// Publishes a stream under this name. Without `qos`, the topic is reliable.
+    /// Publishes a stream under this name.
     pub(super) fn new(
         participant: &Participant,
         info: &StreamInfo,
         stream: RosStream,
         name: &str,
-        qos: Option<Qos>,
+        qos: Qos,
+        compressed: Option<Compressed>,
     ) -> Result<Self, Ros2Error> {
         let is_latched = info.kind == Some(Kind::StaticTransforms);
-        let qos = if is_latched { Qos::latched() } else { qos.unwrap_or(Qos::volatile(DEPTH)) };
+        let qos = if is_latched { Qos::latched() } else { qos };
         let message = Ros::Two.type_name(stream.message_type.name);
         let hash = type_hash(&message, &stream.message_type.definition(Ros::Two));
         let writer = participant.writer(Topic { name, message: &message, hash: &hash }, qos)?;
@@ -47,6 +50,7 @@ impl Outgoing {
             topic: info.topic.clone(),
             is_latched,
             writer,
+            compressed,
             subscriber: None,
             has_failed: false,
         })
@@ -59,6 +63,9 @@ impl Outgoing {
     /// Subscribes to the stream if somebody reads the topic, and ends the subscription if nobody does. If the stream
     /// has no place for another subscriber, the next call tries again; the other topics go on.
     pub(super) fn follow(&mut self, node: &Node) {
+        if let Some(compressed) = &mut self.compressed {
+            compressed.follow();
+        }
         let is_wanted = self.is_latched || self.writer.matched() > 0;
         if is_wanted == self.subscriber.is_some() {
             return;
@@ -102,6 +109,3 @@ impl Outgoing {
         }
     }
 }
-
-/// The number of messages of a topic that are kept for readers that are slow.
-const DEPTH: usize = 10;

@@ -1,7 +1,7 @@
 //! [`Channels`]: the ROS topics that are offered to Foxglove clients for the streams of a domain.
 
 use crate::recording::ros::RosStream;
-use belvedere_bridge::{Kind, Ros, StreamInfo, StreamSpec};
+use belvedere_bridge::{Ros, StreamInfo, StreamSpec};
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A ROS topic, made from one stream or several, such as /tf of several robots.
@@ -75,14 +75,14 @@ fn followed(streams: &[(&StreamInfo, RosStream)]) -> BTreeSet<String> {
 /// Returns the ROS topic of a stream, or `None` for commands to the robot or the simulation.
 fn ros_stream(stream: &StreamInfo) -> Option<RosStream> {
     let kind = stream.kind?;
-    let is_command = matches!(kind, Kind::VelocityCommand | Kind::ResetOdometry | Kind::MotorPower);
-    let is_ours = stream.topic == StreamSpec::SIMULATION_COMMAND;
-    (!is_command && !is_ours).then(|| RosStream::new(Ros::One, kind, &stream.topic, stream.layers)).flatten()
+    let is_command = kind.is_robot_command() || stream.topic == StreamSpec::SIMULATION_COMMAND;
+    (!is_command).then(|| RosStream::new(Ros::One, kind, &stream.topic, stream.layers)).flatten()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use belvedere_bridge::Kind;
 
     fn stream(topic: &str, kind: Kind, publishers: usize) -> StreamInfo {
         StreamInfo {

@@ -72,6 +72,14 @@ wire_enum! {
     }
 }
 
+impl Kind {
+    /// Returns true for commands to a robot. Such a stream exists before it has a publisher, because the robot reads it.
+    #[must_use]
+    pub const fn is_robot_command(self) -> bool {
+        matches!(self, Self::VelocityCommand | Self::ResetOdometry | Self::MotorPower)
+    }
+}
+
 /// The largest number of parameters of any [`DistortionModel`].
 pub const MAX_DISTORTION: usize = 14;
 

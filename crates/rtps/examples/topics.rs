@@ -92,8 +92,13 @@ fn main() -> Result<(), Failure> {
     let count: u32 = words.get(2).map_or(Ok(180), |word| word.parse())?;
     let settle: u64 = words.get(3).map_or(Ok(1000), |word| word.parse())?;
     let domain = std::env::var("ROS_DOMAIN_ID").map_or(Ok(0), |word| word.parse())?;
-    let participant =
-        Participant::join(&Node { domain, range: Range::Subnet, namespace: "/", name: "belvedere" })?;
+    let participant = Participant::join(&Node {
+        domain,
+        range: Range::Subnet,
+        peers: &[],
+        namespace: "/",
+        name: "belvedere",
+    })?;
     let qos = if best_effort { Qos::best_effort(5) } else { Qos::volatile(5) };
     let (topic, rate, make): (_, _, Make) = match what {
         "twist" => {

@@ -169,8 +169,9 @@ impl Engine {
             self.announced = if is_mended { 0 } else { self.announced.saturating_add(1) };
             let often = self.announced < ANNOUNCED_OFTEN;
             self.announce_due = now + if often { ANNOUNCE_FIRST } else { ANNOUNCE };
-            for neighbour in self.sockets.neighbours().filter(|_| often) {
-                (&self.sockets).send(neighbour, [&datagram, &[], &[]]);
+            // A peer may come at any time, and its network need not carry multicast.
+            for peer in self.sockets.neighbours().filter(|_| often).chain(self.sockets.peers()) {
+                (&self.sockets).send(peer, [&datagram, &[], &[]]);
             }
             let mut link = &self.sockets;
             self.publications_reader.ask_again(&mut link);
@@ -274,7 +275,9 @@ impl Engine {
             }
             let writer = Guid::new(source, said.writer);
             if said.writer == EntityId::SPDP_WRITER {
-                if let Content::Data { about, payload, .. } = said.content {
+                if !self.sockets.is_off()
+                    && let Content::Data { about, payload, .. } = said.content
+                {
                     self.announcement(writer, about, payload, from, now);
                 }
                 continue;

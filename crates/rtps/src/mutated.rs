@@ -47,7 +47,7 @@ fn datagrams() -> Vec<Vec<u8>> {
     let place = Place { reader: READER.entity, writer: WRITER.entity };
     let (discovery, user) = (vec![ADDRESS], vec![ADDRESS; 3]);
     let announcement = Announcement { prefix: PREFIX, discovery, user, lease: LEASE, vendor: FAST_DDS };
-    let announcement = announcement.encode(0, ADDRESS, "belvedere");
+    let announcement = announcement.encode(0, Some(ADDRESS), "belvedere");
     let endpoint = Endpoint::decode(&endpoint(), true).expect("an endpoint").encode();
     let one = |write: &dyn Fn(&mut Encoder<'_>)| {
         let mut datagram = Vec::new();

@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 use std::hash::{BuildHasher, Hasher, RandomState};
+use std::net::Ipv4Addr;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
@@ -71,6 +72,8 @@ pub struct Node<'a> {
     pub domain: u32,
     /// How far it is seen.
     pub range: Range,
+    /// Hosts whose nodes it finds without multicast, as `ROS_STATIC_PEERS` has them.
+    pub peers: &'a [Ipv4Addr],
     /// The namespace of the node, such as `/`.
     pub namespace: &'a str,
     /// The name of the node, such as `belvedere`.
@@ -207,11 +210,11 @@ impl Participant {
         if !inside.is_some_and(|inside| inside.is_empty() || ros::is_name(inside)) {
             return Err(JoinError::Node(node.namespace.to_owned(), "namespace", "/ or /robot1"));
         }
-        let sockets = Sockets::open(node.domain, node.range)?;
+        let sockets = Sockets::open(node.domain, node.range, node.peers)?;
         let prefix = random_prefix();
         let (discovery, user) = (sockets.discovery_locators()?, sockets.user_locators()?);
         let announcement = Announcement { prefix, discovery, user, lease: LEASE, vendor: UNKNOWN_VENDOR };
-        let announcement = announcement.encode(node.domain, sockets.group(), node.name);
+        let announcement = announcement.encode(node.domain, sockets.announced_group(), node.name);
         let mailbox = Arc::new(Mailbox::new(Waker::new()?));
         let engine = Engine::new(prefix, sockets, Arc::clone(&mailbox), announcement);
         let thread = std::thread::Builder::new().name("rtps".to_owned()).spawn(move || engine.run())?;

@@ -32,8 +32,10 @@ pub enum Range {
     /// By all hosts that multicast reaches.
     #[default]
     Subnet,
-    /// On this host alone.
+    /// On this host, and by peers that are named.
     Localhost,
+    /// By nobody.
+    Off,
 }
 
 /// Which networks an announcement has reached.
@@ -53,6 +55,11 @@ pub(crate) struct Sockets {
     user: UdpSocket,
     /// The addresses of this host.
     own: Vec<Ipv4Addr>,
+    /// The addresses of the networks whose participants find us, and we them, without being named as peers.
+    near: Vec<Ipv4Addr>,
+    /// Other hosts whose participants are told of us.
+    peers: Vec<Ipv4Addr>,
+    range: Range,
     domain: u16,
 }
 
@@ -87,14 +94,23 @@ pub enum JoinError {
 
 impl Sockets {
     /// Listens at the first free ports of a domain.
-    pub(crate) fn open(number: u32, range: Range) -> Result<Sockets, JoinError> {
+    pub(crate) fn open(number: u32, range: Range, peers: &[Ipv4Addr]) -> Result<Sockets, JoinError> {
         let domain = u16::try_from(number).ok().filter(|&domain| domain <= 232);
         let domain = domain.ok_or(JoinError::Domain(number))?;
         let first = first_port(domain) + 10;
-        let (any, own) = match range {
-            Range::Subnet => (Ipv4Addr::UNSPECIFIED, own_addresses()),
-            Range::Localhost => (Ipv4Addr::LOCALHOST, vec![Ipv4Addr::LOCALHOST]),
+        let here = vec![Ipv4Addr::LOCALHOST];
+        let has_far_peers = range == Range::Localhost && !peers.iter().all(Ipv4Addr::is_loopback);
+        let (any, own) = if range == Range::Subnet || has_far_peers {
+            (Ipv4Addr::UNSPECIFIED, own_addresses())
+        } else {
+            (Ipv4Addr::LOCALHOST, here.clone())
         };
+        let near = match range {
+            Range::Subnet => own.clone(),
+            Range::Localhost => here,
+            Range::Off => Vec::new(),
+        };
+        let peers = if range == Range::Off { Vec::new() } else { peers.to_vec() };
         let mut last_error = None;
         for number in 0..PARTICIPANTS {
             let Some(port) = first.checked_add(2 * number).filter(|&port| port < u16::MAX) else { break };
@@ -108,8 +124,8 @@ impl Sockets {
                         let _ = sockopt::set_socket_send_buffer_size(socket, BUFFER);
                         socket.set_multicast_loop_v4(true)?;
                     }
-                    let group = listen_to_group(first_port(domain), &own)?;
-                    return Ok(Sockets { group, discovery, user, own, domain });
+                    let group = listen_to_group(first_port(domain), &near)?;
+                    return Ok(Sockets { group, discovery, user, own, near, peers, range, domain });
                 }
                 Err(error) => last_error = Some(error),
             }
@@ -123,10 +139,30 @@ impl Sockets {
         SocketAddrV4::new(GROUP, first_port(self.domain))
     }
 
+    /// The group, if others reach us by it. On networks where only peers find us, we do not listen to it.
+    pub(crate) fn announced_group(&self) -> Option<SocketAddrV4> {
+        (self.near == self.own).then(|| self.group())
+    }
+
+    /// Returns true if we neither find participants nor are found by them.
+    pub(crate) fn is_off(&self) -> bool {
+        self.range == Range::Off
+    }
+
     /// Where the first participants of this host listen, for hosts without a network that carries multicast.
     pub(crate) fn neighbours(&self) -> impl Iterator<Item = SocketAddrV4> {
+        let here = (!self.is_off()).then_some(Ipv4Addr::LOCALHOST);
+        here.into_iter().flat_map(|here| self.first_participants(here))
+    }
+
+    /// Where the first participants of the peers listen.
+    pub(crate) fn peers(&self) -> impl Iterator<Item = SocketAddrV4> {
+        self.peers.iter().flat_map(|&peer| self.first_participants(peer))
+    }
+
+    fn first_participants(&self, host: Ipv4Addr) -> impl Iterator<Item = SocketAddrV4> + use<> {
         let first = first_port(self.domain) + 10;
-        (0..10).map(move |number| SocketAddrV4::new(Ipv4Addr::LOCALHOST, first + 2 * number))
+        (0..10).map(move |number| SocketAddrV4::new(host, first + 2 * number))
     }
 
     /// The addresses at which others reach us: those of networks, or of this host if there is no network.
@@ -154,10 +190,10 @@ impl Sockets {
             sockopt::set_ip_multicast_if(&self.discovery, address).is_ok()
                 && self.discovery.send_to(datagram, self.group()).is_ok()
         };
-        match self.own.iter().filter(reaches).count() {
+        match self.near.iter().filter(reaches).count() {
+            reached if reached == self.near.len() => Announced::Everywhere,
             0 => Announced::Nowhere,
-            reached if reached < self.own.len() => Announced::Somewhere,
-            _ => Announced::Everywhere,
+            _ => Announced::Somewhere,
         }
     }
 
@@ -198,7 +234,14 @@ impl Sockets {
             for _ in 0..most {
                 // An error says that there is nothing, or belongs to an earlier datagram, which nobody took.
                 match socket.recv_from(buffer) {
-                    Ok((length, std::net::SocketAddr::V4(from))) => take(&buffer[..length], from),
+                    Ok((length, std::net::SocketAddr::V4(from))) => {
+                        // If another program of this host listens to the group on a network, we hear that network, too.
+                        let is_group = self.group.as_ref().is_some_and(|group| std::ptr::eq(group, socket));
+                        let is_far = self.range == Range::Localhost && !self.own.contains(from.ip());
+                        if !(is_group && is_far) {
+                            take(&buffer[..length], from);
+                        }
+                    }
                     Ok(_) => {}
                     Err(error) if error.kind() == io::ErrorKind::ConnectionRefused => {}
                     Err(_) => break,

@@ -64,8 +64,8 @@ impl Announcement {
         Some(Announcement { prefix: prefix?, discovery, user, lease, vendor })
     }
 
-    /// What we announce.
-    pub(crate) fn encode(&self, domain: u32, multicast: SocketAddrV4, name: &str) -> Vec<u8> {
+    /// What we announce. At `multicast`, all participants listen.
+    pub(crate) fn encode(&self, domain: u32, multicast: Option<SocketAddrV4>, name: &str) -> Vec<u8> {
         let mut payload = ENCAPSULATION.to_vec();
         let mut list = List(&mut payload);
         list.bytes(id::PROTOCOL_VERSION, &[2, 3])
@@ -74,10 +74,12 @@ impl Announcement {
             .number(id::DOMAIN_ID, domain)
             .number(id::BUILTIN_ENDPOINT_SET, BUILTIN_ENDPOINTS)
             .numbers_and_duration(id::LEASE_DURATION, &[], self.lease)
-            .locator(id::METATRAFFIC_MULTICAST_LOCATOR, multicast)
             .string(id::ENTITY_NAME, name)
             // The security enclave of ROS 2: none.
             .counted(id::USER_DATA, b"enclave=/;");
+        if let Some(locator) = multicast {
+            list.locator(id::METATRAFFIC_MULTICAST_LOCATOR, locator);
+        }
         for &locator in &self.discovery {
             list.locator(id::METATRAFFIC_UNICAST_LOCATOR, locator);
         }
@@ -121,7 +123,7 @@ mod tests {
             lease: LEASE,
             vendor: [1, 15],
         };
-        let payload = announced.encode(0, address(7400), "belvedere");
+        let payload = announced.encode(0, Some(address(7400)), "belvedere");
         assert_eq!(Announcement::decode(&payload), Some(announced));
         for length in 0..payload.len() {
             assert_eq!(Announcement::decode(&payload[..length]), None);

@@ -23,7 +23,7 @@ pub(crate) fn topic() -> Topic<'static> {
 }
 
 pub(crate) fn join(domain: u32, name: &str) -> Participant {
-    let node = Node { domain, range: Range::Localhost, namespace: "/", name };
+    let node = Node { domain, range: Range::Localhost, peers: &[], namespace: "/", name };
     Participant::join(&node).expect("a participant")
 }
 
@@ -157,12 +157,12 @@ fn names_that_cannot_be_are_refused() {
         "\"RIHS01_12\" is not the hash of a type; it is RIHS01_ and 64 hexadecimal digits, or empty"
     );
     let join = |namespace, name| {
-        let node = Node { domain: domain(4), range: Range::Localhost, namespace, name };
+        let node = Node { domain: domain(4), range: Range::Localhost, peers: &[], namespace, name };
         Participant::join(&node).expect_err("it is none").to_string()
     };
     let end = "with letters, digits and _, at most 255";
     assert_eq!(join("/", "a/b"), format!("\"a/b\" is not the name of a node; write belvedere, {end}"));
     assert_eq!(join("a", "b"), format!("\"a\" is not the namespace of a node; write / or /robot1, {end}"));
-    let far = Node { domain: 233, range: Range::Localhost, namespace: "/", name: "far" };
+    let far = Node { domain: 233, range: Range::Localhost, peers: &[], namespace: "/", name: "far" };
     assert!(matches!(Participant::join(&far), Err(JoinError::Domain(233))));
 }

@@ -5,6 +5,7 @@ import json
 import os
 import signal
 import subprocess
+import tempfile
 import time
 
 import rclpy
@@ -13,17 +14,20 @@ DOMAIN = f"ros2-{os.getpid()}"
 
 
 @contextlib.contextmanager
-def program(belvedere, *words, code=0):
-    """Runs a command of belvedere, stops it with Ctrl-C, and checks its exit code. Gives what it said, at its end."""
-    command = [belvedere, *words, "--domain", DOMAIN]
-    child = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    said = []
+def program(belvedere, *words):
+    """Runs a command of belvedere, stops it with Ctrl-C, and checks its exit code. Gives a function: what it has said."""
+    file = tempfile.TemporaryFile()
+
+    def said():
+        return os.pread(file.fileno(), 1 << 20, 0).decode()
+
+    child = subprocess.Popen([belvedere, *words, "--domain", DOMAIN], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file)
     try:
         yield said
     finally:
         child.send_signal(signal.SIGINT)
-        said.append(child.communicate(timeout=20)[1])
-    assert child.returncode == code, f"{words}: {child.returncode}\n{said[0]}"
+        child.wait(timeout=20)
+    assert child.returncode == 0, f"{words}: {child.returncode}\n{said()}"
 
 
 def spin(node, done, seconds):

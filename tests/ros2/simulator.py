@@ -7,16 +7,15 @@ received from a replay must have.
 import contextlib
 import importlib
 import json
-import os
-import signal
-import subprocess
 import sys
-import time
 from collections import defaultdict
+from functools import partial
 from pathlib import Path
 
+import kit
 import rclpy
 from geometry_msgs.msg import Twist
+from kit import spin
 from mcap.reader import make_reader
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -24,30 +23,12 @@ from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import Image
 
 BELVEDERE, RECORDINGS = sys.argv[1], sys.argv[2:]
-DOMAIN = f"ros2-{os.getpid()}"
 RETURN_S = 2.0  # from the start of a simulator until its first message
 
 
-@contextlib.contextmanager
-def program(*words):
-    """Runs a command of belvedere, stops it with Ctrl-C, and checks its exit code."""
-    child = subprocess.Popen([BELVEDERE, *words, "--domain", DOMAIN], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    try:
-        yield child
-    finally:
-        child.send_signal(signal.SIGINT)
-        _, said = child.communicate(timeout=20)
-    assert child.returncode == 0, f"{words}: {child.returncode}\n{said}"
-
-
-def spin(node, done, seconds):
-    """Spins until `done()` is true, and returns the time that it took, or None."""
-    begin = time.monotonic()
-    while not done():
-        if time.monotonic() > begin + seconds:
-            return None
-        rclpy.spin_once(node, timeout_sec=0.05)
-    return time.monotonic() - begin
+program = partial(kit.program, BELVEDERE)
+streams = partial(kit.streams, BELVEDERE)
+readers = partial(kit.readers, BELVEDERE)
 
 
 def message_class(name):
@@ -103,17 +84,6 @@ def judge_replay(node, recording):
         assert not wrong, f"{topic}: {wrong} of {len(messages)} messages have other bytes than the recording"
     print(f"{Path(recording).name}: {sum(map(len, received.values()))} messages of {len(known)} topics, "
           f"and {len(types) - len(known)} topics of types that are not installed", flush=True)
-
-
-def streams():
-    """Returns the lines of `belvedere list`."""
-    done = subprocess.run([BELVEDERE, "list", "--json", "--domain", DOMAIN], capture_output=True, text=True)
-    return [json.loads(line) for line in done.stdout.splitlines()]
-
-
-def readers(topic):
-    """Returns the number of subscribers of a stream."""
-    return next(line["subscribers"] for line in streams() if line["topic"].strip("/") == topic)
 
 
 def judge_simulator(node):

@@ -17,7 +17,6 @@ use crate::sedp::Endpoint;
 use crate::sockets::Sockets;
 use crate::spdp::{self, Announcement};
 use crate::writer::{Keep, Sample, Writer};
-use replies::Held;
 
 /// How often we announce ourselves: often in the beginning, then now and then.
 const ANNOUNCE_FIRST: Duration = Duration::from_millis(100);
@@ -57,6 +56,15 @@ struct OwnReader {
     endpoint: Endpoint,
     reader: Reader,
     inbox: Inbox,
+}
+
+/// A reply of a service that waits.
+#[derive(Debug)]
+struct Held {
+    writer: EntityId,
+    sample: Sample,
+    /// When it is sent to whoever is there.
+    until: Instant,
 }
 
 /// What the thread of a participant knows.

@@ -18,7 +18,6 @@ use crate::sedp::Endpoint;
 use crate::sockets::{Announced, Sockets};
 use crate::spdp::{self, Announcement};
 use crate::writer::{Keep, Sample, Writer};
-use replies::Held;
 
 /// How often we announce ourselves: often in the beginning and after a network was down, then every second. A network
 /// that was cut without an error, longer than a lease, is noticed by nobody; one second later others know us again.
@@ -59,6 +58,15 @@ struct OwnReader {
     endpoint: Endpoint,
     reader: Reader,
     inbox: Inbox,
+}
+
+/// A reply of a service that waits.
+#[derive(Debug)]
+struct Held {
+    writer: EntityId,
+    sample: Sample,
+    /// When it is sent to whoever is there.
+    until: Instant,
 }
 
 /// What the thread of a participant knows.

@@ -12,9 +12,8 @@ use crate::ros2::{Ros2Error, Ros2Options};
 use belvedere_bridge::payload::{SensorSettings, SimulationCommand};
 use belvedere_bridge::{Error, Node, Operation, StreamSpec, Subscriber, Text};
 use belvedere_rtps::{Participant, Qos, Request, Requests, Service, ServiceType, Topic, Writer};
-use codec::Value;
 use std::time::Duration;
-use table::{Change, Table};
+use table::{Change, Table, Value};
 
 /// The largest request that is accepted, and the most parameters in it.
 const MOST_BYTES: usize = 64 * 1024;

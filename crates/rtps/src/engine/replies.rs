@@ -2,7 +2,7 @@
 
 use std::time::{Duration, Instant};
 
-use super::Engine;
+use super::{Engine, Held};
 use crate::guid::EntityId;
 use crate::writer::Sample;
 
@@ -11,15 +11,6 @@ const HOLD: Duration = Duration::from_secs(1);
 
 /// At most so many replies wait; the oldest one is then sent, or dropped if nobody is there to get it.
 const MOST_HELD: usize = 64;
-
-/// A reply that waits.
-#[derive(Debug)]
-pub(super) struct Held {
-    writer: EntityId,
-    sample: Sample,
-    /// When it is sent to whoever is there.
-    pub(super) until: Instant,
-}
 
 impl Engine {
     pub(super) fn hold(&mut self, writer: EntityId, sample: Sample, now: Instant) {

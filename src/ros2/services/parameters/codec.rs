@@ -1,86 +1,42 @@
 //! Requests and responses of the parameter services, in CDR.
 
 use super::MOST_PARAMETERS;
-use super::table::Parameter;
+use super::table::{Parameter, Value};
 use crate::ros2::cdr::{Cdr, Unreadable};
 use belvedere_bridge::RosBytes;
 
 /// The most elements of an array that a request gives for a parameter. None of ours is an array.
 const MOST_ELEMENTS: usize = 100_000;
 
-/// The value of a parameter.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) enum Value {
-    /// None: the parameter does not exist, or is to be removed.
-    NotSet,
-    Bool(bool),
-    Integer(i64),
-    Double(f64),
-    /// A value of a type that no parameter here has, with the name of that type.
-    Other(&'static str),
+/// Reads a value.
+fn read(from: &mut Cdr<'_>) -> Result<Value, Unreadable> {
+    let number = from.u8()?;
+    let (bool, integer, double) = (from.bool()?, from.i64()?, from.f64()?);
+    from.text()?;
+    // Arrays of bytes and bools, of integers and doubles, and of strings.
+    from.list(MOST_ELEMENTS, Cdr::u8)?;
+    from.list(MOST_ELEMENTS, Cdr::u8)?;
+    from.list(MOST_ELEMENTS, Cdr::i64)?;
+    from.list(MOST_ELEMENTS, Cdr::f64)?;
+    from.list(MOST_ELEMENTS, Cdr::text)?;
+    Ok(match number {
+        0 => Value::NotSet,
+        1 => Value::Bool(bool),
+        2 => Value::Integer(integer),
+        3 => Value::Double(double),
+        other => Value::of_other_type(other),
+    })
 }
 
-/// The types of values, by their numbers in `rcl_interfaces/msg/ParameterType`.
-const TYPES: [&str; 10] = [
-    "nothing",
-    "a bool",
-    "an integer",
-    "a double",
-    "a string",
-    "an array of bytes",
-    "an array of bools",
-    "an array of integers",
-    "an array of doubles",
-    "an array of strings",
-];
-
-impl Value {
-    /// Returns the number of its type.
-    fn number(self) -> u8 {
-        TYPES.iter().position(|known| *known == self.kind()).unwrap_or(0) as u8
-    }
-
-    /// Returns the name of its type, with an article.
-    pub(super) fn kind(self) -> &'static str {
-        match self {
-            Self::NotSet => TYPES[0],
-            Self::Bool(_) => TYPES[1],
-            Self::Integer(_) => TYPES[2],
-            Self::Double(_) => TYPES[3],
-            Self::Other(kind) => kind,
-        }
-    }
-
-    fn read(from: &mut Cdr<'_>) -> Result<Self, Unreadable> {
-        let number = from.u8()?;
-        let (bool, integer, double) = (from.bool()?, from.i64()?, from.f64()?);
-        from.text()?;
-        // Arrays of bytes and bools, of integers and doubles, and of strings.
-        from.list(MOST_ELEMENTS, Cdr::u8)?;
-        from.list(MOST_ELEMENTS, Cdr::u8)?;
-        from.list(MOST_ELEMENTS, Cdr::i64)?;
-        from.list(MOST_ELEMENTS, Cdr::f64)?;
-        from.list(MOST_ELEMENTS, Cdr::text)?;
-        Ok(match number {
-            0 => Self::NotSet,
-            1 => Self::Bool(bool),
-            2 => Self::Integer(integer),
-            3 => Self::Double(double),
-            other => {
-                Self::Other(TYPES.get(usize::from(other)).copied().unwrap_or("a value of an unknown type"))
-            }
-        })
-    }
-
-    fn write(self, to: &mut RosBytes<'_>) {
-        to.u8(self.number());
-        to.u8(u8::from(self == Self::Bool(true)));
-        to.i64(if let Self::Integer(value) = self { value } else { 0 });
-        to.f64(if let Self::Double(value) = self { value } else { 0.0 });
-        to.text("");
-        for _array in 0..5 {
-            to.count(0);
-        }
+/// Writes a value.
+fn write(value: Value, to: &mut RosBytes<'_>) {
+    to.u8(value.number());
+    to.u8(u8::from(value == Value::Bool(true)));
+    to.i64(if let Value::Integer(number) = value { number } else { 0 });
+    to.f64(if let Value::Double(number) = value { number } else { 0.0 });
+    to.text("");
+    for _array in 0..5 {
+        to.count(0);
     }
 }
 
@@ -97,7 +53,7 @@ pub(super) fn prefixes(body: &[u8]) -> Result<(Vec<&str>, u64), Unreadable> {
 
 /// Reads the parameters of a request.
 pub(super) fn parameters(body: &[u8]) -> Result<Vec<(&str, Value)>, Unreadable> {
-    Cdr::new(body)?.list(MOST_PARAMETERS, |from| Ok((from.text()?, Value::read(from)?)))
+    Cdr::new(body)?.list(MOST_PARAMETERS, |from| Ok((from.text()?, read(from)?)))
 }
 
 /// Writes a list of texts.
@@ -112,7 +68,7 @@ pub(super) fn write_texts(to: &mut RosBytes<'_>, texts: &[&str]) {
 pub(super) fn write_values(to: &mut RosBytes<'_>, found: &[Option<&Parameter>]) {
     to.count(found.len());
     for found in found {
-        found.map_or(Value::NotSet, |known| known.value).write(to);
+        write(found.map_or(Value::NotSet, |known| known.value), to);
     }
 }
 
@@ -152,7 +108,7 @@ pub(super) fn write_parameters(to: &mut RosBytes<'_>, parameters: &[(&str, Value
     to.count(parameters.len());
     for (name, value) in parameters {
         to.text(name);
-        value.write(to);
+        write(*value, to);
     }
 }
 

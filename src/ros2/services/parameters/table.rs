@@ -1,10 +1,58 @@
 //! [`Table`]: the parameters that there are now, with their values and limits.
 
-use super::codec::Value;
 use crate::description::suggestion::did_you_mean_or;
 use belvedere_bridge::Text;
 use belvedere_bridge::payload::SensorSettings;
 use std::collections::BTreeSet;
+
+/// The value of a parameter.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Value {
+    /// None: the parameter does not exist, or is to be removed.
+    NotSet,
+    Bool(bool),
+    Integer(i64),
+    Double(f64),
+    /// A value of a type that no parameter here has, with the name of that type.
+    Other(&'static str),
+}
+
+/// The types of values, by their numbers in `rcl_interfaces/msg/ParameterType`.
+const TYPES: [&str; 10] = [
+    "nothing",
+    "a bool",
+    "an integer",
+    "a double",
+    "a string",
+    "an array of bytes",
+    "an array of bools",
+    "an array of integers",
+    "an array of doubles",
+    "an array of strings",
+];
+
+impl Value {
+    /// Returns the number of its type.
+    pub(super) fn number(self) -> u8 {
+        TYPES.iter().position(|known| *known == self.kind()).unwrap_or(0) as u8
+    }
+
+    /// Returns the name of its type, with an article.
+    pub(super) fn kind(self) -> &'static str {
+        match self {
+            Self::NotSet => TYPES[0],
+            Self::Bool(_) => TYPES[1],
+            Self::Integer(_) => TYPES[2],
+            Self::Double(_) => TYPES[3],
+            Self::Other(kind) => kind,
+        }
+    }
+
+    /// A value of the type with this number, which no parameter here has.
+    pub(super) fn of_other_type(number: u8) -> Self {
+        Self::Other(TYPES.get(usize::from(number)).copied().unwrap_or("a value of an unknown type"))
+    }
+}
 
 /// A parameter of the node.
 #[derive(Debug, Clone, PartialEq)]

@@ -51,10 +51,22 @@ impl Signal {
         of: impl Fn(u16) -> Stream,
         samples: [u32; BLOCKS],
     ) {
-        let Self { dark_e, prnu, dsnu_e, read_e, full_well_e, dn_per_electron, black_level_dn, top_dn } =
-            *self;
+        let offset = self.add_patterns(simd, electrons, &of, samples);
+        let (counts, reading) = self.collect(simd, electrons, &offset, &of, samples);
+        self.convert(electrons, &counts, &offset, &reading);
+    }
 
-        // Step 1: apply the fixed patterns.
+    /// Applies the fixed patterns: multiplies the electrons by the response of each pixel, adds the dark current, and
+    /// returns the dark signal of each pixel.
+    #[inline(always)]
+    fn add_patterns<S: Simd>(
+        &self,
+        simd: S,
+        electrons: &mut Lanes<f32>,
+        of: &impl Fn(u16) -> Stream,
+        samples: [u32; BLOCKS],
+    ) -> Lanes<f32> {
+        let Self { dark_e, prnu, dsnu_e, .. } = *self;
         if prnu != 0.0 {
             let response = normals64(simd, &Stream { frame: 0, ..of(Stream::RESPONSE) }, samples);
             for lane in 0..LANES {
@@ -69,12 +81,29 @@ impl Signal {
                 offset[lane] = dsnu_e * dark[lane];
             }
         }
+        for lane in 0..LANES {
+            electrons[lane] += dark_e;
+        }
+        offset
+    }
+
+    /// Draws the electrons that are collected and the normals of their read noise, from the mean of each pixel. Where
+    /// the well cannot be full, the electrons include both kinds of noise.
+    #[inline(always)]
+    fn collect<S: Simd>(
+        &self,
+        simd: S,
+        electrons: &Lanes<f32>,
+        offset: &Lanes<f32>,
+        of: &impl Fn(u16) -> Stream,
+        samples: [u32; BLOCKS],
+    ) -> (Lanes<f32>, Lanes<f32>) {
+        let Self { read_e, full_well_e, .. } = *self;
         let variance = read_e * read_e;
         // Below this, no count reaches the full well, whatever its noise.
         let brim_e = full_well_e - LARGEST_NORMAL * sqrt_f32(full_well_e + variance) - LARGEST_BEND;
         let (mut any_none, mut any_few, mut any_many, mut any_full) = (0, 0, 0, 0);
         for lane in 0..LANES {
-            electrons[lane] += dark_e;
             any_full |= u32::from(electrons[lane] >= brim_e || electrons[lane] + offset[lane] >= brim_e);
             let is_many = u32::from(electrons[lane] >= MANY);
             let is_some = u32::from(electrons[lane] > 0.0);
@@ -83,8 +112,6 @@ impl Signal {
             any_many |= is_many;
         }
 
-        // Step 2: draw the charge that is collected, and its read noise. Where the well cannot be full, the charge
-        // includes both kinds of noise.
         let is_one = variance >= WHOLE_ELECTRONS;
         let mut shot = [0.0; LANES];
         if is_one || any_many != 0 {
@@ -132,14 +159,25 @@ impl Signal {
                 }
             }
         }
+        (counts, reading)
+    }
 
-        // Step 3: convert to DN.
+    /// Converts the electrons that were collected to DN.
+    #[inline(always)]
+    fn convert(
+        &self,
+        numbers: &mut Lanes<f32>,
+        counts: &Lanes<f32>,
+        offset: &Lanes<f32>,
+        reading: &Lanes<f32>,
+    ) {
+        let Self { read_e, full_well_e, dn_per_electron, black_level_dn, top_dn, .. } = *self;
         for lane in 0..LANES {
             let collected = counts[lane] + offset[lane];
             let held = if collected < full_well_e { collected } else { full_well_e };
             let level = (held + read_e * reading[lane]) * dn_per_electron + black_level_dn;
             let level = if level > 0.0 { level } else { 0.0 };
-            electrons[lane] = round(if level < top_dn { level } else { top_dn });
+            numbers[lane] = round(if level < top_dn { level } else { top_dn });
         }
     }
 }

@@ -5,13 +5,14 @@
 //! proportional to the distance from there, for which single precision is sufficient.
 
 use super::surface::Footprint;
-use super::tile::{Steps, Tile};
-use crate::scene::{Instance, Solid};
+use super::tile::{self, Steps, Tile};
+use super::{ROWS, Shader, lanes_in, store_where};
+use crate::scene::{Instance, NO_TEXTURE, Solid};
 use crate::simd::{LANES, Lanes, WIDTH, floor, load_row};
 use crate::trace::packet::{Faces, MISS};
-use crate::trace::placed::view::Placed;
+use crate::trace::placed::view::{Placed, View};
 use crate::trace::shapes::solid_surface;
-use fearless_simd::{Select, Simd, SimdBase, f32x16, u32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, u32x16};
 use glam::DVec3;
 
 /// A face, in the axes of the world, with the sensor as the origin.
@@ -144,6 +145,66 @@ impl Face {
             }
         }
         Footprint { uv: [moved[0] + self.uv[0], moved[1] + self.uv[1]], steps }
+    }
+}
+
+impl Shader {
+    /// Sets the normals of the lanes that hit a solid with flat faces, and, where its material has a texture or a normal
+    /// map, their footprints.
+    #[inline(always)]
+    pub(super) fn add_faces<S: Simd>(
+        &mut self,
+        simd: S,
+        (view, tile): (&View<'_>, &Tile),
+        (placed, lanes): (u32, u64),
+        solid: Solid,
+        steps: &Steps,
+        footprints: &mut [Footprint<S>; ROWS],
+    ) {
+        let (instance, on) = (view.instance(placed), &view.placed[placed as usize]);
+        let material = &view.scene.materials[instance.material as usize];
+        let bumpy = material.normal_map != NO_TEXTURE;
+        let mapped = material.texture != NO_TEXTURE || bumpy;
+        let visible = VisibleFaces::new((instance, solid), on, self.faces);
+        let numbers = if visible.only().is_some() { None } else { Some(visible.of_tile(simd, tile, lanes)) };
+        let mut rest = lanes;
+        while rest != 0 {
+            let (mut number, mut mine) = (visible.only().unwrap_or(0), rest);
+            if let Some(numbers) = &numbers {
+                number = numbers[rest.trailing_zeros() as usize % LANES];
+                mine &= tile::lanes_with(simd, numbers, number);
+            }
+            rest &= !mine;
+            let face = self.known_faces.find((placed, number), || {
+                Face::new((instance, solid), on, number, material.texture_repeat, steps)
+            });
+            for row in 0..ROWS {
+                let mine = lanes_in(simd, mine, row);
+                if !mine.any_true() {
+                    continue;
+                }
+                for axis in 0..3 {
+                    let normal = f32x16::splat(simd, face.normal[axis]);
+                    store_where(simd, mine, normal, &mut self.surfaces.normal[axis], row);
+                }
+                if bumpy {
+                    for (place, gradient) in self.surfaces.gradient.iter_mut().zip(&face.gradient) {
+                        for axis in 0..3 {
+                            let gradient = f32x16::splat(simd, gradient[axis]);
+                            store_where(simd, mine, gradient, &mut place[axis], row);
+                        }
+                    }
+                }
+                if mapped {
+                    let footprint = if steps.is_some() {
+                        face.footprint::<S, true>(simd, tile, row)
+                    } else {
+                        face.footprint::<S, false>(simd, tile, row)
+                    };
+                    footprints[row].take(mine, &footprint);
+                }
+            }
+        }
     }
 }
 

@@ -31,7 +31,7 @@ use crate::trace::packet::{Faces, Packet};
 use crate::trace::placed::view::View;
 use crate::trace::shapes::LocalRays;
 use bumps::Bumps;
-use face::{Face, KnownFaces, VisibleFaces};
+use face::KnownFaces;
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
@@ -221,11 +221,9 @@ impl Shader {
         let scene = &view.scene;
         let instance = view.instance(placed);
         let material = &scene.materials[instance.material as usize];
-        let textured = material.texture != NO_TEXTURE;
         let bumpy = material.normal_map != NO_TEXTURE;
         // True if the positions of the pixels on the texture are needed.
-        let mapped = textured || bumpy;
-        let repeat = material.texture_repeat;
+        let mapped = material.texture != NO_TEXTURE || bumpy;
 
         // Step 1: compute normals and footprints on the texture. Without lamps, nothing depends on normals.
         let mut footprints = [Footprint::nothing(simd); ROWS];
@@ -235,55 +233,42 @@ impl Shader {
         } else if let Kind::Solid(solid) = instance.kind()
             && solid.has_flat_faces()
         {
-            let on = &view.placed[placed as usize];
-            let visible = VisibleFaces::new((instance, solid), on, self.faces);
-            let numbers =
-                if visible.only().is_some() { None } else { Some(visible.of_tile(simd, tile, lanes)) };
-            let mut rest = lanes;
-            while rest != 0 {
-                let (mut number, mut mine) = (visible.only().unwrap_or(0), rest);
-                if let Some(numbers) = &numbers {
-                    number = numbers[rest.trailing_zeros() as usize % LANES];
-                    mine &= tile::lanes_with(simd, numbers, number);
-                }
-                rest &= !mine;
-                let face = self
-                    .known_faces
-                    .find((placed, number), || Face::new((instance, solid), on, number, repeat, steps));
-                for row in 0..ROWS {
-                    let mine = lanes_in(simd, mine, row);
-                    if !mine.any_true() {
-                        continue;
-                    }
-                    for axis in 0..3 {
-                        let normal = f32x16::splat(simd, face.normal[axis]);
-                        store_where(simd, mine, normal, &mut self.surfaces.normal[axis], row);
-                    }
-                    if bumpy {
-                        for (place, gradient) in self.surfaces.gradient.iter_mut().zip(&face.gradient) {
-                            for axis in 0..3 {
-                                let gradient = f32x16::splat(simd, gradient[axis]);
-                                store_where(simd, mine, gradient, &mut place[axis], row);
-                            }
-                        }
-                    }
-                    if mapped {
-                        let footprint = if steps.is_some() {
-                            face.footprint::<S, true>(simd, tile, row)
-                        } else {
-                            face.footprint::<S, false>(simd, tile, row)
-                        };
-                        footprints[row].take(mine, &footprint);
-                    }
-                }
-            }
+            self.add_faces(simd, (view, tile), (placed, lanes), solid, steps, &mut footprints);
         } else {
             self.surfaces.wants_gradient = bumpy;
-            let repeat = mapped.then_some(repeat);
+            let repeat = mapped.then_some(material.texture_repeat);
             self.surfaces.add(simd, (view, tile), (placed, lanes), repeat, steps, &mut footprints);
         }
 
         // Step 2: compute the colours.
+        self.add_colours(simd, scene, material, &footprints, lanes, colours);
+        if material.is_glossy() {
+            if material.is_pbr() {
+                self.gloss.add_facets(simd, material, lanes, &mut self.albedo);
+            } else {
+                self.gloss.add(simd, material, lanes, scene.colour_space);
+            }
+        }
+        if bumpy {
+            self.bump(simd, scene, material, &footprints, lanes);
+        }
+        if material.is_clear() {
+            self.uncover(simd, scene, material, &footprints, lanes);
+        }
+    }
+
+    /// Sets the albedo of the lanes, and the part of their colours that does not depend on lamps.
+    #[inline(always)]
+    fn add_colours<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &Scene<'_>,
+        material: &Material,
+        footprints: &[Footprint<S>; ROWS],
+        lanes: u64,
+        colours: &mut Colours,
+    ) {
+        let textured = material.texture != NO_TEXTURE;
         let space = scene.colour_space;
         let ambient = light_of(material.ambient, space);
         let (diffuse, emissive) = (light_of(material.diffuse, space), light_of(material.emissive, space));
@@ -307,19 +292,6 @@ impl Shader {
                 let albedo = texture[channel] * diffuse[channel];
                 store_where(simd, mine, albedo, &mut self.albedo[channel], row);
             }
-        }
-        if material.is_glossy() {
-            if material.is_pbr() {
-                self.gloss.add_facets(simd, material, lanes, &mut self.albedo);
-            } else {
-                self.gloss.add(simd, material, lanes, space);
-            }
-        }
-        if bumpy {
-            self.bump(simd, scene, material, &footprints, lanes);
-        }
-        if material.is_clear() {
-            self.uncover(simd, scene, material, &footprints, lanes);
         }
     }
 

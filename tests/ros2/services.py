@@ -221,9 +221,14 @@ def judge_types(caller):
     for name in services:
         topic, kind = f"/{snake(name)}", f"simulation_interfaces/srv/{name}"
         assert named.get(topic) == [kind], f"{topic}: {named.get(topic)}"
-        info = caller.node.get_subscriptions_info_by_topic(f"rq{topic}Request", no_mangle=True)
-        ours = [each for each in info if each.node_name == "belvedere"]
-        assert ours and HASHES[kind] in str(ours[0].topic_type_hash), f"{topic}: {info}"
+        # The name of the node comes a moment after its services.
+        of_node = lambda: [
+            each
+            for each in caller.node.get_subscriptions_info_by_topic(f"rq{topic}Request", no_mangle=True)
+            if each.node_name == "belvedere"
+        ]
+        until(of_node, f"{topic} belongs to no node")
+        assert HASHES[kind] in str(of_node()[0].topic_type_hash), topic
 
 
 def judge_end_of_the_simulator(caller, child):

@@ -166,7 +166,8 @@ fn a_reader_that_has_forgotten_its_writer_gets_the_history_again() {
     }
     exchange.came.clear();
     exchange.reader = Reader::new(READER, true, true, 1 << 20);
-    let writer = Peer { guid: WRITER, address: ADDRESS, reliable: true, transient: true, vendor: UNKNOWN_VENDOR };
+    let writer =
+        Peer { guid: WRITER, address: ADDRESS, reliable: true, transient: true, vendor: UNKNOWN_VENDOR };
     exchange.reader.match_writer(writer, &mut exchange.link);
     exchange.pass(Duration::from_secs(1));
     assert_eq!(exchange.came, [(3, 100), (4, 100)]);

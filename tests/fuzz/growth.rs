@@ -52,6 +52,12 @@ const SHAPES: &[Shape] = &[
     row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name=\"${'", "a'  'b", "'}\"/></robot>"),
     row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='l", "${1}$(arg a)", "'/></robot>"),
     row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='l'", " a#='1'", "/></robot>"),
+    row(
+        "xacro",
+        "<robot name='r' xmlns:xacro='http://x'><link name='l'>",
+        "<xacro:attribute name='a#' value='1'/>",
+        "</link></robot>",
+    ),
     row("xacro", "<robot name='r' xmlns:xacro='http://x'><link name='l'/>", "<!-- c -->\n", "</robot>"),
     row("xacro", "<robot name='r' xmlns:xacro='http://x'>", "&amp;&lt;", "</robot>"),
     nest("xacro", XACRO, ["<a>", "</a>"], "</robot>"),

@@ -170,6 +170,8 @@ impl Report {
     }
 
     fn inside(&mut self, element: &Element, rows: &'static [Row]) {
+        // Looked up once, since an element may have any number of attributes that are not known.
+        let title = title(element);
         for (name, value) in &element.attributes {
             // Names with a prefix belong to other programs; a value may be in an attribute instead of the element.
             if name.contains(':') || name == "xmlns" || name == "value" {
@@ -177,10 +179,10 @@ impl Report {
             }
             let what = format!("attribute '{name}'");
             if let Some(row) = rows.iter().find(|row| row.name.strip_prefix('.') == Some(name)) {
-                self.not_simulated(row, element, &what, value, &element.source);
+                self.not_simulated(row, (element, &title), &what, value, &element.source);
             } else {
                 let known = rows.iter().filter_map(|row| row.name.strip_prefix('.'));
-                self.unknown(element, &what, did_you_mean(name, known), &element.source);
+                self.unknown((element, &title), &what, did_you_mean(name, known), &element.source);
             }
         }
         for child in element.elements() {
@@ -192,7 +194,7 @@ impl Report {
                     Fate::Passed | Fate::Elsewhere { .. } | Fate::Taken(_) => {}
                     Fate::NotSimulated { .. } => {
                         let value = child.attribute("value").map_or_else(|| child.text(), str::to_owned);
-                        self.not_simulated(row, element, &what, &value, &child.source);
+                        self.not_simulated(row, (element, &title), &what, &value, &child.source);
                     }
                 },
                 None if child.name.contains(':') || rows.iter().any(|row| row.name == "*") => {}
@@ -204,26 +206,39 @@ impl Report {
                         self.add(element, &what, Severity::Warning, source, text, "move it there".to_owned());
                     } else {
                         let known = rows.iter().map(|row| row.name).filter(|name| !name.starts_with('.'));
-                        self.unknown(element, &what, did_you_mean(&child.name, known), source);
+                        self.unknown((element, &title), &what, did_you_mean(&child.name, known), source);
                     }
                 }
             }
         }
     }
 
-    fn not_simulated(&mut self, row: &Row, parent: &Element, what: &str, value: &str, source: &Source) {
+    fn not_simulated(
+        &mut self,
+        row: &Row,
+        (parent, title): (&Element, &str),
+        what: &str,
+        value: &str,
+        source: &Source,
+    ) {
         let Fate::NotSimulated { severity, unless, difference } = &row.fate else { return };
         if unless.iter().any(|usual| is_value(value, usual, parent)) {
             return;
         }
         let value = value.trim();
         let written = if value.is_empty() { String::new() } else { format!("is '{value}' and ") };
-        let what = format!("{what} of {} {written}is not simulated: {difference}", title(parent));
+        let what = format!("{what} of {title} {written}is not simulated: {difference}");
         self.add(parent, row.name, *severity, source, what, String::new());
     }
 
-    fn unknown(&mut self, parent: &Element, what: &str, meant: Option<String>, source: &Source) {
-        let text = format!("{what} of {} is not known, and is left out", title(parent));
+    fn unknown(
+        &mut self,
+        (parent, title): (&Element, &str),
+        what: &str,
+        meant: Option<String>,
+        source: &Source,
+    ) {
+        let text = format!("{what} of {title} is not known, and is left out");
         let remedy = meant.unwrap_or_else(|| "check its spelling, and where it belongs".to_owned());
         self.add(parent, what, Severity::Warning, source, text, remedy);
     }

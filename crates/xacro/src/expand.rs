@@ -390,11 +390,18 @@ impl Expander<'_> {
     }
 }
 
+/// Sets attributes of an element, in time that is proportional to their number.
 fn set_attributes(element: &mut Element, attributes: Vec<(String, String)>) {
+    if attributes.is_empty() {
+        return;
+    }
+    let names = element.attributes.iter().map(|(name, _)| name.clone());
+    let mut places: HashMap<String, usize> = names.zip(0..).collect();
     for (name, value) in attributes {
-        match element.attributes.iter_mut().find(|(known, _)| *known == name) {
-            Some((_, old)) => *old = value,
-            None => element.attributes.push((name, value)),
+        let end = element.attributes.len();
+        match *places.entry(name.clone()).or_insert(end) {
+            place if place < end => element.attributes[place].1 = value,
+            _ => element.attributes.push((name, value)),
         }
     }
 }

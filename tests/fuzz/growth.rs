@@ -278,6 +278,9 @@ impl Shape {
 
 /// The greatest factor by which the time may grow if the size grows by 8; the time of a square would grow by 64.
 const MOST: u32 = 24;
+/// A pair of times is measured until the factor is small enough, at most this many times. On a virtual machine whose host
+/// is busy, processor time often has 10 ms in which others ran; three tries were too few there.
+const TRIES: usize = 20;
 /// Shorter times are not compared.
 const LEAST: Duration = Duration::from_micros(500);
 
@@ -297,10 +300,9 @@ pub(crate) fn check(reader: &mut Reader<'_>, is_full: bool) {
 }
 
 /// Returns the times of a size and of eight times that size, if the factor is too great each time it is measured.
-fn grows_too_much(reader: &mut Reader<'_>, shape: &Shape, bytes: usize) -> Option<[[Duration; 2]; 3]> {
+fn grows_too_much(reader: &mut Reader<'_>, shape: &Shape, bytes: usize) -> Option<[[Duration; 2]; TRIES]> {
     let [small, large] = [bytes, 8 * bytes].map(|bytes| shape.grown(bytes));
-    let mut measured = [[Duration::ZERO; 2]; 3];
-    // A disturbed measurement is repeated.
+    let mut measured = [[Duration::ZERO; 2]; TRIES];
     for times in &mut measured {
         *times = [&small, &large].map(|input| {
             let start = processor_time();

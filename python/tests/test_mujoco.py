@@ -146,6 +146,34 @@ def test_states_in_all_their_forms_are_the_same(model: mujoco.MjModel) -> None:
         assert (by_arrays[channel] == together[channel]).all(), channel
 
 
+def test_lamps_do_not_remember_the_last_call(model: mujoco.MjModel) -> None:
+    moved = mujoco.MjModel.from_xml_string("""
+        <mujoco>
+          <visual><headlight active="0"/></visual>
+          <worldbody><geom type="plane" size="0 0 1"/><camera name="down" pos="0 0 3"/>
+            <body><joint axis="0 1 0"/><geom size="0.1"/><light directional="true" dir="0 0 -1"/></body>
+          </worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(moved)
+    mujoco.mj_forward(moved, data)
+    camera = bvm.Scene(moved).camera("down", 16, 16)
+    arrays = {name: getattr(data, name).copy() for name in ("geom_xpos", "geom_xmat", "cam_xpos", "cam_xmat")}
+    first = camera.render(arrays)["rgb"]
+    tilted = camera.render(np.array([1.2]))["rgb"]
+    assert (tilted != first).any()
+    assert (camera.render(arrays)["rgb"] == first).all()
+
+
+def test_no_states_and_any_names(model: mujoco.MjModel) -> None:
+    scene = bvm.Scene(model)
+    frames = scene.camera("eye", 8, 4).render(np.zeros((0, model.nq)), channels=("rgb", "geom"))
+    assert {name: array.shape for name, array in frames.items()} == {"rgb": (0, 4, 8, 3), "geom": (0, 4, 8)}
+    assert scene.lidar("lidar", beams=5).render(np.zeros((0, model.nq)))["range"].shape == (0, 1, 5)
+    confusing = "<geom name='geom 1' size='1'/><geom size='1'/><geom name='1' size='1'/>"
+    named = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{confusing}</worldbody></mujoco>")
+    assert len(bvm.Scene(named).geoms) == 3
+
+
 def test_lidars_measure_what_rays_hit(model: mujoco.MjModel) -> None:
     scene = bvm.Scene(model)
     data = random_state(model, 2)

@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from belvedere import _arrays
+from belvedere._channels import prepare
 from belvedere._frames import Frames
 from belvedere._lens import Lens
 from belvedere._sensors import Camera, DepthCamera, Sensor
@@ -89,17 +90,30 @@ class SceneCamera:
         wanted = list(sensor._default if channels is None else channels)
         rendered = list(dict.fromkeys("instance" if name == "geom" else name for name in wanted))
         read = states_of(scene.model, states)
-        batch = scene.batch(read)
-        matrices = self._matrices(read)
-        scene.place_headlight(batch, matrices[:, :3, 0])
-        batch.seeds[:] = np.array(_arrays.seeds("seeds", seeds, read.lead), np.uint64)
-        numbers = _arrays.numbers_of_frames(frames, read.lead)
-        batch.frames[:] = np.array(numbers, np.uint64)
-        arrays = batch.render(sensor, matrices, channels=rendered, threads=threads)
+        if read.count == 0:
+            arrays = Frames(prepare(sensor._channels, (), rendered, None, (0,), sensor.frame_shape), (0,), ())
+        else:
+            arrays = self._render(read, rendered, seeds, frames, threads)
         if "geom" in wanted:
             arrays["geom"] = scene.geom_of(arrays["instance"])
         shaped = {name: arrays[name].reshape(read.lead + arrays[name].shape[1:]) for name in wanted}
+        numbers = _arrays.numbers_of_frames(frames, read.lead)
         return Frames(shaped, read.lead, sensor.frame_shape, sensor, numbers)
+
+    def _render(
+        self,
+        states: States,
+        channels: list[str],
+        seeds: ArrayLike | int,
+        frames: ArrayLike | int,
+        threads: int | None,
+    ) -> Frames:
+        """Render these channels of the sensor, (N, …)."""
+        batch, matrices = self._scene.batch(states), self._matrices(states)
+        self._scene.place_headlight(batch, matrices[:, :3, 0])
+        batch.seeds[:] = np.array(_arrays.seeds("seeds", seeds, states.lead), np.uint64)
+        batch.frames[:] = np.array(_arrays.numbers_of_frames(frames, states.lead), np.uint64)
+        return batch.render(self.sensor, matrices, channels=channels, threads=threads)
 
     def _matrices(self, states: States) -> NDArray[np.float64]:
         """Return the sensor's pose in each state, (N, 4, 4)."""

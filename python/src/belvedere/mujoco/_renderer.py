@@ -8,12 +8,11 @@ import mujoco
 import numpy as np
 
 from belvedere import _arrays
+from belvedere._closing import Closing
 from belvedere.mujoco._scene import Scene
 from belvedere.mujoco._states import States, states_of
 
 if TYPE_CHECKING:
-    from types import TracebackType
-
     from numpy.typing import NDArray
 
     from belvedere.mujoco._cameras import SceneCamera
@@ -26,7 +25,7 @@ _MODES: dict[str, tuple[str, type[np.generic], tuple[int, ...]]] = {
 }
 
 
-class Renderer:
+class Renderer(Closing):
     """Renders as ``mujoco.Renderer`` does: change one import, and no OpenGL is needed.
 
     ``render()`` returns colours uint8 (height, width, 3); depths float32 (height, width) in metres, the far clip
@@ -156,16 +155,3 @@ class Renderer:
         """Release the memory."""
         self._is_closed = True
         self._scenes, self._cameras, self._camera, self._state = {}, {}, None, None
-
-    def __enter__(self) -> Renderer:
-        """Return the renderer."""
-        return self
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        """Close the renderer."""
-        self.close()

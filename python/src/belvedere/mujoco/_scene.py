@@ -66,7 +66,8 @@ class Scene(Unpicklable):
             if int(model.geom_group[geom]) not in groups or looks.seen_by(geom) is None:
                 continue
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or ""
-            why = add_geom(self.world, model, geom, name or f"geom {geom}", looks)
+            # A geom may have any name, so only the number makes the names of bodies different from each other.
+            why = add_geom(self.world, model, geom, f"{geom} {name}".rstrip(), looks)
             if why is None:
                 geoms.append(geom)
             else:
@@ -78,7 +79,6 @@ class Scene(Unpicklable):
         self._geom_of_instance = np.append(self.geoms[self.world.instance_bodies], -1).astype(np.int32)
         # The last element is that of no geom.
         self._is_plane = np.append(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE, False)
-        self._batch: Batch | None = None
 
     def _note_rest(self, looks: Looks) -> None:
         self.notes += [*looks.notes, *self._lamps.notes]
@@ -213,9 +213,7 @@ class Scene(Unpicklable):
 
     def batch(self, states: States) -> Batch:
         """Return a batch with a world for each state, without the lamp at the camera."""
-        if self._batch is None or self._batch.n != states.count:
-            self._batch = Batch(self.world, states.count)
-        batch = self._batch
+        batch = Batch(self.world, states.count)
         if len(self.geoms):
             batch.poses[:] = self.poses(states)
         self._lamps.place(batch, states)

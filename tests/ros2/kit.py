@@ -14,8 +14,10 @@ DOMAIN = f"ros2-{os.getpid()}"
 
 
 @contextlib.contextmanager
-def program(belvedere, *words):
-    """Runs a command of belvedere, stops it with Ctrl-C, and checks its exit code. Gives a function: what it has said."""
+def process(belvedere, *words):
+    """Runs a command of belvedere, stops it with Ctrl-C, and checks its exit code. Gives the process, and a function: what
+    it has said.
+    """
     file = tempfile.TemporaryFile()
 
     def said():
@@ -23,11 +25,18 @@ def program(belvedere, *words):
 
     child = subprocess.Popen([belvedere, *words, "--domain", DOMAIN], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=file)
     try:
-        yield said
+        yield child, said
     finally:
         child.send_signal(signal.SIGINT)
         child.wait(timeout=20)
     assert child.returncode == 0, f"{words}: {child.returncode}\n{said()}"
+
+
+@contextlib.contextmanager
+def program(belvedere, *words):
+    """Does the same as `process`, and gives only the function."""
+    with process(belvedere, *words) as (_, said):
+        yield said
 
 
 def spin(node, done, seconds):

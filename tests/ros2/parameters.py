@@ -4,15 +4,13 @@
 parameters.py BELVEDERE CYCLONE: the program, and a Python interpreter with Cyclone DDS.
 """
 
-import contextlib
 import json
-import os
-import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+import kit
 import rclpy
 from rcl_interfaces.msg import ParameterEvent, ParameterType
 from rclpy.executors import SingleThreadedExecutor
@@ -20,22 +18,9 @@ from rclpy.parameter import Parameter
 from rclpy.parameter_client import AsyncParameterClient
 
 BELVEDERE, CYCLONE = sys.argv[1:]
-DOMAIN = f"parameters-{os.getpid()}"
 FOLDER = Path(__file__).parent
 SERVICES = ["describe_parameters", "get_parameter_types", "get_parameters", "list_parameters", "set_parameters", "set_parameters_atomically"]
 RATE, NOISE = "camera1.update_rate", "camera1.noise_stddev"
-
-
-@contextlib.contextmanager
-def program(*words):
-    """Runs a command of belvedere, stops it with Ctrl-C, and checks its exit code."""
-    child = subprocess.Popen([BELVEDERE, *words, "--domain", DOMAIN], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    try:
-        yield child
-    finally:
-        child.send_signal(signal.SIGINT)
-        _, said = child.communicate(timeout=20)
-    assert child.returncode == 0, f"{words}: {child.returncode}\n{said}"
 
 
 class Client:
@@ -82,7 +67,7 @@ class Client:
 
 def settings():
     """Returns the settings of the camera, as the simulator publishes them."""
-    done = subprocess.run([BELVEDERE, "control", "settings", "--json", "--domain", DOMAIN], capture_output=True, text=True, check=True)
+    done = subprocess.run([BELVEDERE, "control", "settings", "--json", "--domain", kit.DOMAIN], capture_output=True, text=True, check=True)
     return next(line for line in map(json.loads, done.stdout.splitlines()) if line["name"] == "camera1")
 
 
@@ -196,7 +181,7 @@ begin = time.monotonic()
 judge = Client("judge")
 events = []
 judge.node.create_subscription(ParameterEvent, "/parameter_events", events.append, 100)
-with program("run", "--ros2", "--drive", "still"):
+with kit.program(BELVEDERE, "run", "--ros2", "--drive", "still"):
     assert judge.client.wait_for_services(30)
     assert judge.wait(lambda: RATE in judge.names()[0]), judge.names()
     judge_graph(judge)
@@ -205,18 +190,18 @@ with program("run", "--ros2", "--drive", "still"):
     judge_refusals(judge)
     judge_clients(judge)
     judge_first_requests()
-with program("ros2", "--wait"):
+with kit.program(BELVEDERE, "ros2", "--wait"):
     assert judge.client.wait_for_services(30)
     assert judge.names() == (["use_sim_time"], [])
     [(done, said)] = judge.set(camera1__update_rate=5.0)
-    assert not done and said == f"no simulator runs in domain '{DOMAIN}'; start one with belvedere run", said
-    with program("run", "--drive", "still"):
+    assert not done and said == f"no simulator runs in domain '{kit.DOMAIN}'; start one with belvedere run", said
+    with kit.program(BELVEDERE, "run", "--drive", "still"):
         assert judge.wait(lambda: RATE in judge.names()[0]), judge.names()
         assert judge.set(camera1__update_rate=5.0) == [(True, "")]
     assert judge.wait(lambda: judge.names()[0] == ["use_sim_time"]), judge.names()
     assert judge.wait(lambda: any(RATE in {each.name for each in event.deleted_parameters} for event in events), 10), events
     assert any(RATE in {each.name for each in event.new_parameters} for event in events), events
-with program("run", "--drive", "still"), program("ros2", "--no-commands", "--wait", "--ros-namespace", "robot1"):
+with kit.program(BELVEDERE, "run", "--drive", "still"), kit.program(BELVEDERE, "ros2", "--no-commands", "--wait", "--ros-namespace", "robot1"):
     other = Client("other", "/robot1/belvedere")
     assert other.client.wait_for_services(30)
     assert other.wait(lambda: RATE in other.names()[0]), other.names()

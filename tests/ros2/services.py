@@ -3,15 +3,13 @@
 services.py BELVEDERE RECORDING: the program, and a recording.
 """
 
-import contextlib
 import json
-import os
 import signal
-import subprocess
 import sys
 import time
 from pathlib import Path
 
+import kit
 import rclpy
 import simulation_interfaces
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, Vector3
@@ -22,7 +20,6 @@ from simulation_interfaces.msg import Bounds, EntityCategory, EntityFilters, Ent
 from std_msgs.msg import Header
 
 BELVEDERE, RECORDING = sys.argv[1:]
-DOMAIN = f"services-{os.getpid()}"
 HASHES = json.loads(Path(simulation_interfaces.__file__).with_name("hashes.json").read_text())
 ROBOT = "turtlebot"
 UNSUPPORTED, OK, NOT_FOUND, FAILED = 0, 1, 2, 4
@@ -72,18 +69,6 @@ class Caller:
         assert result.result == code and says in result.error_message, f"{name}({fields}): {result}, not {code} '{says}'"
         assert (code == OK) == (not result.error_message), f"{name}: {result}"
         return response
-
-
-@contextlib.contextmanager
-def program(*words):
-    """Runs a command of belvedere, stops it with Ctrl-C, and checks its exit code."""
-    child = subprocess.Popen([BELVEDERE, *words, "--domain", DOMAIN], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-    try:
-        yield child
-    finally:
-        child.send_signal(signal.SIGINT)
-        _, said = child.communicate(timeout=20)
-    assert child.returncode == 0, f"{words}: {child.returncode}\n{said}"
 
 
 def until(done, what):
@@ -274,17 +259,17 @@ rclpy.init()
 caller = Caller()
 clock = []
 caller.node.create_subscription(Clock, "/clock", clock.append, 10)
-with program("ros2", "--wait"):
-    with program("run", "--drive", "still", "--paused") as simulator:
+with kit.program(BELVEDERE, "ros2", "--wait"):
+    with kit.process(BELVEDERE, "run", "--drive", "still", "--paused") as (simulator, _):
         judge_types(caller)
         until(lambda: caller.call("GetSimulatorFeatures").features.features, "the simulator")
         judge_state(caller)
         judge_entities(caller)
         judge_spawning(caller)
-        with program("ros2", "--no-commands", "--ros-namespace", "safe"):
+        with kit.program(BELVEDERE, "ros2", "--no-commands", "--ros-namespace", "safe"):
             judge_no_commands(caller)
         judge_end_of_the_simulator(caller, simulator)
-    with program("replay", RECORDING, "--loop"):
+    with kit.program(BELVEDERE, "replay", RECORDING, "--loop"):
         until(lambda: caller.call("GetSimulatorFeatures").features.features, "the replay")
         judge_replay(caller)
 rclpy.shutdown()

@@ -225,6 +225,9 @@ impl Ros2 {
         }
         let Some(ros) = ros_stream(stream).filter(|_| stream.publishers > 0) else { return Ok(()) };
         let name = self.options.naming.name(&ros.topic)?;
+        if let Some(message) = self.outgoing.iter().find_map(|known| known.conflict(&name, &ros)) {
+            return Err(format!("the topic {name} has the type {message} already"));
+        }
         let compressed = Compressed::is_possible(stream)
             .then(|| self.options.naming.name_below(&ros.topic, &name, "compressed"))
             .map(|name| self.compressed(stream, &name))

@@ -13,6 +13,9 @@ pub(super) struct Outgoing {
     stream: RosStream,
     /// The stream's topic in the domain, without a leading slash.
     topic: String,
+    /// The name and the type of the topic in ROS 2.
+    name: String,
+    message: String,
     /// True if readers that join later get the last message.
     is_latched: bool,
     writer: Writer,
@@ -48,6 +51,8 @@ impl Outgoing {
         Ok(Self {
             stream,
             topic: info.topic.clone(),
+            name: name.to_owned(),
+            message,
             is_latched,
             writer,
             compressed,
@@ -58,6 +63,12 @@ impl Outgoing {
 
     pub(super) fn topic(&self) -> &str {
         &self.topic
+    }
+
+    /// Returns the type of this topic if it has that name, and another type than the messages of `stream`.
+    pub(super) fn conflict(&self, name: &str, stream: &RosStream) -> Option<&str> {
+        let differs = self.message != Ros::Two.type_name(stream.message_type.name);
+        (self.name == name && differs).then_some(&self.message)
     }
 
     /// Subscribes to the stream if somebody reads the topic, and ends the subscription if nobody does. If the stream

@@ -167,6 +167,9 @@ def judge_bad_input(node):
     ]:
         done = subprocess.run([BELVEDERE, *words], capture_output=True, text=True)
         assert done.returncode == 2 and expected in done.stderr, done.stderr
+    remap = kit.program(BELVEDERE, "ros2", "--wait", "--remap", "/scan:=/odom")
+    with kit.program(BELVEDERE, "run", "--robot", "kobuki_nostack_rplidar"), remap as said:
+        assert spin(node, lambda: "already, so it is left out; --remap gives it another name" in said(), 20) is not None, said()
     with subscribed(node, Odometry, "/odom") as odometry:
         lo("down")
         with contextlib.ExitStack() as simulator:

@@ -58,9 +58,10 @@ def test_a_copy_looks_like_its_original_but_for_what_is_given() -> None:
     assert np.isinf(bv.Lidar(1).render(world, LOOK)["range"]).all(), "lidars do not see the copy either"
     world.add_copy("near", (-25, 0, 0), color=(1, 0.5, 0), class_id=9)
     picture = seen(world)
-    assert picture[3, 4].tolist() == [200, 100, 0]
-    assert picture[4, 4].tolist() == [0, 0, 0]
-    assert set(np.unique(seen(world, "class"))) == {9}
+    # A pixel is as wide as a quarter of the texture, so a little of the other half is in its mean.
+    np.testing.assert_allclose(picture[3, 4], [200, 100, 0], atol=6)
+    np.testing.assert_allclose(picture[4, 4], [0, 0, 0], atol=6)
+    assert seen(world, "class")[3, 4] == 9
 
 
 def test_a_batch_colours_each_copy_alone() -> None:

@@ -163,6 +163,23 @@ def test_bad_input_is_one_clear_error(tmp_path: Path, arrays: Any, task: Any, wo
         bvl.Writer(tmp_path / "other", fps=0)
 
 
+def test_a_data_set_that_broke_off_is_not_complete(tmp_path: Path) -> None:
+    writer = bvl.Writer(tmp_path / "set", fps=10)
+
+    def break_off() -> None:
+        with writer:
+            writer.add_episode({"a": [1, 2]}, "b")
+            raise KeyError("no more")
+
+    with pytest.raises(KeyError, match="no more"):
+        break_off()
+    assert not (tmp_path / "set/meta/info.json").exists()
+    (data,) = (tmp_path / "set").rglob("*.parquet")
+    assert parquet.read_table(data).num_rows == 2
+    writer.close()
+    assert not (tmp_path / "set/meta/info.json").exists()
+
+
 def test_episodes_with_other_features_are_refused(tmp_path: Path) -> None:
     with bvl.Writer(tmp_path / "set", fps=10) as writer:
         writer.add_episode({"a": [1, 2]}, "b")

@@ -28,6 +28,7 @@ from belvedere._required import required
 if TYPE_CHECKING:
     import os
     from collections.abc import Mapping, Sequence
+    from types import TracebackType
 
     from belvedere._arrays import ArrayLike
 
@@ -192,6 +193,19 @@ class Writer(Closing):
         if self._data is not None:
             self._data.close()
             self._data = None
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        """Complete the data set; after an error in the block, only close its file, so that no reader takes it for whole."""
+        if error is None:
+            self.close()
+        else:
+            self._is_closed = True
+            self._end_file()
 
     def close(self) -> None:
         """Write what describes the data set.

@@ -207,6 +207,12 @@ def test_display_colours() -> None:
         near = {(6, 57): values[1], (57, 57): values[0], (6, 6): values[2], (57, 6): values[3]}
         for at, colour in near.items():
             assert np.abs(seen[at] - np.array(colour) * 255).max() < 40, (interpolation, at)
+    # Half of the black behind is seen through the surface.
+    made = stage()
+    clear = mesh(made, "/clear", SQUARE, [[0, 1, 2, 3]])
+    clear.CreateDisplayOpacityAttr([0.5])
+    clear.CreateDisplayColorAttr([(1, 0, 0)])
+    np.testing.assert_allclose(colour_seen(bv.World.from_usd(made), (0, 0, 2.0))[32, 32], [128, 0, 0], atol=1)
     # A colour of a group is inherited, also by instances.
     made = stage()
     group = UsdGeom.Xform.Define(made, "/library")

@@ -18,6 +18,9 @@ if TYPE_CHECKING:
 
     from belvedere._usd_material import Materials, Surface
 
+#: The colour of shapes without one.
+_GREY = [0.7, 0.7, 0.7]
+
 
 class _Corners(NamedTuple):
     """The triangles of a mesh: numbers of its corners, which its vertices and faces are looked up by."""
@@ -66,9 +69,19 @@ class Meshes:
             return surface.look | {"color": color}
         look = {} if surface is None else dict(surface.look)
         colors, _ = self._primvar(prim, "displayColor")
-        if (surface is None or surface.has_display_color) and colors is not None and len(colors):
-            look["color"] = displayed(colors.mean(axis=0)).tolist()
+        if surface is None or surface.has_display_color:
+            look["color"] = _GREY if colors is None else displayed(colors.mean(axis=0)).tolist()
+            look["color"] = [*look["color"], self._opacity(prim)]
         return look
+
+    def _opacity(self, prim: Any) -> float:
+        """Return the mean opacity of a shape that is shown by its display colour."""
+        values, _ = self._primvar(prim, "displayOpacity")
+        if values is None:
+            return 1.0
+        if (values != values.flat[0]).any():
+            self._importer.note("the primvar displayOpacity is shown by its mean")
+        return float(np.clip(values.mean(), 0.0, 1.0))
 
     def _surface(self, prim: Any) -> tuple[Surface | None, Hashable]:
         material, _ = self._shade.MaterialBindingAPI(prim).ComputeBoundMaterial()
@@ -78,8 +91,9 @@ class Meshes:
 
     def _color_key(self, prim: Any) -> Hashable:
         """Return where the colours of a mesh are from: instances of a prototype may inherit their own."""
-        primvar = self._geom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-        return _original(primvar.GetAttr().GetPrim()) if primvar else None
+        api = self._geom.PrimvarsAPI(prim)
+        primvars = [api.FindPrimvarWithInheritance(name) for name in ("displayColor", "displayOpacity")]
+        return tuple(_original(primvar.GetAttr().GetPrim()) if primvar else None for primvar in primvars)
 
     def _mesh(self, prim: Any, chosen: NDArray[np.int64] | None, surface: Surface | None) -> Mesh | None:
         mesh = self._geom.Mesh(prim)
@@ -133,7 +147,10 @@ class Meshes:
             if colors is not None and colors.shape[-1] == 3:
                 corners = np.rint(displayed(colors) * 255.0).astype(np.uint8)
                 vertices, used, own_uvs, shown = coloured(points, faces, corners)
-                return Mesh(vertices, used, own_uvs, look | shown)
+                return Mesh(
+                    vertices, used, own_uvs, look | shown | {"color": [*shown["color"], self._opacity(prim)]}
+                )
+            look["color"] = [*_GREY, self._opacity(prim)]
         return Mesh(vertices, used, None, look)
 
     def _at_corners(
@@ -160,7 +177,8 @@ class Meshes:
         values = primvar.ComputeFlattened(self._time) if primvar and primvar.HasValue() else None
         if values is None:
             return None, ""
-        return np.atleast_2d(np.asarray(values, np.float64)), str(primvar.GetInterpolation())
+        given = np.atleast_2d(np.asarray(values, np.float64))
+        return (given if given.size else None), str(primvar.GetInterpolation())
 
     def _triangles(
         self,

@@ -7,7 +7,7 @@ use belvedere::description::model;
 use belvedere::entities::Entities;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_sensors::Pose;
-use belvedere_sensors::scene::{InstanceId, SceneBuilder};
+use belvedere_sensors::scene::{InstanceConfig, InstanceId, MaterialConfig, SceneBuilder};
 use pyo3::PyResult;
 use std::collections::HashMap;
 
@@ -30,6 +30,15 @@ pub(crate) struct Body {
     pub(crate) pose: Pose,
     /// Its instances, and their poses in its frame.
     pub(crate) parts: Vec<(InstanceId, Pose)>,
+    /// How it was added, if it was added by Python.
+    pub(crate) origin: Option<Box<Origin>>,
+}
+
+/// How a body was added: its shape and its surface, which copies share.
+#[derive(Debug, Clone)]
+pub(crate) struct Origin {
+    pub(crate) instance: InstanceConfig,
+    pub(crate) material: MaterialConfig,
 }
 
 impl Data {
@@ -47,7 +56,8 @@ impl Data {
                 let world_from_part = made.builder.pose(instance).unwrap_or_default();
                 let name =
                     names.get(model).and_then(|(_, links)| links.get(link)).cloned().unwrap_or_default();
-                made.push(Body { name, pose: world_from_part * body_from_part.inverse(), parts: Vec::new() });
+                let pose = world_from_part * body_from_part.inverse();
+                made.push(Body { name, pose, parts: Vec::new(), origin: None });
             }
             if let Some(body) = made.bodies.last_mut() {
                 body.parts.push((instance, body_from_part));

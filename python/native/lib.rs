@@ -51,6 +51,7 @@ mod sender;
 mod shots;
 mod simulation;
 mod subscriber;
+mod surface;
 mod world;
 
 use pyo3::prelude::*;

@@ -1,14 +1,14 @@
 //! Worlds built by Python: shapes, materials and bodies.
 
 use crate::cast;
-use crate::data::{Body, Data};
+use crate::data::{Body, Data, Origin};
 use crate::errors::of;
 use crate::load::{self, Options};
 use crate::poses;
+use crate::surface::{Look, add_material, of_shape, surface};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
-    Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, MaterialId, Pbr, SceneBuilder,
-    SceneError, Shape, TextureAlpha, TextureId,
+    Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape,
 };
 use numpy::{PyArray1, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
@@ -21,20 +21,6 @@ pub(crate) struct World {
     data: Mutex<Arc<Data>>,
     notes: Vec<String>,
 }
-
-/// A surface from Python: colour, emissive, specular, shininess, roughness and metalness, a texture with its width.
-type Look<'py> = (
-    [f32; 4],
-    [f32; 3],
-    [f32; 3],
-    f32,
-    Option<[f32; 2]>,
-    Option<(PyReadonlyArrayDyn<'py, u8>, u32)>,
-    [f32; 2],
-);
-
-/// A checked surface: a material without its texture, and the texture with its width.
-type Surface<'a> = (MaterialConfig, Option<(&'a [[u8; 4]], u32)>);
 
 /// Other properties of a body: name, pose, scale, class, retro-reflection, visibility.
 type Said<'py> = (String, PyReadonlyArrayDyn<'py, f64>, [f64; 3], u32, f32, u32);
@@ -76,13 +62,10 @@ impl World {
         let world_from_body = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
         let surface = surface(&look)?;
         self.change(py, |data| {
-            let name = if name.is_empty() { data.free_name() } else { name };
-            if data.find(&name).is_some() {
-                return Err(of("name", format_args!("there is a body {name:?} already")));
-            }
-            let (material, texture) = add_material(&mut data.builder, &surface)?;
+            let name = new_name(data, name)?;
+            let (material, config) = add_material(data, &surface)?;
             let taken = shape(&mut data.builder).and_then(|shape| {
-                let config = InstanceConfig {
+                let instance = InstanceConfig {
                     shape,
                     world_from_instance: world_from_body,
                     scale,
@@ -91,77 +74,32 @@ impl World {
                     laser_retro,
                     class,
                 };
-                data.builder.add_instance(&config).map_err(of_shape)
+                push_instance(data, name, Origin { instance, material: config })
             });
-            let instance = taken.inspect_err(|_| {
+            taken.inspect_err(|_| {
                 // They were added, and no instance uses them.
                 let _ = data.builder.remove_material(material);
-                texture.map(|texture| data.builder.remove_texture(texture));
-            })?;
-            Ok(data.push(Body { name, pose: world_from_body, parts: vec![(instance, Pose::IDENTITY)] }))
+                config.texture.map(|texture| data.builder.remove_texture(texture));
+            })
         })
     }
 }
 
-/// Returns the error about the argument at fault.
-fn of_shape(error: SceneError) -> PyErr {
-    let argument = match error {
-        SceneError::BadScale => "scale",
-        SceneError::BadPose => "pose",
-        SceneError::BadVertex(_) | SceneError::VertexTooFar(_) => "vertices",
-        SceneError::BadTriangle(_) => "faces",
-        SceneError::UvCount | SceneError::BadUv(_) => "uvs",
-        SceneError::BadHeight(_) | SceneError::HeightCount | SceneError::HeightFieldTooSmall => "heights",
-        SceneError::BadAlpha => "color",
-        SceneError::BadShininess => "shininess",
-        SceneError::BadPbr => "roughness",
-        SceneError::BadTexture => "texture",
-        SceneError::BadTextureRepeat => "texture_repeat",
-        SceneError::BadLight => "position",
-        SceneError::BadFalloff => "falloff",
-        _ => "size",
-    };
-    of(argument, error)
+/// Returns the name of a new body: the given one, or a free one.
+fn new_name(data: &mut Data, name: String) -> PyResult<String> {
+    let name = if name.is_empty() { data.free_name() } else { name };
+    if data.find(&name).is_some() {
+        return Err(of("name", format_args!("there is a body {name:?} already")));
+    }
+    Ok(name)
 }
 
-/// Checks a surface from Python arrays.
-fn surface<'a>(look: &'a Look<'_>) -> PyResult<Surface<'a>> {
-    let (color, emissive, specular, shininess, pbr, picture, texture_repeat) = look;
-    let picture = picture.as_ref().map(|(picture, width)| {
-        let texels = picture.as_slice().map_err(|error| of("texture", error))?;
-        Ok::<_, PyErr>((bytemuck::try_cast_slice(texels).map_err(|error| of("texture", error))?, *width))
-    });
-    let [r, g, b, alpha] = *color;
-    let material = MaterialConfig {
-        diffuse: [r, g, b],
-        ambient: [r, g, b],
-        emissive: *emissive,
-        specular: *specular,
-        shininess: *shininess,
-        pbr: pbr.map(|[roughness, metalness]| Pbr { roughness, metalness, ..Pbr::default() }),
-        alpha,
-        texture_alpha: TextureAlpha::Ignored,
-        texture_repeat: *texture_repeat,
-        ..Default::default()
-    };
-    Ok((material, picture.transpose()?))
-}
-
-/// Adds a material and its texture, or neither.
-fn add_material(
-    builder: &mut SceneBuilder,
-    (material, picture): &Surface<'_>,
-) -> PyResult<(MaterialId, Option<TextureId>)> {
-    let texture = picture.map(|(texels, width)| {
-        let height = texels.len() / width.max(1) as usize;
-        builder.add_texture(width, height as u32, texels).map_err(of_shape)
-    });
-    let texture = texture.transpose()?;
-    let material = builder.add_material(&MaterialConfig { texture, ..*material }).map_err(|error| {
-        texture.map(|texture| builder.remove_texture(texture));
-        of_shape(error)
-    });
-    Ok((material?, texture))
+/// Adds an instance as a new body.
+fn push_instance(data: &mut Data, name: String, origin: Origin) -> PyResult<usize> {
+    let pose = origin.instance.world_from_instance;
+    let instance = data.builder.add_instance(&origin.instance).map_err(of_shape)?;
+    let parts = vec![(instance, Pose::IDENTITY)];
+    Ok(data.push(Body { name, pose, parts, origin: Some(Box::new(origin)) }))
 }
 
 #[pymethods]
@@ -340,6 +278,49 @@ impl World {
             let _ = self.change(py, |data| Ok(data.builder.remove_height_field(field)));
         }
         added
+    }
+
+    /// Adds a body with the shape and the surface of another one. They share triangles and texture; the surface has the
+    /// given colour, if there is one. Scale and class are the other one's if they are not given.
+    fn add_copy(
+        &self,
+        py: Python<'_>,
+        body: usize,
+        name: String,
+        pose: PyReadonlyArrayDyn<'_, f64>,
+        color: Option<[f32; 4]>,
+        scale: Option<[f64; 3]>,
+        class_id: Option<u32>,
+    ) -> PyResult<usize> {
+        let world_from_instance = poses::read("pose", &pose)?.into_iter().next().unwrap_or_default();
+        self.change(py, |data| {
+            let source = data.bodies.get(body).ok_or_else(|| no_body(body, data))?;
+            let Some(origin) = source.origin.as_deref().cloned() else {
+                let name = &source.name;
+                return Err(of(
+                    "body",
+                    format_args!("{name:?} was read from a file; one that was added is expected"),
+                ));
+            };
+            let name = new_name(data, name)?;
+            let mut config = origin.material;
+            if let Some([r, g, b, alpha]) = color {
+                config = MaterialConfig { diffuse: [r, g, b], ambient: [r, g, b], alpha, ..config };
+            }
+            // Its own, since a batch changes the colours of each body.
+            let material = data.builder.add_material(&config).map_err(of_shape)?;
+            let instance = InstanceConfig {
+                world_from_instance,
+                scale: scale.unwrap_or(origin.instance.scale),
+                material,
+                class: class_id.unwrap_or(origin.instance.class),
+                ..origin.instance
+            };
+            push_instance(data, name, Origin { instance, material: config }).inspect_err(|_| {
+                // No instance uses it.
+                let _ = data.builder.remove_material(material);
+            })
+        })
     }
 
     /// Adds a lamp: `point`, `directional` or `spot`; angles are half angles of the cone.

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import signal
 import subprocess
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
@@ -133,3 +134,28 @@ def lenses(shared_lenses: Simulator) -> Iterator[belvedere.Node]:
 def kinect(shared_kinect: Simulator) -> Iterator[belvedere.Node]:
     with belvedere.Node("pytest", domain=shared_kinect.domain) as node:
         yield node
+
+
+#: Packages that are too large for every run of CI; the tests that use these fixtures are left out without them.
+LARGE = ("lerobot", "open3d")
+
+
+@pytest.fixture(scope="session")
+def open3d() -> Any:
+    """Return Open3D."""
+    return importlib.import_module("open3d")
+
+
+@pytest.fixture(scope="session")
+def lerobot() -> Any:
+    """Return the module of LeRobot that reads data sets."""
+    return importlib.import_module("lerobot.datasets.lerobot_dataset")
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out tests of large packages that are not installed."""
+    missing = {name for name in LARGE if importlib.util.find_spec(name) is None}
+    left_out = [item for item in items if missing.intersection(getattr(item, "fixturenames", ()))]
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in left_out]

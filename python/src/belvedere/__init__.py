@@ -40,6 +40,7 @@ from belvedere._frame import Frame
 from belvedere._frames import Frames
 from belvedere._lens import Lens
 from belvedere._node import Node, StreamInfo
+from belvedere._placed_camera import PlacedCamera
 from belvedere._scanner import Scanner
 from belvedere._sensors import Camera, DepthCamera, Lidar, Sensor
 from belvedere._simulation import Simulation
@@ -69,6 +70,7 @@ __all__ = [
     "LimitError",
     "MotorPowerPublisher",
     "Node",
+    "PlacedCamera",
     "RefusedError",
     "ReleasedError",
     "ResetOdometryPublisher",

@@ -40,7 +40,7 @@ def array(argument: str, value: ArrayLike, dtype: type[np.generic]) -> NDArray[A
             raise TypeError(f"{converted.min()} is among them, and numbers from 0 are expected")
         with np.errstate(over="ignore", invalid="ignore"):
             return np.ascontiguousarray(converted, dtype)
-    except (TypeError, ValueError, BufferError, RuntimeError, OverflowError) as error:
+    except (TypeError, ValueError, BufferError, RuntimeError, OverflowError, MemoryError) as error:
         raise ValueError(f"{argument}: an array of {np.dtype(dtype)} is expected: {error}") from error
 
 

@@ -31,13 +31,10 @@ def table(argument: str, value: ArrayLike, columns: int, dtype: type[np.generic]
 def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look, _native._Said]:
     """Convert the arguments that describe a body for the native module."""
     rest = dict(look)
-    color = _arrays.array("color", rest.pop("color", (0.7, 0.7, 0.7)), np.float64).tolist()
-    if not isinstance(color, list) or len(color) not in (3, 4):
-        raise ValueError(f"color: (red, green, blue) or (red, green, blue, alpha) is expected, not {color}")
-    _arrays.numbers("color", color, len(color), 0.0, 1.0)
+    color = rgba(rest.pop("color", (0.7, 0.7, 0.7)))
     texture = rest.pop("texture", None)
     appearance = (
-        [*color, 1.0][:4],
+        color,
         _arrays.numbers("emissive", rest.pop("emissive", (0.0, 0.0, 0.0)), 3, 0.0),
         _arrays.numbers("specular", rest.pop("specular", (0.0, 0.0, 0.0)), 3, 0.0),
         _arrays.number("shininess", rest.pop("shininess", 0.0)),
@@ -58,6 +55,14 @@ def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look
     return appearance, said
 
 
+def rgba(given: ArrayLike) -> list[float]:
+    """Return red, green, blue and alpha."""
+    color = _arrays.array("color", given, np.float64).tolist()
+    if not isinstance(color, list) or len(color) not in (3, 4):
+        raise ValueError(f"color: (red, green, blue) or (red, green, blue, alpha) is expected, not {color}")
+    return [*_arrays.numbers("color", color, len(color), 0.0, 1.0), 1.0][:4]
+
+
 def _pbr(roughness: float | None, metalness: float | None) -> list[float] | None:
     if roughness is None and metalness is None:
         return None
@@ -67,7 +72,9 @@ def _pbr(roughness: float | None, metalness: float | None) -> list[float] | None
     ]
 
 
-def _texture(value: ArrayLike) -> tuple[NDArray[np.uint8], int]:
+def _texture(value: ArrayLike | int) -> tuple[NDArray[np.uint8], int] | int:
+    if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
+        return _arrays.count("texture", int(value), 0)
     texels = np.asarray(value)
     if texels.ndim != 3 or texels.shape[2] not in (3, 4) or texels.dtype != np.uint8 or 0 in texels.shape:
         raise ValueError(

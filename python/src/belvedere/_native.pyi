@@ -42,7 +42,7 @@ _Look: TypeAlias = tuple[
     Sequence[float],
     float,
     Sequence[float] | None,
-    tuple[NDArray[np.uint8], int] | None,
+    tuple[NDArray[np.uint8], int] | int | None,
     Sequence[float],
 ]
 _Said: TypeAlias = tuple[str, NDArray[np.float64], Sequence[float], int, float, int]
@@ -84,6 +84,15 @@ class World:
         size: Sequence[float],
         look: _Look,
         said: _Said,
+    ) -> int: ...
+    def add_copy(
+        self,
+        body: int,
+        name: str,
+        pose: NDArray[np.float64],
+        color: Sequence[float] | None,
+        scale: Sequence[float] | None,
+        class_id: int | None,
     ) -> int: ...
     def add_light(
         self,

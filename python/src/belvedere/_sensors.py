@@ -75,6 +75,11 @@ class Sensor:
         return tuple(self._channels)
 
     @property
+    def main_channels(self) -> tuple[str, ...]:
+        """The channels that ``render`` renders if none are named."""
+        return self._default
+
+    @property
     def frame_shape(self) -> tuple[int, ...]:
         """The shape of a frame: (height, width), (lines, beams) or (firings, returns)."""
         return self._frame

@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any, overload
 import numpy as np
 
 from belvedere import _arrays, _native, wire
+from belvedere._sources import arguments, folders, report
 from belvedere._unpicklable import Unpicklable
-from belvedere._world import MODELS, World, arguments, folders, report
+from belvedere._world import MODELS, World
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import logging
-import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,15 +11,18 @@ import numpy as np
 from belvedere import _arrays, _native
 from belvedere._channels import prepare
 from belvedere._frames import Frames
-from belvedere._looks import SEES, look_of, round_size, table
+from belvedere._imported import Imported
+from belvedere._looks import SEES, look_of, rgba, round_size, table
+from belvedere._sources import arguments, folders, report
 from belvedere._unpicklable import Unpicklable
 
 if TYPE_CHECKING:
+    import os
+
     from numpy.typing import NDArray
 
     from belvedere._arrays import ArrayLike, Bodies
 
-_log = logging.getLogger("belvedere")
 #: The named worlds and robots. For an installation from the source tree, the native module has their location.
 MODELS = str(Path(__file__).parent / "models")
 #: The channels of ``cast``: type and shape for each ray.
@@ -34,31 +35,7 @@ _ANSWERS: dict[str, tuple[np.dtype[Any], tuple[int, ...]]] = {
 }
 
 
-def folders(package_path: Sequence[str | os.PathLike[str]] | str | os.PathLike[str]) -> list[str]:
-    """Return folders as texts."""
-    if isinstance(package_path, (str, os.PathLike)):
-        package_path = [package_path]
-    if not isinstance(package_path, Iterable):
-        raise ValueError(f"package_path: folders are expected, not {package_path!r}")
-    return [_arrays.described("package_path", folder) for folder in package_path]
-
-
-def arguments(xacro: Mapping[str, Any] | None) -> list[tuple[str, str]]:
-    """Return arguments of xacro as texts."""
-    if xacro is None:
-        return []
-    if not isinstance(xacro, Mapping):
-        raise ValueError(f"xacro: a dictionary of arguments is expected, not {xacro!r}")
-    return [(str(name), str(value)) for name, value in xacro.items()]
-
-
-def report(notes: Sequence[str]) -> None:
-    """Log the elements of a description that were ignored."""
-    for note in notes:
-        _log.warning("%s", note)
-
-
-class World(Unpicklable):
+class World(Imported, Unpicklable):
     """Shapes, materials and lamps, grouped into bodies that move as one.
 
     ``World()`` is empty except for ambient light. ``World("playground")`` is one of the included worlds. A path or
@@ -96,7 +73,9 @@ class World(Unpicklable):
 
     def __copy__(self) -> World:
         """Return an independent copy of the world."""
-        return World._of(self._native.snapshot())
+        copied = World._of(self._native.snapshot())
+        copied._take(self._notes, self._cameras)
+        return copied
 
     def __deepcopy__(self, memo: dict[int, Any]) -> World:
         """Return an independent copy of the world."""
@@ -110,8 +89,8 @@ class World(Unpicklable):
 
     @property
     def notes(self) -> list[str]:
-        """Elements that were ignored in the description, one line each."""
-        return self._native.notes
+        """Elements that were ignored in the description or the scene, one line each."""
+        return [*self._native.notes, *self._notes]
 
     @property
     def bodies(self) -> list[str]:
@@ -160,9 +139,9 @@ class World(Unpicklable):
             **look: keywords of all ``add_`` methods: ``name``; ``color`` (red, green, blue[, alpha]) from 0 to 1;
                 ``emissive``, ``specular`` (3,), 0 or more, and ``shininess``; or ``roughness`` and ``metalness`` from
                 0 to 1 instead of the last two, by default 1 and 0 if only one is given; ``texture``, an image (height,
-                width, 3 or 4) of uint8, and ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel
-                ``class``; ``laser_retro`` for intensities, 0 or more; ``seen_by``, ``all``, ``visual`` (only
-                cameras) or ``collision`` (only lidars).
+                width, 3 or 4) of uint8, or the number of a body that was added with one, which is shared, and
+                ``texture_repeat`` (2,); ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro`` for
+                intensities, 0 or more; ``seen_by``, ``all``, ``visual`` (only cameras) or ``collision`` (only lidars).
 
         Raises:
             ValueError: an argument is invalid, or a body with this name exists; nothing is added then.
@@ -233,6 +212,42 @@ class World(Unpicklable):
             raise ValueError(f"uvs: shape {coordinates.shape}; {(len(points), 2)}, one a vertex, is expected")
         appearance, said = look_of(pose, look)
         return self._native.add_mesh(points, triangles, coordinates, appearance, said)
+
+    def add_copy(
+        self,
+        body: str | int,
+        pose: ArrayLike | None = None,
+        *,
+        name: str = "",
+        color: ArrayLike | None = None,
+        scale: ArrayLike | None = None,
+        class_id: int | None = None,
+    ) -> int:
+        """Add a body with the shape and the look of another, whose triangles and texture it shares.
+
+        Args:
+            body: name or number of a body that one of the ``add_`` methods added.
+            pose: as for ``add_box``.
+            name: the name of the new body.
+            color: (3,) or (4,), as for ``add_box``; by default that of the other body, like ``scale`` and ``class_id``.
+            scale: (3,).
+            class_id: for the channel ``class``.
+
+        Raises:
+            ValueError: there is no such body, it was read from a file, or an argument is invalid.
+
+        """
+        return self._native.add_copy(
+            # Names take time in proportion to the number of bodies.
+            _arrays.body_number("body", body, self.bodies)
+            if isinstance(body, str)
+            else _arrays.count("body", body, 0),
+            _arrays.text("name", name),
+            _arrays.one_pose("pose", pose),
+            None if color is None else rgba(color),
+            None if scale is None else _arrays.numbers("scale", scale, 3),
+            None if class_id is None else _arrays.count("class_id", class_id, 0, 2**32 - 1),
+        )
 
     def add_height_field(
         self, heights: ArrayLike, size: ArrayLike, pose: ArrayLike | None = None, **look: Any

@@ -8,7 +8,7 @@ import mujoco
 import numpy as np
 
 from belvedere import _arrays
-from belvedere._channels import prepare
+from belvedere._channels import names_of
 from belvedere._frames import Frames
 from belvedere._lens import Lens
 from belvedere._sensors import Camera, DepthCamera, Sensor
@@ -85,13 +85,11 @@ class SceneCamera:
 
         """
         scene, sensor = self._scene, self.sensor
-        if isinstance(channels, str):
-            channels = (channels,)
-        wanted = list(sensor._default if channels is None else channels)
+        wanted = names_of(channels, sensor.main_channels)
         rendered = list(dict.fromkeys("instance" if name == "geom" else name for name in wanted))
         read = states_of(scene.model, states)
         if read.count == 0:
-            arrays = Frames(prepare(sensor._channels, (), rendered, None, (0,), sensor.frame_shape), (0,), ())
+            arrays = sensor.render(scene.world, np.zeros((0, 7)), channels=rendered)
         else:
             arrays = self._render(read, rendered, seeds, frames, threads)
         if "geom" in wanted:
@@ -140,6 +138,7 @@ def _camera_of(model: mujoco.MjModel, camera: str | int | mujoco.MjvCamera) -> m
             chosen.type = mujoco.mjtCamera.mjCAMERA_FIXED
             chosen.fixedcamid = number_of(model, mujoco.mjtObj.mjOBJ_CAMERA, "camera", camera, model.ncam)
     if chosen.type == mujoco.mjtCamera.mjCAMERA_FIXED:
+        _arrays.count("camera: its fixedcamid", int(chosen.fixedcamid), 0, model.ncam - 1)
         is_flat = bool(model.cam_projection[chosen.fixedcamid])
     else:
         is_flat = bool(chosen.orthographic)

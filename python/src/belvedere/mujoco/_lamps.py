@@ -41,7 +41,10 @@ class Lamps:
             if kind is None:
                 self.notes.append(f"light {light}: images are not lamps here, so it is dark")
                 continue
-            self._add(world, model, light, kind)
+            try:
+                self._add(world, model, light, kind)
+            except ValueError as error:
+                raise ValueError(f"model: light {light}: {error}") from error
             ambient += model.light_ambient[light]
         self._headlight = len(self._lights) if headlight.active else None
         if headlight.active:
@@ -55,7 +58,10 @@ class Lamps:
             ambient += headlight.ambient
         elif not self._lights:
             ambient += _DARK
-        world.set_environment(ambient, self._background(model))
+        try:
+            world.set_environment(ambient, self._background(model))
+        except ValueError as error:
+            raise ValueError(f"model: lights: {error}") from error
 
     def _add(self, world: World, model: mujoco.MjModel, light: int, kind: str) -> None:
         cutoff = math.radians(min(float(model.light_cutoff[light]), 90.0))
@@ -91,6 +97,8 @@ class Lamps:
         count = int(model.tex_nchannel[sky])
         first = int(model.tex_adr[sky])
         total = int(model.tex_height[sky]) * int(model.tex_width[sky]) * count
+        if total == 0:
+            return np.zeros(3)
         pixels = model.tex_data[first : first + total].reshape(-1, count)
         mean: NDArray[np.float64] = pixels[:, :3].mean(axis=0) / 255.0
         return np.broadcast_to(mean, (3,)) if mean.size == 1 else mean

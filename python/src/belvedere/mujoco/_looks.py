@@ -16,6 +16,8 @@ _GREY = (0.5, 0.5, 0.5, 1.0)
 _EXPONENT = 128.0
 #: Specular and shininess of a geom without a material.
 _PLAIN = (0.5, 0.5)
+#: More repetitions than this of a texture would be noise.
+_MOST_REPEATS = 1e9
 
 
 class Looks:
@@ -74,6 +76,10 @@ class Looks:
         if texture < 0 or int(self._model.tex_type[texture]) != mujoco.mjtTexture.mjTEXTURE_2D:
             return self.of(geom) if texture >= 0 else look
         given = self._model.mat_texrepeat[material].astype(np.float64)
+        if not (np.abs(given) < _MOST_REPEATS).all():
+            raise ValueError(
+                f"texrepeat of its material: numbers below {_MOST_REPEATS:g} are expected, not {given}"
+            )
         texels, repeat = self._texels(texture), [1.0, 1.0]
         for axis, edge in enumerate(edges):
             is_finite = min(edges) > 0.0
@@ -103,6 +109,9 @@ class Looks:
                 for role in (mujoco.mjtTextureRole.mjTEXROLE_RGB, mujoco.mjtTextureRole.mjTEXROLE_RGBA)
             ]
             texture = max(textures)
+            if texture >= 0 and 0 in (model.tex_height[texture], model.tex_width[texture]):
+                self._note(material, "its texture has no pixels")
+                texture = -1
             if float(model.mat_reflectance[material]) > 0.0:
                 self._note(material, "it does not reflect other shapes")
         look: dict[str, Any] = {

@@ -106,10 +106,12 @@ class Renderer(Closing):
         if self._is_closed:
             raise RuntimeError("update_scene cannot be called after close.")
         option = mujoco.MjvOption() if scene_option is None else scene_option
+        if not isinstance(option, mujoco.MjvOption):
+            raise ValueError(f"scene_option: an MjvOption is expected, not {option!r}")
         groups = tuple(int(group) for group in np.flatnonzero(option.geomgroup))
         if groups not in self._scenes:
             self._scenes[groups] = Scene(self._model, groups=groups)
-        if isinstance(camera, mujoco.MjvCamera):
+        if not isinstance(camera, (str, int)) or isinstance(camera, bool):
             # The caller may change it from picture to picture.
             self._camera = self._scenes[groups].camera(camera, *self._size, smooth=self._smooth)
         else:
@@ -138,8 +140,12 @@ class Renderer(Closing):
             raise RuntimeError("render cannot be called before update_scene.")
         channel, dtype, rest = _MODES[self._mode]
         shape = (self._size[1], self._size[0], *rest)
+        if out is not None and not isinstance(out, np.ndarray):
+            raise ValueError(f"out: an array of numpy is expected, not {type(out).__name__}")
         if out is not None and out.shape != shape:
             raise ValueError(f"out: shape {out.shape}; {shape} is expected")
+        if out is not None and (out.dtype.kind not in "biufc" or not out.flags.writeable):
+            raise ValueError(f"out: {out.dtype}; numbers that can be written to are expected")
         picture = self._camera.render(self._state, channels=(channel,))[channel]
         if self._mode == "depth":
             picture[np.isinf(picture)] = self._model.vis.map.zfar * self._model.stat.extent

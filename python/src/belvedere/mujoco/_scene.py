@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -22,6 +21,8 @@ from belvedere.mujoco._looks import Looks
 from belvedere.mujoco._states import States, states_of
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import NDArray
 
     from belvedere._arrays import ArrayLike
@@ -30,6 +31,8 @@ if TYPE_CHECKING:
 _log = logging.getLogger("belvedere")
 #: A ray continues behind the back of a plane by this fraction of its distance, and by this many of its lengths.
 _BEHIND = 1e-6
+#: Origins of rays are nearer than this, in metres: single precision has no larger numbers.
+_FAR = 1e38
 
 
 class Scene(Unpicklable):
@@ -50,9 +53,13 @@ class Scene(Unpicklable):
 
     _instead = "create it in the other process, from its model"
 
-    def __init__(self, model: mujoco.MjModel, *, groups: Sequence[int] = (0, 1, 2)) -> None:
+    def __init__(self, model: mujoco.MjModel, *, groups: Iterable[int] = (0, 1, 2)) -> None:
         if not isinstance(model, mujoco.MjModel):
             raise ValueError(f"model: an MjModel is expected, not {type(model).__name__}")
+        try:
+            groups = tuple(groups)
+        except TypeError as error:
+            raise ValueError(f"groups: numbers of groups are expected, not {groups!r}") from error
         for group in groups:
             _arrays.count("groups", group, 0, mujoco.mjNGROUP - 1)
         self.model = model
@@ -67,7 +74,10 @@ class Scene(Unpicklable):
                 continue
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_GEOM, geom) or ""
             # A geom may have any name, so only the number makes the names of bodies different from each other.
-            why = add_geom(self.world, model, geom, f"{geom} {name}".rstrip(), looks)
+            try:
+                why = add_geom(self.world, model, geom, f"{geom} {name}".rstrip(), looks)
+            except ValueError as error:
+                raise ValueError(f"model: geom {name or geom}: {error}") from error
             if why is None:
                 geoms.append(geom)
             else:
@@ -159,7 +169,12 @@ class Scene(Unpicklable):
         if read.lead != ():
             raise ValueError(f"state: one state is expected, not {read.count}")
         rays = _arrays.vectors("directions", directions, 3, np.float64)
-        starts = np.broadcast_to(_arrays.vectors("origins", origins, 3, np.float64), rays.shape)
+        starts = _arrays.vectors("origins", origins, 3, np.float64)
+        if starts.shape not in (rays.shape, (3,)):
+            raise ValueError(f"origins: shape {starts.shape}; {rays.shape}, as directions, or (3,) is expected")
+        if not (np.abs(starts) < _FAR).all():
+            raise ValueError(f"origins: numbers of less than {_FAR:g} in size are expected")
+        starts = np.broadcast_to(starts, rays.shape)
         # Single precision counts from the middle of the origins.
         reference = starts.reshape(-1, 3).mean(axis=0) if starts.size else np.zeros(3)
         bodies = self.poses(read)[0] if len(self.geoms) else None

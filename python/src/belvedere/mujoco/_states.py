@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -105,7 +106,8 @@ def _of_positions(model: mujoco.MjModel, positions: ArrayLike) -> States:
             f"states: shape {given.shape}; an MjData, a list of them, a dictionary of arrays, or qpos "
             f"(…, {model.nq}) is expected"
         )
-    rows = given.reshape(-1, model.nq)
+    lead = given.shape[:-1]
+    rows = given.reshape(math.prod(lead), model.nq)
     bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
     if len(bad):
         raise ValueError(f"states: finite numbers are expected; qpos of state {bad[0]} is {rows[bad[0]].tolist()}")
@@ -121,7 +123,7 @@ def _of_positions(model: mujoco.MjModel, positions: ArrayLike) -> States:
         mujoco.mj_camlight(model, data)
         for name, values in _read(model, data).items():
             fields[name][number] = values
-    return States(given.shape[:-1], len(rows), fields)
+    return States(lead, len(rows), fields)
 
 
 def _of_arrays(model: mujoco.MjModel, states: Mapping[str, ArrayLike]) -> States:
@@ -129,7 +131,8 @@ def _of_arrays(model: mujoco.MjModel, states: Mapping[str, ArrayLike]) -> States
     lead: tuple[int, ...] | None = None
     for name in (*_NEEDED, *states):
         if name not in states:
-            raise ValueError(f"states: the array {name!r} is expected; there are {', '.join(states) or 'none'}")
+            known = ", ".join(map(str, states)) or "none"
+            raise ValueError(f"states: the array {name!r} is expected; there are {known}")
         if name not in _FIELDS:
             raise ValueError(f"states: there is no array {name!r}; there are {', '.join(_FIELDS)}")
         count, shape = getattr(model, _FIELDS[name][0]), _FIELDS[name][1]
@@ -140,6 +143,6 @@ def _of_arrays(model: mujoco.MjModel, states: Mapping[str, ArrayLike]) -> States
             wanted = "…" if lead is None else ", ".join(map(str, lead))
             raise ValueError(f"states[{name!r}]: shape {given.shape}; ({wanted}, {count}, {shape[0]}) is expected")
         lead = given.shape[:-2]
-        fields[name] = given.reshape(-1, count, *shape)
+        fields[name] = given.reshape(math.prod(lead), count, *shape)
     assert lead is not None
-    return States(lead, len(fields["geom_xpos"]), fields)
+    return States(lead, math.prod(lead), fields)

@@ -13,7 +13,8 @@ from belvedere._frames import Frames
 from belvedere._lens import Lens
 from belvedere._sensors import Camera, DepthCamera, Sensor
 from belvedere.mujoco._names import number_of
-from belvedere.mujoco._states import States, states_of
+from belvedere.mujoco._states import States, poses_of, states_of
+from belvedere.mujoco._worlds import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -91,7 +92,7 @@ class SceneCamera:
         rendered = list(dict.fromkeys("instance" if name == "geom" else name for name in wanted))
         read = states_of(scene.model, states)
         if read.count == 0:
-            arrays = Frames(prepare(sensor._channels, (), rendered, None, (0,), sensor.frame_shape), (0,), ())
+            arrays = prepare(sensor._channels, (), rendered, None, (0,), sensor.frame_shape)
         else:
             arrays = self._render(read, rendered, seeds, frames, threads)
         if "geom" in wanted:
@@ -107,13 +108,14 @@ class SceneCamera:
         seeds: ArrayLike | int,
         frames: ArrayLike | int,
         threads: int | None,
-    ) -> Frames:
+    ) -> dict[str, NDArray[Any]]:
         """Render these channels of the sensor, (N, …)."""
-        batch, matrices = self._scene.batch(states), self._matrices(states)
-        self._scene.place_headlight(batch, matrices[:, :3, 0])
-        batch.seeds[:] = np.array(_arrays.seeds("seeds", seeds, states.lead), np.uint64)
-        batch.frames[:] = np.array(_arrays.numbers_of_frames(frames, states.lead), np.uint64)
-        return batch.render(self.sensor, matrices, channels=channels, threads=threads)
+        matrices, scene = self._matrices(states), self._scene
+        poses, bodies = poses_of(matrices, "states"), scene.poses(states) if len(scene.geoms) else None
+        numbers = numbers_of(seeds, frames, states.lead)
+        return scene.worlds.render(
+            self.sensor, poses, bodies, matrices[:, :3, 0], states, channels, numbers, threads
+        )
 
     def _matrices(self, states: States) -> NDArray[np.float64]:
         """Return the sensor's pose in each state, (N, 4, 4)."""

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from belvedere import _arrays
+from belvedere import _arrays, _native
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -143,3 +143,16 @@ def _of_arrays(model: mujoco.MjModel, states: Mapping[str, ArrayLike]) -> States
         fields[name] = given.reshape(-1, count, *shape)
     assert lead is not None
     return States(lead, len(fields["geom_xpos"]), fields)
+
+
+def poses_of(matrices: NDArray[np.float64], argument: str) -> NDArray[np.float64]:
+    """Return matrices (…, 4, 4) as poses (…, 7).
+
+    Raises:
+        ValueError: one is not a rotation and a translation.
+
+    """
+    poses, bad = _native.poses_of_matrices(np.ascontiguousarray(matrices.reshape(-1, 4, 4)))
+    if bad is not None:
+        raise ValueError(f"{argument}: pose number {bad[0]}: {bad[1]}")
+    return poses.reshape(*matrices.shape[:-2], 7)

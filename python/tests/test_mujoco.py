@@ -291,6 +291,11 @@ def test_colours_are_those_of_materials_and_lamps() -> None:
         ),
         (lambda s, d: s.camera("eye", 4, 4).render(mujoco.MjData(OTHER)), "belongs to another model"),
         (lambda s, d: s.camera("eye", 4, 4).render(without_poses(d)), "states: pose number 0"),
+        (
+            lambda s, d: s.camera("eye", 4, 4).render(with_lamp(d, np.nan)),
+            r"states\['light_xdir'\]: a direction is",
+        ),
+        (lambda s, d: s.camera("eye", 4, 4).render(with_lamp(d, 0.0)), "which light 0 has in state 0"),
         (lambda s, d: s.cast([d, d], (0, 0, 0), [[0, 0, 1]]), "state: one state is expected, not 2"),
         (lambda s, d: s.camera("eye", 4, 4).render(d, channels=("colour",)), "there is no channel 'colour'"),
     ],
@@ -312,3 +317,84 @@ def without_poses(data: mujoco.MjData) -> dict[str, NDArray[np.float64]]:
         "cam_xpos": data.cam_xpos,
         "cam_xmat": data.cam_xmat,
     }
+
+
+def with_lamp(data: mujoco.MjData, direction: float) -> dict[str, NDArray[np.float64]]:
+    """Arrays of a state whose lamps have this direction in all three axes."""
+    names = ("geom_xpos", "geom_xmat", "cam_xpos", "cam_xmat")
+    arrays = {name: getattr(data, name) for name in names}
+    return arrays | {"light_xdir": np.full_like(data.light_xdir, direction)}
+
+
+def picture_of(size: str, material: str, camera: str) -> NDArray[np.uint8]:
+    """A picture, from above, of a plane with a texture of 64 × 64 whose red is 4 × column and green 4 × row."""
+    model = mujoco.MjModel.from_xml_string(f"""
+        <mujoco>
+          <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+          <asset>
+            <texture name="t" type="2d" builtin="checker" width="64" height="64"/>
+            <material name="m" texture="t" specular="0" {material}/>
+          </asset>
+          <worldbody><geom type="plane" size="{size}" material="m"/><camera name="c" {camera}/></worldbody>
+        </mujoco>""")
+    texels = np.zeros((64, 64, 3), np.uint8)
+    texels[..., 0], texels[..., 1] = 4 * np.arange(64), 4 * np.arange(64)[:, None]
+    model.tex_data[:] = texels.ravel()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return bvm.Scene(model).camera("c", 64, 64).render(data)["rgb"]
+
+
+@pytest.mark.parametrize(
+    ("size", "material", "phase"),
+    [
+        # The middle is this fraction of the texture from its left and its upper edge, in MuJoCo's own pictures.
+        ("0.4 0.7 1", 'texrepeat="1 1" texuniform="true"', (0.2, 0.35)),
+        ("2 1.5 1", 'texrepeat="0.7 1.3" texuniform="true"', (0.7, 0.975)),
+        ("2 1.5 1", 'texrepeat="0.7 1.3"', (0.35, 0.65)),
+        ("0 0 1", 'texrepeat="0.5 0.3"', (0.5, 0.5)),
+    ],
+)
+def test_textures_of_planes_lie_where_mujoco_has_them(size: str, material: str, phase: tuple[float, float]) -> None:
+    middle = picture_of(size, material, 'pos="0 0 1" fovy="10"')[32, 32]
+    np.testing.assert_allclose(middle[:2] / 256.0, phase, atol=0.025)
+
+
+def test_a_spotlight_has_the_falloff_of_mujoco() -> None:
+    for exponent in (1, 10):
+        cutoff = 90 if exponent == 1 else 80
+        model = mujoco.MjModel.from_xml_string(f"""
+            <mujoco>
+              <visual><headlight active="0"/></visual>
+              <asset><material name="dull" rgba="1 1 1 1" specular="0"/></asset>
+              <worldbody>
+                <geom type="plane" size="3 3 1" material="dull"/>
+                <light pos="0 0 1" dir="0 0 -1" diffuse="0.8 0.8 0.8" specular="0 0 0" ambient="0 0 0"
+                       castshadow="false" exponent="{exponent}" cutoff="{cutoff}"/>
+                <camera name="down" pos="0 0 2" fovy="60"/>
+              </worldbody>
+            </mujoco>""")
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        scene = bvm.Scene(model)
+        assert not any("edge" in note for note in scene.notes)
+        row = scene.camera("down", 65, 65).render(data)["rgb"][32, :, 0] / 255.0
+        away = (np.arange(65) - 32) * 2.0 * np.tan(np.radians(30)) / 65 * 2.0
+        cosine = 1.0 / np.hypot(1.0, away)
+        np.testing.assert_allclose(row, 0.8 * cosine * cosine**exponent, atol=0.01)
+
+
+def test_highlights_have_the_colour_of_the_texture() -> None:
+    model = mujoco.MjModel.from_xml_string("""
+        <mujoco>
+          <visual><headlight ambient="0 0 0" diffuse="0 0 0" specular="0.8 0.8 0.8"/></visual>
+          <asset>
+            <texture name="t" type="2d" builtin="flat" rgb1="0.5 0.25 0" width="8" height="8"/>
+            <material name="m" texture="t" specular="1" shininess="0.2"/>
+          </asset>
+          <worldbody><geom type="plane" size="1 1 1" material="m"/><camera name="down" pos="0 0 2"/></worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    middle = bvm.Scene(model).camera("down", 9, 9).render(data)["rgb"][4, 4].astype(int)
+    np.testing.assert_allclose(middle, [0.8 * 255 * 0.5, 0.8 * 255 * 0.25, 0], atol=3)

@@ -83,9 +83,10 @@ def finish(
     spec.worldbody.add_camera(name="bench_eye", pos=eye, quat=quat, fovy=60.0)
     spec.worldbody.add_site(name="bench_lidar", pos=lidar, size=[0.01, 0.01, 0.01])
     if not spec.lights:
-        spec.worldbody.add_light(
-            type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, pos=[0, 0, 5], dir=[0.3, 0.2, -1.0], castshadow=False
-        )
+        spec.worldbody.add_light(type=mujoco.mjtLightType.mjLIGHT_DIRECTIONAL, pos=[0, 0, 5], dir=[0.3, 0.2, -1.0])
+    # The other libraries have no shadows, or other ones.
+    for light in spec.lights:
+        light.castshadow = False
     spec.visual.global_.offwidth, spec.visual.global_.offheight = 640, 480
     spec.visual.quality.offsamples = 0
     return spec.compile()

@@ -110,12 +110,10 @@ class SceneCamera:
         threads: int | None,
     ) -> dict[str, NDArray[Any]]:
         """Render these channels of the sensor, (N, …)."""
-        matrices, scene = self._matrices(states), self._scene
-        poses, bodies = poses_of(matrices, "states"), scene.poses(states) if len(scene.geoms) else None
-        numbers = numbers_of(seeds, frames, states.lead)
-        return scene.worlds.render(
-            self.sensor, poses, bodies, matrices[:, :3, 0], states, channels, numbers, threads
-        )
+        scene, matrices = self._scene, self._matrices(states)
+        places = poses_of(matrices, "states"), scene.poses(states)
+        numbers, looks = numbers_of(seeds, frames, states.lead), scene.worlds.looks(states, matrices[:, :3, 0])
+        return scene.worlds.render(self.sensor, places, None, channels, numbers, looks, threads)
 
     def _matrices(self, states: States) -> NDArray[np.float64]:
         """Return the sensor's pose in each state, (N, 4, 4)."""

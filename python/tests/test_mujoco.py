@@ -97,22 +97,24 @@ def test_rays_agree_with_mujoco(model: mujoco.MjModel) -> None:
     assert others <= total * 1e-4, f"{others} of {total} rays hit another geom"
 
 
-@pytest.mark.parametrize("name", ["eye", "shifted"])
-def test_pictures_agree_with_rays_of_mujoco(model: mujoco.MjModel, name: str) -> None:
+@pytest.mark.parametrize(("name", "height"), [("eye", 240), ("eye", 100), ("shifted", 240), ("shifted", 160)])
+def test_pictures_agree_with_rays_of_mujoco(model: mujoco.MjModel, name: str, height: int) -> None:
     scene = bvm.Scene(model)
     data = random_state(model, 5)
-    camera = scene.camera(name) if name == "shifted" else scene.camera(name, 320, 240)
+    camera = scene.camera(name) if (name, height) == ("shifted", 240) else scene.camera(name, 320, height)
     frame = camera.render(data, channels=("rgb", "depth", "geom", "range"))
-    assert frame["rgb"].shape == (240, 320, 3)
+    assert frame["rgb"].shape == (height, 320, 3)
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_CAMERA, name)
     view = mujoco.MjvCamera()
     view.type, view.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, number
     vertical, horizontal, clip = (np.zeros(2, np.float32) for _ in range(3))
     mujoco.mjv_cameraFrustum(vertical, horizontal, clip, model, view)
     # The rays of OpenGL's frustum, by MuJoCo's documentation of its camera.
-    step = (vertical[0] + vertical[1]) / 240
-    x = (np.arange(320) + 0.5 - 160) * step + (horizontal[1] - horizontal[0]) / 2
-    y = vertical[1] - (np.arange(240) + 0.5) * step
+    step = (vertical[0] + vertical[1]) / height
+    # A sensor with a size is stretched to the picture; otherwise pixels are square.
+    across = horizontal.sum() / 320 if horizontal.sum() > 0 else step
+    x = (np.arange(320) + 0.5 - 160) * across + (horizontal[1] - horizontal[0]) / 2
+    y = vertical[1] - (np.arange(height) + 0.5) * step
     rays = np.stack(np.broadcast_arrays(x[None, :], y[:, None], -clip[0]), axis=-1).reshape(-1, 3)
     turned = (rays / clip[0]) @ data.cam_xmat[number].reshape(3, 3).T
     distances, geoms, _ = rays_of_mujoco(model, data, data.cam_xpos[number].copy(), turned)

@@ -9,7 +9,7 @@ light at their corners. Sites and other decoration are hidden, and so are reflec
 docs/mujoco.md lists as differences. Then
 
 - geoms are the same but at outlines,
-- on flat shapes, half of the depths agree to 2 in a million; 99.9 % of all to 0.05 %,
+- on flat shapes, half of the depths agree to 5 in a million; 99.9 % of all to 0.2 %,
 - mean colours of blocks of 8 × 8 pixels agree, in gymnasium's models. Other models have cube textures, planes at whose
   corners there is no highlight, or more light on a texture than MuJoCo shows, so their colours are only printed.
 """
@@ -55,7 +55,7 @@ FLAT = tuple(int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")) for kind in ("PLANE"
 #: Most of the pixels whose geom differs, and of those that are not at an outline.
 MOST_OTHERS, MOST_INSIDE = 5e-3, 1e-4
 #: Most of the relative difference of depths: the median on flat shapes, and that of 99.9 % of all.
-MOST_MEDIAN, MOST_DEPTH = 2e-6, 5e-4
+MOST_MEDIAN, MOST_DEPTH = 5e-6, 2e-3
 #: Most of the mean difference of colours, of 255, in blocks.
 MOST_COLOUR = 2.5
 #: The same for models whose black and white tiles are seen at a highlight, which only white tiles have in MuJoCo's pictures.

@@ -168,11 +168,11 @@ def _optics(model: mujoco.MjModel, camera: mujoco.MjvCamera, size: tuple[int, in
     mujoco.mjv_cameraFrustum(vertical, horizontal, clip, model, camera)
     (below, above), (left, right), (near, far) = vertical.tolist(), horizontal.tolist(), clip.tolist()
     width, height = size
-    # The pixels are square, whatever the sensor's shape is.
-    per_pixel = (below + above) / height
-    focal = near / per_pixel
-    middle = (right - left) / 2.0 / per_pixel
-    lens = Lens.pinhole(focal, focal, (width - 1) / 2.0 - middle, above / per_pixel - 0.5)
+    # Pixels are square, unless the model has the sensor's size: its whole picture is then stretched to these pixels.
+    down = (below + above) / height
+    across = (left + right) / width if left + right > 0.0 else down
+    middle = (right - left) / 2.0 / across
+    lens = Lens.pinhole(near / across, near / down, (width - 1) / 2.0 - middle, above / down - 0.5)
     return lens, near, far
 
 

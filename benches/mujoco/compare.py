@@ -15,6 +15,7 @@ import platform
 import sys
 import time
 import traceback
+from collections.abc import Callable
 
 import mujoco
 import numpy as np
@@ -36,7 +37,7 @@ PACKAGES = (
 )
 
 
-def seconds(take, least: float) -> float:
+def seconds(take: Callable[[], object], least: float) -> float:
     """Return the processor time of one call."""
     calls, start = 0, time.process_time()
     while True:

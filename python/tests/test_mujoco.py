@@ -97,22 +97,24 @@ def test_rays_agree_with_mujoco(model: mujoco.MjModel) -> None:
     assert others <= total * 1e-4, f"{others} of {total} rays hit another geom"
 
 
-@pytest.mark.parametrize("name", ["eye", "shifted"])
-def test_pictures_agree_with_rays_of_mujoco(model: mujoco.MjModel, name: str) -> None:
+@pytest.mark.parametrize(("name", "height"), [("eye", 240), ("eye", 100), ("shifted", 240), ("shifted", 160)])
+def test_pictures_agree_with_rays_of_mujoco(model: mujoco.MjModel, name: str, height: int) -> None:
     scene = bvm.Scene(model)
     data = random_state(model, 5)
-    camera = scene.camera(name) if name == "shifted" else scene.camera(name, 320, 240)
+    camera = scene.camera(name) if (name, height) == ("shifted", 240) else scene.camera(name, 320, height)
     frame = camera.render(data, channels=("rgb", "depth", "geom", "range"))
-    assert frame["rgb"].shape == (240, 320, 3)
+    assert frame["rgb"].shape == (height, 320, 3)
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_CAMERA, name)
     view = mujoco.MjvCamera()
     view.type, view.fixedcamid = mujoco.mjtCamera.mjCAMERA_FIXED, number
     vertical, horizontal, clip = (np.zeros(2, np.float32) for _ in range(3))
     mujoco.mjv_cameraFrustum(vertical, horizontal, clip, model, view)
     # The rays of OpenGL's frustum, by MuJoCo's documentation of its camera.
-    step = (vertical[0] + vertical[1]) / 240
-    x = (np.arange(320) + 0.5 - 160) * step + (horizontal[1] - horizontal[0]) / 2
-    y = vertical[1] - (np.arange(240) + 0.5) * step
+    step = (vertical[0] + vertical[1]) / height
+    # A sensor with a size is stretched to the picture; otherwise pixels are square.
+    across = horizontal.sum() / 320 if horizontal.sum() > 0 else step
+    x = (np.arange(320) + 0.5 - 160) * across + (horizontal[1] - horizontal[0]) / 2
+    y = vertical[1] - (np.arange(height) + 0.5) * step
     rays = np.stack(np.broadcast_arrays(x[None, :], y[:, None], -clip[0]), axis=-1).reshape(-1, 3)
     turned = (rays / clip[0]) @ data.cam_xmat[number].reshape(3, 3).T
     distances, geoms, _ = rays_of_mujoco(model, data, data.cam_xpos[number].copy(), turned)
@@ -238,35 +240,6 @@ def test_gymnasium_gets_pictures() -> None:
         bvm.PixelObservation(gymnasium.make("CartPole-v1"))
 
 
-def test_colours_are_those_of_materials_and_lamps() -> None:
-    model = mujoco.MjModel.from_xml_string("""
-        <mujoco>
-          <visual><headlight ambient="0.2 0.2 0.2" diffuse="0 0 0" specular="0 0 0"/></visual>
-          <asset>
-            <texture name="halves" type="2d" builtin="checker" width="64" height="64" rgb1="1 0 0" rgb2="0 1 0"/>
-            <material name="halves" texture="halves" texrepeat="1 1" specular="0"/>
-            <material name="glowing" rgba="0.5 0.25 0 1" emission="1" specular="0"/>
-          </asset>
-          <worldbody>
-            <geom type="plane" size="1 1 1" material="halves"/>
-            <geom type="box" size="0.5 0.5 0.5" pos="3 0 0" material="glowing"/>
-            <camera name="down" pos="0 0 3" fovy="30"/>
-            <camera name="at_box" pos="3 0 3" fovy="30"/>
-          </worldbody>
-        </mujoco>""")
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    scene = bvm.Scene(model)
-    assert scene.notes == []
-    tiles = scene.camera("down", 64, 64).render(data)["rgb"]
-    # A checker of MuJoCo has its first colour at the first pixel; half a texture away from the middle of the plane.
-    corners = [tiles[row, column].tolist() for row, column in ((20, 20), (20, 44), (44, 20), (44, 44))]
-    assert sorted(map(tuple, corners)) == [(0, 51, 0), (0, 51, 0), (51, 0, 0), (51, 0, 0)]
-    assert corners[0] == corners[3]
-    box = scene.camera("at_box", 64, 64).render(data)["rgb"][32, 32]
-    assert box.tolist() == [153, 77, 0]
-
-
 @pytest.mark.parametrize(
     ("call", "message"),
     [
@@ -291,6 +264,11 @@ def test_colours_are_those_of_materials_and_lamps() -> None:
         ),
         (lambda s, d: s.camera("eye", 4, 4).render(mujoco.MjData(OTHER)), "belongs to another model"),
         (lambda s, d: s.camera("eye", 4, 4).render(without_poses(d)), "states: pose number 0"),
+        (
+            lambda s, d: s.camera("eye", 4, 4).render(with_lamp(d, np.nan)),
+            r"states\['light_xdir'\]: a direction is",
+        ),
+        (lambda s, d: s.camera("eye", 4, 4).render(with_lamp(d, 0.0)), "which light 0 has in state 0"),
         (lambda s, d: s.cast([d, d], (0, 0, 0), [[0, 0, 1]]), "state: one state is expected, not 2"),
         (lambda s, d: s.camera("eye", 4, 4).render(d, channels=("colour",)), "there is no channel 'colour'"),
     ],
@@ -312,3 +290,10 @@ def without_poses(data: mujoco.MjData) -> dict[str, NDArray[np.float64]]:
         "cam_xpos": data.cam_xpos,
         "cam_xmat": data.cam_xmat,
     }
+
+
+def with_lamp(data: mujoco.MjData, direction: float) -> dict[str, NDArray[np.float64]]:
+    """Arrays of a state whose lamps have this direction in all three axes."""
+    names = ("geom_xpos", "geom_xmat", "cam_xpos", "cam_xmat")
+    arrays = {name: getattr(data, name) for name in names}
+    return arrays | {"light_xdir": np.full_like(data.light_xdir, direction)}

@@ -13,7 +13,8 @@ from belvedere._frames import Frames
 from belvedere._lens import Lens
 from belvedere._sensors import Camera, DepthCamera, Sensor
 from belvedere.mujoco._names import number_of
-from belvedere.mujoco._states import States, states_of
+from belvedere.mujoco._states import States, poses_of, states_of
+from belvedere.mujoco._worlds import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -105,13 +106,12 @@ class SceneCamera:
         seeds: ArrayLike | int,
         frames: ArrayLike | int,
         threads: int | None,
-    ) -> Frames:
+    ) -> dict[str, NDArray[Any]]:
         """Render these channels of the sensor, (N, …)."""
-        batch, matrices = self._scene.batch(states), self._matrices(states)
-        self._scene.place_headlight(batch, matrices[:, :3, 0])
-        batch.seeds[:] = np.array(_arrays.seeds("seeds", seeds, states.lead), np.uint64)
-        batch.frames[:] = np.array(_arrays.numbers_of_frames(frames, states.lead), np.uint64)
-        return batch.render(self.sensor, matrices, channels=channels, threads=threads)
+        scene, matrices = self._scene, self._matrices(states)
+        places = poses_of(matrices, "states"), scene.poses(states)
+        numbers, looks = numbers_of(seeds, frames, states.lead), scene.worlds.looks(states, matrices[:, :3, 0])
+        return scene.worlds.render(self.sensor, places, None, channels, numbers, looks, threads)
 
     def _matrices(self, states: States) -> NDArray[np.float64]:
         """Return the sensor's pose in each state, (N, 4, 4)."""
@@ -167,11 +167,11 @@ def _optics(model: mujoco.MjModel, camera: mujoco.MjvCamera, size: tuple[int, in
     mujoco.mjv_cameraFrustum(vertical, horizontal, clip, model, camera)
     (below, above), (left, right), (near, far) = vertical.tolist(), horizontal.tolist(), clip.tolist()
     width, height = size
-    # The pixels are square, whatever the sensor's shape is.
-    per_pixel = (below + above) / height
-    focal = near / per_pixel
-    middle = (right - left) / 2.0 / per_pixel
-    lens = Lens.pinhole(focal, focal, (width - 1) / 2.0 - middle, above / per_pixel - 0.5)
+    # Pixels are square, unless the model has the sensor's size: its whole picture is then stretched to these pixels.
+    down = (below + above) / height
+    across = (left + right) / width if left + right > 0.0 else down
+    middle = (right - left) / 2.0 / across
+    lens = Lens.pinhole(near / across, near / down, (width - 1) / 2.0 - middle, above / down - 0.5)
     return lens, near, far
 
 

@@ -28,15 +28,13 @@ def add_geom(world: World, model: mujoco.MjModel, geom: int, name: str, looks: L
     look: dict[str, Any] = {"name": name, "class_id": geom, "seen_by": looks.seen_by(geom) or "all"}
     if kind == _Geom.mjGEOM_PLANE:
         edges = [2.0 * size[0], 2.0 * size[1]]
-        look |= looks.of_plane(geom, edges)
-        if min(edges) > 0.0:
-            world.add_rectangle(edges, **look)
-        elif max(edges) == 0.0:
-            world.add_plane(**look)
-        else:
-            # Infinite along one axis: as long as the largest distance that matters.
-            far = float(model.vis.map.zfar * model.stat.extent)
-            world.add_rectangle([edge if edge > 0.0 else 2.0 * far for edge in edges], **look)
+        if max(edges) == 0.0:
+            world.add_plane(**look | looks.of_plane(geom, edges, edges))
+            return None
+        # Infinite along one axis: as long as the largest distance that matters.
+        far = float(model.vis.map.zfar * model.stat.extent)
+        lengths = [edge if edge > 0.0 else 2.0 * far for edge in edges]
+        world.add_rectangle(lengths, **look | looks.of_plane(geom, edges, lengths))
         return None
     if kind in (_Geom.mjGEOM_MESH, _Geom.mjGEOM_SDF):
         if model.geom_dataid[geom] < 0:

@@ -11,7 +11,6 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from belvedere._batch import Batch
     from belvedere._world import World
     from belvedere.mujoco._states import States
 
@@ -22,6 +21,10 @@ _KINDS = {
 }
 #: Ambient light of a model without lamps.
 _DARK = 0.3
+#: The largest falloff of a lamp.
+_MOST_FALLOFF = 1e4
+#: The largest distance of a lamp in metres.
+_FARTHEST = 1e12
 
 
 class Lamps:
@@ -64,15 +67,12 @@ class Lamps:
             raise ValueError(f"model: lights: {error}") from error
 
     def _add(self, world: World, model: mujoco.MjModel, light: int, kind: str) -> None:
-        cutoff = math.radians(min(float(model.light_cutoff[light]), 90.0))
         direction = model.light_dir0[light] if np.any(model.light_dir0[light]) else (0.0, 0.0, -1.0)
-        exponent = float(model.light_exponent[light])
+        cone, falloff, error = _cone(float(model.light_cutoff[light]), float(model.light_exponent[light]))
         if kind == "spot":
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_LIGHT, light) or f"number {light}"
-            self.notes.append(
-                f"light {name}: the edge of its cone is softer than MuJoCo's, and it keeps the direction that it has "
-                "in the model's first pose"
-            )
+            edge = "" if error < 0.05 else "it has no edge, and "
+            self.notes.append(f"light {name}: {edge}it keeps the direction that it has in the model's first pose")
         world.add_light(
             kind,
             position=model.light_pos0[light],
@@ -80,8 +80,8 @@ class Lamps:
             color=np.maximum(model.light_diffuse[light], 0.0),
             specular=np.maximum(model.light_specular[light], 0.0),
             attenuation=np.maximum(model.light_attenuation[light], 0.0),
-            cone=(0.0 if exponent > 0.0 else cutoff, cutoff),
-            falloff=1.0,
+            cone=cone,
+            falloff=falloff,
             shadows=bool(model.light_castshadow[light]),
         )
         self._lights.append(light)
@@ -103,15 +103,46 @@ class Lamps:
         mean: NDArray[np.float64] = pixels[:, :3].mean(axis=0) / 255.0
         return np.broadcast_to(mean, (3,)) if mean.size == 1 else mean
 
-    def place(self, batch: Batch, states: States) -> None:
-        """Place the lamps of each state."""
+    def place(self, vectors: NDArray[np.float64], states: States, forward: NDArray[np.float64]) -> None:
+        """Write the positions and directions of the lamps of each state, (N, lamps, 3).
+
+        Args:
+            vectors: where they are in the model.
+            states: the states.
+            forward: where the camera looks, (N, 3).
+
+        Raises:
+            ValueError: a lamp has no place, or no direction.
+
+        """
         for number, (light, is_directional) in enumerate(zip(self._lights, self._is_directional, strict=True)):
             field = "light_xdir" if is_directional else "light_xpos"
             # Arrays of poses may be without lamps, which then stay where they are in the model.
             if field in states.fields:
-                batch.light_vectors[:, number] = states.field(field)[:, light]
-
-    def place_headlight(self, batch: Batch, forward: NDArray[np.float64]) -> None:
-        """Turn the lamp at the camera to where the camera looks in each state, (N, 3)."""
+                placed = states.field(field)[:, light]
+                bad = ~(np.abs(placed) <= _FARTHEST).all(axis=-1)
+                if is_directional:
+                    bad |= ~placed.any(axis=-1)
+                if bad.any():
+                    state = int(np.flatnonzero(bad)[0])
+                    expected = "a direction" if is_directional else "a position within 1e12 m"
+                    raise ValueError(
+                        f"states[{field!r}]: {expected} is expected, not {placed[state].tolist()}, "
+                        f"which light {light} has in state {state}"
+                    )
+                vectors[:, number] = placed
         if self._headlight is not None:
-            batch.light_vectors[:, self._headlight] = forward
+            vectors[:, self._headlight] = forward
+
+
+def _cone(cutoff: float, exponent: float) -> tuple[tuple[float, float], float, float]:
+    """Return the cone and the falloff that are most like a spotlight of MuJoCo, and the largest error of its brightness.
+
+    Its brightness at an angle is the cosine to this power, and 0 from the cutoff (degrees) on.
+    """
+    edge = math.radians(min(cutoff, 90.0))
+    power = min(max(exponent, 0.0), _MOST_FALLOFF)
+    at_edge = max(math.cos(edge), 0.0) ** power if edge < math.pi / 2.0 else 0.0
+    if at_edge > 0.5:
+        return (edge, edge), 1.0, 1.0 - at_edge
+    return (0.0, math.pi / 2.0), power, at_edge

@@ -10,13 +10,15 @@ from belvedere._frames import Frames
 from belvedere._scanner import Scanner
 from belvedere._sensors import Lidar, Sensor
 from belvedere.mujoco._names import number_of
-from belvedere.mujoco._states import States, states_of
+from belvedere.mujoco._states import States, poses_of, states_of
+from belvedere.mujoco._worlds import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from belvedere._arrays import ArrayLike
     from belvedere.mujoco._scene import Scene
+    from belvedere.mujoco._worlds import Places
 
 
 class SceneLidar:
@@ -84,22 +86,12 @@ class SceneLidar:
         later = None if after is None else states_of(scene.model, after)
         if later is not None and later.lead != now.lead:
             raise ValueError(f"after: {later.lead or 'one'} states; {now.lead or 'one'}, as states, are expected")
-        return self.sensor.render(
-            scene.world,
-            self._matrices(now),
-            channels=channels,
-            seeds=seeds,
-            frames=frames,
-            bodies=self._bodies(now),
-            after=None if later is None else self._matrices(later),
-            bodies_after=None if later is None else self._bodies(later),
-            threads=threads,
-        )
+        sensor, places = self.sensor, self._places(now)
+        last = None if later is None else self._places(later)
+        numbers = numbers_of(seeds, frames, now.lead)
+        arrays = scene.worlds.render(sensor, places, last, channels, numbers, None, threads)
+        shaped = {name: array.reshape(now.lead + array.shape[1:]) for name, array in arrays.items()}
+        return Frames(shaped, now.lead, sensor.frame_shape, sensor, numbers[1])
 
-    def _matrices(self, states: States) -> ArrayLike:
-        return states.matrices(self._kind, self._number).reshape(*states.lead, 4, 4)
-
-    def _bodies(self, states: States) -> ArrayLike | None:
-        if len(self._scene.geoms) == 0:
-            return None
-        return self._scene.poses(states).reshape(*states.lead, len(self._scene.geoms), 7)
+    def _places(self, states: States) -> Places:
+        return poses_of(states.matrices(self._kind, self._number), "states"), self._scene.poses(states)

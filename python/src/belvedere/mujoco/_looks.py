@@ -57,6 +57,7 @@ class Looks:
         look, texture, material = self._plain(geom)
         if texture < 0:
             return look
+        mean = self._dye(look, texture)
         if int(self._model.tex_type[texture]) == mujoco.mjtTexture.mjTEXTURE_2D and has_uvs:
             look["texture"] = self._texels(texture)
             look["texture_repeat"] = self._model.mat_texrepeat[material].tolist()
@@ -66,12 +67,11 @@ class Looks:
             "its texture is shown by its mean colour, since only meshes with coordinates and planes "
             "have textures of images",
         )
-        mean = self._texels(texture)[..., :3].mean(axis=(0, 1)) / 255.0
         look["color"] = [*(np.array(look["color"][:3]) * mean).tolist(), look["color"][3]]
         return look
 
-    def of_plane(self, geom: int, edges: list[float]) -> dict[str, Any]:
-        """Return the look of a plane with these edges, of which 0 means infinite."""
+    def of_plane(self, geom: int, edges: list[float], lengths: list[float]) -> dict[str, Any]:
+        """Return the look of a plane with these edges, of which 0 means infinite, shown with these lengths."""
         look, texture, material = self._plain(geom)
         if texture < 0 or int(self._model.tex_type[texture]) != mujoco.mjtTexture.mjTEXTURE_2D:
             return self.of(geom) if texture >= 0 else look
@@ -80,18 +80,20 @@ class Looks:
             raise ValueError(
                 f"texrepeat of its material: numbers below {_MOST_REPEATS:g} are expected, not {given}"
             )
-        texels, repeat = self._texels(texture), [1.0, 1.0]
-        for axis, edge in enumerate(edges):
-            is_finite = min(edges) > 0.0
-            uniform = bool(self._model.mat_texuniform[material])
-            # MuJoCo counts repetitions over two metres, or over the whole plane, from its middle.
-            repeat[axis] = given[axis] * edge / 2.0 if is_finite and uniform else given[axis]
-            if not is_finite:
-                repeat[axis] /= 2.0
-            shift = (repeat[axis] / 2.0 if is_finite else 0.0) + 0.5
-            length = texels.shape[1 - axis]
-            turned = round(shift * length) if axis == 0 else -round(shift * length)
-            texels = np.roll(texels, turned, axis=1 - axis)
+        self._dye(look, texture)
+        is_uniform = bool(self._model.mat_texuniform[material])
+        texels, repeat = self._texels(texture), given.tolist()
+        for axis, (edge, length) in enumerate(zip(edges, lengths, strict=True)):
+            if edge > 0.0:
+                # MuJoCo counts repetitions over two metres, or over the whole plane, from its left and its upper edge.
+                repeat[axis] *= edge / 2.0 if is_uniform else 1.0
+                shift = 0.0 if axis == 0 else repeat[axis]
+            else:
+                # It counts them over two metres, and the middle of the texture is in the middle.
+                repeat[axis] *= length / 2.0 if length > 0.0 else 0.5
+                shift = 0.5 + (repeat[axis] / 2.0 if length > 0.0 else 0.0)
+            turned = round(shift * texels.shape[1 - axis])
+            texels = np.roll(texels, turned if axis == 0 else -turned, axis=1 - axis)
         return look | {"texture": texels, "texture_repeat": repeat}
 
     def _plain(self, geom: int) -> tuple[dict[str, Any], int, int]:
@@ -121,6 +123,16 @@ class Looks:
             "emissive": (color[:3] * max(emission, 0.0)).tolist(),
         }
         return look, texture, material
+
+    def _dye(self, look: dict[str, Any], texture: int) -> NDArray[np.float64]:
+        """Multiply highlights and emitted light by the mean colour of a texture, (3,), and return it.
+
+        MuJoCo multiplies them by the texture itself.
+        """
+        mean: NDArray[np.float64] = self._texels(texture).mean(axis=(0, 1)) / 255.0
+        for light in ("specular", "emissive"):
+            look[light] = (np.array(look[light]) * mean).tolist()
+        return mean
 
     def _texels(self, texture: int) -> NDArray[np.uint8]:
         """Return the pixels of a texture, (height, width, 3); those of a cube are the six sides, one below the other."""

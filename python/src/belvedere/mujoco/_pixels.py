@@ -32,7 +32,7 @@ class PixelObservation(gymnasium.ObservationWrapper[Any, Any, Any]):
         env: an environment with ``model`` and ``data`` of MuJoCo, such as ``gymnasium.make("Humanoid-v5")``.
         width: pixels across.
         height: pixels down.
-        camera: name or number of a camera of the model; −1 is the free camera as it starts.
+        camera: name or number of a camera of the model; −1 is the free camera as it starts; or an ``MjvCamera``.
         channels: some of ``rgb``, ``depth`` (∞ where nothing is), ``normal`` and ``geom``. With one channel the
             observation is its array, otherwise a dictionary of arrays.
         state: True if the dictionary also has the environment's own observation as ``state``.
@@ -48,7 +48,7 @@ class PixelObservation(gymnasium.ObservationWrapper[Any, Any, Any]):
         env: gymnasium.Env[Any, Any],
         width: int = 64,
         height: int = 64,
-        camera: str | int = -1,
+        camera: str | int | mujoco.MjvCamera = -1,
         *,
         channels: Sequence[str] = ("rgb",),
         state: bool = False,

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from belvedere import _arrays, _native
-from belvedere._batch import Batch
+from belvedere import _arrays
 from belvedere._frames import Frames
 from belvedere._unpicklable import Unpicklable
 from belvedere._world import World
@@ -18,7 +17,8 @@ from belvedere.mujoco._geoms import add_geom
 from belvedere.mujoco._lamps import Lamps
 from belvedere.mujoco._lidars import SceneLidar
 from belvedere.mujoco._looks import Looks
-from belvedere.mujoco._states import States, states_of
+from belvedere.mujoco._states import States, poses_of, states_of
+from belvedere.mujoco._worlds import Worlds
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -84,14 +84,16 @@ class Scene(Unpicklable):
                 self.notes.append(f"geom {name or geom}: {why}, so it is not seen")
         #: The geom of each body of the world.
         self.geoms: NDArray[np.int64] = np.array(geoms, np.int64)
-        self._lamps = Lamps(self.world, model)
-        self._note_rest(looks)
+        lamps = Lamps(self.world, model)
+        #: Renders a frame in the world of each state.
+        self.worlds = Worlds(self.world, lamps)
+        self._note_rest(looks, lamps)
         self._geom_of_instance = np.append(self.geoms[self.world.instance_bodies], -1).astype(np.int32)
         # The last element is that of no geom.
         self._is_plane = np.append(model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE, False)
 
-    def _note_rest(self, looks: Looks) -> None:
-        self.notes += [*looks.notes, *self._lamps.notes]
+    def _note_rest(self, looks: Looks, lamps: Lamps) -> None:
+        self.notes += [*looks.notes, *lamps.notes]
         for kind, count in (("flex", self.model.nflex), ("skin", self.model.nskin)):
             if count:
                 self.notes.append(f"{count} objects of type {kind} are not seen, since their shapes change")
@@ -226,31 +228,6 @@ class Scene(Unpicklable):
         """
         return poses_of(states.matrices("geom_", self.geoms), "states")
 
-    def batch(self, states: States) -> Batch:
-        """Return a batch with a world for each state, without the lamp at the camera."""
-        batch = Batch(self.world, states.count)
-        if len(self.geoms):
-            batch.poses[:] = self.poses(states)
-        self._lamps.place(batch, states)
-        return batch
-
-    def place_headlight(self, batch: Batch, forward: NDArray[np.float64]) -> None:
-        """Turn the lamp at the camera to where the camera looks in each state, (N, 3)."""
-        self._lamps.place_headlight(batch, forward)
-
     def __repr__(self) -> str:
         """Return the number of geoms that are seen."""
         return f"<Scene of {len(self.geoms)} of {self.model.ngeom} geoms>"
-
-
-def poses_of(matrices: NDArray[np.float64], argument: str) -> NDArray[np.float64]:
-    """Return matrices (…, 4, 4) as poses (…, 7).
-
-    Raises:
-        ValueError: one is not a rotation and a translation.
-
-    """
-    poses, bad = _native.poses_of_matrices(np.ascontiguousarray(matrices.reshape(-1, 4, 4)))
-    if bad is not None:
-        raise ValueError(f"{argument}: pose number {bad[0]}: {bad[1]}")
-    return poses.reshape(*matrices.shape[:-2], 7)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
 
-from belvedere import _arrays
+from belvedere import _arrays, _native
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -76,7 +76,7 @@ def states_of(model: mujoco.MjModel, states: Any) -> States:
     if isinstance(states, States):
         return states
     if isinstance(states, mujoco.MjData):
-        return States((), 1, {name: values[None] for name, values in _read(model, states).items()})
+        return States((), 1, _Read(model, states))
     if isinstance(states, Mapping):
         return _of_arrays(model, states)
     if isinstance(states, Sequence) and len(states) > 0 and isinstance(states[0], mujoco.MjData):
@@ -84,19 +84,36 @@ def states_of(model: mujoco.MjModel, states: Any) -> States:
         for number, state in enumerate(states):
             if not isinstance(state, mujoco.MjData):
                 raise ValueError(f"states[{number}]: an MjData is expected, as the first one is, not {state!r}")
-            read.append(_read(model, state))
-        return States((len(read),), len(read), {name: np.stack([one[name] for one in read]) for name in _FIELDS})
+            read.append(_Read(model, state))
+        return States(
+            (len(read),), len(read), {name: np.concatenate([one[name] for one in read]) for name in _FIELDS}
+        )
     return _of_positions(model, states)
 
 
-def _read(model: mujoco.MjModel, state: mujoco.MjData) -> dict[str, NDArray[np.float64]]:
-    """Return the fields of an ``MjData``, without a copy."""
-    if state.signature != model.signature:
-        raise ValueError("states: an MjData of this scene's model is expected; this one belongs to another model")
-    return {
-        name: np.asarray(getattr(state, name)).reshape(getattr(model, count), *shape)
-        for name, (count, shape) in _FIELDS.items()
-    }
+class _Read(Mapping[str, "NDArray[np.float64]"]):
+    """The fields of an ``MjData``, which are read when they are used, without a copy."""
+
+    def __init__(self, model: mujoco.MjModel, state: mujoco.MjData) -> None:
+        if state.signature != model.signature:
+            raise ValueError(
+                "states: an MjData of this scene's model is expected; this one belongs to another model"
+            )
+        self._model, self._state = model, state
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        count, shape = _FIELDS[name]
+        field: NDArray[np.float64] = getattr(self._state, name)
+        return field.reshape(1, getattr(self._model, count), *shape)
+
+    def __contains__(self, name: object) -> bool:
+        return name in _FIELDS
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(_FIELDS)
+
+    def __len__(self) -> int:
+        return len(_FIELDS)
 
 
 def _of_positions(model: mujoco.MjModel, positions: ArrayLike) -> States:
@@ -115,14 +132,15 @@ def _of_positions(model: mujoco.MjModel, positions: ArrayLike) -> States:
         name: np.empty((len(rows), getattr(model, count), *shape)) for name, (count, shape) in _FIELDS.items()
     }
     data = mujoco.MjData(model)
+    read = _Read(model, data)
     for number, row in enumerate(rows):
         data.qpos[:] = row
         mujoco.mj_kinematics(model, data)
         # Cameras and lamps that follow something need the centres of mass.
         mujoco.mj_comPos(model, data)
         mujoco.mj_camlight(model, data)
-        for name, values in _read(model, data).items():
-            fields[name][number] = values
+        for name, values in read.items():
+            fields[name][number] = values[0]
     return States(lead, len(rows), fields)
 
 
@@ -146,3 +164,16 @@ def _of_arrays(model: mujoco.MjModel, states: Mapping[str, ArrayLike]) -> States
         fields[name] = given.reshape(math.prod(lead), count, *shape)
     assert lead is not None
     return States(lead, math.prod(lead), fields)
+
+
+def poses_of(matrices: NDArray[np.float64], argument: str) -> NDArray[np.float64]:
+    """Return matrices (…, 4, 4) as poses (…, 7).
+
+    Raises:
+        ValueError: one is not a rotation and a translation.
+
+    """
+    poses, bad = _native.poses_of_matrices(np.ascontiguousarray(matrices.reshape(-1, 4, 4)))
+    if bad is not None:
+        raise ValueError(f"{argument}: pose number {bad[0]}: {bad[1]}")
+    return poses.reshape(*matrices.shape[:-2], 7)

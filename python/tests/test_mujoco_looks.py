@@ -1,0 +1,113 @@
+"""Textures, highlights and lamps of models of MuJoCo."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+mujoco = pytest.importorskip("mujoco")
+bvm = pytest.importorskip("belvedere.mujoco")
+
+
+def test_colours_are_those_of_materials_and_lamps() -> None:
+    model = mujoco.MjModel.from_xml_string("""
+        <mujoco>
+          <visual><headlight ambient="0.2 0.2 0.2" diffuse="0 0 0" specular="0 0 0"/></visual>
+          <asset>
+            <texture name="halves" type="2d" builtin="checker" width="64" height="64" rgb1="1 0 0" rgb2="0 1 0"/>
+            <material name="halves" texture="halves" texrepeat="1 1" specular="0"/>
+            <material name="glowing" rgba="0.5 0.25 0 1" emission="1" specular="0"/>
+          </asset>
+          <worldbody>
+            <geom type="plane" size="1 1 1" material="halves"/>
+            <geom type="box" size="0.5 0.5 0.5" pos="3 0 0" material="glowing"/>
+            <camera name="down" pos="0 0 3" fovy="30"/>
+            <camera name="at_box" pos="3 0 3" fovy="30"/>
+          </worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    scene = bvm.Scene(model)
+    assert scene.notes == []
+    tiles = scene.camera("down", 64, 64).render(data)["rgb"]
+    # A checker of MuJoCo has its first colour at the first pixel; half a texture away from the middle of the plane.
+    corners = [tiles[row, column].tolist() for row, column in ((20, 20), (20, 44), (44, 20), (44, 44))]
+    assert sorted(map(tuple, corners)) == [(0, 51, 0), (0, 51, 0), (51, 0, 0), (51, 0, 0)]
+    assert corners[0] == corners[3]
+    box = scene.camera("at_box", 64, 64).render(data)["rgb"][32, 32]
+    assert box.tolist() == [153, 77, 0]
+
+
+def picture_of(size: str, material: str, camera: str) -> NDArray[np.uint8]:
+    """A picture, from above, of a plane with a texture of 64 × 64 whose red is 4 × column and green 4 × row."""
+    model = mujoco.MjModel.from_xml_string(f"""
+        <mujoco>
+          <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+          <asset>
+            <texture name="t" type="2d" builtin="checker" width="64" height="64"/>
+            <material name="m" texture="t" specular="0" {material}/>
+          </asset>
+          <worldbody><geom type="plane" size="{size}" material="m"/><camera name="c" {camera}/></worldbody>
+        </mujoco>""")
+    texels = np.zeros((64, 64, 3), np.uint8)
+    texels[..., 0], texels[..., 1] = 4 * np.arange(64), 4 * np.arange(64)[:, None]
+    model.tex_data[:] = texels.ravel()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    return bvm.Scene(model).camera("c", 64, 64).render(data)["rgb"]
+
+
+@pytest.mark.parametrize(
+    ("size", "material", "phase"),
+    [
+        # The middle is this fraction of the texture from its left and its upper edge, in MuJoCo's own pictures.
+        ("0.4 0.7 1", 'texrepeat="1 1" texuniform="true"', (0.2, 0.35)),
+        ("2 1.5 1", 'texrepeat="0.7 1.3" texuniform="true"', (0.7, 0.975)),
+        ("2 1.5 1", 'texrepeat="0.7 1.3"', (0.35, 0.65)),
+        ("0 0 1", 'texrepeat="0.5 0.3"', (0.5, 0.5)),
+    ],
+)
+def test_textures_of_planes_lie_where_mujoco_has_them(size: str, material: str, phase: tuple[float, float]) -> None:
+    middle = picture_of(size, material, 'pos="0 0 1" fovy="10"')[32, 32]
+    np.testing.assert_allclose(middle[:2] / 256.0, phase, atol=0.025)
+
+
+def test_a_spotlight_has_the_falloff_of_mujoco() -> None:
+    for exponent in (1, 10):
+        cutoff = 90 if exponent == 1 else 80
+        model = mujoco.MjModel.from_xml_string(f"""
+            <mujoco>
+              <visual><headlight active="0"/></visual>
+              <asset><material name="dull" rgba="1 1 1 1" specular="0"/></asset>
+              <worldbody>
+                <geom type="plane" size="3 3 1" material="dull"/>
+                <light pos="0 0 1" dir="0 0 -1" diffuse="0.8 0.8 0.8" specular="0 0 0" ambient="0 0 0"
+                       castshadow="false" exponent="{exponent}" cutoff="{cutoff}"/>
+                <camera name="down" pos="0 0 2" fovy="60"/>
+              </worldbody>
+            </mujoco>""")
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        scene = bvm.Scene(model)
+        assert not any("edge" in note for note in scene.notes)
+        row = scene.camera("down", 65, 65).render(data)["rgb"][32, :, 0] / 255.0
+        away = (np.arange(65) - 32) * 2.0 * np.tan(np.radians(30)) / 65 * 2.0
+        cosine = 1.0 / np.hypot(1.0, away)
+        np.testing.assert_allclose(row, 0.8 * cosine * cosine**exponent, atol=0.01)
+
+
+def test_highlights_have_the_colour_of_the_texture() -> None:
+    model = mujoco.MjModel.from_xml_string("""
+        <mujoco>
+          <visual><headlight ambient="0 0 0" diffuse="0 0 0" specular="0.8 0.8 0.8"/></visual>
+          <asset>
+            <texture name="t" type="2d" builtin="flat" rgb1="0.5 0.25 0" width="8" height="8"/>
+            <material name="m" texture="t" specular="1" shininess="0.2"/>
+          </asset>
+          <worldbody><geom type="plane" size="1 1 1" material="m"/><camera name="down" pos="0 0 2"/></worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    middle = bvm.Scene(model).camera("down", 9, 9).render(data)["rgb"][4, 4].astype(int)
+    np.testing.assert_allclose(middle, [0.8 * 255 * 0.5, 0.8 * 255 * 0.25, 0], atol=3)

@@ -1,0 +1,273 @@
+"""Compares pictures of belvedere.mujoco with those of MuJoCo's own renderer, on models of packages.
+
+    MUJOCO_GL=egl python tests/mujoco/renderer.py                        # gymnasium's models, as in CI
+    MUJOCO_GL=egl python tests/mujoco/renderer.py --all                  # also dm_control, gymnasium-robotics, robosuite
+    MUJOCO_GL=egl python tests/mujoco/renderer.py --picture docs/mujoco.webp
+
+Each model is in a random state. OpenGL draws curved geoms as triangles, of which there are many here, and computes the
+light at their corners. Sites and other decoration are hidden, and so are reflections, haze and the sky, which
+docs/mujoco.md lists as differences. Then
+
+- geoms are the same, or lie in the same place, but at outlines,
+- on flat shapes, half of the depths agree to 5 in a million; 99.9 % of all to 0.2 %,
+- mean colours of blocks of 8 × 8 pixels agree, in gymnasium's models. Other models have cube textures, planes at whose
+  corners there is no highlight, or more light on a texture than MuJoCo shows, so their colours are only printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib.util
+import logging
+import os
+import pathlib
+import sys
+from dataclasses import dataclass
+
+os.environ.setdefault("MUJOCO_GL", "egl")
+
+import mujoco
+import numpy as np
+
+import belvedere.mujoco as bvm
+
+WIDTH, HEIGHT = 320, 240
+BLOCK = 8
+#: The models of CI, in gymnasium.
+MODELS = (
+    "ant", "half_cheetah", "hopper", "humanoid", "humanoidstandup", "inverted_double_pendulum", "inverted_pendulum",
+    "point", "pusher_v5", "reacher", "swimmer", "walker2d_v5",
+)  # fmt: skip
+#: The models of other packages.
+OTHERS = {
+    "dm_control": ("suite/*.xml", "locomotion/walkers/assets/*.xml", "third_party/*/*.xml"),
+    "gymnasium_robotics": (
+        "envs/assets/fetch/*.xml",
+        "envs/assets/hand/*.xml",
+        "envs/assets/adroit_hand/adroit_*.xml",
+        "envs/assets/kitchen_franka/kitchen_assets/kitchen_env_model.xml",
+    ),
+    "mjlab": ("asset_zoo/robots/*/xmls/*.xml",),
+    "robosuite": ("models/assets/robots/*/robot.xml", "models/assets/arenas/*.xml"),
+}
+#: Geoms that are drawn with their true surface.
+FLAT = tuple(int(getattr(mujoco.mjtGeom, f"mjGEOM_{kind}")) for kind in ("PLANE", "BOX", "MESH", "HFIELD"))
+#: Most of the pixels whose geom differs, and of those that are not at an outline.
+MOST_OTHERS, MOST_INSIDE = 5e-3, 1e-4
+#: Most of the relative difference of depths: the median on flat shapes, and that of 99.9 % of all.
+MOST_MEDIAN, MOST_DEPTH = 5e-6, 2e-3
+#: Most of the mean difference of colours, of 255, in blocks.
+MOST_COLOUR = 2.5
+#: The same for models whose black and white tiles are seen at a highlight, which only white tiles have in MuJoCo's pictures.
+MOST_ON_TILES = {"humanoid.xml": 8.0, "humanoidstandup.xml": 8.0}
+
+
+@dataclass(frozen=True)
+class Differences:
+    """How the pictures of a camera differ."""
+
+    others: float
+    inside: float
+    median: float
+    depth: float
+    colour: float
+    blocks: float
+
+    def __str__(self) -> str:
+        return (
+            f"geoms {self.others:.3%}, inside {self.inside:.3%}; depths {self.median:.1e}, {self.depth:.1e}; "
+            f"colours {self.colour:.1f}, in blocks {self.blocks:.1f}"
+        )
+
+    def faults(self, most_colour: float) -> list[str]:
+        bounds = {
+            "others": MOST_OTHERS,
+            "inside": MOST_INSIDE,
+            "median": MOST_MEDIAN,
+            "depth": MOST_DEPTH,
+            "blocks": most_colour,
+        }
+        return [
+            f"{name} {getattr(self, name):.2g} > {most:g}"
+            for name, most in bounds.items()
+            if getattr(self, name) > most
+        ]
+
+
+def paths(is_all: bool) -> list[pathlib.Path]:
+    root = folder("gymnasium")
+    assert root is not None, "pip install 'gymnasium[mujoco]'"
+    found = [root / "envs/mujoco/assets" / f"{name}.xml" for name in MODELS]
+    for package, patterns in OTHERS.items() if is_all else ():
+        root = folder(package)
+        if root is None:
+            print(f"{package} is not installed")
+            continue
+        found += [path for pattern in patterns for path in sorted(root.glob(pattern))]
+    return found
+
+
+def folder(package: str) -> pathlib.Path | None:
+    spec = importlib.util.find_spec(package)
+    return None if spec is None or spec.origin is None else pathlib.Path(spec.origin).parent
+
+
+def state_of(model: mujoco.MjModel) -> mujoco.MjData:
+    """Return a random state near the model's first one."""
+    data = mujoco.MjData(model)
+    if model.nkey:
+        mujoco.mj_resetDataKeyframe(model, data, 0)
+    mujoco.mj_integratePos(model, data.qpos, np.random.default_rng(1).normal(0.0, 0.1, model.nv), 1.0)
+    mujoco.mj_forward(model, data)
+    return data
+
+
+def plain() -> mujoco.MjvOption:
+    """Return the option that shows geoms alone."""
+    option = mujoco.MjvOption()
+    for kind in ("site", "tendon", "flex", "skin", "joint", "actuator"):
+        getattr(option, f"{kind}group")[:] = 0
+    option.flags[mujoco.mjtVisFlag.mjVIS_RANGEFINDER] = 0
+    return option
+
+
+class Pair:
+    """Both renderers of a model."""
+
+    def __init__(self, model: mujoco.MjModel) -> None:
+        quality = model.vis.quality
+        quality.numslices, quality.numstacks, quality.numquads = 128, 128, 32
+        quality.offsamples, quality.shadowsize = 0, 2048
+        model.vis.global_.offwidth = max(WIDTH, model.vis.global_.offwidth)
+        model.vis.global_.offheight = max(HEIGHT, model.vis.global_.offheight)
+        self.model, self.data = model, state_of(model)
+        self.judge, self.scene = mujoco.Renderer(model, HEIGHT, WIDTH), bvm.Scene(model)
+
+    def close(self) -> None:
+        self.judge.close()
+
+    def theirs(self, camera: int, hidden: tuple[str, ...]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return MuJoCo's colours, depths and geoms."""
+        judge, pictures = self.judge, []
+        judge.update_scene(self.data, camera, plain())
+        for name in hidden:
+            judge.scene.flags[getattr(mujoco.mjtRndFlag, f"mjRND_{name}")] = 0
+        for enable in (
+            judge.disable_depth_rendering,
+            judge.enable_depth_rendering,
+            judge.enable_segmentation_rendering,
+        ):
+            enable()
+            pictures.append(judge.render())
+        judge.disable_segmentation_rendering()
+        colours, depths, ids = pictures
+        return colours, depths, np.where(ids[..., 1] == mujoco.mjtObj.mjOBJ_GEOM, ids[..., 0], -1)
+
+    def ours(self, camera: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        frame = self.scene.camera(camera, WIDTH, HEIGHT).render(self.data, channels=("rgb", "depth", "geom"))
+        return frame["rgb"], frame["depth"], frame["geom"]
+
+    def backs(self) -> list[int]:
+        """Return the planes whose back is towards the camera of MuJoCo's last picture."""
+        eye = np.mean([view.pos for view in self.judge.scene.camera], axis=0)
+        planes = np.flatnonzero(self.model.geom_type == mujoco.mjtGeom.mjGEOM_PLANE)
+        ahead = eye - self.data.geom_xpos[planes]
+        normals = self.data.geom_xmat[planes].reshape(-1, 3, 3)[:, :, 2]
+        return planes[(ahead * normals).sum(axis=1) < 0.0].tolist()
+
+    def compare(self, camera: int) -> Differences:
+        colours, depths, geoms = self.theirs(camera, ("REFLECTION", "HAZE", "SKYBOX"))
+        own_colours, own_depths, own_geoms = self.ours(camera)
+        # MuJoCo shows the backs of planes, transparent; and of two surfaces in one place, either may be seen.
+        is_tie = np.abs(own_depths - depths) <= 1e-5 * depths
+        other = (geoms != own_geoms) & ~np.isin(geoms, self.backs()) & ~is_tie
+        inside = other & ~outline(geoms) & ~outline(own_geoms)
+        same = (geoms == own_geoms) & (geoms >= 0)
+        relative = np.abs(own_depths[same] / depths[same] - 1.0) if same.any() else np.zeros(1)
+        is_flat = np.isin(self.model.geom_type[geoms[same]], FLAT) if same.any() else np.zeros(1, bool)
+        difference = np.abs(own_colours.astype(int) - colours)[same]
+        return Differences(
+            other.mean(),
+            inside.mean(),
+            float(np.median(relative[is_flat])) if is_flat.any() else 0.0,
+            float(np.quantile(relative, 0.999)),
+            float(difference.mean()) if same.any() else 0.0,
+            float(np.abs(blocks(own_colours, same) - blocks(colours, same)).mean()),
+        )
+
+
+def outline(geoms: np.ndarray) -> np.ndarray:
+    """Return the pixels that have a neighbour of another geom."""
+    edge = np.zeros(geoms.shape, bool)
+    padded = np.pad(geoms, 1, mode="edge")
+    for row in range(3):
+        for column in range(3):
+            edge |= padded[row : row + geoms.shape[0], column : column + geoms.shape[1]] != geoms
+    return edge
+
+
+def blocks(colours: np.ndarray, shown: np.ndarray) -> np.ndarray:
+    """Return mean colours of blocks, which differences of the filters of textures do not change."""
+    kept = colours * shown[..., None].astype(np.float64)
+    return kept.reshape(HEIGHT // BLOCK, BLOCK, WIDTH // BLOCK, BLOCK, 3).mean(axis=(1, 3))
+
+
+def cameras_of(model: mujoco.MjModel) -> list[int]:
+    return [-1, *[camera for camera in range(model.ncam) if not model.cam_projection[camera]]]
+
+
+def compare(chosen: list[pathlib.Path]) -> int:
+    """Print the differences of each model, and return the number of faults."""
+    faults, count = 0, 0
+    for path in chosen:
+        name = f"{path.parent.name}/{path.name}"
+        try:
+            model = mujoco.MjModel.from_xml_path(str(path))
+        except ValueError as why:
+            # Parts that other files include are not models.
+            print(f"{name}: MuJoCo cannot load it: {str(why).splitlines()[0]}")
+            continue
+        pair = Pair(model)
+        count += 1
+        is_judged = path in paths(False)
+        most_colour = MOST_ON_TILES.get(path.name, MOST_COLOUR) if is_judged else float("inf")
+        for camera in cameras_of(model)[:3]:
+            found = pair.compare(camera)
+            wrong = found.faults(most_colour)
+            faults += len(wrong)
+            print(f"{name}, camera {camera}: {found}{''.join(f'  FAULT: {one}' for one in wrong)}", flush=True)
+        pair.close()
+    print(f"{count} models, {faults} faults")
+    return faults
+
+
+def draw(file: str) -> None:
+    """Write pictures of some models: MuJoCo's above, Belvedere's below."""
+    from PIL import Image
+
+    rows = [[], []]
+    for name, camera in (("humanoid", 0), ("ant", 0), ("pusher_v5", -1), ("walker2d_v5", 0)):
+        root = folder("gymnasium")
+        assert root is not None
+        pair = Pair(mujoco.MjModel.from_xml_path(str(root / "envs/mujoco/assets" / f"{name}.xml")))
+        rows[0].append(pair.theirs(camera, ())[0])
+        rows[1].append(pair.scene.camera(camera, WIDTH, HEIGHT, smooth=True).render(pair.data)["rgb"])
+        pair.close()
+    Image.fromarray(np.concatenate([np.concatenate(row, axis=1) for row in rows])).save(file, quality=80)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--all", action="store_true", help="models of other installed packages, too")
+    parser.add_argument("--picture", help="write a picture instead")
+    parser.add_argument("models", nargs="*", type=pathlib.Path, help="files to compare instead")
+    asked = parser.parse_args()
+    logging.getLogger("belvedere").setLevel(logging.ERROR)
+    if asked.picture:
+        draw(asked.picture)
+    elif compare(asked.models or paths(asked.all)):
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

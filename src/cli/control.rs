@@ -19,6 +19,7 @@ use std::time::Duration;
 #[command(after_help = "Examples:
   belvedere control pause
   belvedere control step 100
+  belvedere control query crate
   belvedere control move crate 1.5,0,0.1,90
   belvedere control spawn crate.sdf --name second_crate --pose 2,0,0.5,0
   belvedere control spawn my_robot.urdf.xacro use_camera:=true --namespace carl

@@ -26,9 +26,13 @@ fn the_command_line_reports_results_and_refusals() {
     };
     for (arguments, code, words) in [
         (&["pause"][..], 0, "pause: done at "),
+        (&["query"], 0, "query: paused at "),
+        (&["query", ROBOT], 0, "query: paused, robot at "),
+        (&["query", "nobody"], 1, "query was refused: there is no model 'nobody'"),
         (&["step", "10"], 0, "step: done at "),
         (&["move", ROBOT, "0.5,-0.25,-90"], 0, "move: done"),
         (&["spawn", file, "--name", "crate", "--pose", "-1,-1,0.5,45"], 0, "spawn: done"),
+        (&["query", "crate", "--json"], 0, "\"words\":[\"paused\",\"object\",\"spawned\"]"),
         (&["states"], 0, "crate "),
         (&["states", "--json"], 0, "{\"angular\":"),
         (&["states", "--links"], 0, "crate::body"),
@@ -49,6 +53,7 @@ fn the_command_line_reports_results_and_refusals() {
         (&["reset-world"], 0, "reset-world: done"),
         (&["reset"], 0, "reset: done at 0.000000000 s"),
         (&["resume"], 0, "resume: done"),
+        (&["query"], 0, "query: playing at "),
     ] {
         let (found, said) = control(arguments);
         assert!(found == code && said.contains(words), "{arguments:?}: {found}: {said}");

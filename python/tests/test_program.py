@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
 import socket
 import struct
 import subprocess
 import sys
+import termios
 import time
 from typing import TYPE_CHECKING
 
@@ -78,10 +80,15 @@ def test_a_command_is_ended_by_ctrl_c(tmp_path: Path) -> None:
     pipe = tmp_path / "slow.urdf"
     os.mkfifo(pipe)
     words = [*PROGRAM, "check", "--robot", str(pipe)]
-    # The pipe is open once the command reads it, which then waits for something to come.
-    with subprocess.Popen(words, stderr=subprocess.DEVNULL) as command, pipe.open("wb"):
-        command.send_signal(signal.SIGINT)
-        assert command.wait(timeout=30) == -signal.SIGINT
+    with pipe.open("r+b", buffering=0) as robot:
+        robot.write(b"<robot")
+        with subprocess.Popen(words, stderr=subprocess.DEVNULL) as command:
+            # The command has read this, and waits for more.
+            while fcntl.ioctl(robot, termios.FIONREAD, bytes(4)) != bytes(4):
+                assert command.poll() is None
+                time.sleep(0.01)
+            command.send_signal(signal.SIGINT)
+            assert command.wait(timeout=30) == -signal.SIGINT
 
 
 def test_a_simulator_is_a_node_of_ros2() -> None:

@@ -142,22 +142,22 @@ fn command_names() -> impl Iterator<Item = &'static str> {
 /// contains.
 pub fn main(models: models::Files) -> ExitCode {
     models::carry(models);
-    run_words(std::env::args_os().collect()).into()
+    run_words(&std::env::args_os().collect::<Vec<_>>()).into()
 }
 
 /// Runs a command line, whose first word is the name of the program, and returns its exit code: 0, 1 if something went
 /// wrong, 2 if the arguments are invalid.
-pub fn run_words(words: Vec<OsString>) -> u8 {
+pub fn run_words(words: &[OsString]) -> u8 {
     // A thread is used only if the main thread's stack is too small, because signals interrupt only the main thread's
     // sleep.
     if rustix::process::getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= STACK) {
-        return run_command(&words);
+        return run_command(words);
     }
     std::thread::scope(|threads| {
         let thread = std::thread::Builder::new().stack_size(STACK as usize);
-        match thread.spawn_scoped(threads, || run_command(&words)) {
+        match thread.spawn_scoped(threads, || run_command(words)) {
             Ok(thread) => thread.join().unwrap_or(FAILURE),
-            Err(_) => run_command(&words),
+            Err(_) => run_command(words),
         }
     })
 }

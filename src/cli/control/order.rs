@@ -86,12 +86,6 @@ pub(super) struct Message {
     is_expanded: bool,
 }
 
-impl Message {
-    fn of(command: SimulationCommand) -> Self {
-        Self { command, text: String::new(), is_expanded: false }
-    }
-}
-
 impl Order {
     /// Returns the order's name on the command line.
     pub(super) fn word(&self) -> &'static str {
@@ -124,7 +118,8 @@ impl Order {
 
     /// Returns what is sent to the simulator.
     pub(super) fn message(&self) -> Result<Message, CliError> {
-        let mut message = Message::of(SimulationCommand::new(self.operation()));
+        let command = SimulationCommand::new(self.operation());
+        let mut message = Message { command, text: String::new(), is_expanded: false };
         let Message { command, text, is_expanded } = &mut message;
         match self {
             Self::Pause | Self::Resume | Self::Reset | Self::ResetWorld => {}

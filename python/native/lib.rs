@@ -22,6 +22,7 @@
 //! | `simulation` | running simulations |
 //! | `own` | objects in shared memory: used by one thread at a time, and not in a forked child |
 //! | `failures` | failures of the bridge as exceptions |
+//! | `program` | the command line |
 //! | `node`, `subscriber`, `frame`, `sender` | streams of a simulator in another process |
 #![forbid(unsafe_code)]
 #![allow(missing_docs, reason = "the interface is for Python, and documented in `_native.pyi`")]
@@ -46,6 +47,7 @@ mod own;
 mod path;
 mod pool;
 mod poses;
+mod program;
 mod scanner;
 mod sender;
 mod shots;
@@ -71,6 +73,8 @@ mod _native {
     use crate::node::Node;
     #[pymodule_export]
     use crate::poses::{bad_pose, poses_of_matrices};
+    #[pymodule_export]
+    use crate::program::run_words;
     #[pymodule_export]
     use crate::scanner::Scanner;
     #[pymodule_export]

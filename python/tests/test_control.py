@@ -124,6 +124,20 @@ def test_models_are_spawned_moved_and_deleted(still: belvedere.Node) -> None:
             control.delete("x" * 64)
 
 
+def test_the_simulation_is_queried(still: belvedere.Node) -> None:
+    with still.control(timeout=30) as control:
+        paused_ns = control.pause()
+        assert control.query() == (paused_ns, {"paused"})
+        control.spawn(CRATE, "queried", (2.0, 1.0, 0.5))
+        assert control.query("queried").words == {"paused", "static", "spawned"}
+        assert control.query("turtlebot").words == {"paused", "robot"}
+        control.delete("queried")
+        with pytest.raises(belvedere.RefusedError, match="no model 'queried'"):
+            control.query("queried")
+        control.resume()
+        assert control.query().words == {"playing"}
+
+
 def test_control_goes_on_with_the_next_simulator(simulator: Simulator) -> None:
     with belvedere.Node(domain=simulator.domain) as node, node.control(timeout=30) as control:
         control.pause()

@@ -1,7 +1,6 @@
 //! `belvedere control`: pauses, steps and resets a running simulation, moves, adds and removes models, and changes
 //! sensor settings.
 
-mod model_file;
 mod order;
 mod report;
 
@@ -20,8 +19,10 @@ use std::time::Duration;
 #[command(after_help = "Examples:
   belvedere control pause
   belvedere control step 100
+  belvedere control query crate
   belvedere control move crate 1.5,0,0.1,90
   belvedere control spawn crate.sdf --name second_crate --pose 2,0,0.5,0
+  belvedere control spawn my_robot.urdf.xacro use_camera:=true --namespace carl
   belvedere control delete second_crate
   belvedere control configure camera1 update_rate=15 exposure=0.5
   belvedere control reset --domain lab")]
@@ -71,12 +72,12 @@ pub fn run(args: &ControlArgs) -> Result<(), CliError> {
 
 /// Sends an order and prints the simulated time at which it was applied.
 fn send(order: &Order, node: &Node, global: &GlobalArgs) -> Result<(), CliError> {
-    let (command, text) = order.command()?;
-    let result = SimulationControl::open(node)?.call(&command, &text, global.timeout)?;
+    let message = order.message()?;
+    let result = SimulationControl::open(node)?.call(&message.command, &message.text, global.timeout)?;
     let result = result.ok_or_else(|| global.no_answer())?;
     let operation = order.word();
     if result.done != 1 {
-        return Err(CliError::Refused { operation, reason: order.refusal(&command, result.reason.as_str()) });
+        return Err(CliError::Refused { operation, reason: order.refusal(&message, result.reason.as_str()) });
     }
     print_line(&format!("{operation}: done at {:.9} s", result.time_ns as f64 * 1e-9))
 }

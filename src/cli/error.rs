@@ -129,16 +129,6 @@ pub enum CliError {
         /// The system's error.
         source: io::Error,
     },
-    /// A file that does not describe a model.
-    #[error("cannot spawn {}, which is {what}; {remedy}", path.display())]
-    NotSpawned {
-        /// Path of the file.
-        path: PathBuf,
-        /// What the file is instead.
-        what: String,
-        /// How to spawn its contents.
-        remedy: String,
-    },
     /// A consumer given with --wait-for held up a frame for too long.
     #[error("at {:.3} s of simulated time {error} (--wait-for, --patience)", *time_ns as f64 * 1e-9)]
     HeldUp {

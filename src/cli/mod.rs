@@ -45,6 +45,7 @@ use clap::{CommandFactory as _, Parser, Subcommand};
 use clap_complete::Shell;
 use error::CliError;
 use rustix::process::Resource;
+use std::ffi::OsString;
 use std::io::Write as _;
 use std::process::ExitCode;
 
@@ -72,6 +73,10 @@ struct Cli {
     #[command(flatten)]
     run: run::RunArgs,
 }
+
+/// Exit codes, beside the 2 of invalid arguments.
+const SUCCESS: u8 = 0;
+const FAILURE: u8 = 1;
 
 /// Stack size of a command, in bytes: the usual limit (`ulimit -s`).
 const STACK: u64 = 8 << 20;
@@ -133,24 +138,39 @@ fn command_names() -> impl Iterator<Item = &'static str> {
     .into_iter()
 }
 
-/// Runs the command line of this process and returns its exit code: 0, 1 if something went wrong, 2 if the arguments
-/// are invalid. `models` are the robots and worlds that the program contains.
+/// Runs the command line of this process and returns its exit code. `models` are the robots and worlds that the program
+/// contains.
 pub fn main(models: models::Files) -> ExitCode {
     models::carry(models);
+    run_words(&std::env::args_os().collect::<Vec<_>>()).into()
+}
+
+/// Runs a command line, whose first word is the name of the program, and returns its exit code: 0, 1 if something went
+/// wrong, 2 if the arguments are invalid.
+pub fn run_words(words: &[OsString]) -> u8 {
     // A thread is used only if the main thread's stack is too small, because signals interrupt only the main thread's
     // sleep.
     if rustix::process::getrlimit(Resource::Stack).current.is_none_or(|bytes| bytes >= STACK) {
-        return run_command();
+        return run_command(words);
     }
-    let thread = std::thread::Builder::new().stack_size(STACK as usize).spawn(run_command);
-    match thread {
-        Ok(thread) => thread.join().unwrap_or(ExitCode::FAILURE),
-        Err(_) => run_command(),
-    }
+    std::thread::scope(|threads| {
+        let thread = std::thread::Builder::new().stack_size(STACK as usize);
+        match thread.spawn_scoped(threads, || run_command(words)) {
+            Ok(thread) => thread.join().unwrap_or(FAILURE),
+            Err(_) => run_command(words),
+        }
+    })
 }
 
-fn run_command() -> ExitCode {
-    let cli = Cli::parse();
+fn run_command(words: &[OsString]) -> u8 {
+    let cli = match Cli::try_parse_from(words) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // If the output is closed, the exit code alone reports the error.
+            let _ = error.print();
+            return u8::try_from(error.exit_code()).unwrap_or(FAILURE);
+        }
+    };
     log::start();
     // Eight robots have more streams than the default limit of open files allows.
     if let Err(error) = belvedere_bridge::open_files::raise_limit() {
@@ -183,12 +203,12 @@ fn run_command() -> ExitCode {
         }
     };
     match done {
-        Ok(()) => ExitCode::SUCCESS,
-        Err(error) if error.is_closed_pipe() => ExitCode::SUCCESS,
+        Ok(()) => SUCCESS,
+        Err(error) if error.is_closed_pipe() => SUCCESS,
         Err(error) => {
             // If standard error is closed, the exit code alone reports the failure.
             let _ = writeln!(std::io::stderr(), "{}", failure(&error));
-            ExitCode::FAILURE
+            FAILURE
         }
     }
 }

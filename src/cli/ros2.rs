@@ -19,7 +19,7 @@ use std::time::{Duration, Instant};
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// How ROS 2 sees the streams.
 #[derive(Clone, Debug, clap::Args)]
-#[group(skip)]
+#[group(id = Ros2Args::GROUP)]
 pub struct Ros2Args {
     /// The domain of ROS 2 [default: ROS_DOMAIN_ID, otherwise 0]
     #[arg(long, value_name = "0-232", value_parser = clap::value_parser!(u32).range(0..=232))]
@@ -55,6 +55,9 @@ fn reliability(text: &str) -> Result<(String, Reliability), String> {
 }
 
 impl Ros2Args {
+    /// All options, by which `belvedere run` refuses them without its `--ros2`.
+    pub(super) const GROUP: &str = "ros2_options";
+
     /// Returns the options, some of which ROS 2's own variables of the environment give.
     pub(super) fn options(&self) -> Result<Ros2Options, CliError> {
         let (range, peers) = reach()?;
@@ -83,19 +86,15 @@ pub(super) struct Ros2Thread {
 }
 
 impl Ros2Thread {
-    /// Joins the domain of ROS 2 that the environment names, and publishes the streams of a simulation there, and the
-    /// descriptions of its robots by their namespaces. If the domain cannot be joined, the simulation goes on, and it is
-    /// tried again every second.
-    pub(super) fn start(domain: &Domain, robots: &[(String, String)]) -> Result<Self, CliError> {
+    /// Joins a domain of ROS 2, and publishes the streams of a simulation there, and the descriptions of its robots by
+    /// their namespaces. If the domain cannot be joined, the simulation goes on, and it is tried again every second.
+    pub(super) fn start(
+        domain: &Domain,
+        args: &Ros2Args,
+        robots: &[(String, String)],
+    ) -> Result<Self, CliError> {
         let descriptions = described(robots);
-        let (range, peers) = reach()?;
-        let options = Ros2Options {
-            domain_id: domain_id()?,
-            range,
-            peers,
-            descriptions: descriptions.clone(),
-            ..Ros2Options::default()
-        };
+        let options = Ros2Options { descriptions: descriptions.clone(), ..args.options()? };
         let node = Node::open(domain, "ros2")?;
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = stop.clone();
@@ -267,7 +266,7 @@ pub struct Ros2Command {
 
 impl Ros2Command {
     /// Loads the descriptions of robots of a simulator in another process, from the same arguments. Without arguments
-    /// there are none, since another robot than ours may run.
+    /// there are none, since another robot than the default one may run.
     fn descriptions(&self) -> Result<Descriptions, CliError> {
         if self.robots.are_ours() && self.robots.xacro_args().is_empty() {
             return Ok(Descriptions::default());

@@ -8,7 +8,7 @@ use super::pacer::Pacer;
 use super::record::RECORDER;
 use super::recording_thread::RecordingThread;
 use super::robot_descriptions::robot_descriptions;
-use super::ros2::Ros2Thread;
+use super::ros2::{Ros2Args, Ros2Thread};
 use super::shown::Shown;
 use super::simulated::SimulatedArgs;
 use super::view::{PageArgs, open_page};
@@ -46,7 +46,7 @@ use xxhash_rust::xxh3::Xxh3;
   belvedere run --robot my_robot.urdf.xacro use_camera:=true --package-path ~/catkin_ws/src
   belvedere run --robot none --world my.world             (a world that has its own robot)
   belvedere run --view
-  belvedere run --ros2
+  belvedere run --ros2 --remap /scan:=/front/scan --qos /image_raw=sensor_data
   belvedere run --truth
   belvedere run --rate max --duration 10 --hash
   belvedere run --record run.mcap --duration 60
@@ -59,6 +59,7 @@ The table of streams:
   SUBS      subscribers
   DROPPED   frames that could not be sent, each with a warning that says why
   FRAME ms  time to render a frame")]
+#[command(mut_group(Ros2Args::GROUP, |group| group.requires("ros2")))]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
     #[command(flatten)]
@@ -90,10 +91,11 @@ pub struct RunArgs {
     /// Replace the files of --record, --pcap and --lidar-metadata if they exist
     #[arg(long)]
     force: bool,
-    /// Publish all streams in ROS 2, in the domain ROS_DOMAIN_ID, and accept velocities from there; `belvedere ros2` has
-    /// more options
+    /// Publish all streams in ROS 2, and accept velocities and calls of services from there
     #[arg(long)]
     ros2: bool,
+    #[command(flatten)]
+    ros2_args: Ros2Args,
     /// Show the simulation on a page in the browser
     #[arg(long)]
     view: bool,
@@ -227,7 +229,7 @@ pub fn run(args: &RunArgs) -> Result<(), CliError> {
         .transpose()?;
     let page =
         shown.map(|shown| open_page(&Node::open(&args.domain, "view")?, &args.page, shown)).transpose()?;
-    let ros2 = args.ros2.then(|| Ros2Thread::start(&args.domain, &described)).transpose()?;
+    let ros2 = args.ros2.then(|| Ros2Thread::start(&args.domain, &args.ros2_args, &described)).transpose()?;
     let mut displays = Displays::new(&server, page.as_ref(), ros2.as_ref(), &described);
     let ended = run_loop(&mut server, args, &node, &mut displays, post.as_deref());
     if let Some(post) = &post {

@@ -1,5 +1,6 @@
 //! Converts streams to messages of ROS 1, as the node for ROS 1 publishes them, and of ROS 2.
 
+mod detections;
 mod encode;
 mod frame;
 mod qos;
@@ -38,6 +39,7 @@ impl RosStream {
             Kind::LaserScan if layers.unwrap_or(1) > 1 => Some((types::POINT_CLOUD, encode::scan_cloud)),
             Kind::LaserScan => Some((types::LASER_SCAN, encode::laser_scan)),
             Kind::PointCloud => Some((types::POINT_CLOUD, encode::point_cloud)),
+            Kind::BoundingBoxes if ros == Ros::Two => Some((detections::DETECTIONS, detections::detections)),
             _ => None,
         };
         let (message_type, encode) = if let Some((message_type, encode)) = elements {

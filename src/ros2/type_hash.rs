@@ -169,6 +169,13 @@ mod tests {
                 "sensor_msgs/msg/PointCloud2",
                 "9198cabf7da3796ae6fe19c4cb3bdd3525492988c70522628af5daa124bae2b5",
             ),
+            // That of vision_msgs 4.1.
+            (
+                Kind::BoundingBoxes,
+                "image_raw/truth/boxes",
+                "vision_msgs/msg/Detection2DArray",
+                "214274120007f4a683866481336b70310268cfa107aebe9d594a6acf75bda968",
+            ),
             (
                 Kind::VelocityCommand,
                 "cmd_vel",

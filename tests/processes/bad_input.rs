@@ -258,7 +258,9 @@ fn a_sensor_on_a_missing_link_is_an_error_unless_in_gazebo_mode() {
 #[test]
 fn wrong_options_are_explained() {
     for (arguments, says) in [
-        (&["--duration", "-1"][..], "positive"),
+        (&["--remap", "/scan:=/front/scan"][..], "not provided:\n  --ros2"),
+        (&["--jpeg-quality", "95"], "not provided:\n  --ros2"),
+        (&["--duration", "-1"], "positive"),
         (&["--rate", "slow"], "realtime"),
         (&["--drive", "fly"], "spin"),
         (&["--domain", "a b"], "domain"),

@@ -14,6 +14,11 @@ fn the_command_line_reports_results_and_refusals() {
     let file = folder.path().join("box.sdf");
     std::fs::write(&file, BOX).unwrap();
     let file = file.to_str().unwrap();
+    let xacro = folder.path().join("robot.urdf.xacro");
+    let text = "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'><xacro:arg name='link' default='base'/>\
+                <link name='$(arg link)'/></robot>";
+    std::fs::write(&xacro, text).unwrap();
+    let xacro = xacro.to_str().unwrap();
     let control = |arguments: &[&str]| {
         let output = output(&[&["control", "--domain", simulator.domain()], arguments].concat());
         let said = [output.stdout, output.stderr].concat();
@@ -21,16 +26,25 @@ fn the_command_line_reports_results_and_refusals() {
     };
     for (arguments, code, words) in [
         (&["pause"][..], 0, "pause: done at "),
+        (&["query"], 0, "query: paused at "),
+        (&["query", ROBOT], 0, "query: paused, robot at "),
+        (&["query", "nobody"], 1, "query was refused: there is no model 'nobody'"),
         (&["step", "10"], 0, "step: done at "),
         (&["move", ROBOT, "0.5,-0.25,-90"], 0, "move: done"),
         (&["spawn", file, "--name", "crate", "--pose", "-1,-1,0.5,45"], 0, "spawn: done"),
+        (&["query", "crate", "--json"], 0, "\"words\":[\"paused\",\"object\",\"spawned\"]"),
         (&["states"], 0, "crate "),
         (&["states", "--json"], 0, "{\"angular\":"),
         (&["states", "--links"], 0, "crate::body"),
         (&["spawn", file, "--name", "crate"], 1, "spawn was refused: there is a model 'crate' already"),
         (&["delete", "crate"], 0, "delete: done"),
         (&["move", "nobody", "-1,0", "--relative-to", "world"], 1, "no model 'nobody'"),
-        (&["spawn", "no_such.sdf"], 1, "cannot read no_such.sdf"),
+        (&["spawn", "no_such.sdf"], 1, "no_such.sdf: error: no such file"),
+        // Robots: xacro with an argument, and one by its name, which has its topics in a namespace.
+        (&["spawn", xacro, "link:=mast", "--name", "robot", "--pose", "2,0"], 0, "spawn: done"),
+        (&["states", "--links"], 0, "robot::mast"),
+        (&["spawn", xacro, "lnk:=mast", "--name", "other"], 0, "no argument 'lnk'"),
+        (&["spawn", "kobuki_nostack_camera", "--namespace", "second", "--pose", "-2,0"], 0, "spawn: done"),
         (&["spawn", file, "--pose", "1"], 2, "write X,Y or X,Y,YAW or X,Y,Z,YAW"),
         // Deleted by the name of its namespace.
         (&["spawn", file, "--namespace", "carl"], 0, "spawn: done"),
@@ -39,6 +53,7 @@ fn the_command_line_reports_results_and_refusals() {
         (&["reset-world"], 0, "reset-world: done"),
         (&["reset"], 0, "reset: done at 0.000000000 s"),
         (&["resume"], 0, "resume: done"),
+        (&["query"], 0, "query: playing at "),
     ] {
         let (found, said) = control(arguments);
         assert!(found == code && said.contains(words), "{arguments:?}: {found}: {said}");
@@ -60,18 +75,20 @@ fn the_error_for_a_file_that_is_not_a_model_names_its_kind() {
         std::fs::write(path(name), text).unwrap();
         path(name)
     };
-    let xacro = "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'><xacro:property name='a' value='1'/></robot>";
+    let xacro = "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'>\n<link name='${1/0}'/></robot>";
+    let expanded = "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'>\n\n<link name='l${1}'/><joint name='j'/></robot>";
     let wrong = "<sdf version='1.6'><model name='m'>\n<pose>1 2 x 0 0 0</pose><link name='l'/></model></sdf>";
     let wrong = write("wrong.sdf", wrong);
     for (file, words) in [
-        (write("robot.xacro", xacro), ["which is a xacro; ", "robot.xacro > robot.urdf"]),
-        (write("robot.urdf", xacro), ["which is a xacro; ", "belvedere urdf "]),
-        (write("thing.OBJ", "v 0 0 0\n"), ["which is a mesh", "<mesh><uri>"]),
+        (write("robot.xacro", xacro), ["robot.xacro:2: error: ", "division by zero"]),
+        // The simulator refuses the expanded text, whose lines are those that `belvedere urdf` prints.
         (
-            "kobuki_hexagons_kinect".into(),
-            ["the name of a robot; ", "belvedere urdf kobuki_hexagons_kinect > "],
+            write("robot.urdf", expanded),
+            ["spawn was refused: what `belvedere urdf ", "robot.urdf` prints:4: error: "],
         ),
-        (path("gone.sdf"), ["cannot read ", "gone.sdf: "]),
+        (write("thing.OBJ", "v 0 0 0\n"), ["thing.OBJ: error: this is a mesh", "<mesh><uri>"]),
+        ("kobuki_hexagons_kinct".into(), ["no such robot", "did you mean 'kobuki_hexagons_kinect'"]),
+        (path("gone.sdf"), ["gone.sdf: error: no such file", "check the path"]),
         (wrong.clone(), ["spawn was refused: ", "wrong.sdf:2: error: "]),
     ] {
         for name in [&[][..], &["--name", "carl"]] {

@@ -18,7 +18,19 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 FRAME = "belvedere/msg/Frame"
 #: Types that Jazzy does not have.
-ELSEWHERE = {
+VISION = {
+    f"vision_msgs/msg/{name}"
+    for name in (
+        "BoundingBox2D",
+        "Detection2D",
+        "Detection2DArray",
+        "ObjectHypothesis",
+        "ObjectHypothesisWithPose",
+        "Point2D",
+        "Pose2D",
+    )
+}
+ELSEWHERE = VISION | {
     FRAME,
     "gazebo_msgs/msg/ContactState",
     "gazebo_msgs/msg/ContactsState",
@@ -26,7 +38,7 @@ ELSEWHERE = {
     "gazebo_msgs/msg/ModelStates",
     "kobuki_ros_interfaces/msg/SensorState",
 }
-WANTED = ELSEWHERE - {"gazebo_msgs/msg/ContactState"} | {
+WANTED = ELSEWHERE - VISION - {"gazebo_msgs/msg/ContactState"} | {
     "geometry_msgs/msg/PointStamped",
     "geometry_msgs/msg/Vector3Stamped",
     "geometry_msgs/msg/WrenchStamped",
@@ -43,6 +55,7 @@ WANTED = ELSEWHERE - {"gazebo_msgs/msg/ContactState"} | {
     "sensor_msgs/msg/PointCloud2",
     "sensor_msgs/msg/Range",
     "tf2_msgs/msg/TFMessage",
+    "vision_msgs/msg/Detection2DArray",
 }
 
 

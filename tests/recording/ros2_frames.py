@@ -266,6 +266,21 @@ def check_vector(message, frame: Frame) -> None:
     assert same(xyz(message.vector), frame.one["vector"])
 
 
+def check_boxes(message, frame: Frame) -> None:
+    for each, own in zip(message.detections, frame.structs, strict=True):
+        assert each.header == message.header and each.id == str(own["instance"])
+        (result,) = each.results
+        assert (result.hypothesis.class_id, result.hypothesis.score) == (str(own["label"]), 1.0)
+        pose = result.pose.pose
+        assert same(xyz(pose.position), own["position"]) and same(xyzw(pose.orientation), own["orientation"])
+        assert not np.any(result.pose.covariance)
+        # Pixels have their centres at integers, and both rows or columns belong to the box.
+        low, high = own["min"].astype(float), own["max"].astype(float)
+        box = each.bbox
+        assert same([box.center.position.x, box.center.position.y, box.center.theta], [*(low + high) / 2, 0.0])
+        assert same([box.size_x, box.size_y], high - low + 1)
+
+
 CHECKS = {
     Kind.IMAGE: check_image,
     Kind.DEPTH_IMAGE: check_image,
@@ -287,6 +302,7 @@ CHECKS = {
     Kind.CONTACTS: check_contacts,
     Kind.MODEL_STATES: check_states,
     Kind.CORE_SENSORS: check_core,
+    Kind.BOUNDING_BOXES: check_boxes,
 }
 
 

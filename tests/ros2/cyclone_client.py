@@ -1,5 +1,5 @@
-"""Asks for a parameter of /belvedere with Cyclone DDS, as a client of `rmw_cyclonedds` does, and prints its value:
-cyclone_client.py NAME.
+"""Asks for a parameter of /belvedere with Cyclone DDS, as a client of `rmw_cyclonedds` does, and prints its value, or that
+there is none: cyclone_client.py NAME [TIMES]. With TIMES, the parameter is asked for as often in one request.
 
 That client writes two numbers before the values of a request, its own and that of the request, and the reply repeats them.
 """
@@ -17,7 +17,7 @@ from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
-NAME = sys.argv[1]
+NAME, TIMES = sys.argv[1], int((*sys.argv, 1)[2])
 CLIENT, NUMBER = 0x1234_5678_9ABC_DEF0, 41
 
 
@@ -56,10 +56,10 @@ requests = DataWriter(participant, Topic(participant, "rq/belvedere/get_paramete
 end = time.monotonic() + 10
 while not requests.get_matched_subscriptions() and time.monotonic() < end:
     time.sleep(0.02)
-requests.write(Request(CLIENT, NUMBER, [NAME]))
+requests.write(Request(CLIENT, NUMBER, [NAME] * TIMES))
 while time.monotonic() < end:
     for reply in replies.take(10):
         assert (reply.client, reply.number) == (CLIENT, NUMBER), reply
-        sys.exit(print(reply.values[0].double_value))
+        sys.exit(print(reply.values[0].double_value if reply.values else "none"))
     time.sleep(0.02)
 sys.exit("no reply within ten seconds")

@@ -23,10 +23,13 @@ from rosidl_generator_py import generate_py
 from rosidl_generator_type_description import generate_type_hash
 from rosidl_typesupport_c import generate_c as generate_dispatch
 from rosidl_typesupport_fastrtps_c import generate_typesupport_fastrtps_c
+from rosidl_typesupport_introspection_c import generate_c as generate_introspection
 
 DEFINITIONS = Path(sys.argv[1])
 PACKAGE = DEFINITIONS.stem
 PREFIX = Path(sys.prefix)
+# How messages are encoded, and how their fields are found. Topics of rmw_fastrtps need both.
+SUPPORTS = ["rosidl_typesupport_fastrtps_c", "rosidl_typesupport_introspection_c"]
 # Packages whose messages may be used.
 USED = ("builtin_interfaces", "geometry_msgs", "service_msgs", "std_msgs")
 
@@ -71,17 +74,20 @@ def generate(folder):
     sources = folder / "include" / PACKAGE
     generate_c(arguments("rosidl_generator_c", sources, type_description_tuples=hashes))
     generate_typesupport_fastrtps_c(arguments("rosidl_typesupport_fastrtps_c", sources))
-    generate_dispatch(arguments("rosidl_typesupport_c", sources), ["rosidl_typesupport_fastrtps_c"])
+    # Its files have the names of others.
+    introspection = folder / "introspection" / PACKAGE
+    generate_introspection(arguments("rosidl_typesupport_introspection_c", introspection))
+    generate_dispatch(arguments("rosidl_typesupport_c", sources), SUPPORTS)
     generate_py(arguments("rosidl_generator_py", folder / "python" / PACKAGE), ["rosidl_typesupport_c"])
     # Their build writes these headers.
-    for part in ("generator_c", "typesupport_fastrtps_c"):
+    for part in ("generator_c", "typesupport_fastrtps_c", "typesupport_introspection_c"):
         names = (f"#define ROSIDL_{part.upper()}_{what}_{PACKAGE}\n" for what in ("PUBLIC", "EXPORT", "IMPORT"))
         (sources / "msg" / f"rosidl_{part}__visibility_control.h").write_text("#pragma once\n" + "".join(names))
 
 
 def compile_package(folder):
     """Compiles the sources into one library, which the package in Python loads."""
-    include = [folder, folder / "include", folder / "include" / PACKAGE, PREFIX / "include"]
+    include = [folder, folder / "include", folder / "include" / PACKAGE, folder / "introspection", PREFIX / "include"]
     include += [path for path in (PREFIX / "include").iterdir() if path.is_dir()]
     include += [sysconfig.get_path("include"), numpy.get_include()]
     objects = []
@@ -97,14 +103,15 @@ def compile_package(folder):
     # Descriptions have the same names in every file.
     descriptions = [file for file in sources if file.name.endswith("__description.c")]
     build("gcc", "sources.c", set(sources) - set(descriptions))
+    build("gcc", "introspection.c", (folder / "introspection").rglob("*.c"))
     build("g++", "support.cpp", (folder / "include").rglob("*.cpp"))
     build("gcc", "python.c", (folder / "python").rglob("*.c"))
     for number, file in enumerate(descriptions):
         build("gcc", f"description{number}.c", [file])
-    parts = ("rosidl_generator_c", "rosidl_generator_py", "rosidl_typesupport_c", "rosidl_typesupport_fastrtps_c")
+    parts = ("rosidl_generator_c", "rosidl_generator_py", "rosidl_typesupport_c", *SUPPORTS)
     libraries = [f"{package}__{part}" for package in USED for part in parts]
     libraries += ["fastcdr", "rcutils", "rosidl_runtime_c", "rosidl_typesupport_c"]
-    libraries += ["rosidl_typesupport_fastrtps_c", "rosidl_typesupport_fastrtps_cpp"]
+    libraries += [*SUPPORTS, "rosidl_typesupport_fastrtps_cpp"]
     library = folder / "python" / PACKAGE / f"{PACKAGE}_s__rosidl_typesupport_c.so"
     words = ["g++", "-shared", "-o", str(library), *objects, f"-L{PREFIX}/lib", f"-Wl,-rpath,{PREFIX}/lib"]
     subprocess.run(words + [f"-l{name}" for name in libraries], check=True)
@@ -119,9 +126,14 @@ if not stamp.is_file() or stamp.read_text() != digest:
         compile_package(Path(made))
         package = Path(made, "python", PACKAGE)
         (package / "__init__.py").touch()
-        shares = {file.name: json.loads(file.read_text())["type_hashes"] for file in Path(made, "srv").glob("*.json")}
-        hashes = {each["type_name"]: each["hash_string"] for of in shares.values() for each in of}
+        described = (json.loads(file.read_text())["type_hashes"] for file in Path(made).glob("[ms]*/*.json"))
+        hashes = {each["type_name"]: each["hash_string"] for of in described for each in of}
         (package / "hashes.json").write_text(json.dumps(hashes))
         (package / "made_of").write_text(digest)
         shutil.rmtree(installed, ignore_errors=True)
         shutil.copytree(package, installed)
+        # The dispatcher looks for a library of each.
+        for support in SUPPORTS:
+            link = PREFIX / "lib" / f"lib{PACKAGE}__{support}.so"
+            link.unlink(missing_ok=True)
+            link.symlink_to(installed / f"{PACKAGE}_s__rosidl_typesupport_c.so")

@@ -1,6 +1,6 @@
-"""Runs our writers and readers against those of ROS 2 and Cyclone, in a network of their own (`.ci/ros2`).
+"""Runs the writers and readers of crates/rtps against those of ROS 2 and Cyclone, in a network of their own (`.ci/ros2`).
 
-judge.py EXAMPLE JAZZY KILTED CYCLONE [all]: our example program, and a Python interpreter of each environment.
+judge.py EXAMPLE JAZZY KILTED CYCLONE [all]: the example program, and a Python interpreter of each environment.
 """
 
 import json
@@ -19,7 +19,7 @@ SAMPLES = {"image": 180, "cloud": 60}
 LEAST = {"image": 178, "cloud": 60}
 # The median time from the header's stamp to the reader's callback, in milliseconds.
 LATENCY = {"image": 15.0, "cloud": 100.0}
-# A busy machine may be late once; three times in a row it is our fault.
+# A busy machine may be late once; three times in a row it is a fault.
 TRIES = 3
 HASH = {
     "image": "RIHS01_d31d41a9a4c4bc8eae9be757b0beed306564f7526c88ea6a4588fb9582527d47",
@@ -66,7 +66,7 @@ def run(name, kind, reliability, writer, python):
 
 
 def judge(name, kind, reliability, python):
-    """Runs our writer until what comes is good enough, a few times at most."""
+    """Runs the writer until what comes is good enough, a few times at most."""
     for _ in range(TRIES):
         report, cost = run(name, kind, reliability, ours, python)
         fits = report["came"] >= LEAST[kind] and report["median"] <= LATENCY[kind] and not report["wrong"]
@@ -79,13 +79,13 @@ def judge(name, kind, reliability, python):
 
 
 def judge_cost(kind):
-    """Our writer takes no more of the processor than rclpy's does, in the same minute."""
+    """The writer takes no more of the processor than rclpy's does, in the same minute."""
     for _ in range(TRIES):
         _, theirs = run("rclpy to Jazzy", kind, "reliable", lambda *what: start(JAZZY, FOLDER / "writer.py", *what, SAMPLES[kind]), JAZZY)
         own = judge("ours to Jazzy", kind, "reliable", JAZZY)
         if own <= theirs:
             return
-    sys.exit(f"{kind}: our writer takes {own} ms of the processor for a sample, that of rclpy {theirs} ms")
+    sys.exit(f"{kind}: the writer takes {own} ms of the processor for a sample, that of rclpy {theirs} ms")
 
 
 def judge_late_and_killed(reliability):

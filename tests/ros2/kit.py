@@ -61,7 +61,7 @@ def readers(belvedere, topic):
 
 
 def tried(check, *arguments, tries=3):
-    """Repeats a check of speed: a busy machine may be slow once; three times in a row it is our fault."""
+    """Repeats a check of speed: a busy machine may be slow once; three times in a row it is a fault."""
     outcomes = []
     while len(outcomes) < tries:
         outcomes.append(check(*arguments))

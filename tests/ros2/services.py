@@ -3,9 +3,13 @@
 services.py BELVEDERE RECORDING: the program, and a recording.
 """
 
+import fcntl
 import json
+import os
 import signal
 import sys
+import tempfile
+import termios
 import time
 from pathlib import Path
 
@@ -13,6 +17,7 @@ import kit
 import rclpy
 import simulation_interfaces
 from geometry_msgs.msg import Point, Pose, PoseStamped, Quaternion, Twist, Vector3
+from rcl_interfaces.srv import GetParameters
 from rclpy.executors import SingleThreadedExecutor
 from rosgraph_msgs.msg import Clock
 from simulation_interfaces import srv
@@ -197,6 +202,27 @@ def judge_spawning(caller):
     assert caller.expect(OK, "GetEntityInfo", entity="second").info.category.category == 1
 
 
+def judge_parameters_meanwhile(caller):
+    """Parameters are answered while a model is read that takes long: a part of it comes from a pipe."""
+    parameters = caller.node.create_client(GetParameters, "/belvedere/get_parameters")
+    assert parameters.wait_for_service(LONGEST_S)
+    with tempfile.TemporaryDirectory() as folder:
+        pipe, robot = Path(folder, "slow.yaml"), Path(folder, "robot.urdf.xacro")
+        os.mkfifo(pipe)
+        name = f"${{xacro.load_yaml('{pipe}')}}"
+        robot.write_text(f'<robot name="r" xmlns:xacro="http://ros.org/wiki/xacro"><link name="{name}"/></robot>')
+        with pipe.open("r+b", buffering=0) as part:
+            part.write(b"lin")
+            spawned = caller.begin("SpawnEntity", uri=str(robot), name="slow", initial_pose=pose_at(4.0, 0.0))
+            # The program has read this, and waits for more.
+            until(lambda: fcntl.ioctl(part, termios.FIONREAD, bytes(4)) == bytes(4), "the pipe is not read")
+            found = caller.end(parameters.call_async(GetParameters.Request(names=["use_sim_time"])), "GetParameters")
+            assert found.values[0].bool_value and not spawned.done(), found
+            part.write(b"k")
+        assert caller.end(spawned, "SpawnEntity").result.result == OK, spawned.result()
+        caller.expect(OK, "DeleteEntity", entity="slow")
+
+
 def judge_types(caller):
     """The types have the hashes of the package, as other nodes see."""
     services = [name for name in dir(srv) if name[0].isupper() and "_" not in name]
@@ -266,6 +292,7 @@ with kit.program(BELVEDERE, "ros2", "--wait"):
         judge_state(caller)
         judge_entities(caller)
         judge_spawning(caller)
+        judge_parameters_meanwhile(caller)
         with kit.program(BELVEDERE, "ros2", "--no-commands", "--ros-namespace", "safe"):
             judge_no_commands(caller)
         judge_end_of_the_simulator(caller, simulator)

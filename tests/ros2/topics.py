@@ -19,7 +19,7 @@ import rclpy
 from geometry_msgs.msg import TwistStamped
 from kit import spin
 from nav_msgs.msg import Odometry
-from rclpy.qos import DurabilityPolicy, QoSProfile
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CompressedImage, Image
 from std_msgs.msg import String
 
@@ -131,6 +131,17 @@ def judge_spawned(node, namespace, camera_format, form):
     assert spin(node, lambda: not any(map(node.count_publishers, topics)), 5) is not None, f"one of {topics} is still there"
 
 
+def judge_options(node):
+    """`run --ros2` has the options of `belvedere ros2`."""
+    options = ("--remap", "/odom:=/pose", "--qos", "/pose=sensor_data", "--ros-namespace", "other", "--no-commands")
+    with kit.program(BELVEDERE, "run", "--ros2", "--drive", "still", *options):
+        assert spin(node, lambda: node.count_publishers("/pose"), 15) is not None, node.get_topic_names_and_types()
+        endpoint = node.get_publishers_info_by_topic("/pose")[0]
+        assert endpoint.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT, endpoint
+        assert spin(node, lambda: node.count_publishers("/other/image_raw"), 15) is not None
+        assert not node.count_subscribers("/other/cmd_vel") and not node.count_subscribers("/cmd_vel")
+
+
 rclpy.init()
 judge = rclpy.create_node("judge")
 with kit.program(BELVEDERE, "run", "--ros2", "--drive", "still") as said:
@@ -139,6 +150,7 @@ with kit.program(BELVEDERE, "run", "--ros2", "--drive", "still") as said:
     judge_compressed(judge, "/image_raw", "rgb8; jpeg compressed bgr8")
     judge_spawned(judge, "spawned", *SPAWNED)
 assert said().count("not a geometry_msgs/msg/TwistStamped of finite numbers") == 1, said()
+judge_options(judge)
 judge.destroy_node()
 rclpy.shutdown()
-print("descriptions, compressed images and TwistStamped: 1 passed, 0 failed")
+print("descriptions, compressed images, TwistStamped and options: 1 passed, 0 failed")

@@ -76,6 +76,11 @@ void check_simulation(belvedere::Node& node) {
     require(step_ns > 0 && simulation.step(9) == paused_ns + 10 * step_ns, "ten steps");
     require(refusal([&] { simulation.step(0); }).find("0 steps cannot be run") == 0, "no steps");
     simulation.spawn(kCrate, "second", {{2, 0, 0.5}});
+    const auto crate = simulation.query("second");
+    require(crate.time_ns == paused_ns + 10 * step_ns, "time of a query");
+    require(crate.is("paused") && crate.is("spawned") && !crate.is("playing") && !crate.is("pause"), "a query");
+    require(!simulation.query().is("spawned"), "a query of the simulation alone");
+    require(refusal([&] { simulation.query("third"); }).find("'third'") != std::string::npos, "a query of nothing");
     require(refusal([&] { simulation.spawn(kCrate, "second"); }).find("'second'") != std::string::npos, "twice");
     simulation.move("second", {{1, 0, 1}, {0, 0, 0, 1}, "second"});
     auto states = node.subscribe("simulation/model_states");
@@ -92,7 +97,8 @@ void check_simulation(belvedere::Node& node) {
     require(simulation.reset_world() == paused_ns + 10 * step_ns, "time of a reset of the world");
     require(simulation.reset() == 0, "time after a reset");
     simulation.resume();
-    std::cout << "the simulation has paused, stepped, spawned, moved, removed and begun again\n";
+    require(simulation.query().is("playing"), "a query of a simulation that plays");
+    std::cout << "the simulation has paused, stepped, described itself, spawned, moved, removed and begun again\n";
 
     belvedere::Node nowhere("nobody-is-in-this-one", "commands");
     try {

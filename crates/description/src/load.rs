@@ -7,11 +7,13 @@
 mod any;
 mod robot;
 mod simple;
+mod spawnable;
 mod text;
 mod world;
 
 pub use any::{Described, is_world, load, load_text};
 pub use robot::{LoadOptions, default_robot_name, expand_robot, load_robot, robot_names, xacro_argument};
 pub use simple::{Errors, model, robot, world};
+pub use spawnable::{NotSpawnable, Spawnable};
 pub use text::{load_model_text, load_world_text};
 pub use world::{default_world, load_world, world_names};

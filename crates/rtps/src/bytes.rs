@@ -65,7 +65,7 @@ impl<'a> Bytes<'a> {
     }
 }
 
-/// Appends numbers in little endian, as all that we send.
+/// Appends numbers in little endian, as in all that is sent.
 pub(crate) trait Append {
     fn put_u16(&mut self, value: u16);
     fn put_u32(&mut self, value: u32);

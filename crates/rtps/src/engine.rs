@@ -19,8 +19,8 @@ use crate::sockets::{Announced, Sockets};
 use crate::spdp::{self, Announcement};
 use crate::writer::{Keep, Sample, Writer};
 
-/// How often we announce ourselves: often in the beginning and after a network was down, then every second. A network
-/// that was cut without an error, longer than a lease, is noticed by nobody; one second later others know us again.
+/// How often this participant announces itself: often in the beginning and after a network was down, then every second. A network
+/// that was cut without an error, longer than a lease, is noticed by nobody; one second later others know it again.
 const ANNOUNCE_FIRST: Duration = Duration::from_millis(100);
 const ANNOUNCE: Duration = Duration::from_secs(1);
 const ANNOUNCED_OFTEN: u32 = 10;
@@ -40,8 +40,8 @@ const READ: usize = 64;
 struct Remote {
     announced: Announcement,
     seen: Instant,
-    /// It has answered one of our writers of discovery, so it knows us.
-    knows_us: bool,
+    /// It has answered one of this participant's writers of discovery, so it knows this one.
+    knows_this: bool,
     from: Ipv4Addr,
     discovery: SocketAddrV4,
 }
@@ -75,9 +75,9 @@ pub(crate) struct Engine {
     prefix: Prefix,
     sockets: Sockets,
     mailbox: Arc<Mailbox>,
-    /// What we announce of ourselves.
+    /// What this participant announces of itself.
     announcement: Vec<u8>,
-    /// How often we have announced ourselves.
+    /// How often it has been announced.
     announced: u32,
     /// A network could not be sent to.
     is_down: bool,
@@ -196,7 +196,7 @@ impl Engine {
         }
     }
 
-    /// Says that we are gone.
+    /// Says that this participant is gone.
     fn leave(self) {
         self.mailbox.close();
         let datagram = self.announcement_to(Prefix::UNKNOWN, true);
@@ -206,14 +206,14 @@ impl Engine {
         }
     }
 
-    /// The datagram that announces us, to one participant or to all.
+    /// The datagram that announces this participant, to one participant or to all.
     fn announcement_to(&self, to: Prefix, disposed: bool) -> Vec<u8> {
         let mut datagram = Vec::new();
         let place = Place { reader: EntityId::UNKNOWN, writer: EntityId::SPDP_WRITER };
         let key = Guid::new(self.prefix, EntityId::PARTICIPANT);
         let only_key = spdp::encode_key(key);
         let payload = if disposed { &only_key } else { &self.announcement };
-        // The announcement does not change, so it keeps its number; that we leave is the second one.
+        // The announcement does not change, so it keeps its number; that this participant leaves is the second one.
         Encoder::new(&mut datagram, self.prefix, to).keyed(
             place,
             1 + i64::from(disposed),
@@ -306,7 +306,7 @@ impl Engine {
         if let Some(remote) = self.participants.get_mut(&reader.prefix)
             && [EntityId::PUBLICATIONS_WRITER, EntityId::SUBSCRIPTIONS_WRITER].contains(&writer)
         {
-            remote.knows_us = true;
+            remote.knows_this = true;
         }
         let writer = match writer {
             EntityId::PUBLICATIONS_WRITER => &mut self.publications,

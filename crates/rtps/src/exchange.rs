@@ -84,7 +84,7 @@ impl Exchange {
     }
 
     fn deliver(&mut self, datagram: &[u8]) {
-        let mut message = Message::new(datagram).expect("a datagram of ours");
+        let mut message = Message::new(datagram).expect("a datagram of this crate");
         let mut said = 0;
         while let Some(submessage) = message.next() {
             said += 1;
@@ -247,7 +247,7 @@ fn a_reply_goes_to_its_client_alone() {
             exchange.now += Duration::from_millis(1);
             exchange.writer.step(exchange.now, &mut exchange.link);
             for datagram in exchange.link.sent.drain(..) {
-                let mut message = Message::new(&datagram).expect("a datagram of ours");
+                let mut message = Message::new(&datagram).expect("a datagram of this crate");
                 while let Some(said) = message.next() {
                     if let Content::Data { about, .. } | Content::Fragments { about, .. } = said.content {
                         assert_eq!((message.destination, about.related), (READER.prefix, Some(related)));
@@ -260,7 +260,7 @@ fn a_reply_goes_to_its_client_alone() {
         exchange.writer.acknack(other, &NumberSet::of(1, [1]), 1, exchange.now, &mut exchange.link);
         exchange.writer.step(exchange.now, &mut exchange.link);
         let gap = exchange.link.sent.pop_front().expect("an answer");
-        let mut message = Message::new(&gap).expect("a datagram of ours");
+        let mut message = Message::new(&gap).expect("a datagram of this crate");
         let said = message.next().map(|said| said.content);
         assert_eq!(said, Some(Content::Gap { start: 1, list: NumberSet::empty(2) }));
         assert_eq!(message.destination, other.prefix);

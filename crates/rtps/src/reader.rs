@@ -22,9 +22,24 @@ const MOST_KEPT: usize = 4 << 20;
 pub(crate) struct Received {
     pub(crate) sequence: i64,
     pub(crate) about: About,
-    /// Nothing, if the sample is larger than the reader takes.
+    /// Only the beginning, if the sample is larger than the reader takes.
     pub(crate) payload: Vec<u8>,
     pub(crate) is_too_large: bool,
+}
+
+/// The bytes that are kept of a sample that is too large: the header of CDR, and what Cyclone writes before the values of
+/// a request, by which the reply names it.
+const BEGINNING: usize = 20;
+
+impl Received {
+    fn whole(sequence: i64, about: About, payload: Vec<u8>) -> Received {
+        Received { sequence, about, payload, is_too_large: false }
+    }
+
+    fn too_large(sequence: i64, about: About, payload: &[u8]) -> Received {
+        let payload = payload[..payload.len().min(BEGINNING)].to_vec();
+        Received { sequence, about, payload, is_too_large: true }
+    }
 }
 
 /// What has come from a writer.
@@ -130,15 +145,20 @@ impl Reader {
         let mut out = Vec::new();
         match *content {
             Content::Data { sequence, about, payload } if source.wants(sequence) => {
-                let is_too_large = payload.len() > limit;
-                let payload = if is_too_large { Vec::new() } else { payload.to_vec() };
-                let sample = Received { sequence, about, payload, is_too_large };
+                let sample = if payload.len() > limit {
+                    Received::too_large(sequence, about, payload)
+                } else {
+                    Received::whole(sequence, about, payload.to_vec())
+                };
                 source.add(sample, reliable, room, &mut out);
             }
             Content::Fragments { sequence, about, first, size, total, payload } if source.wants(sequence) => {
                 if total as usize > limit {
-                    let sample = Received { sequence, about, payload: Vec::new(), is_too_large: true };
-                    source.add(sample, reliable, room, &mut out);
+                    // The others are not needed. If this one is lost, a reliable writer sends all again.
+                    if first == 1 {
+                        let sample = Received::too_large(sequence, about, payload);
+                        source.add(sample, reliable, room, &mut out);
+                    }
                     return out;
                 }
                 if !source.partial.contains_key(&sequence) && total as usize > room {
@@ -152,8 +172,7 @@ impl Reader {
                 if assembly.is_whole()
                     && let Some(assembly) = source.partial.remove(&sequence)
                 {
-                    let payload = assembly.into_data();
-                    let sample = Received { sequence, about, payload, is_too_large: false };
+                    let sample = Received::whole(sequence, about, assembly.into_data());
                     source.add(sample, reliable, room, &mut out);
                 }
             }

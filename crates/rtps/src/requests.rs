@@ -74,8 +74,11 @@ impl Request {
     /// Reads a sample of a service's topic of requests; `None` if it lacks the header that it must have.
     pub(crate) fn of(service: u32, writer: Guid, vendor: [u8; 2], sample: Received) -> Option<Request> {
         let client = writer.prefix;
+        // What came of a request that is too large is only good for naming it.
+        let kept = |body: Vec<u8>| if sample.is_too_large { Vec::new() } else { body };
         if vendor == CYCLONE {
             let (header, body) = split_header(sample.payload)?;
+            let body = kept(body);
             let answer = Answer { client, reader: None, related: None, header: Some(header) };
             return Some(Request { service, body, answer });
         }
@@ -83,7 +86,7 @@ impl Request {
         let reader = sample.about.related.map(|related| related.writer).filter(|guid| guid.prefix == client);
         let related = SampleIdentity { writer: reader.unwrap_or(writer), sequence: sample.sequence };
         let answer = Answer { client, reader, related: Some(related), header: None };
-        Some(Request { service, body: sample.payload, answer })
+        Some(Request { service, body: kept(sample.payload), answer })
     }
 }
 
@@ -145,7 +148,7 @@ mod tests {
         assert_eq!((&request.body[..], request.answer.related), (&[0, 1, 0, 0, 5][..], None));
         let answered = [&[0, 1, 0, 0], &header[..], &[8]].concat();
         assert_eq!(reply(request.answer, vec![0, 1, 0, 0, 8]), answered);
-        // Ours are little endian.
+        // Those of this crate are little endian.
         let big: Vec<u8> = (1..=8).rev().chain((9..=16).rev()).collect();
         let payload = [&[0, 0, 0, 0], &big[..], &[5]].concat();
         let request = Request::of(3, WRITER, CYCLONE, received(None, &payload)).expect("a request");
@@ -153,6 +156,11 @@ mod tests {
         for length in 0..20 {
             assert!(Request::of(3, WRITER, CYCLONE, received(None, &payload[..length])).is_none());
         }
+        // Of one that is too large, its beginning came, by which the reply names it.
+        let large = Received { is_too_large: true, ..received(None, &payload[..20]) };
+        let request = Request::of(3, WRITER, CYCLONE, large).expect("a request");
+        assert!(request.body.is_empty());
+        assert_eq!(reply(request.answer, vec![0, 1, 0, 0, 8]), answered);
     }
 
     #[test]

@@ -76,7 +76,7 @@ impl Endpoint {
         (named == [true; 3]).then_some(endpoint)
     }
 
-    /// What we announce.
+    /// What is announced.
     pub(crate) fn encode(&self) -> Vec<u8> {
         let mut payload = ENCAPSULATION.to_vec();
         let mut list = List(&mut payload);

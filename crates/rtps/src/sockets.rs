@@ -12,7 +12,7 @@ use crate::peer::Link;
 
 const GROUP: Ipv4Addr = Ipv4Addr::new(239, 255, 0, 1);
 
-/// What we would like to have for datagrams that wait; the kernel gives what it allows.
+/// What is asked for datagrams that wait; the kernel gives what it allows.
 const BUFFER: usize = 4 << 20;
 
 /// How long a datagram waits for room on its way into a network.
@@ -55,9 +55,9 @@ pub(crate) struct Sockets {
     user: UdpSocket,
     /// The addresses of this host.
     own: Vec<Ipv4Addr>,
-    /// The addresses of the networks whose participants find us, and we them, without being named as peers.
+    /// The addresses of the networks whose participants and this one find each other without being named as peers.
     near: Vec<Ipv4Addr>,
-    /// Other hosts whose participants are told of us.
+    /// Other hosts whose participants are told of this one.
     peers: Vec<Ipv4Addr>,
     range: Range,
     domain: u16,
@@ -139,12 +139,13 @@ impl Sockets {
         SocketAddrV4::new(GROUP, first_port(self.domain))
     }
 
-    /// The group, if others reach us by it. On networks where only peers find us, we do not listen to it.
+    /// The group, if others reach this participant by it. On networks where only peers find it, it does not listen to the
+    /// group.
     pub(crate) fn announced_group(&self) -> Option<SocketAddrV4> {
         (self.near == self.own).then(|| self.group())
     }
 
-    /// Returns true if we neither find participants nor are found by them.
+    /// Returns true if this participant neither finds others nor is found by them.
     pub(crate) fn is_off(&self) -> bool {
         self.range == Range::Off
     }
@@ -165,19 +166,19 @@ impl Sockets {
         (0..10).map(move |number| SocketAddrV4::new(host, first + 2 * number))
     }
 
-    /// The addresses at which others reach us: those of networks, or of this host if there is no network.
+    /// The addresses at which others reach this participant: those of networks, or of this host if there is no network.
     fn reachable(&self) -> impl Iterator<Item = Ipv4Addr> {
         let networks = self.own.iter().any(|address| !address.is_loopback());
         self.own.iter().copied().filter(move |address| !networks || !address.is_loopback())
     }
 
-    /// Where our readers and writers of discovery listen.
+    /// Where the readers and writers of discovery listen.
     pub(crate) fn discovery_locators(&self) -> io::Result<Vec<SocketAddrV4>> {
         let port = self.discovery.local_addr()?.port();
         Ok(self.reachable().map(|address| SocketAddrV4::new(address, port)).collect())
     }
 
-    /// Where our other readers and writers listen.
+    /// Where the other readers and writers listen.
     pub(crate) fn user_locators(&self) -> io::Result<Vec<SocketAddrV4>> {
         let port = self.user.local_addr()?.port();
         Ok(self.reachable().map(|address| SocketAddrV4::new(address, port)).collect())
@@ -208,7 +209,7 @@ impl Sockets {
             .or_else(|| locators.first().copied())
     }
 
-    /// Waits until there is something to read, someone wakes us, or the time has passed. Then reads up to `most` datagrams
+    /// Waits until there is something to read, someone wakes the thread, or the time has passed. Then reads up to `most` datagrams
     /// of each socket, and says where each came from.
     pub(crate) fn wait(
         &self,
@@ -235,7 +236,7 @@ impl Sockets {
                 // An error says that there is nothing, or belongs to an earlier datagram, which nobody took.
                 match socket.recv_from(buffer) {
                     Ok((length, std::net::SocketAddr::V4(from))) => {
-                        // If another program of this host listens to the group on a network, we hear that network, too.
+                        // If another program of this host listens to the group on a network, that network is heard, too.
                         let is_group = self.group.as_ref().is_some_and(|group| std::ptr::eq(group, socket));
                         let is_far = self.range == Range::Localhost && !self.own.contains(from.ip());
                         if !(is_group && is_far) {
@@ -258,7 +259,7 @@ impl Link for &Sockets {
             let mut control = SendAncillaryBuffer::default();
             rustix::net::sendmsg_addr(self.user.as_fd(), &to, &parts, &mut control, SendFlags::empty())
         };
-        // A network that is slower than the pace makes us wait. A datagram that cannot be sent is lost like others, and
+        // A network that is slower than the pace makes the thread wait. A datagram that cannot be sent is lost like others, and
         // asked for again.
         if send() == Err(rustix::io::Errno::WOULDBLOCK) {
             let wait = Timespec { tv_sec: 0, tv_nsec: LONGEST_SEND.as_nanos() as i64 };

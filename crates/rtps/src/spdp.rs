@@ -6,10 +6,10 @@ use std::time::Duration;
 use crate::guid::{EntityId, Guid, Prefix};
 use crate::parameters::{self, ENCAPSULATION, List, id};
 
-/// Readers and writers of discovery that we have: those of participants, publications and subscriptions (9.3.2).
+/// The readers and writers of discovery that there are: those of participants, publications and subscriptions (9.3.2).
 const BUILTIN_ENDPOINTS: u32 = 0x3F;
 
-/// After this time without an announcement, others take us for gone.
+/// After this time without an announcement, others take a participant for gone.
 pub(crate) const LEASE: Duration = Duration::from_secs(20);
 
 /// A participant, as it announces itself.
@@ -25,7 +25,7 @@ pub(crate) struct Announcement {
     pub(crate) vendor: [u8; 2],
 }
 
-/// Those who make programs of DDS have numbers; we have none.
+/// Those who make programs of DDS have numbers; this crate has none.
 pub(crate) const UNKNOWN_VENDOR: [u8; 2] = [0, 0];
 pub(crate) const FAST_DDS: [u8; 2] = [1, 15];
 pub(crate) const CYCLONE: [u8; 2] = [1, 16];
@@ -64,7 +64,7 @@ impl Announcement {
         Some(Announcement { prefix: prefix?, discovery, user, lease, vendor })
     }
 
-    /// What we announce. At `multicast`, all participants listen.
+    /// What is announced. At `multicast`, all participants listen.
     pub(crate) fn encode(&self, domain: u32, multicast: Option<SocketAddrV4>, name: &str) -> Vec<u8> {
         let mut payload = ENCAPSULATION.to_vec();
         let mut list = List(&mut payload);

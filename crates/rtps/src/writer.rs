@@ -186,7 +186,7 @@ impl Writer {
         link: &mut impl Link,
     ) {
         let Some(proxy) = self.readers.get_mut(&from).filter(|proxy| proxy.peer.reliable) else { return };
-        // A reader whose lease of us ended while the network was cut begins anew, and has forgotten what it had.
+        // A reader that took this writer for gone while the network was cut begins anew, and has forgotten what it had.
         if proxy.answered.is_some_and(|last| count < last) && missing.base() <= 1 {
             let history = self.transient && proxy.peer.transient;
             proxy.start = if history { 1 } else { self.next };

@@ -33,6 +33,32 @@ pub enum Node {
     Cdata(String),
 }
 
+/// Reads the text of a file, in UTF-8 or ISO 8859-1.
+///
+/// # Errors
+/// If the file cannot be read, or is no text.
+pub fn read_text(path: &Path) -> Result<String, Problem> {
+    let fail = |what: String, remedy: &str| Problem {
+        severity: Severity::Error,
+        source: Source::new(path, 0),
+        what,
+        remedy: remedy.into(),
+    };
+    let bytes = crate::file::read(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => fail("no such file".into(), "check the path"),
+        std::io::ErrorKind::IsADirectory => fail("this is a folder".into(), "name a file in it"),
+        _ => fail(format!("cannot be read: {error}"), "check the file's permissions"),
+    })?;
+    String::from_utf8(bytes).or_else(|error| {
+        let bytes = error.into_bytes();
+        if bytes.contains(&0) {
+            return Err(fail("not UTF-8 text".into(), "save it as UTF-8"));
+        }
+        // Old files are ISO 8859-1, mostly in their comments. Its bytes are the first 256 characters of Unicode.
+        Ok(bytes.into_iter().map(char::from).collect())
+    })
+}
+
 /// The size of a tree of elements, as it counts against a [`Budget`](crate::budget::Budget).
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Weight {
@@ -67,26 +93,7 @@ impl Element {
     /// # Errors
     /// If the file cannot be read or is not XML; the problem names the line and what the parser found.
     pub fn parse_file(path: &Path) -> Result<Self, Problem> {
-        let fail = |line, what: String, remedy: &str| Problem {
-            severity: Severity::Error,
-            source: Source::new(path, line),
-            what,
-            remedy: remedy.into(),
-        };
-        let bytes = crate::file::read(path).map_err(|error| match error.kind() {
-            std::io::ErrorKind::NotFound => fail(0, "no such file".into(), "check the path"),
-            std::io::ErrorKind::IsADirectory => fail(0, "this is a folder".into(), "name a file in it"),
-            _ => fail(0, format!("cannot be read: {error}"), "check the file's permissions"),
-        })?;
-        let text = String::from_utf8(bytes).or_else(|error| {
-            let bytes = error.into_bytes();
-            if bytes.contains(&0) {
-                return Err(fail(0, "not UTF-8 text".into(), "save it as UTF-8"));
-            }
-            // Old files are ISO 8859-1, mostly in their comments. Its bytes are the first 256 characters of Unicode.
-            Ok(bytes.into_iter().map(char::from).collect())
-        })?;
-        Self::parse(&text, path)
+        Self::parse(&read_text(path)?, path)
     }
 
     /// Parses a text that came from `path`.

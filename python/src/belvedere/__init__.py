@@ -24,7 +24,7 @@ from belvedere._commands import (
     ResetOdometryPublisher,
     VelocityPublisher,
 )
-from belvedere._control import SimulationControl
+from belvedere._control import SimulationControl, SimulationDescription
 from belvedere._errors import (
     BadFrameError,
     BridgeError,
@@ -79,6 +79,7 @@ __all__ = [
     "Sensor",
     "Simulation",
     "SimulationControl",
+    "SimulationDescription",
     "StreamInfo",
     "StreamTimeoutError",
     "Subscriber",

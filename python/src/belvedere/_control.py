@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import secrets
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -25,11 +25,23 @@ _ORIGIN = (0.0, 0.0, 0.0)
 _UPRIGHT = (0.0, 0.0, 0.0, 1.0)
 
 
+class SimulationDescription(NamedTuple):
+    """The answer of ``SimulationControl.query``.
+
+    ``time_ns`` is the simulated time in nanoseconds. ``words`` are ``playing``, ``paused`` or ``stepping``; ``replay``
+    for a recording; for a model ``robot``, ``actor``, ``static`` or ``object``, and ``spawned`` if a command added
+    it. Later versions may add others.
+    """
+
+    time_ns: int
+    words: frozenset[str]
+
+
 class SimulationControl(Closing):
     """The client side of simulation control, made by ``Node.control``.
 
-    Every command is applied between two frames. It waits for the simulator's answer and returns the simulated time
-    in nanoseconds at which it was executed.
+    Every command is applied between two frames. It waits for the simulator's answer and, except for ``query``, returns
+    the simulated time in nanoseconds at which it was executed.
 
     Raises:
         RefusedError: the simulator refused the command; the text is its reason.
@@ -125,12 +137,20 @@ class SimulationControl(Closing):
         words = " ".join(f"{name}={float(value)!r}" for name, value in settings.items())
         return self._call(Operation.CONFIGURE, words, name=sensor)
 
+    def query(self, model: str = "") -> SimulationDescription:
+        """Ask what the simulation is doing and, if a model is named, what it is; change nothing."""
+        result = self._ask(Operation.QUERY, name=model)
+        return SimulationDescription(int(result["time_ns"]), frozenset(result["reason"].decode().split()))
+
     def close(self) -> None:
         """Close the control; the simulation continues."""
         self._sender.close()
         self._results.close()
 
     def _call(self, operation: Operation, text: str = "", **fields: object) -> int:
+        return int(self._ask(operation, text, **fields)["time_ns"])
+
+    def _ask(self, operation: Operation, text: str = "", **fields: object) -> np.void:
         command = np.zeros((), _COMMAND)
         # A unique id, which the result repeats.
         command["id"] = secrets.randbelow(2**64 - 1) + 1
@@ -152,7 +172,7 @@ class SimulationControl(Closing):
                 raise StreamTimeoutError(f"the simulator has ended without an answer to {operation.name.lower()}")
         if not result["done"]:
             raise RefusedError(result["reason"].decode(errors="replace"))
-        return int(result["time_ns"])
+        return result
 
     def _take(self) -> np.void | None:
         frame = self._results.take()

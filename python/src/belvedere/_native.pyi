@@ -19,6 +19,7 @@ __all__ = [
     "World",
     "bad_pose",
     "poses_of_matrices",
+    "run_words",
 ]
 
 # Poses of the sensor (N, 7), numbers of the moved bodies, their poses (N, bodies, 7).
@@ -263,6 +264,8 @@ class Simulation:
     def place(self, name: str, pose: NDArray[np.float64]) -> None: ...
     def render(self, topics: list[str]) -> list[tuple[bytes, NDArray[np.uint8]] | None]: ...
     def world(self) -> World: ...
+
+def run_words(words: Sequence[str]) -> int: ...
 
 @final
 class Node:

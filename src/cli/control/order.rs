@@ -1,11 +1,13 @@
 //! The orders that change a simulation, and the command that is sent for each.
 
-use super::model_file;
 use crate::cli::error::CliError;
 use crate::cli::place::{PLACE, Place};
+use crate::description::load::{Spawnable, xacro_argument};
+use crate::description::models::package_path;
+use crate::description::{Diagnostics, Severity};
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Operation, Text};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 // A doc comment here would appear as the help text of `belvedere control`.
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
@@ -36,11 +38,17 @@ pub(super) enum Order {
         #[arg(long, value_name = "FRAME", default_value = "world")]
         relative_to: String,
     },
-    /// Add a model to the world, with its base and its sensors: a URDF file without xacro, or an SDF file with one
-    /// <model>
+    /// Add a model to the world, with its base and its sensors
     Spawn {
-        /// The file
+        /// A .urdf or .xacro file, an SDF file with one <model>, or the name of a robot, as `belvedere robots` lists them
+        #[arg(value_name = "FILE|NAME")]
         file: PathBuf,
+        /// xacro arguments of the robot, for $(arg NAME)
+        #[arg(value_name = "NAME:=VALUE", value_parser = xacro_argument)]
+        xacro_args: Vec<(String, String)>,
+        /// A folder of ROS packages, searched before ROS_PACKAGE_PATH and the shipped packages; may be repeated
+        #[arg(long, value_name = "FOLDER")]
+        package_path: Vec<PathBuf>,
         /// Name of the new model [default: its namespace, or else the name in the file]
         #[arg(long, value_name = "NAME")]
         name: Option<String>,
@@ -68,6 +76,14 @@ pub(super) enum Order {
         #[arg(value_name = "SETTING=VALUE", required = true)]
         settings: Vec<String>,
     },
+}
+
+/// What is sent to the simulator for an order.
+pub(super) struct Message {
+    pub(super) command: SimulationCommand,
+    pub(super) text: String,
+    /// True if the text is not that of the file which was named.
+    is_expanded: bool,
 }
 
 impl Order {
@@ -100,43 +116,48 @@ impl Order {
         }
     }
 
-    /// Returns the command to send, and its text.
-    pub(super) fn command(&self) -> Result<(SimulationCommand, String), CliError> {
-        let mut command = SimulationCommand::new(self.operation());
-        let mut text = String::new();
+    /// Returns what is sent to the simulator.
+    pub(super) fn message(&self) -> Result<Message, CliError> {
+        let command = SimulationCommand::new(self.operation());
+        let mut message = Message { command, text: String::new(), is_expanded: false };
+        let Message { command, text, is_expanded } = &mut message;
         match self {
             Self::Pause | Self::Resume | Self::Reset | Self::ResetWorld => {}
             Self::Step { steps } => command.steps = *steps,
             Self::Move { model, pose, relative_to } => {
                 command.name = self.name(model)?;
                 command.reference = self.name(relative_to)?;
-                set_pose(&mut command, *pose);
+                set_pose(command, *pose);
             }
-            Self::Spawn { file, name, namespace, pose, relative_to } => {
-                text = model_file::read(file)?;
+            Self::Spawn { file, xacro_args, package_path, name, namespace, pose, relative_to } => {
+                let spawnable = read(file, xacro_args, package_path)?;
+                (*text, *is_expanded) = (spawnable.text, spawnable.is_expanded);
                 let name = name.as_deref().or(namespace.as_deref());
                 command.name = self.name(name.unwrap_or_default())?;
                 command.robot_namespace = self.name(namespace.as_deref().unwrap_or_default())?;
                 command.reference = self.name(relative_to)?;
-                set_pose(&mut command, *pose);
+                set_pose(command, *pose);
             }
             Self::Delete { name } => command.name = self.name(name)?,
             Self::Configure { sensor, settings } => {
                 command.name = self.name(sensor)?;
-                text = settings.join(" ");
+                *text = settings.join(" ");
             }
         }
-        Ok((command, text))
+        Ok(message)
     }
 
     /// Returns the simulator's reason for a refusal. A problem in a spawned file is reported with the file's name.
-    pub(super) fn refusal(&self, command: &SimulationCommand, reason: &str) -> String {
+    pub(super) fn refusal(&self, message: &Message, reason: &str) -> String {
         let Self::Spawn { file, .. } = self else { return reason.to_owned() };
         // The simulator does not know the file's name: it reports the model's name, or "text" if no name was given.
-        let known = if command.name.as_str().is_empty() { "text" } else { command.name.as_str() };
+        let name = message.command.name.as_str();
+        let known = if name.is_empty() { "text" } else { name };
         let place = reason.strip_prefix(known).and_then(|rest| rest.strip_prefix(':'));
+        let file = file.display();
         match place.filter(|place| place.starts_with(|first: char| first.is_ascii_digit())) {
-            Some(place) => format!("{}:{place}", file.display()),
+            Some(place) if message.is_expanded => format!("what `belvedere urdf {file}` prints:{place}"),
+            Some(place) => format!("{file}:{place}"),
             None => reason.to_owned(),
         }
     }
@@ -146,6 +167,18 @@ impl Order {
             |error| CliError::Refused { operation: self.word(), reason: format!("'{text}': {error}") };
         Text::new(text).map_err(refused)
     }
+}
+
+/// Reads a model that is to be spawned, and reports what is worth a warning.
+fn read(file: &Path, xacro_args: &[(String, String)], folders: &[PathBuf]) -> Result<Spawnable, CliError> {
+    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+    let packages = package_path(folders.iter().cloned(), ros_package_path.as_deref());
+    let mut diagnostics = Diagnostics::default();
+    let read = Spawnable::load(file, &packages, xacro_args, &mut diagnostics);
+    for problem in diagnostics.problems().iter().filter(|problem| problem.severity == Severity::Warning) {
+        tracing::warn!("{problem}");
+    }
+    read.map_err(|why| CliError::Description(vec![why.into_problem()]))
 }
 
 fn set_pose(command: &mut SimulationCommand, place: Place) {

@@ -1,17 +1,27 @@
-//! Reports that are printed from published streams, without sending a command.
+//! Reports, which change nothing.
 
 use super::GlobalArgs;
 use crate::cli::error::CliError;
 use crate::cli::follow::{first, print_line};
 use crate::cli::message;
-use belvedere_bridge::payload::{ModelState, SensorSettings};
-use belvedere_bridge::{Node, StreamSpec};
+use belvedere_bridge::payload::{ModelState, SensorSettings, SimulationCommand};
+use belvedere_bridge::{Node, Operation, SimulationControl, StreamSpec, Text};
 use belvedere_sensors::Pose;
 use glam::DVec3;
 
 // A doc comment here would appear as the help text of `belvedere control`.
-#[derive(Clone, Copy, Debug, clap::Subcommand)]
+#[derive(Clone, Debug, clap::Subcommand)]
 pub(super) enum Report {
+    /// Print whether simulated time advances (playing, paused or stepping), whether it is a replay, and what a model is
+    /// (robot, actor, static or object, and spawned)
+    Query {
+        /// Name of a model
+        #[arg(default_value = "", hide_default_value = true)]
+        model: String,
+        /// Print a JSON object
+        #[arg(long)]
+        json: bool,
+    },
     /// Print the settings of every sensor, and their limits
     Settings {
         /// Print one JSON object per line
@@ -31,12 +41,32 @@ pub(super) enum Report {
 
 impl Report {
     /// Prints the report.
-    pub(super) fn print(self, node: &Node, global: &GlobalArgs) -> Result<(), CliError> {
+    pub(super) fn print(&self, node: &Node, global: &GlobalArgs) -> Result<(), CliError> {
         match self {
-            Self::Settings { json } => settings(node, global, json),
-            Self::States { links, json } => states(node, global, links, json),
+            Self::Query { model, json } => query(node, global, model, *json),
+            Self::Settings { json } => settings(node, global, *json),
+            Self::States { links, json } => states(node, global, *links, *json),
         }
     }
+}
+
+/// Asks the simulator what it is doing, and what a model is if it has a name.
+fn query(node: &Node, global: &GlobalArgs, model: &str, json: bool) -> Result<(), CliError> {
+    let refused = |reason: String| CliError::Refused { operation: "query", reason };
+    let mut command = SimulationCommand::new(Operation::Query);
+    command.name = Text::new(model).map_err(|error| refused(format!("'{model}': {error}")))?;
+    let result = SimulationControl::open(node)?.call(&command, "", global.timeout)?;
+    let result = result.ok_or_else(|| global.no_answer())?;
+    let answer = result.reason.as_str();
+    if result.done != 1 {
+        return Err(refused(answer.to_owned()));
+    }
+    let words: Vec<&str> = answer.split_whitespace().collect();
+    print_line(&if json {
+        serde_json::json!({ "time_ns": result.time_ns, "words": words }).to_string()
+    } else {
+        format!("query: {} at {:.9} s", words.join(", "), result.time_ns as f64 * 1e-9)
+    })
 }
 
 /// Prints the settings of all sensors.

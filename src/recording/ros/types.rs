@@ -9,11 +9,12 @@ use belvedere_bridge::{Fields, Ros, RosMessage};
 pub struct MessageType {
     /// Name in ROS 1, in the form `package/Type`.
     pub name: &'static str,
-    definition: Definition,
+    pub(super) definition: Definition,
 }
 
+/// Where the definition of a type comes from.
 #[derive(Debug, Clone, Copy)]
-enum Definition {
+pub(super) enum Definition {
     /// A function that passes the fields, with any values.
     Fields(fn(&mut dyn Fields)),
     /// The definition of a payload struct.

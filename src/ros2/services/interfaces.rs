@@ -199,8 +199,8 @@ impl Interfaces {
 }
 
 impl Group for Interfaces {
-    fn answer(&mut self, request: Request, simulator: &mut Simulator) -> Option<Request> {
-        let Some((service, interface)) = find(&self.offered, &request) else { return Some(request) };
+    fn answer(&mut self, request: Request, simulator: &mut Simulator) {
+        let Some((service, interface)) = find(&self.offered, &request) else { return };
         if !interface.is_long() {
             let (no_commands, is_paused_at_start) = (self.no_commands, &mut self.is_paused_at_start);
             answer(service, interface, &request, Client { simulator, no_commands, is_paused_at_start });
@@ -210,7 +210,6 @@ impl Group for Interfaces {
             let refusal = Refusal::failed(format!("{MOST_STEPS} requests for steps wait already"));
             service.reply(&request, message(|reply| refusal.write(reply)));
         }
-        None
     }
 }
 

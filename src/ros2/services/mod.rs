@@ -1,6 +1,6 @@
-//! [`Services`]: the services of the node, whose requests a thread answers.
+//! [`Services`]: the services of the node, whose requests threads answer.
 //!
-//! Each [`Group`] of services has a file here. Those that change the simulation send commands by the [`Simulator`].
+//! Each [`Group`] of services has a file here, and a thread, so that none waits for another. Those that change the simulation send commands by the [`Simulator`].
 //!
 //! | file | is |
 //! |---|---|
@@ -41,59 +41,68 @@ const NAP: Duration = Duration::from_millis(50);
 
 /// Services that belong together.
 trait Group: Send {
-    /// Answers a request, or returns it if it is for none of these services.
-    fn answer(&mut self, request: Request, simulator: &mut Simulator) -> Option<Request>;
+    /// Answers a request, unless its service has just been removed.
+    fn answer(&mut self, request: Request, simulator: &mut Simulator);
 
     /// Called often, also if there is no request.
     fn tend(&mut self) {}
 }
 
-/// All services of the node, with the thread that answers.
+/// All services of the node, with the threads that answer.
 #[derive(Debug)]
 pub(super) struct Services {
     stop: Arc<AtomicBool>,
-    thread: Option<JoinHandle<()>>,
+    threads: Vec<JoinHandle<()>>,
 }
 
 impl Services {
     /// Offers the services of the node `node_name`, such as `/belvedere`, for the simulation of a domain.
     ///
     /// # Errors
-    /// If ROS 2 forbids a name, or the thread cannot be started.
+    /// If ROS 2 forbids a name, or a thread cannot be started.
     pub(super) fn start(
         participant: &Participant,
         node: &Node,
         node_name: &str,
         options: &Ros2Options,
     ) -> Result<Self, Ros2Error> {
-        let requests = Requests::new();
-        let parameters = Parameters::new(participant, &requests, node, node_name, options)?;
         let stop = Arc::new(AtomicBool::new(false));
-        let interfaces = Interfaces::new(participant, &requests, node, &stop, options)?;
-        let mut groups: Vec<Box<dyn Group>> = vec![Box::new(parameters), Box::new(interfaces)];
-        let (stopped, mut simulator) = (stop.clone(), Simulator::new(node, &stop));
-        let thread = std::thread::Builder::new().name("services".to_owned()).spawn(move || {
-            while !stopped.load(Ordering::Relaxed) {
+        let (for_parameters, for_interfaces) = (Requests::new(), Requests::new());
+        let parameters = Parameters::new(participant, &for_parameters, node, node_name, options)?;
+        let interfaces = Interfaces::new(participant, &for_interfaces, node, &stop, options)?;
+        let mut services = Self { stop, threads: Vec::new() };
+        services.serve("parameters", parameters, for_parameters, node)?;
+        services.serve("services", interfaces, for_interfaces, node)?;
+        Ok(services)
+    }
+
+    /// Starts the thread of a group.
+    fn serve(
+        &mut self,
+        name: &str,
+        mut group: impl Group + 'static,
+        requests: Requests,
+        node: &Node,
+    ) -> Result<(), Ros2Error> {
+        let (stop, mut simulator) = (self.stop.clone(), Simulator::new(node, &self.stop));
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
+            while !stop.load(Ordering::Relaxed) {
                 if let Some(request) = requests.take(NAP) {
-                    // A request of no group is for a service that has just been removed.
-                    let _ = groups
-                        .iter_mut()
-                        .try_fold(request, |request, group| group.answer(request, &mut simulator));
+                    group.answer(request, &mut simulator);
                 }
-                for group in &mut groups {
-                    group.tend();
-                }
+                group.tend();
                 simulator.tend();
             }
         })?;
-        Ok(Self { stop, thread: Some(thread) })
+        self.threads.push(thread);
+        Ok(())
     }
 }
 
 impl Drop for Services {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        if let Some(thread) = self.thread.take() {
+        for thread in self.threads.drain(..) {
             // A thread that panicked has reported it.
             let _ = thread.join();
         }

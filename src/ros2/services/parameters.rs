@@ -178,10 +178,10 @@ impl Parameters {
 }
 
 impl Group for Parameters {
-    fn answer(&mut self, request: Request, simulator: &mut Simulator) -> Option<Request> {
+    fn answer(&mut self, request: Request, simulator: &mut Simulator) {
         let number = self.services.iter().position(|service| service.number() == request.service);
         let Some((index, of)) = number.and_then(|index| Some((index, SERVICES.get(index)?))) else {
-            return Some(request);
+            return;
         };
         let response = self.respond(of.task, &request.body, simulator).unwrap_or_else(|error| {
             tracing::warn!(service = of.name, "a request is refused, since {error}");
@@ -190,7 +190,6 @@ impl Group for Parameters {
         if let Some(service) = self.services.get(index) {
             service.reply(&request, response);
         }
-        None
     }
 
     /// Follows the settings that the simulator publishes, and publishes what is different.

@@ -1,12 +1,11 @@
 //! The description of a model that is to be spawned: a text, or a file or robot that a URI names.
 
 use super::refusal::Refusal;
-use crate::description::load::{expand_robot, robot_names};
+use crate::description::Diagnostics;
+use crate::description::load::{NotSpawnable, Spawnable, robot_names};
 use crate::description::models::package_path;
 use crate::description::package::PackagePath;
 use crate::description::suggestion::did_you_mean_or;
-use crate::description::xml::Element;
-use crate::description::{Diagnostics, xacro};
 use std::path::{Path, PathBuf};
 
 /// Results of `SpawnEntity`.
@@ -17,91 +16,50 @@ pub(super) const RESOURCE_PARSE_ERROR: u8 = 106;
 /// Extensions of files that are read. A refusal may quote a file, so no other file is read for a program of the network.
 const EXTENSIONS: [&str; 4] = ["sdf", "urdf", "xacro", "xml"];
 
-/// A model that can be spawned.
-pub(super) struct Resource {
-    /// The name in the description; it may be empty.
-    pub(super) name: String,
-    /// URDF without xacro, or SDF.
-    pub(super) text: String,
-}
-
-impl Resource {
-    /// Reads the description from a URI or, if that is empty, from a text.
-    ///
-    /// # Errors
-    /// A refusal with the code that `SpawnEntity` has for the reason.
-    pub(super) fn read(uri: &str, text: &str) -> Result<Self, Refusal> {
-        let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
-        let packages = package_path([], ros_package_path.as_deref());
-        match (uri, text) {
-            ("", "") => Err(Refusal::new(NO_RESOURCE, "both the URI and the text of the resource are empty")),
-            ("", text) => {
-                let path = Path::new("resource_string");
-                let root = Element::parse(text, path).map_err(|problem| unreadable(&problem.to_string()))?;
-                let mut diagnostics = Diagnostics::default();
-                let root = match root.name.as_str() {
-                    "robot" => xacro::expand_root(root, path, &packages, &[], &mut diagnostics)
-                        .map_err(|problem| unreadable(&problem.to_string()))?,
-                    _ => root,
-                };
-                first_error(&diagnostics)?;
-                Self::of(&root)
-            }
-            (uri, _) => Self::of_file(&file_of(uri, &packages)?, &packages),
+/// Reads the description of a model from a URI or, if that is empty, from a text.
+///
+/// # Errors
+/// A refusal with the code that `SpawnEntity` has for the reason.
+pub(super) fn read(uri: &str, text: &str) -> Result<Spawnable, Refusal> {
+    let ros_package_path = std::env::var_os("ROS_PACKAGE_PATH");
+    let packages = package_path([], ros_package_path.as_deref());
+    let mut diagnostics = Diagnostics::default();
+    let read = match (uri, text) {
+        ("", "") => {
+            return Err(Refusal::new(NO_RESOURCE, "both the URI and the text of the resource are empty"));
         }
-    }
-
-    fn of_file(file: &Path, packages: &PackagePath) -> Result<Self, Refusal> {
-        if file.is_file() {
-            let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-            if !EXTENSIONS.iter().any(|known| extension == *known) {
-                return Err(Refusal::new(
-                    UNSUPPORTED_FORMAT,
-                    format!(
-                        "{} is no description of a model by its name; give a .urdf, .xacro, .sdf or .xml file, which can \
-                         refer to meshes",
-                        file.display()
-                    ),
-                ));
-            }
-            let root = Element::parse_file(file).map_err(|problem| unreadable(&problem.to_string()))?;
-            if root.name != "robot" {
-                return Self::of(&root);
-            }
+        ("", text) => {
+            let path = Path::new("resource_string");
+            Spawnable::of_text(text.to_owned(), path, &packages, &[], &mut diagnostics)
         }
-        let mut diagnostics = Diagnostics::default();
-        let robot = expand_robot(file, packages, &[], &mut diagnostics);
-        first_error(&diagnostics)?;
-        robot.map_or_else(
-            || Err(unreadable(&format!("{} is no robot", file.display()))),
-            |root| Self::of(&root),
-        )
-    }
-
-    fn of(root: &Element) -> Result<Self, Refusal> {
-        let named = match root.name.as_str() {
-            "robot" => Some(root),
-            "sdf" | "gazebo" => root.child("model"),
-            other => {
-                return Err(Refusal::new(
-                    UNSUPPORTED_FORMAT,
-                    format!(
-                        "its first element is <{other}>; spawn URDF (<robot>), xacro, or SDF with one <model>"
-                    ),
-                ));
-            }
+        (uri, _) => {
+            let file = file_of(uri, &packages)?;
+            check_extension(&file)?;
+            Spawnable::load(file, &packages, &[], &mut diagnostics)
+        }
+    };
+    read.map_err(|why| {
+        let code = match &why {
+            NotSpawnable::Format(_) => UNSUPPORTED_FORMAT,
+            NotSpawnable::Unreadable(_) => RESOURCE_PARSE_ERROR,
         };
-        let name = named.and_then(|model| model.attribute("name")).unwrap_or_default().to_owned();
-        Ok(Self { name, text: root.to_string() })
+        Refusal::new(code, why.into_problem().to_string())
+    })
+}
+
+/// Refuses a file that is not a description by its name.
+fn check_extension(file: &Path) -> Result<(), Refusal> {
+    let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
+    if !file.is_file() || EXTENSIONS.iter().any(|known| extension == *known) {
+        return Ok(());
     }
-}
-
-fn unreadable(why: &str) -> Refusal {
-    Refusal::new(RESOURCE_PARSE_ERROR, why)
-}
-
-fn first_error(diagnostics: &Diagnostics) -> Result<(), Refusal> {
-    diagnostics.errors().next().map_or(Ok(()), |error| Err(unreadable(&error.to_string())))
+    Err(Refusal::new(
+        UNSUPPORTED_FORMAT,
+        format!(
+            "{} is no description of a model by its name; give a .urdf, .xacro, .sdf or .xml file, which can refer to meshes",
+            file.display()
+        ),
+    ))
 }
 
 /// Returns the file that a URI names, or the name of a robot.
@@ -125,7 +83,7 @@ fn file_of(uri: &str, packages: &PackagePath) -> Result<PathBuf, Refusal> {
         let names = robot_names(packages);
         if !names.iter().any(|name| name == uri) {
             let known = names.iter().map(String::as_str);
-            let remedy = did_you_mean_or(uri, known, "belvedere models lists those that there are");
+            let remedy = did_you_mean_or(uri, known, "belvedere robots lists those that there are");
             return Err(Refusal::not_found(format!("there is no robot '{uri}'; {remedy}")));
         }
         return Ok(PathBuf::from(uri));
@@ -144,18 +102,18 @@ mod tests {
     #[test]
     fn resources_are_texts_files_and_robots() {
         let sdf = "<sdf version='1.7'><model name='crate'><link name='l'/></model></sdf>";
-        assert_eq!(Resource::read("", sdf).unwrap().name, "crate");
+        assert_eq!(read("", sdf).unwrap().name, "crate");
         let urdf = "<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'><link name='${1 + 1}'/></robot>";
-        let robot = Resource::read("", urdf).unwrap();
+        let robot = read("", urdf).unwrap();
         assert!(robot.name == "r" && robot.text.contains("name=\"2\""), "{}", robot.text);
         // The URI has priority.
-        let kobuki = Resource::read("kobuki_nostack_camera", sdf).unwrap();
+        let kobuki = read("kobuki_nostack_camera", sdf).unwrap();
         assert!(kobuki.text.contains("<robot") && !kobuki.text.contains("xacro:"));
         let folder = tempfile::tempdir().unwrap();
         let file = folder.path().join("crate.sdf");
         std::fs::write(&file, sdf).unwrap();
         for uri in [format!("file://{}", file.display()), file.display().to_string()] {
-            assert_eq!(Resource::read(&uri, "").unwrap().name, "crate");
+            assert_eq!(read(&uri, "").unwrap().name, "crate");
         }
     }
 
@@ -172,7 +130,7 @@ mod tests {
             ("https://fuel.gazebosim.org/box", "", 0, "scheme"),
             ("/etc/hostname", "", UNSUPPORTED_FORMAT, "by its name"),
         ] {
-            let refusal = Resource::read(uri, text).err().unwrap();
+            let refusal = read(uri, text).err().unwrap();
             assert_eq!(refusal.code, code, "{refusal:?}");
             assert!(refusal.message.contains(says), "{refusal:?}");
         }

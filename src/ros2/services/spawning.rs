@@ -3,7 +3,7 @@
 use super::client::Client;
 use super::geometry::{Pose, read_pose_stamped, set_pose};
 use super::refusal::{Refusal, result};
-use super::resource::{RESOURCE_PARSE_ERROR, Resource};
+use super::resource::{self, RESOURCE_PARSE_ERROR};
 use crate::entities::{MAX_NAME_BYTES, model_name, namespace};
 use crate::ros2::cdr::{Cdr, Unreadable};
 use crate::server::values;
@@ -83,7 +83,7 @@ pub(super) fn spawn_entities(client: &mut Client<'_>, request: &[u8], reply: &mu
 fn spawn(client: &mut Client<'_>, wanted: Wanted) -> Result<String, Refusal> {
     client.may_change_models()?;
     let Wanted { name, allow_renaming, uri, text, namespace: given, frame, pose } = wanted;
-    let resource = Resource::read(&uri, &text)?;
+    let resource = resource::read(&uri, &text)?;
     let mut command = SimulationCommand::new(Operation::Spawn);
     set_pose(&mut command, pose);
     values::pose(&command).map_err(|why| Refusal::new(INVALID_POSE, why))?;

@@ -30,8 +30,19 @@ struct Place {
     std::string reference{};
 };
 
+/// The answer to a query.
+struct SimulationDescription {
+    /// Simulated time, ns.
+    std::uint64_t time_ns{};
+    /// Words, separated by spaces: playing, paused or stepping; replay; robot, actor, static or object; spawned. Later
+    /// versions may add others.
+    std::string words{};
+    /// Returns true if a word is among them.
+    bool is(const std::string& word) const { return (" " + words + " ").find(" " + word + " ") != std::string::npos; }
+};
+
 /// The control of a simulation. All functions but call() wait for the result for the timeout given to Node::control(),
-/// and return the simulated time in ns at which the command was executed. They throw Refused, and Error with
+/// and all but query() return the simulated time in ns at which the command was executed. They throw Refused, and Error with
 /// BV_STATUS_NOTHING if no simulator answers in time.
 class Control {
 public:
@@ -66,6 +77,12 @@ public:
     /// settings are words such as "update_rate=15 exposure=0.5"; either all of them are applied or none.
     std::uint64_t configure(const std::string& sensor, const std::string& settings) {
         return done(command(BV_OPERATION_CONFIGURE, sensor), settings);
+    }
+
+    /// Asks what the simulation is doing and, if there is a name, what a model is. Changes nothing.
+    SimulationDescription query(const std::string& model = {}) {
+        const bv_simulation_result result = answer(command(BV_OPERATION_QUERY, model));
+        return {result.time_ns, text_of(result)};
     }
 
     /// Sends any command, with the text of a model to be spawned or of settings, and waits for its result. Returns
@@ -104,14 +121,20 @@ private:
             throw Refused("the name '" + name + "' has more than " + std::to_string(length - 1) + " bytes");
         name.copy(field, length);
     }
+    static std::string text_of(const bv_simulation_result& result) {
+        const char* reason = result.reason;
+        return std::string(reason, std::find(reason, reason + sizeof result.reason, '\0'));
+    }
     std::uint64_t done(const bv_simulation_command& command, const std::string& text = {}) {
+        return answer(command, text).time_ns;
+    }
+    bv_simulation_result answer(const bv_simulation_command& command, const std::string& text = {}) {
         const auto result = call(command, timeout_, text);
         if (!result)
             throw Error(BV_STATUS_NOTHING,
                         "no simulator answered within " + std::to_string(timeout_.count()) + " ms");
-        const char* reason = result->reason;
-        if (result->done == 0) throw Refused(std::string(reason, std::find(reason, reason + sizeof result->reason, '\0')));
-        return result->time_ns;
+        if (result->done == 0) throw Refused(text_of(*result));
+        return *result;
     }
 
     detail::Owned<bv_control, bv_control_close> handle_;

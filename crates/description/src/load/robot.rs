@@ -144,7 +144,7 @@ pub fn expand_robot(
 }
 
 /// Returns the file of a robot; none and an error, which names the `formats` that there may be, if there is none.
-fn find_robot(
+pub(super) fn find_robot(
     path: &Path,
     formats: &str,
     packages: &PackagePath,

@@ -1,4 +1,4 @@
-//! Who else is there, and whose readers and writers fit ours.
+//! Who else is there, and whose readers and writers fit those of this participant.
 
 use std::net::{Ipv4Addr, SocketAddrV4};
 use std::time::Instant;
@@ -34,8 +34,8 @@ impl Engine {
         if let Some(known) = self.participants.get_mut(&prefix) {
             known.seen = now;
             if known.announced == announced {
-                let (discovery, knows_us) = (known.discovery, known.knows_us);
-                if !knows_us {
+                let (discovery, knows_this) = (known.discovery, known.knows_this);
+                if !knows_this {
                     self.announce_to(discovery);
                 }
                 return;
@@ -45,7 +45,7 @@ impl Engine {
         }
         let Some(discovery) = self.sockets.choose(&announced.discovery, from) else { return };
         let vendor = announced.vendor;
-        let remote = Remote { announced, seen: now, knows_us: false, from, discovery };
+        let remote = Remote { announced, seen: now, knows_this: false, from, discovery };
         self.participants.insert(prefix, remote);
         self.announce_to(discovery);
         let mut link = &self.sockets;
@@ -62,7 +62,7 @@ impl Engine {
         self.subscriptions_reader.match_writer(peer(EntityId::SUBSCRIPTIONS_WRITER), &mut link);
     }
 
-    /// A participant that we have heard of need not wait until we announce ourselves again. One that begins announces
+    /// A participant that was heard of need not wait until this one is announced again. One that begins announces
     /// itself a little before it listens, so this is repeated for each of its announcements, until it answers.
     pub(super) fn announce_to(&self, address: SocketAddrV4) {
         let datagram = self.announcement_to(Prefix::UNKNOWN, false);

@@ -6,7 +6,7 @@ use super::{Engine, Held};
 use crate::guid::EntityId;
 use crate::writer::Sample;
 
-/// A client may find our reader of requests before we find its reader of replies. Its reply waits so long.
+/// A client may find the reader of requests here before its reader of replies is found. Its reply waits so long.
 const HOLD: Duration = Duration::from_secs(1);
 
 /// At most so many replies wait; the oldest one is then sent, or dropped if nobody is there to get it.

@@ -8,7 +8,7 @@ use crate::guid::{EntityId, Guid, Prefix, SampleIdentity};
 use crate::numbers::NumberSet;
 use crate::parameters::{List, id};
 
-/// Version 2.3, and no vendor's number, as the OMG has given us none.
+/// Version 2.3, and no vendor's number, as the OMG has given none.
 const VERSION: [u8; 2] = [2, 3];
 const VENDOR: [u8; 2] = [0, 0];
 

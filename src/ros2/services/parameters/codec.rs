@@ -5,7 +5,7 @@ use super::table::{Parameter, Value};
 use crate::ros2::cdr::{Cdr, Unreadable};
 use belvedere_bridge::RosBytes;
 
-/// The most elements of an array that a request gives for a parameter. None of ours is an array.
+/// The most elements of an array that a request gives for a parameter. No parameter is an array.
 const MOST_ELEMENTS: usize = 100_000;
 
 /// Reads a value.

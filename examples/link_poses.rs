@@ -14,6 +14,7 @@ use belvedere::sensors::Pose;
 use belvedere::world::physics::Physics;
 use glam::DQuat;
 use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// The time between two poses, nanoseconds.
@@ -87,7 +88,7 @@ fn show(file: &str, options: &LoadOptions, seconds: Option<f64>) -> Result<(), S
         (Some(Described::World(world)), Some(seconds)) => run(&world, seconds)?,
         (Some(Described::Model(model)), _) => {
             print_all(&model);
-            if !file.ends_with(".urdf") {
+            if Path::new(file).extension().is_none_or(|extension| extension != "urdf") {
                 print_joints(&model);
             }
         }

@@ -1,15 +1,20 @@
 //! Prints where each link of robots, worlds and models is before the simulation begins: its name, its position, and its
-//! rotation as a quaternion x y z w. An argument is a file, or the name of one of Belvedere's own robots or worlds. With
-//! `--run SECONDS`, worlds are then simulated, and the poses are printed again 100 times a second.
+//! rotation as a quaternion x y z w. For models of SDF also `MODEL>LINK`, the canonical link, and
+//! `MODEL::JOINT[PARENT>CHILD]`, the position of a joint and a quarter turn about its axis. `WARNED` or `REFUSED` is printed
+//! with the first warning or error. An argument is a file, or the name of one of Belvedere's own robots or worlds. With
+//! `--run SECONDS`, worlds are then simulated, and the poses of the links are printed again 100 times a second.
 //!
 //! `cargo run --example link_poses -- playground`
 
 use belvedere::description::load::{Described, LoadOptions, load};
 use belvedere::description::model::{Model, World};
 use belvedere::description::models::package_path;
-use belvedere::description::{Diagnostics, Rules};
+use belvedere::description::{Diagnostics, Rules, Severity};
 use belvedere::sensors::Pose;
 use belvedere::world::physics::Physics;
+use glam::DQuat;
+use std::f64::consts::FRAC_PI_2;
+use std::path::Path;
 use std::process::ExitCode;
 
 /// The time between two poses, nanoseconds.
@@ -20,9 +25,29 @@ fn print(model: &Model, link: &str, at: &Pose) {
     println!("{}::{link} {x} {y} {z} {i} {j} {k} {w}", model.name);
 }
 
+/// The link that stands for the world, for joints whose parent is the world.
+fn is_world(link: &str) -> bool {
+    link == "world" || link.ends_with("::world")
+}
+
 fn print_all(model: &Model) {
-    for link in &model.links {
+    for link in model.links.iter().filter(|link| !is_world(&link.name)) {
         print(model, &link.name, &(model.world_from_model * link.model_from_link));
+    }
+}
+
+/// Prints the canonical link and the joints.
+fn print_joints(model: &Model) {
+    let name = &model.name;
+    println!("{name}>{} 0 0 0 0 0 0 1", model.links[model.canonical_link].name);
+    for joint in &model.joints {
+        let [parent, child] = [joint.parent, joint.child].map(|link| &model.links[link]);
+        let before = if is_world(&parent.name) { String::new() } else { format!("{name}::") };
+        let parent_name = if is_world(&parent.name) { "world" } else { &parent.name };
+        let at = model.world_from_model * child.model_from_link;
+        let turn = DQuat::from_axis_angle(at.transform_vector(joint.axis).normalize(), FRAC_PI_2);
+        let joint_at = Pose::new(at.transform_point(joint.pivot), turn);
+        print(model, &format!("{}[{before}{parent_name}>{name}::{}]", joint.name, child.name), &joint_at);
     }
 }
 
@@ -47,13 +72,26 @@ fn show(file: &str, options: &LoadOptions, seconds: Option<f64>) -> Result<(), S
     let mut diagnostics = Diagnostics::default();
     let described = load(file, options, &mut diagnostics);
     let errors: Vec<String> = diagnostics.errors().map(ToString::to_string).collect();
-    if !errors.is_empty() {
+    if let Some(first) = errors.first() {
+        println!("REFUSED {}", first.replace('\n', " "));
         return Err(errors.join("\n"));
     }
+    let warning = diagnostics.problems().iter().find(|problem| problem.severity == Severity::Warning);
+    if let (Some(warning), None) = (warning, seconds) {
+        println!("WARNED {}", warning.to_string().replace('\n', " "));
+    }
     match (described, seconds) {
-        (Some(Described::World(world)), None) => world.models.iter().for_each(print_all),
+        (Some(Described::World(world)), None) => {
+            world.models.iter().for_each(print_all);
+            world.models.iter().for_each(print_joints);
+        }
         (Some(Described::World(world)), Some(seconds)) => run(&world, seconds)?,
-        (Some(Described::Model(model)), _) => print_all(&model),
+        (Some(Described::Model(model)), _) => {
+            print_all(&model);
+            if Path::new(file).extension().is_none_or(|extension| extension != "urdf") {
+                print_joints(&model);
+            }
+        }
         (None, _) => {}
     }
     Ok(())

@@ -219,12 +219,72 @@ fn frames_that_libsdformat_refuses_are_one_error() {
     ] {
         assert_bad("1.8", &one_model(&inside), line, words);
     }
+    for (line, inside, words) in [
+        // Frames that nothing refers to.
+        (2, "<link name='a'/>\n<frame name='f' attached_to='nobody'/>", "there is no frame 'nobody'"),
+        (
+            2,
+            "<link name='a'/>\n<frame name='f' attached_to='world'><pose relative_to='a'/></frame>",
+            "no frame 'world'",
+        ),
+        (
+            2,
+            "<link name='a'/>\n<frame name='f' attached_to='g'><pose relative_to='a'/></frame>\
+             <frame name='g' attached_to='f'><pose relative_to='a'/></frame>",
+            "is attached to itself",
+        ),
+        (
+            2,
+            "<link name='a'/><frame name='f' attached_to='a'>\n<pose relative_to='x'/></frame>",
+            "there is no frame 'x'",
+        ),
+        (2, "<link name='a'/>\n<frame/>", "<frame> has no name"),
+        (2, "\n<link name='a::b'/>", "the link is called 'a::b', and no name may contain ::"),
+        (
+            2,
+            "<link name='a'>\n<visual name='__v__'><geometry><plane/></geometry></visual></link>",
+            "the visual is called '__v__'",
+        ),
+        (
+            2,
+            "<link name='a'/>\n<model name='world'><link name='b'/></model>",
+            "the model is called 'world', which SDF keeps",
+        ),
+        (
+            2,
+            "<link name='a'>\n<visual name='a::b'><geometry><plane/></geometry></visual></link>",
+            "the visual is called 'a::b'",
+        ),
+        (
+            2,
+            "<link name='a'>\n<pose rotation_format='euler'/></link>",
+            "rotation_format 'euler' is not known",
+        ),
+    ] {
+        assert_bad("1.8", &one_model(inside), line, &[words]);
+    }
+    good("1.9", &one_model("<link name='a'><pose rotation_format=''>1 0 0 0 0 0</pose></link>"));
+    let world_frame = "<frame name='f'>\n<pose relative_to='nobody'/></frame>";
+    assert_bad("1.8", world_frame, 2, &["there is no frame 'nobody'"]);
     assert_bad(
         "1.8",
         "<model name='m'><link name='l'/></model>\n<frame name='m'/>",
         2,
         &["the frame 'm' has the name of a model here"],
     );
+}
+
+#[test]
+fn the_model_of_a_file_is_relative_to_nothing() {
+    let folder = Folder::new();
+    folder.write(
+        "m/model.sdf",
+        "<sdf version='1.7'><model name='m'><link name='l'/>\n<pose relative_to='l'>1 0 0 0 0 0</pose></model></sdf>",
+    );
+    let (_, problems) = folder.load("1.7", "<include><uri>model://m</uri></include>", false);
+    let [problem] = &problems[..] else { panic!("{problems:#?}") };
+    assert_eq!((problem.severity, problem.source.line), (Severity::Error, 2), "{problem}");
+    assert!(problem.to_string().contains("the <pose> of a file's own model is relative to 'l'"), "{problem}");
 }
 
 #[test]
@@ -277,6 +337,27 @@ fn frames_of_a_merged_model_are_those_of_the_outer_one() {
 
 /// A watchdog for costs that grow faster than the file; speed is not tested.
 const PATIENCE: Duration = Duration::from_secs(60);
+
+#[test]
+fn the_canonical_link_is_the_first_in_the_order_of_the_file_with_those_of_merged_models() {
+    let folder = Folder::new();
+    let inner = format!("<sdf version='1.9'><model name='inner'>{ARM}<link name='first'/></model></sdf>");
+    folder.write("inner/model.sdf", inner);
+    folder.write(
+        "outer/model.sdf",
+        "<sdf version='1.9'><model name='outer'><include merge='true'><uri>model://inner</uri></include>\
+         <link name='second'/></model></sdf>",
+    );
+    let include = "<include merge='true'><uri>model://outer</uri></include>";
+    for (content, expected) in
+        [(format!("{include}<link name='own'/>"), "first"), (format!("<link name='own'/>{include}"), "own")]
+    {
+        let (world, problems) = folder.load("1.9", &one_model(&content), false);
+        assert!(problems.is_empty(), "{problems:#?}");
+        let model = &world.unwrap().models[0];
+        assert_eq!(model.links[model.canonical_link].name, expected);
+    }
+}
 
 #[test]
 fn chains_of_eight_thousand() {

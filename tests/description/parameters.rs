@@ -4,7 +4,7 @@ use crate::sdf::*;
 use belvedere::description::model::{Geometry, Link, Model, SensorKind};
 use belvedere::description::{Problem, Severity};
 
-const EYEBOX: &str = "<sdf version='1.9'><model name='eyebox'><static>1</static>
+const EYEBOX: &str = "<sdf version='1.7'><model name='eyebox'><static>1</static>
     <link name='body'><sensor name='cam' type='camera'><topic>cam</topic><update_rate>30</update_rate>
       <camera name='lens'><horizontal_fov>1</horizontal_fov><image><width>8</width><height>6</height></image></camera></sensor>
       <visual name='shell'><pose>0 0 1 0 0 0</pose><geometry><box><size>1 1 1</size></box></geometry><laser_retro>5</laser_retro>

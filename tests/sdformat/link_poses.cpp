@@ -1,5 +1,7 @@
 // Prints where each link is: for worlds and models of SDF by the frame graph of libsdformat, for URDF by urdfdom's tree.
-// A line is the link's name, its position, and its rotation as x y z w.
+// A line is the link's name, its position, and its rotation as x y z w. `MODEL>LINK` is the canonical link of a model, and
+// `MODEL::JOINT[PARENT>CHILD]` a joint: its position, and a quarter turn about its axis. `REFUSED` and `WARNED` follow if
+// a file is wrong or doubtful.
 //
 //     link_poses [-m FOLDER] FILE...     FOLDER has the models of model://
 #include <urdf_parser/urdf_parser.h>
@@ -9,6 +11,7 @@
 #include <ignition/math/Pose3.hh>
 #include <iostream>
 #include <sdf/sdf.hh>
+#include <sstream>
 #include <string>
 
 using Pose = ignition::math::Pose3d;
@@ -38,6 +41,21 @@ static bool is_saved(const sdf::World &world, const std::string &model, Pose &po
   return false;
 }
 
+// A joint. One that fixes a link to the world is left out, since Belvedere has no joint for it.
+static bool show(const sdf::Joint &joint, const Pose &model, const std::string &prefix) {
+  std::string parent, child;
+  if (is_wrong(joint.ResolveParentLink(parent)) || is_wrong(joint.ResolveChildLink(child))) return false;
+  if (parent == "world" && joint.Type() == sdf::JointType::FIXED) return true;
+  Pose at;
+  if (is_wrong(joint.SemanticPose().Resolve(at, "__model__"))) return false;
+  ignition::math::Vector3d axis = at.Rot() * ignition::math::Vector3d::UnitZ;
+  if (joint.Axis() != nullptr && is_wrong(joint.Axis()->ResolveXyz(axis, "__model__"))) return false;
+  axis = model.Rot() * axis.Normalized();
+  const Pose quarter((model * at).Pos(), ignition::math::Quaterniond(axis, IGN_PI / 2));
+  print(prefix + joint.Name() + "[" + (parent == "world" ? parent : prefix + parent) + ">" + prefix + child + "]", quarter);
+  return true;
+}
+
 // The parts of a model that is placed at `outer`.
 static bool walk(const sdf::Model &model, const Pose &outer, const std::string &prefix,
                  const sdf::World *world = nullptr) {
@@ -46,10 +64,16 @@ static bool walk(const sdf::Model &model, const Pose &outer, const std::string &
   if (world != nullptr) is_saved(*world, model.Name(), own);
   const Pose at = outer * own;
   const std::string name = prefix + model.Name() + "::";
+  if (prefix.empty() && model.CanonicalLinkAndRelativeName().first != nullptr) {
+    print(model.Name() + ">" + model.CanonicalLinkAndRelativeName().second, Pose());
+  }
   for (uint64_t i = 0; i < model.LinkCount(); i++) {
     Pose link;
     if (is_wrong(model.LinkByIndex(i)->SemanticPose().Resolve(link))) return false;
     print(name + model.LinkByIndex(i)->Name(), at * link);
+  }
+  for (uint64_t i = 0; i < model.JointCount(); i++) {
+    if (!show(*model.JointByIndex(i), at, name)) return false;
   }
   for (uint64_t i = 0; i < model.ModelCount(); i++) {
     if (!walk(*model.ModelByIndex(i), at, name)) return false;
@@ -84,6 +108,14 @@ static void walk(const urdf::Link &link, const Pose &at, const std::string &robo
   }
 }
 
+static bool read(const std::string &file) {
+  if (file.size() <= 5 || file.substr(file.size() - 5) != ".urdf") return read_sdf(file);
+  const auto robot = urdf::parseURDFFile(file);
+  if (!robot || !robot->getRoot()) return false;
+  walk(*robot->getRoot(), Pose(), robot->getName());
+  return true;
+}
+
 int main(int argc, char **argv) {
   bool is_good = true;
   for (int i = 1; i < argc; i++) {
@@ -93,16 +125,18 @@ int main(int argc, char **argv) {
       continue;
     }
     std::printf("FILE %s\n", file.c_str());
-    if (file.size() > 5 && file.substr(file.size() - 5) == ".urdf") {
-      const auto robot = urdf::parseURDFFile(file);
-      if (robot && robot->getRoot()) {
-        walk(*robot->getRoot(), Pose(), robot->getName());
-      } else {
-        is_good = false;
-      }
-    } else {
-      is_good = read_sdf(file) && is_good;
+    // libsdformat writes its warnings to the standard error.
+    std::ostringstream said;
+    std::streambuf *const before = std::cerr.rdbuf(said.rdbuf());
+    const bool is_read = read(file);
+    std::cerr.rdbuf(before);
+    std::cerr << said.str();
+    if (!is_read || !said.str().empty()) {
+      std::string first = said.str();
+      for (char &letter : first) letter = letter == '\n' ? ' ' : letter;
+      std::printf("%s %s\n", is_read ? "WARNED" : "REFUSED", first.c_str());
     }
+    is_good = is_read && is_good;
   }
   return is_good ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -126,7 +126,9 @@ pub(crate) fn parse_pose(
     diagnostics: &mut Diagnostics,
 ) -> Option<Pose> {
     let mut text = element.text();
-    if text.is_empty() {
+    let format = element.attribute("rotation_format").filter(|name| !name.is_empty());
+    let format = format.unwrap_or("euler_rpy");
+    if text.is_empty() && matches!(format, "euler_rpy" | "quat_xyzw") {
         return Some(Pose::IDENTITY);
     }
     let count = text.split_whitespace().count();
@@ -139,7 +141,7 @@ pub(crate) fn parse_pose(
         diagnostics.warning(&element.source, what, "write x y z roll pitch yaw");
         text = text.split_whitespace().chain(["0"; 6]).take(6).collect::<Vec<_>>().join(" ");
     }
-    match element.attribute("rotation_format").unwrap_or("euler_rpy") {
+    match format {
         "euler_rpy" => {
             let [x, y, z, roll, pitch, yaw] = numbers(&text, "<pose>", &element.source, diagnostics)?;
             let unit = match element.attribute("degrees") {

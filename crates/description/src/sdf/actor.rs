@@ -56,6 +56,8 @@ impl Loader<'_> {
             pose: self.pose(element, scope.version),
             lights: Vec::new(),
             is_merged: false,
+            place: 0,
+            first_link: None,
             frames: Frames::new("__model__"),
         })
     }

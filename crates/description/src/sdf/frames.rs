@@ -3,6 +3,8 @@
 //! `relative_to`, `attached_to`, `placement_frame` and the ends of joints may name a link, joint, frame or nested model, or
 //! one of those inside a nested model (`arm::gripper::tip`).
 
+mod check;
+
 use super::pose::WrittenPose;
 use super::{Loader, Version};
 use crate::diagnostics::{Diagnostics, Source};

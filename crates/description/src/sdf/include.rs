@@ -68,7 +68,14 @@ impl Loader<'_> {
         let mut included = Included::default();
         for child in root.elements() {
             match child.name.as_str() {
-                "model" => included.models.extend(self.model(child, scope)),
+                "model" => {
+                    self.check_outermost(child, version);
+                    let model = self.model(child, scope);
+                    included.models.extend(model.map(|mut model| {
+                        model.pose.relative_to = None;
+                        model
+                    }));
+                }
                 "actor" => included.models.extend(self.actor(child, scope)),
                 "light" => {
                     let pose = self.pose(child, version);

@@ -201,6 +201,7 @@ pub(super) fn load_model(
         return None;
     };
     let folder = path.parent().unwrap_or(Path::new(""));
+    loader.check_outermost(element, version);
     let Some(parsed) = loader.model(element, Scope { folder, version }) else {
         if !diagnostics.has_errors() {
             diagnostics.error(
@@ -291,6 +292,7 @@ impl Loader<'_> {
         };
         if self.compared.insert(root.source.file.to_path_buf()) {
             elements::report([(root, "root")], self.diagnostics);
+            self.check_every_name(root, version);
         }
         Some(version)
     }

@@ -22,6 +22,10 @@ pub(super) struct ParsedModel {
     pub(super) lights: Vec<Light>,
     /// `<include merge="true">`: its links and joints become the outer model's own, and keep their names.
     pub(super) is_merged: bool,
+    /// Its place among the elements of the outer model.
+    pub(super) place: usize,
+    /// The first of its links in the order of the file, with those of merged models and without those of nested ones.
+    pub(super) first_link: Option<String>,
     /// The frames that poses in the model, and in its parent, can be relative to.
     pub(super) frames: Frames,
 }
@@ -69,7 +73,8 @@ impl Loader<'_> {
         let mut nested = self.inside(element, scope, &mut parts);
         self.make_names_unique(&mut nested);
         self.check_names(element, &nested, scope.version);
-        let mut frames = self.model_frames(element, &mut nested, scope.version);
+        let first_link = first_link(element, &nested);
+        let mut frames = self.model_frames(element, &mut nested, scope.version, first_link.as_deref());
         for child in element.elements_named("link") {
             self.link(child, scope, &mut frames, is_static, &mut parts);
         }
@@ -97,6 +102,9 @@ impl Loader<'_> {
         for child in element.elements_named("joint") {
             self.joint(child, scope, &mut frames, &mut parts);
         }
+        if !parts.lacks {
+            frames.check(self.diagnostics);
+        }
         self.follow(&mut parts);
         let stands = parts.links.iter().any(|link| link.is_static)
             && parts.joints.iter().all(|joint| joint.kind == JointKind::Fixed)
@@ -123,16 +131,24 @@ impl Loader<'_> {
             ..Model::empty(name, source)
         };
         plugin::read(element, &mut model, self.rules, self.diagnostics);
-        Some(ParsedModel { model, pose, lights: parts.lights, is_merged: false, frames })
+        Some(ParsedModel {
+            model,
+            pose,
+            lights: parts.lights,
+            is_merged: false,
+            place: 0,
+            first_link,
+            frames,
+        })
     }
 
     /// Reads the models inside a model, including those of `<include>`.
     fn inside(&mut self, element: &Element, scope: Scope<'_>, parts: &mut Parts) -> Vec<ParsedModel> {
         let mut nested = Vec::new();
-        for child in element.elements() {
+        for (place, child) in element.elements().enumerate() {
             match child.name.as_str() {
                 "model" => match self.model(child, scope) {
-                    Some(inner) => nested.push(inner),
+                    Some(inner) => nested.push(ParsedModel { place, ..inner }),
                     None => parts.lacks = true,
                 },
                 "include" => match self.include(child, scope) {
@@ -140,7 +156,8 @@ impl Loader<'_> {
                         if matches!(child.attribute("merge"), Some("true" | "1")) {
                             included.models.iter_mut().for_each(|inner| inner.is_merged = true);
                         }
-                        nested.extend(included.models);
+                        nested
+                            .extend(included.models.into_iter().map(|inner| ParsedModel { place, ..inner }));
                     }
                     None => parts.lacks = true,
                 },
@@ -152,7 +169,13 @@ impl Loader<'_> {
     }
 
     /// Returns the frame that a model moves with: the `canonical_link`, or the first link, or else the first nested model.
-    fn canonical(&mut self, element: &Element, nested: &[ParsedModel], frames: &Frames) -> Option<String> {
+    fn canonical(
+        &mut self,
+        element: &Element,
+        nested: &[ParsedModel],
+        frames: &Frames,
+        first_link: Option<&str>,
+    ) -> Option<String> {
         let is_link = |name: &str| frames.link_of(name).is_some_and(|link| link == name);
         if let Some(name) = element.attribute("canonical_link").filter(|name| !name.is_empty()) {
             if is_link(name) {
@@ -167,8 +190,7 @@ impl Loader<'_> {
                 meant.unwrap_or_else(|| "name one of its links".to_owned()),
             );
         }
-        let own = element.elements_named("link").map(name_of).find(|name| is_link(name));
-        own.or_else(|| {
+        first_link.filter(|name| is_link(name)).map(str::to_owned).or_else(|| {
             nested
                 .iter()
                 .map(|inner| inner.frame_name().into_owned())
@@ -192,7 +214,13 @@ impl Loader<'_> {
     }
 
     /// Collects the frames that poses of this model can be relative to.
-    fn model_frames(&mut self, element: &Element, nested: &mut [ParsedModel], version: Version) -> Frames {
+    fn model_frames(
+        &mut self,
+        element: &Element,
+        nested: &mut [ParsedModel],
+        version: Version,
+        first_link: Option<&str>,
+    ) -> Frames {
         let mut frames = Frames::new("__model__");
         for inner in nested.iter_mut().filter(|inner| !inner.is_merged) {
             self.add_frames(inner, &mut frames);
@@ -215,7 +243,7 @@ impl Loader<'_> {
         for inner in nested.iter_mut().filter(|inner| inner.is_merged) {
             self.add_frames(inner, &mut frames);
         }
-        let canonical = self.canonical(element, nested, &frames);
+        let canonical = self.canonical(element, nested, &frames, first_link);
         frames.set_canonical(canonical);
         frames
     }
@@ -228,6 +256,17 @@ impl Loader<'_> {
             frames.add(&name, &pose, element.attribute("attached_to").filter(|name| !name.is_empty()));
         }
     }
+}
+
+/// Returns the first link of a model in the order of the file. The links of a merged model stand where it is included.
+fn first_link(element: &Element, nested: &[ParsedModel]) -> Option<String> {
+    let merged: HashMap<usize, &ParsedModel> =
+        nested.iter().filter(|inner| inner.is_merged).map(|inner| (inner.place, inner)).collect();
+    element.elements().enumerate().find_map(|(place, child)| match child.name.as_str() {
+        "link" => Some(name_of(child)).filter(|name| !name.is_empty()),
+        "include" => merged.get(&place)?.first_link.clone(),
+        _ => None,
+    })
 }
 
 /// Returns true if each group of links that joints connect contains a static link.

@@ -18,6 +18,22 @@ pub(super) struct WrittenPose {
 }
 
 impl Loader<'_> {
+    /// Checks the pose of a model that is not inside a world or a model of its file: no frame is around it.
+    pub(super) fn check_outermost(&mut self, model: &Element, version: Version) {
+        let pose = model.child("pose");
+        let frame = pose.and_then(|pose| pose.attribute("relative_to")).filter(|name| !name.is_empty());
+        if let (Some(pose), Some(frame)) = (pose, frame)
+            && version >= (1, 7)
+        {
+            let what = format!("the <pose> of a file's own model is relative to '{frame}'");
+            self.diagnostics.error(
+                &pose.source,
+                what,
+                "take the relative_to out: there is no frame around the model",
+            );
+        }
+    }
+
     /// Reads the `<pose>` inside `parent`; the identity if there is none.
     pub(super) fn pose(&mut self, parent: &Element, version: Version) -> WrittenPose {
         let Some(element) = parent.child("pose") else {

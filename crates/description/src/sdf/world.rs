@@ -22,16 +22,21 @@ impl Loader<'_> {
         self.earth(element, &mut world.earth);
 
         let mut models: Vec<ParsedModel> = Vec::new();
+        let mut lacks = false;
         let mut lights: Vec<(Light, WrittenPose)> = Vec::new();
         for child in element.elements() {
             match child.name.as_str() {
-                "model" => models.extend(self.model(child, scope)),
-                "include" => {
-                    if let Some(included) = self.include(child, scope) {
+                "model" => match self.model(child, scope) {
+                    Some(model) => models.push(model),
+                    None => lacks = true,
+                },
+                "include" => match self.include(child, scope) {
+                    Some(included) => {
                         models.extend(included.models);
                         lights.extend(included.lights);
                     }
-                }
+                    None => lacks = true,
+                },
                 "light" => {
                     let pose = self.pose(child, scope.version);
                     lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));
@@ -52,6 +57,9 @@ impl Loader<'_> {
         }
         for child in element.elements_named("frame") {
             self.add_frame(child, scope.version, &mut frames);
+        }
+        if !lacks {
+            frames.check(self.diagnostics);
         }
         let mut placed: Vec<(Model, Vec<_>)> = Vec::new();
         for ParsedModel { mut model, pose, lights, .. } in models {

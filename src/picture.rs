@@ -96,7 +96,7 @@ fn number_colour(number: i32) -> Rgb<u8> {
 
 /// Draws optical flow: its direction is the hue, red to the right; the longest vector in the image is the brightest.
 fn flow(frame: &FrameView<'_>) -> RgbImage {
-    let length = |[x, y]: [f32; 2]| x.hypot(y);
+    let length = |[x, y]: [f32; 2]| libm::hypotf(x, y);
     let lengths = frame.numbers::<[f32; 2]>(frame.rows()).map(length);
     let longest = lengths.filter(|length| length.is_finite()).fold(f32::MIN_POSITIVE, f32::max);
     pixels(frame, |flow: [f32; 2]| {
@@ -210,15 +210,15 @@ fn plan(points: impl Iterator<Item = [f32; 2]>, min_reach_m: f32) -> RgbImage {
     const PAPER: Rgb<u8> = Rgb([255, 255, 255]);
     const RING: Rgb<u8> = Rgb([205, 212, 220]);
     const SENSOR: Rgb<u8> = Rgb([200, 40, 40]);
-    let points: Vec<[f32; 2]> = points.filter(|[x, y]| x.hypot(*y).is_finite()).collect();
-    let farthest_m = points.iter().map(|[x, y]| x.hypot(*y)).fold(min_reach_m.max(1e-3), f32::max);
+    let points: Vec<[f32; 2]> = points.filter(|[x, y]| libm::hypotf(*x, *y).is_finite()).collect();
+    let farthest_m = points.iter().map(|[x, y]| libm::hypotf(*x, *y)).fold(min_reach_m.max(1e-3), f32::max);
     let middle = (PLAN / 2) as f32;
     let scale = (middle - 4.0) / farthest_m;
     let mut picture = RgbImage::from_pixel(PLAN, PLAN, PAPER);
 
     let ring_m = ring_distance(farthest_m);
     for (x, y, pixel) in picture.enumerate_pixels_mut() {
-        let radius = (x as f32 - middle).hypot(y as f32 - middle);
+        let radius = libm::hypotf(x as f32 - middle, y as f32 - middle);
         let ring = (radius / (ring_m * scale)).round();
         if ring >= 1.0 && (radius - ring * ring_m * scale).abs() < 0.6 {
             *pixel = RING;
@@ -235,7 +235,7 @@ fn plan(points: impl Iterator<Item = [f32; 2]>, min_reach_m: f32) -> RgbImage {
         }
     };
     for [forward, left] in &points {
-        let nearness = 1.0 - forward.hypot(*left) / farthest_m;
+        let nearness = 1.0 - libm::hypotf(*forward, *left) / farthest_m;
         dot(middle - left * scale, middle - forward * scale, 1, on_paper(of_nearness(f64::from(nearness))));
     }
     dot(middle, middle, 3, SENSOR);

@@ -90,7 +90,7 @@ class SceneCamera:
         rendered = list(dict.fromkeys("instance" if name == "geom" else name for name in wanted))
         read = states_of(scene.model, states)
         if read.count == 0:
-            arrays = sensor.render(scene.world, np.zeros((0, 7)), channels=rendered)
+            arrays: dict[str, NDArray[Any]] = sensor.render(scene.world, np.zeros((0, 7)), channels=rendered)
         else:
             arrays = self._render(read, rendered, seeds, frames, threads)
         if "geom" in wanted:

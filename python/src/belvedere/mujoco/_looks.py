@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Any
 
 import mujoco
@@ -103,8 +104,8 @@ class Looks:
         specular, shininess = _PLAIN
         emission, texture = 0.0, -1
         if material >= 0:
-            specular, shininess = float(model.mat_specular[material]), float(model.mat_shininess[material])
-            emission = float(model.mat_emission[material])
+            specular, shininess = self._number("specular", material), self._number("shininess", material)
+            emission = self._number("emission", material)
             roles = model.mat_texid[material]
             textures = [
                 int(roles[role])
@@ -123,6 +124,12 @@ class Looks:
             "emissive": (color[:3] * max(emission, 0.0)).tolist(),
         }
         return look, texture, material
+
+    def _number(self, name: str, material: int) -> float:
+        value = float(getattr(self._model, f"mat_{name}")[material])
+        if not math.isfinite(value):
+            raise ValueError(f"{name} of its material: a finite number is expected, not {value}")
+        return value
 
     def _dye(self, look: dict[str, Any], texture: int) -> NDArray[np.float64]:
         """Multiply highlights and emitted light by the mean colour of a texture, (3,), and return it.

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import tempfile
+import time
 import unittest
 import xmlrpc.client
 from pathlib import Path
@@ -91,6 +92,8 @@ class Examples(unittest.TestCase):
         with self.roslaunch("belvedere_ros", "turtlebot_world.launch", *arguments) as launch:
             told = "/cmd_vel_mux/active"  # of the nodelet in the manager
             self.assertTrue(eventually(lambda: {"/odom", told} <= self.topics(), 30), launch.output())
+            # Only a nodelet's loader whose heartbeats the manager has answered notices that the manager dies, and ends.
+            time.sleep(5)
             for node in "/belvedere", "/mobile_base_nodelet_manager":
                 first = self.pid(node)
                 os.kill(first, signal.SIGKILL)

@@ -97,6 +97,12 @@ const SHAPES: &[Shape] = &[
     row(
         "urdf",
         "<robot name='r'><link name='base'/>",
+        "<link name='l#'/><joint name='j#' type='continuous'><parent link='base'/><child link='l#'/><mimic joint='none#'/></joint><material name='m#'><color rgba='1 0 0 1'/></material><link name='k#'><visual><geometry><sphere radius='1'/></geometry><material name='none#'/></visual></link>",
+        "</robot>",
+    ),
+    row(
+        "urdf",
+        "<robot name='r'><link name='base'/>",
         "<gazebo reference='base'><mu1>#</mu1></gazebo>",
         "</robot>",
     ),

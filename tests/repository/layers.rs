@@ -69,8 +69,8 @@ const SENSORS: &[&str] = &[
 const XACRO: &[&str] = &[
     "shorten",
     "file",
-    "diagnostics",
     "suggestion",
+    "diagnostics",
     "xml",
     "budget",
     "package",

@@ -15,7 +15,6 @@ mod stl;
 use super::diagnostics::{Diagnostics, Source};
 use super::file;
 use super::model::Mesh;
-use super::suggestion::did_you_mean;
 use glam::{DVec3, Vec3};
 pub use look::find_texture;
 use look::find_textures;
@@ -161,7 +160,7 @@ fn select(
     let mut chosen: Vec<Part> =
         parts.into_iter().filter(|part| names(part).contains(&submesh.name)).collect();
     if chosen.is_empty() {
-        let meant = did_you_mean(&submesh.name, known.iter().map(String::as_str));
+        let meant = diagnostics.did_you_mean(&submesh.name, known.iter().map(String::as_str));
         diagnostics.error(
             source,
             format!("the mesh {} has no part '{}'", path.display(), submesh.name),

@@ -31,10 +31,9 @@ use super::concave::warn_of_hulls;
 use super::diagnostics::{Diagnostics, Source};
 use super::elements;
 use super::housing;
-use super::model::{JointIndex, Link, LinkIndex, Material, Mesh, Model};
+use super::model::{JointIndex, LinkIndex, Material, Mesh, Model};
 use super::package::PackagePath;
 use super::rules::Rules;
-use super::suggestion::did_you_mean;
 use super::xml::Element;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -156,12 +155,4 @@ impl Loader<'_> {
         }
         Some(name.to_owned())
     }
-}
-
-/// Returns "did you mean …" for the name of a link, empty if there are no links or too many problems.
-fn nearest_link(name: &str, links: &[Link], diagnostics: &Diagnostics) -> String {
-    if diagnostics.is_crowded() {
-        return String::new();
-    }
-    did_you_mean(name, links.iter().map(|link| link.name.as_str())).unwrap_or_default()
 }

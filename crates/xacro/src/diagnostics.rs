@@ -1,11 +1,15 @@
 //! Problems found in the user's files, each with its place and its remedy.
 
 use super::shorten::shortened;
+use super::suggestion::{did_you_mean, did_you_mean_or};
 use std::borrow::Cow;
 use std::collections::{BTreeSet, HashSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+
+/// The number of problems after which no further names are suggested.
+const CROWD: usize = 200;
 
 /// A place in a file.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -122,10 +126,30 @@ impl Diagnostics {
         }
     }
 
-    /// Returns true if there are so many problems that nobody reads suggestions for further ones, each of which compares
-    /// a name with all others.
+    /// Returns the question "did you mean …?" for an unknown name, if there is a probable candidate. `None` as well if there
+    /// are so many problems that nobody reads suggestions for further ones: each compares the name with all candidates, so
+    /// that a file of many unknown names would take quadratic time.
+    pub fn did_you_mean<'a>(
+        &self,
+        name: &str,
+        candidates: impl IntoIterator<Item = &'a str>,
+    ) -> Option<String> {
+        if self.is_crowded() { None } else { did_you_mean(name, candidates) }
+    }
+
+    /// Returns the same question followed by another remedy; only the remedy if there is no question.
+    pub fn did_you_mean_or<'a>(
+        &self,
+        name: &str,
+        candidates: impl IntoIterator<Item = &'a str>,
+        otherwise: &str,
+    ) -> String {
+        if self.is_crowded() { otherwise.to_owned() } else { did_you_mean_or(name, candidates, otherwise) }
+    }
+
+    /// Returns true if there are too many problems for suggestions. Check this before collecting candidates.
     pub fn is_crowded(&self) -> bool {
-        self.problems.len() > 200
+        self.problems.len() > CROWD
     }
 
     /// Records that the result depends on the content of a file.

@@ -7,7 +7,6 @@ use super::part::{Part, Unreadable, text};
 use crate::diagnostics::{Diagnostics, Source};
 use crate::file;
 use crate::model::Material;
-use crate::suggestion::did_you_mean_or;
 use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
@@ -204,7 +203,8 @@ impl<'a> Reader<'a> {
         let material = self.materials.get(&self.material).cloned();
         if material.is_none() && !self.material.is_empty() && !self.lacks_library {
             let known = self.materials.keys().map(String::as_str);
-            let remedy = did_you_mean_or(&self.material, known, "name its library in mtllib");
+            let remedy =
+                self.diagnostics.did_you_mean_or(&self.material, known, "name its library in mtllib");
             let what = format!("the material '{}' is not defined: its faces have no colour", self.material);
             self.warn(&format!("usemtl {}", self.material), &what, remedy);
         }

@@ -3,7 +3,6 @@
 use super::parameters::Parameters;
 use crate::model::{ForceTorque, InstrumentPlugin, JointIndex, MeasureFrame, Sensor, SensorKind};
 use crate::sensor::ros2;
-use crate::suggestion::did_you_mean;
 use belvedere_sensors::Pose;
 use belvedere_sensors::noise::InstrumentConfig;
 
@@ -60,7 +59,7 @@ fn joint(given: &mut Parameters<'_>) -> Option<JointIndex> {
             element.name,
             given.name()
         );
-        let near = did_you_mean(&name, joints.iter().map(|joint| joint.name.as_str()));
+        let near = given.did_you_mean(&name, joints.iter().map(|joint| joint.name.as_str()));
         given.unusable(element, what, &near.unwrap_or_default());
     }
     found

@@ -7,7 +7,6 @@ use crate::model::{
     JointIndex, JointKind, LinkIndex, Model, OdometryOrigin, OdometryPlugin, Sensor, SensorKind, Wheels,
 };
 use crate::sensor::ros2;
-use crate::suggestion::did_you_mean;
 use crate::topic;
 use crate::values::{child_bool, number, numbers};
 use crate::xml::Element;
@@ -208,7 +207,7 @@ impl<'a> Parameters<'a> {
             let found = self.model.joints.iter().position(|joint| joint.name == name);
             let Some(found) = found else {
                 let joints = self.model.joints.iter().map(|joint| joint.name.as_str());
-                let remedy = did_you_mean(&name, joints).unwrap_or_default();
+                let remedy = self.diagnostics.did_you_mean(&name, joints).unwrap_or_default();
                 let what =
                     format!("the base '{}' drives the joint '{name}', which does not exist", self.name());
                 self.unusable(element, what, &remedy);
@@ -242,6 +241,15 @@ impl<'a> Parameters<'a> {
         Some(Wheels { left, right, radius_m, torque_n_m })
     }
 
+    /// Returns the question "did you mean …?" for an unknown name, if there is a probable candidate.
+    pub(super) fn did_you_mean<'n>(
+        &self,
+        name: &str,
+        candidates: impl IntoIterator<Item = &'n str>,
+    ) -> Option<String> {
+        self.diagnostics.did_you_mean(name, candidates)
+    }
+
     /// Reports that the plugin cannot be used: an error, or a warning where Gazebo continues without it, as gz-sim does.
     pub(super) fn unusable(&mut self, element: &Element, what: String, remedy: &str) {
         let file = self.plugin.attribute("filename").unwrap_or_default();
@@ -271,7 +279,8 @@ impl<'a> Parameters<'a> {
         let ends = |link: &str| link.rsplit("::").next() == Some(plain);
         let found = model.link_named(plain).or_else(|| model.links.iter().position(|link| ends(&link.name)));
         if let (None, Some(element)) = (found, element) {
-            let meant = did_you_mean(plain, model.links.iter().map(|link| link.name.as_str()));
+            let meant =
+                self.diagnostics.did_you_mean(plain, model.links.iter().map(|link| link.name.as_str()));
             self.diagnostics.warning(
                 &element.source,
                 format!(

@@ -8,7 +8,6 @@ mod check;
 use super::pose::WrittenPose;
 use super::{Loader, Version};
 use crate::diagnostics::{Diagnostics, Source};
-use crate::suggestion::did_you_mean;
 use crate::xml::Element;
 use belvedere_sensors::Pose;
 use std::cell::{Cell, OnceCell};
@@ -263,8 +262,10 @@ impl Frames {
 
     fn tell_unknown(&self, name: &str, source: &Source, diagnostics: &mut Diagnostics) {
         let mut known = vec![self.root.to_owned()];
-        self.collect_names("", &mut known);
-        let meant = did_you_mean(name, known.iter().map(String::as_str));
+        if !diagnostics.is_crowded() {
+            self.collect_names("", &mut known);
+        }
+        let meant = diagnostics.did_you_mean(name, known.iter().map(String::as_str));
         diagnostics.error(
             source,
             format!("there is no frame '{name}' here"),

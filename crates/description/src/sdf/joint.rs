@@ -6,7 +6,6 @@ use super::{Loader, Scope, Version, name_of};
 use crate::diagnostics::Source;
 use crate::model::{Joint, JointDynamics, JointKind, Link, LinkIndex, Mimic};
 use crate::sensor::{JointMount, parse_joint_sensor};
-use crate::suggestion::did_you_mean;
 use crate::values::{child_bool, child_number, child_text, not_negative};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
@@ -156,7 +155,8 @@ impl Loader<'_> {
                     "<mimic> of the joint '{}' names the joint '{name}', which does not exist",
                     parts.joints[follower].name
                 );
-                self.diagnostics.error(&mimic.source, what, did_you_mean(name, names).unwrap_or_default());
+                let meant = self.diagnostics.did_you_mean(name, names);
+                self.diagnostics.error(&mimic.source, what, meant.unwrap_or_default());
                 continue;
             };
             if mimic.attribute("axis").is_some_and(|axis| axis != "axis") {
@@ -197,7 +197,8 @@ impl Loader<'_> {
             let what = format!("the joint '{}' is left out with its {end} '{name}'", name_of(joint));
             self.diagnostics.warning(&joint.source, what, "get the models that are missing");
         } else if found.is_none() {
-            let meant = did_you_mean(&name, links.iter().take(1000).map(|link| link.name.as_str()));
+            let names = links.iter().map(|link| link.name.as_str());
+            let meant = self.diagnostics.did_you_mean(&name, names);
             self.diagnostics.error(
                 &joint.source,
                 format!("the joint '{}' names the {end} '{name}', which is no link", name_of(joint)),

@@ -6,7 +6,6 @@ use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::image_file;
 use crate::model::Material;
 use crate::ogre_material::{self, Library, OgreMaterial};
-use crate::suggestion::did_you_mean_or;
 use crate::values::{child_bool, child_text};
 use crate::xml::Element;
 use belvedere_sensors::scene::{MAX_SHININESS, Pbr, TextureAlpha};
@@ -213,12 +212,16 @@ impl Loader<'_> {
             let names: Vec<String> = gazebo_material_names().collect();
             let known = names.iter().map(String::as_str).chain(library.names());
             let what = format!("Gazebo has no material '{name}': the shape keeps its own look");
-            let remedy = did_you_mean_or(&name, known, "name one as Gazebo/Red, or write <diffuse>");
+            let remedy =
+                self.diagnostics.did_you_mean_or(&name, known, "name one as Gazebo/Red, or write <diffuse>");
             self.diagnostics.warning(&script.source, what, remedy);
             return None;
         }
-        let remedy =
-            did_you_mean_or(&name, library.names(), "name the folder of its .material file in <uri>");
+        let remedy = self.diagnostics.did_you_mean_or(
+            &name,
+            library.names(),
+            "name the folder of its .material file in <uri>",
+        );
         let looked = match (uris.is_empty(), places.is_empty()) {
             (true, _) => "its <script> has no <uri>, and Gazebo has none of that name".into(),
             (false, true) => format!("it is not in {}", resources::list(&folders)),

@@ -9,7 +9,6 @@ use crate::diagnostics::Source;
 use crate::label::label;
 use crate::model::{Joint, JointIndex, JointKind, Light, Link, LinkIndex, Model, ModelPlugin, Sensor};
 use crate::plugin;
-use crate::suggestion::did_you_mean;
 use crate::values::{child_bool, child_text};
 use crate::xml::Element;
 use std::collections::HashMap;
@@ -183,7 +182,7 @@ impl Loader<'_> {
             }
             let links = element.elements_named("link").map(name_of).filter(|link| is_link(link));
             let links: Vec<String> = links.take(1000).collect();
-            let meant = did_you_mean(name, links.iter().map(String::as_str));
+            let meant = self.diagnostics.did_you_mean(name, links.iter().map(String::as_str));
             self.missing(
                 &element.source,
                 format!("canonical_link is '{name}', which is no link of this model"),

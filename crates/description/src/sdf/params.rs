@@ -12,7 +12,6 @@ mod find;
 
 use super::{Loader, name_of};
 use crate::elements;
-use crate::suggestion::did_you_mean;
 use crate::xml::{Element, Node};
 use find::{Found, Target, Way, at, collect_names};
 use std::path::Path;
@@ -102,7 +101,7 @@ impl Loader<'_> {
             None => {
                 let mut names = Vec::new();
                 collect_names(model, "", target.kind, &mut names);
-                let meant = did_you_mean(id, names.iter().map(String::as_str));
+                let meant = self.diagnostics.did_you_mean(id, names.iter().map(String::as_str));
                 let remedy =
                     meant.unwrap_or_else(|| "write the names that lead to it, with :: between them".into());
                 self.refuse(
@@ -325,7 +324,8 @@ impl Loader<'_> {
             let called = name.map_or_else(String::new, |name| format!(" of the name '{name}'"));
             let names: Vec<String> =
                 parent.elements().filter(of_kind).map(name_of).take(MOST_COMPARED).collect();
-            let meant = did_you_mean(name.unwrap_or_default(), names.iter().map(String::as_str));
+            let meant =
+                self.diagnostics.did_you_mean(name.unwrap_or_default(), names.iter().map(String::as_str));
             let what = format!(
                 "names an element{called} that <{}> '{}' does not have",
                 parent.name,

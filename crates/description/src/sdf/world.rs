@@ -5,7 +5,6 @@ use super::model::ParsedModel;
 use super::pose::WrittenPose;
 use super::{Loader, Scope, name_of};
 use crate::model::{Earth, Light, Model, World};
-use crate::suggestion::did_you_mean;
 use crate::values::{child_number, numbers};
 use crate::xml::Element;
 use glam::DVec3;
@@ -202,7 +201,7 @@ impl Loader<'_> {
 
     fn unknown_in_state<'n>(&mut self, child: &Element, known: impl Iterator<Item = &'n str>) {
         let name = name_of(child);
-        let meant = did_you_mean(&name, known).unwrap_or_default();
+        let meant = self.diagnostics.did_you_mean(&name, known).unwrap_or_default();
         self.diagnostics.warning(
             &child.source,
             format!("<state> moves the {} '{name}', which is not in this world", child.name),

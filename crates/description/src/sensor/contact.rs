@@ -9,7 +9,6 @@ use super::ros_version::is_ros2;
 use super::{Kind, SensorKind, ros2};
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::LinkIndex;
-use crate::suggestion::did_you_mean_or;
 use crate::topic as topics;
 use crate::values::child_text;
 use crate::xml::Element;
@@ -75,7 +74,8 @@ impl ContactSensor {
                          sensor does not watch it"
                     );
                     let names = known.iter().map(|known| known.name.as_str());
-                    diagnostics.warning(&source, what, did_you_mean_or(&name, names, &there()));
+                    let remedy = diagnostics.did_you_mean_or(&name, names, &there());
+                    diagnostics.warning(&source, what, remedy);
                 }
             }
         }

@@ -5,7 +5,7 @@
 //! for the whole robot: `static`, `self_collide` and its plugins. The rest is accepted and ignored: contact parameters of ODE
 //! (`mu2`, `kp`, `kd`, `minDepth`, `maxVel`, …), which other physics engines do not have.
 
-use super::{Loader, nearest_link};
+use super::Loader;
 use crate::diagnostics::Diagnostics;
 use crate::fiducial::fiducials;
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
@@ -14,7 +14,7 @@ use crate::model::{JointDynamics, JointIndex, LinkIndex, Model};
 use crate::optics::optics;
 use crate::plugin;
 use crate::sensor::{JointMount, is_on_joint, parse_joint_sensor, parse_sensor};
-use crate::suggestion::{closest, did_you_mean_or};
+use crate::suggestion::closest;
 use crate::values::{child_bool, child_pose, child_text, friction_coefficient, not_negative, number, share};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
@@ -153,7 +153,7 @@ impl Loader<'_> {
                 self.diagnostics.warning(
                     &material.source,
                     format!("Gazebo has no material '{name}': link '{}' keeps its look", link.name),
-                    did_you_mean_or(
+                    self.diagnostics.did_you_mean_or(
                         &name,
                         names.iter().map(String::as_str),
                         "name one as Gazebo/Red, or write <color> in the visual's <material>",
@@ -206,7 +206,8 @@ impl Loader<'_> {
             }
             return;
         }
-        let near = nearest_link(name, &model.links, self.diagnostics);
+        let links = model.links.iter().map(|link| link.name.as_str());
+        let near = self.diagnostics.did_you_mean(name, links).unwrap_or_default();
         let mut has_sensor = false;
         for sensor in element.elements_named("sensor") {
             has_sensor = true;

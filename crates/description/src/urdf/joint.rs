@@ -1,9 +1,8 @@
 //! `<joint>`.
 
-use super::{Loader, nearest_link};
+use super::Loader;
 use crate::mimic;
 use crate::model::{Joint, JointDynamics, JointKind, LinkIndex, Mimic, Model};
-use crate::suggestion::did_you_mean;
 use crate::values::{child_origin, not_negative, numbers};
 use crate::xml::Element;
 use glam::DVec3;
@@ -82,7 +81,8 @@ impl Loader<'_> {
             let what =
                 format!("<mimic> of the joint '{name}' names the joint '{followed}', which does not exist");
             let names = joints.iter().map(|joint| joint.name.as_str());
-            self.diagnostics.error(&mimic.source, what, did_you_mean(followed, names).unwrap_or_default());
+            let meant = self.diagnostics.did_you_mean(followed, names);
+            self.diagnostics.error(&mimic.source, what, meant.unwrap_or_default());
             return;
         };
         let mut number = |name: &str, usual: f64| {
@@ -105,7 +105,8 @@ impl Loader<'_> {
         let name = self.required(child, "link")?;
         let found = self.link_names.get(name).copied();
         if found.is_none() {
-            let near = nearest_link(name, &model.links, self.diagnostics);
+            let links = model.links.iter().map(|link| link.name.as_str());
+            let near = self.diagnostics.did_you_mean(name, links).unwrap_or_default();
             let what = format!("the joint '{joint}' names the {end} link '{name}', which does not exist");
             self.diagnostics.error(&child.source, what, near);
         }

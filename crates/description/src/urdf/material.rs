@@ -3,7 +3,6 @@
 use super::{Loader, TEXTURE};
 use crate::gazebo_materials::gazebo_material;
 use crate::model::Material;
-use crate::suggestion::did_you_mean_or;
 use crate::values::numbers;
 use crate::xml::Element;
 
@@ -39,7 +38,7 @@ impl Loader<'_> {
             self.diagnostics.warning(
                 &element.source,
                 format!("the material '{name}' is not defined: the shape is grey"),
-                did_you_mean_or(name, known, "write <color rgba=\"…\"/> in it"),
+                self.diagnostics.did_you_mean_or(name, known, "write <color rgba=\"…\"/> in it"),
             );
         }
         found

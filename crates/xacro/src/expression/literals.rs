@@ -57,7 +57,7 @@ fn number_length(text: &str) -> usize {
 /// Returns the value of the quoted text, with its prefix, with which a text begins, and the length of both; `None` if
 /// it begins with something else.
 pub(super) fn string(text: &str) -> Option<Result<(String, usize), String>> {
-    let at = text.find(['\'', '"']).filter(|at| *at <= 2)?;
+    let at = text.bytes().take(3).position(|byte| matches!(byte, b'\'' | b'"'))?;
     let prefix = text[..at].to_ascii_lowercase();
     match prefix.as_str() {
         "" | "u" | "r" => {}

@@ -45,7 +45,7 @@ pub(super) struct SimulatedArgs {
     #[arg(long, value_enum, default_value_t)]
     sensor_models: Devices,
     /// Also publish ground truth for every pixel and beam: TOPIC/truth/depth, range, normal, instance, class,
-    /// incidence, flow_back, flow_forward
+    /// incidence, flow_back, flow_forward; and the pose of each robot in the world, truth/pose
     #[arg(long)]
     pub(super) truth: bool,
     /// Treat warnings as errors, so that only files that are simulated exactly as written are run

@@ -39,6 +39,7 @@ pub mod pictures;
 mod range;
 pub mod rate;
 pub mod report;
+mod robot_pose;
 mod scanner;
 pub mod schedule;
 pub mod sensor_report;
@@ -62,7 +63,7 @@ use crate::description::housing::{ShapeIndex, housings};
 use crate::description::model::{Drive, Earth, ModelPlugin, Sensor};
 use crate::description::sensor_frames::sensor_frames;
 use crate::description::{Problem, Severity};
-use crate::entities::{Entities, EntityId};
+use crate::entities::{Entities, EntityId, Origin};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
 use annotations::Census;
@@ -76,6 +77,7 @@ use cost::Cost;
 use joint_states::JointStatesChannel;
 use names::Names;
 use numbers::Numbers;
+use robot_pose::RobotPoseChannel;
 use state::{ClockChannel, StateChannel};
 use std::time::Duration;
 use true_pose::TruePoseChannel;
@@ -296,6 +298,10 @@ impl Rig {
             let rate = plugin_rate(base.map_or(Some(STATE_HZ), |base| base.odometry.rate_hz), physics);
             let state = StateChannel::open(robot, &opening(rate, 0, Owner::robot(id, entity)))?;
             add(rate, Box::new(state), 0, None, Vec::new());
+            if options.truth && entity.origin != Origin::World {
+                let pose = RobotPoseChannel::open(&opening(rate, 0, Owner::robot(id, entity)))?;
+                add(rate, Box::new(pose), 0, None, Vec::new());
+            }
             if let Some(base) = base.filter(|base| matches!(base.drive, Drive::Kobuki(_))) {
                 let rate = fixed_rate(STATE_HZ, physics);
                 let base = BaseChannel::open(&opening(rate, 0, Owner::base(id, entity, base)))?;

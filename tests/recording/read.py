@@ -21,6 +21,7 @@ SUMS = {
     "sensor_msgs/MagneticField": "2f3b0b43eed0c9501de0fa3ff89a45aa",
     "sensor_msgs/FluidPressure": "804dc5cea1c5306d6a2eb80b9833befe",
     "geometry_msgs/PointStamped": "c63aecb41bfdfd6b7e1fac37c7cbe7bf",
+    "geometry_msgs/PoseStamped": "d3812c3cbc69362b77dc0b19b345f8f5",
     "geometry_msgs/Vector3Stamped": "7b324c7325e683bf02a9b14b01090ec7",
     "geometry_msgs/WrenchStamped": "d78d3cb249ce23087ade7e7d0c40cfa7",
     "nav_msgs/Odometry": "cd5e73d190d741a2f92e81eda573aca7",
@@ -95,6 +96,10 @@ def check_instrument(name: str | None, message, payload: bytes) -> None:
         assert 9e4 < message.fluid_pressure < 1e5
     elif name == "geometry_msgs/PointStamped":
         assert (message.point.x, message.point.y, message.point.z) == (0, 0, *numbers(0, 1))
+    elif name == "geometry_msgs/PoseStamped":
+        at, turn = message.pose.position, message.pose.orientation
+        assert (at.x, at.y, at.z, turn.x, turn.y, turn.z, turn.w) == numbers(0, 7)
+        assert message.header.frame_id == "world" and math.hypot(*numbers(24, 4)) > 0.999999
     elif name == "geometry_msgs/Vector3Stamped":
         assert (message.vector.x, message.vector.y, message.vector.z) == numbers(0, 3)
     elif name == "geometry_msgs/WrenchStamped":

@@ -40,6 +40,7 @@ ELSEWHERE = VISION | {
 }
 WANTED = ELSEWHERE - VISION - {"gazebo_msgs/msg/ContactState"} | {
     "geometry_msgs/msg/PointStamped",
+    "geometry_msgs/msg/PoseStamped",
     "geometry_msgs/msg/Vector3Stamped",
     "geometry_msgs/msg/WrenchStamped",
     "nav_msgs/msg/Odometry",

@@ -266,6 +266,11 @@ def check_vector(message, frame: Frame) -> None:
     assert same(xyz(message.vector), frame.one["vector"])
 
 
+def check_pose(message, frame: Frame) -> None:
+    pose = message.pose
+    assert same(xyz(pose.position), frame.one["position"]) and same(xyzw(pose.orientation), frame.one["orientation"])
+
+
 def check_boxes(message, frame: Frame) -> None:
     for each, own in zip(message.detections, frame.structs, strict=True):
         assert each.header == message.header and each.id == str(own["instance"])
@@ -303,6 +308,7 @@ CHECKS = {
     Kind.MODEL_STATES: check_states,
     Kind.CORE_SENSORS: check_core,
     Kind.BOUNDING_BOXES: check_boxes,
+    Kind.POSE: check_pose,
 }
 
 

@@ -10,7 +10,7 @@ use belvedere::entities::EntityId;
 use belvedere::rig::FrameBuf;
 use belvedere::robot::Command;
 use belvedere::simulation::{Simulation, SpawnOptions};
-use belvedere_bridge::payload::{Imu, JointState, Message, Odometry};
+use belvedere_bridge::payload::{Imu, JointState, Message, Odometry, Pose};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::time::Duration;

@@ -113,6 +113,8 @@ enum bv_kind
     BV_KIND_CONTACTS = 30,
     // An array of bv_seen_model, one for each model that a logical camera sees.
     BV_KIND_SEEN_MODELS = 31,
+    // One bv_pose.
+    BV_KIND_POSE = 32,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -754,6 +756,14 @@ typedef struct bv_seen_model {
     double orientation[4];
 } bv_seen_model;
 
+// A pose in the header's frame_id, as in geometry_msgs/PoseStamped.
+typedef struct bv_pose {
+    // Position, metres.
+    double position[3];
+    // Orientation, x y z w.
+    double orientation[4];
+} bv_pose;
+
 // Applies X to every struct and its size in bytes.
 #define BV_STRUCTS(X) \
     X(bv_frame_header, 384) \
@@ -785,7 +795,8 @@ typedef struct bv_seen_model {
     X(bv_sensor_settings, 1696) \
     X(bv_bounding_box, 112) \
     X(bv_tag_detection, 168) \
-    X(bv_seen_model, 184)
+    X(bv_seen_model, 184) \
+    X(bv_pose, 56)
 
 // Applies X to every struct that streams carry, and the kind of these streams.
 #define BV_PAYLOADS(X) \
@@ -815,7 +826,8 @@ typedef struct bv_seen_model {
     X(bv_sensor_settings, BV_KIND_SENSOR_SETTINGS) \
     X(bv_bounding_box, BV_KIND_BOUNDING_BOXES) \
     X(bv_tag_detection, BV_KIND_TAG_DETECTIONS) \
-    X(bv_seen_model, BV_KIND_SEEN_MODELS)
+    X(bv_seen_model, BV_KIND_SEEN_MODELS) \
+    X(bv_pose, BV_KIND_POSE)
 
 // The largest number of streams of a set.
 #define BV_SYNCHRONIZER_MAX 8

@@ -69,6 +69,8 @@ wire_enum! {
         Contacts = 30 "contacts",
         /// An array of [`SeenModel`](crate::payload::SeenModel), one for each model that a logical camera sees.
         SeenModels = 31 "seen_models",
+        /// One [`Pose`](crate::payload::Pose).
+        Pose = 32 "pose",
     }
 }
 

@@ -89,6 +89,8 @@ class Kind(IntEnum):
     CONTACTS = 30
     #: An array of SeenModel, one for each model that a logical camera sees.
     SEEN_MODELS = 31
+    #: One Pose.
+    POSE = 32
 
 
 class Encoding(IntEnum):
@@ -505,6 +507,12 @@ STRUCTS: dict[Kind, np.dtype[np.void]] = {
     Kind.SEEN_MODELS: np.dtype(
         [
             ("name", "S128"),
+            ("position", "<f8", 3),
+            ("orientation", "<f8", 4),
+        ]
+    ),
+    Kind.POSE: np.dtype(
+        [
             ("position", "<f8", 3),
             ("orientation", "<f8", 4),
         ]

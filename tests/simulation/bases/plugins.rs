@@ -83,6 +83,10 @@ fn plugins_report_true_values() {
     let truth = bench.odometry("/truth");
     assert!((DVec3::from(truth.position) - pose.transform_point(DVec3::Z * size.radius_m)).length() < 1e-6);
     assert!((DVec3::from(truth.linear).length() - 0.5).abs() < 0.01 && (truth.angular[2] - 1.0).abs() < 0.02);
+    let (own, frame) = bench.newest::<Pose>("truth/pose");
+    assert_eq!(frame.header().frame_id.as_str(), "world");
+    assert_eq!(DVec3::from(own.position), pose.translation());
+    assert_eq!(own.orientation, pose.rotation().to_array());
     let (state, _) = bench.newest::<JointState>("joint_states");
     assert_eq!(state.name.as_str(), "r_joint");
     // If it is moved by a command, it measures no acceleration.

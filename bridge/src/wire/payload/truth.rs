@@ -1,9 +1,9 @@
-//! Ground truth about the objects in an image, and about the models that a logical camera sees.
+//! Ground truth about the objects in an image, about the models that a logical camera sees, and about a robot.
 
 use super::{Message, each};
 use crate::wire::{
     Kind, Text,
-    fields::{Describe, Fields},
+    fields::{Describe, Fields, RosType},
     layout::wire_structs,
 };
 
@@ -64,6 +64,26 @@ wire_structs! {
         pub position: [f64; 3] = 128,
         /// Orientation of the model's frame, x y z w.
         pub orientation: [f64; 4] = 152,
+    }
+
+    /// A pose in the header's `frame_id`, as in `geometry_msgs/PoseStamped`.
+    with #[derive(PartialEq)]
+    pub struct Pose, 56 bytes, of [Kind::Pose] {
+        /// Position, metres.
+        pub position: [f64; 3] = 0,
+        /// Orientation, x y z w.
+        pub orientation: [f64; 4] = 24,
+    }
+}
+
+impl Describe for Pose {
+    const ROS: &'static [RosType] =
+        &[RosType::new("geometry_msgs/PoseStamped", "d3812c3cbc69362b77dc0b19b345f8f5")];
+
+    fn describe(&self, fields: &mut dyn Fields) -> Option<()> {
+        fields.header(None);
+        fields.pose("pose", self.position, self.orientation);
+        Some(())
     }
 }
 

@@ -60,6 +60,7 @@ The table of streams:
   DROPPED   frames that could not be sent, each with a warning that says why
   FRAME ms  time to render a frame")]
 #[command(mut_group(Ros2Args::GROUP, |group| group.requires("ros2")))]
+#[command(mut_args(|arg| if PageArgs::is_option(arg.get_id().as_str()) { arg.requires("view") } else { arg }))]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
     #[command(flatten)]

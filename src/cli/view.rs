@@ -50,6 +50,14 @@ pub struct PageArgs {
     no_browser: bool,
 }
 
+impl PageArgs {
+    /// Returns true for the name of an option that has no effect without a page. A token is no such option, because an
+    /// environment variable may give it to all commands.
+    pub(super) fn is_option(name: &str) -> bool {
+        matches!(name, "port" | "listen" | "token_file" | "allow_origin" | "no_browser")
+    }
+}
+
 #[allow(clippy::doc_markdown, reason = "the words are help text, shown as they stand")]
 /// Show a running simulation, or a recording, on a page in the browser.
 ///

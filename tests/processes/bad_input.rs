@@ -260,6 +260,8 @@ fn wrong_options_are_explained() {
     for (arguments, says) in [
         (&["--remap", "/scan:=/front/scan"][..], "not provided:\n  --ros2"),
         (&["--jpeg-quality", "95"], "not provided:\n  --ros2"),
+        (&["--port", "0"], "not provided:\n  --view"),
+        (&["--no-browser"], "not provided:\n  --view"),
         (&["--duration", "-1"], "positive"),
         (&["--rate", "slow"], "realtime"),
         (&["--drive", "fly"], "spin"),
@@ -273,6 +275,10 @@ fn wrong_options_are_explained() {
         assert_eq!(output.status.code(), Some(2), "{said}");
         assert!(said.contains(says), "{said}");
     }
+    let said = output(&["run", "--world", "/dev/null"]);
+    assert_eq!(said.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&said.stderr);
+    assert!(said.contains("it is empty, or a pipe that nobody writes into; name another file"), "{said}");
     // Neither a command nor an argument of xacro.
     let said = output(&["snapshto"]);
     assert_eq!(said.status.code(), Some(2));

@@ -47,7 +47,7 @@ pub fn parse_file(path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
         severity: Severity::Error,
         source: Source::new(path, 0),
         what: format!("cannot be read: {error}"),
-        remedy: "check the file's permissions".into(),
+        remedy: file::remedy(&error).into(),
     })?;
     // Comments in old scripts are often Latin-1.
     parse(&String::from_utf8_lossy(&bytes), path)

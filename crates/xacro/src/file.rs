@@ -30,6 +30,16 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     within(bytes, LARGEST)
 }
 
+/// Returns what the user can do about an error of [`read`].
+pub fn remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::NotFound => "check the path",
+        io::ErrorKind::IsADirectory => "name a file in it",
+        io::ErrorKind::PermissionDenied => "check the file's permissions",
+        _ => "name another file",
+    }
+}
+
 /// Reads a pipe or a device to its end.
 fn read_stream(path: &Path) -> io::Result<Vec<u8>> {
     let mut stream = open_without_waiting(path)?;

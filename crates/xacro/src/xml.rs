@@ -44,10 +44,13 @@ pub fn read_text(path: &Path) -> Result<String, Problem> {
         what,
         remedy: remedy.into(),
     };
-    let bytes = crate::file::read(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => fail("no such file".into(), "check the path"),
-        std::io::ErrorKind::IsADirectory => fail("this is a folder".into(), "name a file in it"),
-        _ => fail(format!("cannot be read: {error}"), "check the file's permissions"),
+    let bytes = crate::file::read(path).map_err(|error| {
+        let what = match error.kind() {
+            std::io::ErrorKind::NotFound => "no such file".into(),
+            std::io::ErrorKind::IsADirectory => "this is a folder".into(),
+            _ => format!("cannot be read: {error}"),
+        };
+        fail(what, crate::file::remedy(&error))
     })?;
     String::from_utf8(bytes).or_else(|error| {
         let bytes = error.into_bytes();

@@ -8,7 +8,7 @@ use crate::{urdf, xacro};
 use std::path::{Path, PathBuf};
 
 /// File extensions of meshes.
-const MESHES: [&str; 8] = ["dae", "fbx", "glb", "gltf", "obj", "ply", "stl", "usd"];
+const MESHES: [&str; 11] = ["dae", "fbx", "glb", "gltf", "obj", "ply", "stl", "usd", "usda", "usdc", "usdz"];
 
 /// A model that can be added to a running simulation.
 #[derive(Debug, Clone)]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import threading
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -145,11 +146,11 @@ def test_long_data_sets_have_several_files(tmp_path: Path, monkeypatch: pytest.M
         ({"a": [1, 2], "b": [1]}, "a", r"arrays\['b'\]: 1 frames; 2, as the other arrays have"),
         ({"action": [[1, 2, 3]]}, "a", r"names\['action'\]: 2 names for 3 numbers"),
         ({"a": [1, 2]}, ["b"], "task: 1 texts; one, or 2"),
-        ({"a": [1, 2]}, ["b", 3], "task: a text is expected, not 3"),
+        ({"a": [1, 2]}, ["b", 3], r"task\[1\]: a text is expected, not 3"),
     ],
 )
 def test_bad_input_is_one_clear_error(tmp_path: Path, arrays: Any, task: Any, words: str) -> None:
-    writer = bvl.Writer(tmp_path / "set", fps=10, names=NAMES)
+    writer = bvl.Writer(tmp_path / "set", fps=10, names=NAMES if "action" in arrays else None)
     with pytest.raises(ValueError, match=words):
         writer.add_episode(arrays, task)
     assert not (tmp_path / "set").exists(), "nothing is written"
@@ -161,6 +162,41 @@ def test_bad_input_is_one_clear_error(tmp_path: Path, arrays: Any, task: Any, wo
         bvl.Writer(tmp_path, fps=10)
     with pytest.raises(ValueError, match="fps: a whole number"):
         bvl.Writer(tmp_path / "other", fps=0)
+
+
+@pytest.mark.parametrize(
+    ("names", "words"),
+    [
+        ({"action": 3}, r"names\['action'\]: a list of texts"),
+        ({"action": "xy"}, r"names\['action'\]: a list of texts"),
+        ({"action": ["x", 3]}, r"names\['action'\]\[1\]: a text"),
+        (["action"], "names: a dictionary"),
+        ({"action": ["x"]}, r"names\['action'\]: 1 names for 2 numbers"),
+        ({"acton": ["x", "y"]}, r"names: 'acton' is no feature with numbers; there are \['action'\]"),
+    ],
+)
+def test_bad_names_are_one_clear_error(tmp_path: Path, names: Any, words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        bvl.Writer(tmp_path / "set", fps=10, names=names).add_episode({"action": np.zeros((3, 2))}, "a")
+
+
+def test_threads_add_whole_episodes(tmp_path: Path) -> None:
+    def add(number: int) -> None:
+        for _ in range(10):
+            writer.add_episode({"a": np.full(5, number)}, f"task {number}")
+
+    with bvl.Writer(tmp_path / "set", fps=10) as writer:
+        threads = [threading.Thread(target=add, args=(number,)) for number in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    (data,) = (tmp_path / "set/data").rglob("*.parquet")
+    frames = parquet.read_table(data).to_pydict()
+    assert frames["index"] == list(range(200))
+    for first in range(0, 200, 5):
+        assert len(set(frames["a"][first : first + 5])) == 1
+        assert frames["frame_index"][first : first + 5] == list(range(5))
 
 
 def test_a_data_set_that_broke_off_is_not_complete(tmp_path: Path) -> None:

@@ -90,6 +90,13 @@ def text(argument: str, value: str) -> str:
     return value
 
 
+def texts(argument: str, value: Sequence[str]) -> list[str]:
+    """Check that the value is a sequence of texts, and return a copy."""
+    if isinstance(value, str) or not isinstance(value, Sequence):
+        raise ValueError(f"{argument}: a list of texts is expected, not {value!r}")
+    return [text(f"{argument}[{number}]", each) for number, each in enumerate(value)]
+
+
 def described(argument: str, value: str | os.PathLike[str]) -> str:
     """Return a file name or path as text, or the text itself."""
     given = os.fspath(value) if isinstance(value, os.PathLike) else value

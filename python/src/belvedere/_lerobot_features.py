@@ -80,6 +80,9 @@ def features_of(
         if count is not None and len(given) != count:
             raise ValueError(f"{argument}: {len(given)} frames; {count}, as the other arrays have, are expected")
         count, columns[key] = len(given), np.ascontiguousarray(given)
+    for key in names:
+        if key not in features or features[key].dtype == "image":
+            raise ValueError(f"names: {key!r} is no feature with numbers; there are {list(features)}")
     return features, columns
 
 

@@ -106,9 +106,8 @@ class Meshes:
                 f"mesh {name!r}: faceVertexCounts sum to {counts.sum()}, and there are {len(numbers)} indices"
             )
         if numbers.size and not 0 <= numbers.min() <= numbers.max() < len(points):
-            raise ValueError(
-                f"mesh {name!r}: faceVertexIndices are from 0 to {len(points) - 1}, not {numbers.max()}"
-            )
+            wrong = numbers.min() if numbers.min() < 0 else numbers.max()
+            raise ValueError(f"mesh {name!r}: faceVertexIndices are from 0 to {len(points) - 1}, not {wrong}")
         self._note(prim, mesh)
         keep = np.ones(len(counts), bool)
         if chosen is not None:

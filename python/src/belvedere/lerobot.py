@@ -14,6 +14,8 @@ The extra ``lerobot`` installs pyarrow, which writes Parquet; LeRobot itself is 
 from __future__ import annotations
 
 import json
+import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +29,7 @@ from belvedere._required import required
 
 if TYPE_CHECKING:
     import os
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Sequence
     from types import TracebackType
 
     from belvedere._arrays import ArrayLike
@@ -72,7 +74,9 @@ class Writer(Closing):
         self._folder = Path(_arrays.described("folder", folder))
         self._fps = _arrays.count("fps", fps, 1, 1_000_000)
         self._robot = None if robot_type is None else _arrays.text("robot_type", robot_type)
-        self._names = {key: list(given) for key, given in dict(names or {}).items()}
+        if names is not None and not isinstance(names, Mapping):
+            raise ValueError(f"names: a dictionary of lists of texts is expected, not {names!r}")
+        self._names = {key: _arrays.texts(f"names[{key!r}]", given) for key, given in (names or {}).items()}
         if self._folder.exists():
             raise ValueError(f"folder: {str(self._folder)!r} exists already; the name of a new folder is expected")
         self._features: dict[str, Feature] = {}
@@ -82,6 +86,8 @@ class Writer(Closing):
         self._file, self._file_length = 0, 0
         self._data: Any = None
         self._is_closed = False
+        # Several threads may add episodes.
+        self._lock = threading.Lock()
         #: The number of frames.
         self.frames = 0
 
@@ -104,13 +110,18 @@ class Writer(Closing):
             RuntimeError: ``close`` was called.
 
         """
+        with self._lock:
+            self._add(arrays, task)
+
+    def _add(self, arrays: Mapping[str, ArrayLike], task: str | Sequence[str]) -> None:
+        """Add an episode; the caller has the lock."""
         if self._is_closed:
             raise RuntimeError("add_episode cannot be called after close.")
         features, columns = features_of(arrays, self._names)
         if self._features and features != self._features:
             raise ValueError(f"arrays: {features} differ from those of the first episode, {self._features}")
         count = len(next(iter(columns.values())))
-        words = [task] * count if isinstance(task, str) else [_arrays.text("task", word) for word in task]
+        words = [task] * count if isinstance(task, str) else _arrays.texts("task", task)
         if len(words) != count:
             raise ValueError(f"task: {len(words)} texts; one, or {count}, one a frame, is expected")
         self._features = features
@@ -203,7 +214,8 @@ class Writer(Closing):
         """Complete the data set; after an error in the block, only close its file, so that no reader takes it for whole."""
         if error is None:
             self.close()
-        else:
+            return
+        with self._lock:
             self._is_closed = True
             self._end_file()
 
@@ -214,6 +226,11 @@ class Writer(Closing):
             ValueError: there is no episode.
 
         """
+        with self._lock:
+            self._complete()
+
+    def _complete(self) -> None:
+        """Write what describes the data set, once; the caller has the lock."""
         if self._is_closed:
             return
         self._is_closed = True

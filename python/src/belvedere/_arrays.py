@@ -41,6 +41,8 @@ def array(argument: str, value: ArrayLike, dtype: type[np.generic]) -> NDArray[A
             raise TypeError(f"its elements are {converted.dtype}, and whole numbers are expected")
         if np.issubdtype(dtype, np.unsignedinteger) and converted.size and converted.min() < 0:
             raise TypeError(f"{converted.min()} is among them, and numbers from 0 are expected")
+        if converted.dtype == dtype:
+            return np.ascontiguousarray(converted)
         with np.errstate(over="ignore", invalid="ignore"):
             return np.ascontiguousarray(converted, dtype)
     except (TypeError, ValueError, BufferError, RuntimeError, OverflowError, MemoryError) as error:
@@ -62,11 +64,12 @@ def numbers(
     converted = array(argument, value, np.float64)
     if converted.shape != (size,):
         raise ValueError(f"{argument}: shape {converted.shape}; ({size},) is expected")
-    if not np.isfinite(converted).all():
-        raise ValueError(f"{argument}: finite numbers are expected, not {converted.tolist()}")
-    if not ((converted >= least) & (converted <= most)).all():
-        raise ValueError(f"{argument}: numbers{_limits(least, most)} are expected, not {converted.tolist()}")
-    return [float(number) for number in converted]
+    row: list[float] = converted.tolist()
+    if not all(map(math.isfinite, row)):
+        raise ValueError(f"{argument}: finite numbers are expected, not {row}")
+    if not least <= min(row) <= max(row) <= most:
+        raise ValueError(f"{argument}: numbers{_limits(least, most)} are expected, not {row}")
+    return row
 
 
 def number(argument: str, value: float, least: float = -math.inf, most: float = math.inf) -> float:

@@ -25,7 +25,7 @@ __all__ = [
 
 # Poses of the sensor (N, 7), numbers of the moved bodies, their poses (N, bodies, 7).
 _Places: TypeAlias = tuple[NDArray[np.float64], Sequence[int], NDArray[np.float64] | None] | States
-_Moves: TypeAlias = tuple[Sequence[int], NDArray[np.float64] | None] | States
+_Moves: TypeAlias = tuple[Sequence[int], NDArray[np.float64] | None]
 # Places (N, objects, 3) and matrices (N, objects, 9).
 _Frames: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 # Colours of bodies, colours of lamps, positions or directions of lamps, ambient light: (N, ..., 3); whether bodies are
@@ -127,7 +127,7 @@ class World:
         reference: Sequence[float],
         visibility: int,
         both_faces: bool,
-        moves: _Moves,
+        moves: _Moves | States,
         outputs: dict[str, NDArray[Any]],
         threads: int,
     ) -> None: ...

@@ -101,8 +101,10 @@ class SceneCamera:
         """Return places and matrices of the model's cameras in each state, and which is this one."""
         if self._camera.type == mujoco.mjtCamera.mjCAMERA_FIXED:
             return states.frames("cam_"), int(self._camera.fixedcamid)
-        place, matrix = _frame_of(self._scene.model, self._camera)
-        return (np.tile(place, (states.count, 1, 1)), np.tile(matrix, (states.count, 1, 1))), 0
+        place, matrix = _frame_of(self._scene.model, self._scene.still, self._camera)
+        # One camera, in the same place in all states.
+        places, matrices = (np.repeat(part[None, None], states.count, axis=0) for part in (place, matrix))
+        return (places, matrices), 0
 
 
 def _camera_of(model: mujoco.MjModel, camera: str | int | mujoco.MjvCamera) -> mujoco.MjvCamera:
@@ -158,9 +160,9 @@ def _optics(model: mujoco.MjModel, camera: mujoco.MjvCamera, size: tuple[int, in
 
 
 def _frame_of(
-    model: mujoco.MjModel, camera: mujoco.MjvCamera
+    model: mujoco.MjModel, still: mujoco.MjData, camera: mujoco.MjvCamera
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return place (3,) and matrix (9,) of a free camera in the axes of MuJoCo's cameras."""
+    """Return place (3,) and matrix (9,) of a free camera, which is in no state, in the axes of MuJoCo's cameras."""
     place, forward, up, right = (np.zeros(3) for _ in range(4))
-    mujoco.mjv_cameraFrame(place, forward, up, right, mujoco.MjData(model), camera)
-    return place, np.stack([right, up, -forward], axis=1).ravel()
+    mujoco.mjv_cameraFrame(place, forward, up, right, still, camera)
+    return place, np.array([right, up, -forward]).T.ravel()

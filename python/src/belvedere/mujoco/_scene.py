@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import logging
 from typing import TYPE_CHECKING, Any
 
@@ -194,9 +195,7 @@ class Scene(Unpicklable):
             hits = self._hits(offsets, rays[left], limits, *common)
             distance[left], normal[left], geom[left], behind = hits
             left = left[behind]
-        with np.errstate(invalid="ignore"):
-            point = starts + rays * distance[..., None].astype(np.float64)
-        point[geom < 0] = np.nan
+        point = starts + rays * np.where(geom < 0, np.nan, distance)[:, None].astype(np.float64)
         answers = {"distance": distance, "normal": normal, "geom": geom, "point": point}
         shaped = {name: array.reshape(lead + array.shape[1:]) for name, array in answers.items()}
         return Frames(shaped, lead[:-2], lead[-2:])
@@ -215,17 +214,21 @@ class Scene(Unpicklable):
         distance, normal = np.empty(count, np.float32), np.empty((count, 3), np.float32)
         instance = np.empty(count, np.uint32)
         hits = {"distance": distance, "normal": normal, "instance": instance}
-        origins = _arrays.array("origins", starts, np.float32)
-        directions = _arrays.array("directions", rays, np.float32)
+        with np.errstate(over="ignore"):
+            # The native module refuses what is not finite.
+            origins, directions = starts.astype(np.float32), rays.astype(np.float32)
         sees = SEES["collision"]
-        self.world._native.cast(
-            origins, directions, limits, reference.tolist(), sees, True, moves, hits, threads
-        )
+        self.world._native.cast(origins, directions, limits, reference.tolist(), sees, True, moves, hits, threads)
         geom = self.geom_of(instance)
         behind: NDArray[np.bool_] = self._is_plane[geom]
         if behind.any():
             behind &= np.einsum("ij,ij->i", normal.astype(np.float64), rays) > 0.0
         return distance, normal, geom, behind
+
+    @functools.cached_property
+    def still(self) -> mujoco.MjData:
+        """A state that nothing moves, for functions of MuJoCo that want one. To make one takes as long as a frame."""
+        return mujoco.MjData(self.model)
 
     def geom_of(self, instances: NDArray[np.uint32]) -> NDArray[np.int32]:
         """Return the geoms of the channel ``instance``, −1 where nothing was hit."""

@@ -56,9 +56,11 @@ class States:
             ValueError: the caller gave arrays without it.
 
         """
-        if name not in self.fields:
-            raise ValueError(f"states: the array {name!r} is expected, too; there are {', '.join(self.fields)}")
-        return self.fields[name]
+        try:
+            return self.fields[name]
+        except KeyError:
+            known = ", ".join(self.fields)
+            raise ValueError(f"states: the array {name!r} is expected, too; there are {known}") from None
 
     def frames(self, kind: str) -> Frames:
         """Return places and matrices of all objects of a kind: ``geom_``, ``cam_``, ``site_``, or empty for bodies.

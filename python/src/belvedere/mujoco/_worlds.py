@@ -10,6 +10,7 @@ from belvedere._channels import prepare
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    import numpy as np
     from numpy.typing import NDArray
 
     from belvedere import _native

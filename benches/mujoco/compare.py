@@ -31,6 +31,7 @@ PACKAGES = (
     "warp-lang",
     "newton",
     "open3d",
+    "open3d-cpu",
     "dm_control",
     "mjlab",
     "robosuite",

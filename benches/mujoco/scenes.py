@@ -41,8 +41,8 @@ def box(size: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return vertices, np.array([face for a, b, c, d in quads for face in ((a, b, c), (a, c, d))])
 
 
-def surface(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return a geom as triangles, for libraries that have only those."""
+def surface(model: mujoco.MjModel, geom: int, around: int = 20) -> tuple[np.ndarray, np.ndarray]:
+    """Return a geom as triangles, for libraries that have only those; curved ones with as many corners around."""
     size = model.geom_size[geom]
     match mujoco.mjtGeom(model.geom_type[geom]):
         case mujoco.mjtGeom.mjGEOM_PLANE:
@@ -51,14 +51,14 @@ def surface(model: mujoco.MjModel, geom: int) -> tuple[np.ndarray, np.ndarray]:
                 [[0, 1, 2], [0, 2, 3]]
             )
         case mujoco.mjtGeom.mjGEOM_SPHERE:
-            return sphere(size[0])
+            return sphere(size[0], 0.0, around)
         case mujoco.mjtGeom.mjGEOM_CAPSULE:
-            return sphere(size[0], size[1])
+            return sphere(size[0], size[1], around)
         case mujoco.mjtGeom.mjGEOM_ELLIPSOID:
-            vertices, faces = sphere(1.0)
+            vertices, faces = sphere(1.0, 0.0, around)
             return vertices * size, faces
         case mujoco.mjtGeom.mjGEOM_CYLINDER:
-            return triangles([(0.0, size[1]), (size[0], size[1]), (size[0], -size[1]), (0.0, -size[1])], 20)
+            return triangles([(0.0, size[1]), (size[0], size[1]), (size[0], -size[1]), (0.0, -size[1])], around)
         case mujoco.mjtGeom.mjGEOM_BOX:
             return box(size)
         case mujoco.mjtGeom.mjGEOM_MESH:

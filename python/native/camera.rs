@@ -11,7 +11,7 @@ use belvedere_sensors::camera::{self, CameraConfig, Edges, Picture, PixelFormat}
 use belvedere_sensors::device::{DeviceConfig, presets};
 use belvedere_sensors::noise::{GaussianNoise, GaussianNoiseConfig};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyDict;
 
 /// The configuration of a camera without its seed.
 pub(crate) struct Eye {
@@ -120,9 +120,9 @@ impl Camera {
         &self,
         py: Python<'_>,
         world: &World,
-        now: &Bound<'_, PyTuple>,
-        after: Option<&Bound<'_, PyTuple>>,
-        before: Option<&Bound<'_, PyTuple>>,
+        now: &Bound<'_, PyAny>,
+        after: Option<&Bound<'_, PyAny>>,
+        before: Option<&Bound<'_, PyAny>>,
         each: GivenEach<'_>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,

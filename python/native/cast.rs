@@ -5,6 +5,7 @@ use crate::errors::of;
 use crate::outputs::Outputs;
 use crate::pool::Threads;
 use crate::shots::Moves;
+use crate::states::States;
 use belvedere_sensors::trace::rays::{self, cast_rays};
 use belvedere_sensors::trace::{Faces, Hits};
 use glam::DVec3;
@@ -50,6 +51,9 @@ impl Rays {
     }
 }
 
+/// Poses of bodies from Python, unless they are [`States`]: numbers of bodies, their poses.
+type GivenMoves<'py> = (Vec<usize>, Option<PyReadonlyArrayDyn<'py, f64>>);
+
 /// The number of rays cast at a time, so that Ctrl-C need not wait for all.
 const AT_A_TIME: usize = 1 << 20;
 
@@ -58,12 +62,20 @@ pub(crate) fn cast(
     py: Python<'_>,
     world: Arc<Data>,
     rays: &Rays,
-    (bodies, moved): (Vec<usize>, Option<PyReadonlyArrayDyn<'_, f64>>),
+    moves: &Bound<'_, PyAny>,
     outputs: &Bound<'_, PyDict>,
     threads: usize,
 ) -> PyResult<()> {
     rays.check()?;
-    let moves = Moves::read("bodies", &world, 1, bodies, moved.as_ref())?;
+    let given;
+    let moves = if let Ok(states) = moves.cast::<States>() {
+        states.get().places().moves()
+    } else {
+        let (bodies, moved): GivenMoves<'_> = moves.extract()?;
+        given = Moves::read("bodies", &world, 1, bodies, moved.as_ref())?;
+        &given
+    };
+    moves.check("bodies", &world, 1)?;
     let count = rays.directions.len();
     if count == 0 {
         return Ok(());

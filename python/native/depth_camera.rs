@@ -11,7 +11,7 @@ use belvedere_sensors::depth::{self, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::device::depth_model::{DepthModel, presets};
 use belvedere_sensors::trace::Faces;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyDict;
 use std::ops::RangeInclusive;
 
 /// The focal lengths in pixels that device models accept.
@@ -103,9 +103,9 @@ impl DepthCamera {
         &self,
         py: Python<'_>,
         world: &World,
-        now: &Bound<'_, PyTuple>,
-        after: Option<&Bound<'_, PyTuple>>,
-        before: Option<&Bound<'_, PyTuple>>,
+        now: &Bound<'_, PyAny>,
+        after: Option<&Bound<'_, PyAny>>,
+        before: Option<&Bound<'_, PyAny>>,
         each: GivenEach<'_>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,

@@ -16,6 +16,7 @@
 //! | `load` | worlds and robots from files |
 //! | `looks` | colours and lamps of each world of a batch |
 //! | `shots` | poses of sensor and bodies for each frame of a batch |
+//! | `states`, `lamps` | poses of sensor and bodies, and lamps, in states of MuJoCo |
 //! | `path` | interpolation of rotating motion |
 //! | `lens`, `camera`, `depth_camera`, `lidar`, `scanner` | the sensors |
 //! | `cast` | arbitrary rays |
@@ -37,6 +38,7 @@ mod errors;
 mod failures;
 mod frame;
 mod interrupt;
+mod lamps;
 mod lens;
 mod lidar;
 mod load;
@@ -52,6 +54,7 @@ mod scanner;
 mod sender;
 mod shots;
 mod simulation;
+mod states;
 mod subscriber;
 mod surface;
 mod world;
@@ -81,6 +84,8 @@ mod _native {
     use crate::sender::Sender;
     #[pymodule_export]
     use crate::simulation::Simulation;
+    #[pymodule_export]
+    use crate::states::States;
     #[pymodule_export]
     use crate::subscriber::Subscriber;
     #[pymodule_export]

@@ -10,7 +10,7 @@ use belvedere_sensors::Sensor;
 use belvedere_sensors::lidar::{self, Beams, LidarConfig, Scan};
 use belvedere_sensors::trace::Faces;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyDict;
 
 #[pyclass(frozen, module = "belvedere._native")]
 pub(crate) struct Lidar(LidarConfig);
@@ -42,9 +42,9 @@ impl Lidar {
         &self,
         py: Python<'_>,
         world: &World,
-        now: &Bound<'_, PyTuple>,
-        after: Option<&Bound<'_, PyTuple>>,
-        before: Option<&Bound<'_, PyTuple>>,
+        now: &Bound<'_, PyAny>,
+        after: Option<&Bound<'_, PyAny>>,
+        before: Option<&Bound<'_, PyAny>>,
         each: GivenEach<'_>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,

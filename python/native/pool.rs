@@ -93,8 +93,12 @@ impl Threads {
     /// Creates this number of threads; 0 means one per processor. Work with one thread, or with few rays, runs on the
     /// caller's thread.
     pub(crate) fn new(threads: usize, rays: usize) -> PyResult<Self> {
+        // Counting processors reads files of the system, which takes longer than tracing few rays.
+        if rays < FEW_RAYS {
+            return Ok(Self(None));
+        }
         let count = Self::count(threads);
-        if count == 1 || rays < FEW_RAYS {
+        if count == 1 {
             return Ok(Self(None));
         }
         POOLS.lock().unwrap_or_else(PoisonError::into_inner).of_size(count).map(|pool| Self(Some(pool)))

@@ -84,11 +84,18 @@ fn of_matrix(matrix: &[f64]) -> Result<Pose, &'static str> {
     if [a, b, c, d] != [0.0, 0.0, 0.0, 1.0] {
         return Err("does not end in the row 0 0 0 1");
     }
-    let axes = DMat3::from_cols_array(&[xx, xy, xz, yx, yy, yz, zx, zy, zz]);
+    of_axes(DVec3::new(tx, ty, tz), DMat3::from_cols_array(&[xx, xy, xz, yx, yy, yz, zx, zy, zz]))
+}
+
+/// Returns the pose of a frame by its place and its axes, the columns of the matrix.
+pub(crate) fn of_axes(place: DVec3, axes: DMat3) -> Result<Pose, &'static str> {
+    if !(place.is_finite() && axes.is_finite()) {
+        return Err("is not finite");
+    }
     let is_rotation =
         (axes.transpose() * axes).abs_diff_eq(DMat3::IDENTITY, TOLERANCE) && axes.determinant() > 0.0;
     if !is_rotation {
         return Err("has no rotation in its upper left 3 × 3 numbers");
     }
-    Ok(Pose::new(DVec3::new(tx, ty, tz), DQuat::from_mat3(&axes)))
+    Ok(Pose::new(place, DQuat::from_mat3(&axes)))
 }

@@ -11,7 +11,7 @@ use belvedere_sensors::{Capture, Keyframe, Moment, Sensor, Shutter};
 use numpy::PyArray2;
 use numpy::ndarray::Array2;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::PyDict;
 
 #[pyclass(frozen, module = "belvedere._native")]
 pub(crate) struct Scanner {
@@ -120,9 +120,9 @@ impl Scanner {
         &self,
         py: Python<'_>,
         world: &World,
-        now: &Bound<'_, PyTuple>,
-        after: Option<&Bound<'_, PyTuple>>,
-        before: Option<&Bound<'_, PyTuple>>,
+        now: &Bound<'_, PyAny>,
+        after: Option<&Bound<'_, PyAny>>,
+        before: Option<&Bound<'_, PyAny>>,
         each: GivenEach<'_>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,

@@ -6,12 +6,12 @@ use crate::looks::{GivenLooks, Looks};
 use crate::path;
 use crate::pool::Memory;
 use crate::poses;
+use crate::states::States;
 use belvedere_sensors::scene::Scene;
 use belvedere_sensors::trace::WorkspaceBuf;
 use belvedere_sensors::{Capture, Moment, Pose};
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
-use pyo3::types::PyTuple;
 use std::sync::Arc;
 
 /// Poses of moved bodies, frame by frame.
@@ -31,10 +31,10 @@ pub(crate) struct Places {
 /// The frames of a batch.
 pub(crate) struct Shots {
     pub(crate) world: Arc<Data>,
-    now: Places,
+    now: Arc<Places>,
     /// The next and the previous frame, for optical flow.
-    after: Option<Places>,
-    before: Option<Places>,
+    after: Option<Arc<Places>>,
+    before: Option<Arc<Places>>,
     each: Each,
 }
 
@@ -63,17 +63,29 @@ impl Moves {
         bodies: Vec<usize>,
         array: Option<&PyReadonlyArrayDyn<'_, f64>>,
     ) -> PyResult<Self> {
-        if let Some(body) = bodies.iter().find(|body| **body >= world.bodies.len()) {
-            let count = world.bodies.len();
-            return Err(of(argument, format_args!("there is no body {body}; the world has {count}")));
-        }
         let world_from_body =
             array.map(|array| poses::read(argument, array)).transpose()?.unwrap_or_default();
-        if world_from_body.len() != frames * bodies.len() {
-            let (have, need) = (world_from_body.len(), frames * bodies.len());
+        let moves = Self { bodies, world_from_body };
+        moves.check(argument, world, frames)?;
+        Ok(moves)
+    }
+
+    /// The poses of these bodies, frame by frame.
+    pub(crate) fn new(bodies: Vec<usize>, world_from_body: Vec<Pose>) -> Self {
+        Self { bodies, world_from_body }
+    }
+
+    /// Checks that the world has these bodies, and that there is a pose of each in each frame.
+    pub(crate) fn check(&self, argument: &str, world: &Data, frames: usize) -> PyResult<()> {
+        let count = world.bodies.len();
+        if let Some(body) = self.bodies.iter().find(|body| **body >= count) {
+            return Err(of(argument, format_args!("there is no body {body}; the world has {count}")));
+        }
+        let (have, need) = (self.world_from_body.len(), frames * self.bodies.len());
+        if have != need {
             return Err(of(argument, format_args!("{have} poses, and {need} are expected")));
         }
-        Ok(Self { bodies, world_from_body })
+        Ok(())
     }
 
     /// Returns the moved bodies of a frame, with their poses.
@@ -105,24 +117,37 @@ fn put(world: &Data, bodies: impl Iterator<Item = (usize, Pose)>, world_from_ins
 }
 
 impl Places {
+    pub(crate) fn new(world_from_sensor: Vec<Pose>, moves: Moves) -> Self {
+        Self { world_from_sensor, moves }
+    }
+
+    /// The poses of the bodies.
+    pub(crate) fn moves(&self) -> &Moves {
+        &self.moves
+    }
+
+    /// Reads the places of these frames, or of as many as there are: [`States`], or arrays.
     fn read(
-        argument: &str,
-        bodies: &str,
+        [argument, bodies]: [&str; 2],
         world: &Data,
-        given: Given<'_>,
+        given: &Bound<'_, PyAny>,
         frames: Option<usize>,
-    ) -> PyResult<Self> {
-        let (sensor, numbers, moved) = given;
-        let world_from_sensor = poses::read(argument, &sensor)?;
-        let count = world_from_sensor.len();
-        if frames.is_some_and(|frames| frames != count) {
-            return Err(of(
-                argument,
-                format_args!("{count} poses, and {} are expected", frames.unwrap_or(0)),
-            ));
+    ) -> PyResult<Arc<Self>> {
+        let places = if let Ok(states) = given.cast::<States>() {
+            states.get().places().clone()
+        } else {
+            let (sensor, numbers, moved): Given<'_> = given.extract()?;
+            let world_from_sensor = poses::read(argument, &sensor)?;
+            let moves = Moves::read(bodies, world, world_from_sensor.len(), numbers, moved.as_ref())?;
+            Arc::new(Self { world_from_sensor, moves })
+        };
+        let count = places.world_from_sensor.len();
+        let need = frames.unwrap_or(count);
+        if count != need {
+            return Err(of(argument, format_args!("{count} poses, and {need} are expected")));
         }
-        let moves = Moves::read(bodies, world, count, numbers, moved.as_ref())?;
-        Ok(Self { world_from_sensor, moves })
+        places.moves.check(bodies, world, count)?;
+        Ok(places)
     }
 
     fn moment<'a>(&self, world: &'a Data, frame: usize, memory: &'a mut Vec<Pose>) -> Moment<'a> {
@@ -142,20 +167,18 @@ impl Places {
 }
 
 impl Shots {
-    /// Checks arguments from Python: tuples of poses of the sensor, numbers of moved bodies, their poses.
+    /// Checks arguments from Python: [`States`], or tuples of poses of the sensor, numbers of moved bodies, their poses.
     pub(crate) fn read(
         world: Arc<Data>,
-        now: &Bound<'_, PyTuple>,
-        after: Option<&Bound<'_, PyTuple>>,
-        before: Option<&Bound<'_, PyTuple>>,
+        now: &Bound<'_, PyAny>,
+        after: Option<&Bound<'_, PyAny>>,
+        before: Option<&Bound<'_, PyAny>>,
         each: GivenEach<'_>,
     ) -> PyResult<Self> {
-        let now = Places::read("poses", "bodies", &world, now.extract()?, None)?;
+        let now = Places::read(["poses", "bodies"], &world, now, None)?;
         let frames = now.world_from_sensor.len();
-        let other = |given: Option<&Bound<'_, PyTuple>>, names: [&str; 2]| {
-            given
-                .map(|given| Places::read(names[0], names[1], &world, given.extract()?, Some(frames)))
-                .transpose()
+        let other = |given: Option<&Bound<'_, PyAny>>, names| {
+            given.map(|given| Places::read(names, &world, given, Some(frames))).transpose()
         };
         let after = other(after, ["after", "bodies_after"])?;
         let before = other(before, ["before", "bodies_before"])?;

@@ -3,6 +3,7 @@
 use crate::cast;
 use crate::data::{Body, Data, Origin};
 use crate::errors::of;
+use crate::lamps;
 use crate::load::{self, Options};
 use crate::poses;
 use crate::surface::{Look, add_material, of_shape, surface};
@@ -10,7 +11,7 @@ use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
     Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape,
 };
-use numpy::{PyArray1, PyReadonlyArrayDyn};
+use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::PathBuf;
@@ -36,9 +37,12 @@ impl World {
         py.detach(|| act(&mut self.data.lock().unwrap_or_else(PoisonError::into_inner)))
     }
 
-    /// Returns the current contents.
+    /// Returns the current contents. Usually no other thread has locked the world, and nothing is waited for.
     pub(crate) fn data(&self, py: Python<'_>) -> Arc<Data> {
-        self.with(py, |data| data.clone())
+        match self.data.try_lock() {
+            Ok(data) => data.clone(),
+            Err(_) => self.with(py, |data| data.clone()),
+        }
     }
 
     /// Changes the world, or a copy that replaces it while a batch still uses the original.
@@ -161,6 +165,20 @@ impl World {
         let lamps = data.builder.scene().lights().iter();
         let facts = lamps.map(|lamp| (lamp.vector_and_diffuse(), lamp.position().is_none()));
         facts.map(|((vector, colour), is_way)| (vector, colour, is_way)).collect()
+    }
+
+    /// Returns the position or direction of each lamp in states of MuJoCo, (N, lamps, 3).
+    fn placed_lights<'py>(
+        &self,
+        py: Python<'py>,
+        lights: Vec<(usize, bool)>,
+        xpos: Option<PyReadonlyArrayDyn<'_, f64>>,
+        xdir: Option<PyReadonlyArrayDyn<'_, f64>>,
+        camera: Option<(usize, PyReadonlyArrayDyn<'_, f64>, usize)>,
+        states: usize,
+    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
+        lamps::place(&self.data(py), &lights, [xpos, xdir], camera, states)
+            .map(|vectors| vectors.into_pyarray(py))
     }
 
     /// Returns the ambient light.
@@ -367,7 +385,7 @@ impl World {
         reference: [f64; 3],
         visibility: u32,
         both_faces: bool,
-        moves: (Vec<usize>, Option<PyReadonlyArrayDyn<'_, f64>>),
+        moves: &Bound<'_, PyAny>,
         outputs: &Bound<'_, PyDict>,
         threads: usize,
     ) -> PyResult<()> {

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -194,6 +196,63 @@ def test_lidars_measure_what_rays_hit(model: mujoco.MjModel) -> None:
     assert (scanner.render(data, after=data)["range"] == still).all()
     moved = random_state(model, 3)
     assert (scanner.render(data, after=moved)["range"] != still).any()
+
+
+def matrices_of(data: mujoco.MjData, kind: str) -> NDArray[np.float64]:
+    """The poses of all objects of a kind, (objects, 4, 4)."""
+    places, turns = getattr(data, f"{kind}_xpos"), getattr(data, f"{kind}_xmat")
+    matrices = np.tile(np.eye(4), (len(places), 1, 1))
+    matrices[:, :3, :3], matrices[:, :3, 3] = turns.reshape(-1, 3, 3), places
+    return matrices
+
+
+def test_frames_are_those_of_the_sensor_in_the_same_world(model: mujoco.MjModel) -> None:
+    # The poses go to the sensor in another way, and no bit may differ.
+    scene = bvm.Scene(model)
+    lidar, camera = scene.lidar("lidar", beams=300, lines=5, noise=0.01), scene.camera("eye", 48, 32, noise=0.1)
+    # The axes of MuJoCo's cameras, x right and y up, in those of ours, x forward and y left.
+    turn = np.array([[0.0, -1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    for seed in range(5):
+        data = random_state(model, seed)
+        bodies = matrices_of(data, "geom")[scene.geoms]
+        given = {"seeds": seed, "frames": 7 * seed, "bodies": dict(enumerate(bodies))}
+        ours = lidar.render(data, seeds=seed, frames=7 * seed)["range"]
+        site = matrices_of(data, "site")[model.site("lidar").id]
+        np.testing.assert_array_equal(ours, lidar.sensor.render(scene.world, site, **given)["range"])
+        eye = matrices_of(data, "cam")[model.camera("eye").id] @ turn
+        channels = ("depth", "normal", "instance")
+        seen = camera.render(data, channels, seeds=seed, frames=7 * seed)
+        expected = camera.sensor.render(scene.world, eye, channels=channels, **given)
+        for channel in channels:
+            np.testing.assert_array_equal(seen[channel], expected[channel])
+
+
+def test_a_ray_from_one_origin_does_not_depend_on_the_others(model: mujoco.MjModel) -> None:
+    scene, data = bvm.Scene(model), random_state(model, 4)
+    rays = np.random.default_rng(4).normal(size=(700, 3))
+    together = scene.cast(data, (0.1, 0.2, 2.3), rays)
+    for part in (slice(0, 1), slice(1, 4), slice(4, 700)):
+        alone = scene.cast(data, (0.1, 0.2, 2.3), rays[part])
+        for channel in together:
+            np.testing.assert_array_equal(alone[channel], together[channel][part])
+
+
+def test_threads_share_a_scene(model: mujoco.MjModel) -> None:
+    scene = bvm.Scene(model)
+    lidar, camera = scene.lidar("lidar", beams=300), scene.camera("eye", 24, 16)
+    states = [random_state(model, seed) for seed in range(4)]
+
+    def take(state: mujoco.MjData) -> list[bytes]:
+        rays = scene.cast(state, (0, 0, 3), [[0, 0, -1], [1, 0, -1]])
+        frames = (lidar.render(state), camera.render(state), rays)
+        return [array.tobytes() for frame in frames for array in frame.values()]
+
+    expected = [take(state) for state in states]
+    with ThreadPoolExecutor(4) as workers:
+        for found in workers.map(lambda state: [take(state) for _ in range(50)], states, timeout=60):
+            assert all(one in expected for one in found)
+        again = list(workers.map(take, states, timeout=60))
+    assert again == expected
 
 
 def test_the_renderer_has_the_interface_of_mujoco(model: mujoco.MjModel) -> None:

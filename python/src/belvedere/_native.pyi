@@ -15,6 +15,7 @@ __all__ = [
     "Scanner",
     "Sender",
     "Simulation",
+    "States",
     "Subscriber",
     "World",
     "bad_pose",
@@ -23,8 +24,10 @@ __all__ = [
 ]
 
 # Poses of the sensor (N, 7), numbers of the moved bodies, their poses (N, bodies, 7).
-_Places: TypeAlias = tuple[NDArray[np.float64], Sequence[int], NDArray[np.float64] | None]
+_Places: TypeAlias = tuple[NDArray[np.float64], Sequence[int], NDArray[np.float64] | None] | States
 _Moves: TypeAlias = tuple[Sequence[int], NDArray[np.float64] | None]
+# Places (N, objects, 3) and matrices (N, objects, 9).
+_Frames: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 # Colours of bodies, colours of lamps, positions or directions of lamps, ambient light: (N, ..., 3); whether bodies are
 # textured.
 _Looks: TypeAlias = tuple[
@@ -65,6 +68,14 @@ class World:
     def instance_bodies(self) -> NDArray[np.int32]: ...
     def snapshot(self) -> World: ...
     def lights(self) -> list[tuple[list[float], list[float], bool]]: ...
+    def placed_lights(
+        self,
+        lights: Sequence[tuple[int, bool]],
+        xpos: NDArray[np.float64] | None,
+        xdir: NDArray[np.float64] | None,
+        camera: tuple[int, NDArray[np.float64], int] | None,
+        states: int,
+    ) -> NDArray[np.float64]: ...
     def ambient(self) -> list[float]: ...
     def memory_len(self) -> int: ...
     def pose(self, body: int) -> NDArray[np.float64]: ...
@@ -116,7 +127,7 @@ class World:
         reference: Sequence[float],
         visibility: int,
         both_faces: bool,
-        moves: _Moves,
+        moves: _Moves | States,
         outputs: dict[str, NDArray[Any]],
         threads: int,
     ) -> None: ...
@@ -264,6 +275,17 @@ class Simulation:
     def place(self, name: str, pose: NDArray[np.float64]) -> None: ...
     def render(self, topics: list[str]) -> list[tuple[bytes, NDArray[np.uint8]] | None]: ...
     def world(self) -> World: ...
+
+@final
+class States:
+    def __new__(
+        cls,
+        sensor: _Frames,
+        number: int | None,
+        is_camera: bool,
+        geom: _Frames,
+        geoms: NDArray[np.int64],
+    ) -> States: ...
 
 def run_words(words: Sequence[str]) -> int: ...
 

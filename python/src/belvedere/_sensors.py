@@ -148,7 +148,9 @@ class Sensor:
             raise ValueError(f"world: a World is expected, not {type(world).__name__}")
         flat, lead = _arrays.poses("poses", poses)
         outputs = prepare(self._channels, self._default, channels, out, lead, self._frame)
-        names = world.bodies
+        # Names take time in proportion to the number of bodies.
+        is_still = bodies is None and bodies_after is None and bodies_before is None
+        names = () if is_still else world.bodies
         moved = _arrays.bodies("bodies", bodies, lead, names)
         later = self._moment("after", after, bodies_after, lead, names, moved)
         earlier = self._moment("before", before, bodies_before, lead, names, moved)

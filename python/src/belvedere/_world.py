@@ -377,7 +377,8 @@ class World(Imported, Unpicklable):
         outputs = prepare(_ANSWERS, tuple(_ANSWERS), channels, out, lead, ())
         visibility = _arrays.choice("sees", sees, SEES)
         both = _arrays.choice("faces", faces, {"front": 0, "both": 1}) == 1
-        moves = _arrays.bodies("bodies", bodies, (), self.bodies)
+        # Names take time in proportion to the number of bodies.
+        moves = ([], None) if bodies is None else _arrays.bodies("bodies", bodies, (), self.bodies)
         place = _arrays.numbers("reference", reference, 3)
         self._native.cast(starts, rays, limits, place, visibility, both, moves, outputs, _arrays.threads(threads))
         return Frames(outputs, lead[:-2], lead[-2:])

@@ -13,7 +13,7 @@ from belvedere._frames import Frames
 from belvedere._lens import Lens
 from belvedere._sensors import Camera, DepthCamera, Sensor
 from belvedere.mujoco._names import number_of
-from belvedere.mujoco._states import States, poses_of, states_of
+from belvedere.mujoco._states import States, states_of
 from belvedere.mujoco._worlds import numbers_of
 
 if TYPE_CHECKING:
@@ -23,9 +23,7 @@ if TYPE_CHECKING:
 
     from belvedere._arrays import ArrayLike
     from belvedere.mujoco._scene import Scene
-
-#: The axes of a sensor (x forward, y left, z up) in those of MuJoCo's cameras (x right, y up, z backward), as columns.
-_AXES = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, 1.0], [-1.0, 0.0, 0.0]])
+    from belvedere.mujoco._states import Frames as FramesOfStates
 
 
 class SceneCamera:
@@ -89,38 +87,24 @@ class SceneCamera:
         wanted = names_of(channels, sensor.main_channels)
         rendered = list(dict.fromkeys("instance" if name == "geom" else name for name in wanted))
         read = states_of(scene.model, states)
-        if read.count == 0:
-            arrays: dict[str, NDArray[Any]] = sensor.render(scene.world, np.zeros((0, 7)), channels=rendered)
-        else:
-            arrays = self._render(read, rendered, seeds, frames, threads)
+        own, number = self._frames(read)
+        places = scene.places(read, own, number, is_camera=True)
+        numbers = numbers_of(seeds, frames, read.lead)
+        looks = scene.worlds.looks(read, own[1], number)
+        arrays = scene.worlds.render(sensor, read.lead, places, None, rendered, numbers, looks, threads)
         if "geom" in wanted:
             arrays["geom"] = scene.geom_of(arrays["instance"])
-        shaped = {name: arrays[name].reshape(read.lead + arrays[name].shape[1:]) for name in wanted}
-        numbers = _arrays.numbers_of_frames(frames, read.lead)
-        return Frames(shaped, read.lead, sensor.frame_shape, sensor, numbers)
+        shown = {name: arrays[name] for name in wanted}
+        return Frames(shown, read.lead, sensor.frame_shape, sensor, numbers[1])
 
-    def _render(
-        self,
-        states: States,
-        channels: list[str],
-        seeds: ArrayLike | int,
-        frames: ArrayLike | int,
-        threads: int | None,
-    ) -> dict[str, NDArray[Any]]:
-        """Render these channels of the sensor, (N, …)."""
-        scene, matrices = self._scene, self._matrices(states)
-        places = poses_of(matrices, "states"), scene.poses(states)
-        numbers, looks = numbers_of(seeds, frames, states.lead), scene.worlds.looks(states, matrices[:, :3, 0])
-        return scene.worlds.render(self.sensor, places, None, channels, numbers, looks, threads)
-
-    def _matrices(self, states: States) -> NDArray[np.float64]:
-        """Return the sensor's pose in each state, (N, 4, 4)."""
+    def _frames(self, states: States) -> tuple[FramesOfStates, int]:
+        """Return places and matrices of the model's cameras in each state, and which is this one."""
         if self._camera.type == mujoco.mjtCamera.mjCAMERA_FIXED:
-            matrices = states.matrices("cam_", int(self._camera.fixedcamid))
-        else:
-            matrices = np.tile(_frame_of(self._scene.model, self._camera), (states.count, 1, 1))
-        matrices[:, :3, :3] = matrices[:, :3, :3] @ _AXES
-        return matrices
+            return states.frames("cam_"), int(self._camera.fixedcamid)
+        place, matrix = _frame_of(self._scene.model, self._scene.still, self._camera)
+        # One camera, in the same place in all states.
+        places, matrices = (np.repeat(part[None, None], states.count, axis=0) for part in (place, matrix))
+        return (places, matrices), 0
 
 
 def _camera_of(model: mujoco.MjModel, camera: str | int | mujoco.MjvCamera) -> mujoco.MjvCamera:
@@ -175,11 +159,10 @@ def _optics(model: mujoco.MjModel, camera: mujoco.MjvCamera, size: tuple[int, in
     return lens, near, far
 
 
-def _frame_of(model: mujoco.MjModel, camera: mujoco.MjvCamera) -> NDArray[np.float64]:
-    """Return the pose of a free camera in the axes of MuJoCo's cameras, (4, 4)."""
+def _frame_of(
+    model: mujoco.MjModel, still: mujoco.MjData, camera: mujoco.MjvCamera
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return place (3,) and matrix (9,) of a free camera, which is in no state, in the axes of MuJoCo's cameras."""
     place, forward, up, right = (np.zeros(3) for _ in range(4))
-    mujoco.mjv_cameraFrame(place, forward, up, right, mujoco.MjData(model), camera)
-    matrix = np.eye(4)
-    matrix[:3, :3] = np.stack([right, up, -forward], axis=1)
-    matrix[:3, 3] = place
-    return matrix
+    mujoco.mjv_cameraFrame(place, forward, up, right, still, camera)
+    return place, np.array([right, up, -forward]).T.ravel()

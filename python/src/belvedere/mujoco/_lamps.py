@@ -11,6 +11,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from belvedere import _native
     from belvedere._world import World
     from belvedere.mujoco._states import States
 
@@ -23,8 +24,6 @@ _KINDS = {
 _DARK = 0.3
 #: The largest falloff of a lamp.
 _MOST_FALLOFF = 1e4
-#: The largest distance of a lamp in metres.
-_FARTHEST = 1e12
 
 
 class Lamps:
@@ -33,8 +32,8 @@ class Lamps:
     def __init__(self, world: World, model: mujoco.MjModel) -> None:
         #: Differences from MuJoCo's renderer.
         self.notes: list[str] = []
-        self._lights: list[int] = []
-        self._is_directional: list[bool] = []
+        #: The number of each lamp in the model, and whether it has a direction instead of a position.
+        self._lights: list[tuple[int, bool]] = []
         headlight = model.vis.headlight
         ambient = np.zeros(3)
         for light in range(model.nlight):
@@ -84,8 +83,7 @@ class Lamps:
             falloff=falloff,
             shadows=bool(model.light_castshadow[light]),
         )
-        self._lights.append(light)
-        self._is_directional.append(kind == "directional")
+        self._lights.append((light, kind == "directional"))
 
     def _background(self, model: mujoco.MjModel) -> NDArray[np.float64]:
         """Return the mean colour of the sky, or black."""
@@ -103,36 +101,28 @@ class Lamps:
         mean: NDArray[np.float64] = pixels[:, :3].mean(axis=0) / 255.0
         return np.broadcast_to(mean, (3,)) if mean.size == 1 else mean
 
-    def place(self, vectors: NDArray[np.float64], states: States, forward: NDArray[np.float64]) -> None:
-        """Write the positions and directions of the lamps of each state, (N, lamps, 3).
+    def place(
+        self, world: _native.World, states: States, matrices: NDArray[np.float64], camera: int
+    ) -> NDArray[np.float64]:
+        """Return the positions and directions of the lamps of each state, (N, lamps, 3).
 
         Args:
-            vectors: where they are in the model.
+            world: the world of the lamps.
             states: the states.
-            forward: where the camera looks, (N, 3).
+            matrices: those of cameras, (N, cameras, 9).
+            camera: the camera that has the headlight.
 
         Raises:
             ValueError: a lamp has no place, or no direction.
 
         """
-        for number, (light, is_directional) in enumerate(zip(self._lights, self._is_directional, strict=True)):
-            field = "light_xdir" if is_directional else "light_xpos"
-            # Arrays of poses may be without lamps, which then stay where they are in the model.
-            if field in states.fields:
-                placed = states.field(field)[:, light]
-                bad = ~(np.abs(placed) <= _FARTHEST).all(axis=-1)
-                if is_directional:
-                    bad |= ~placed.any(axis=-1)
-                if bad.any():
-                    state = int(np.flatnonzero(bad)[0])
-                    expected = "a direction" if is_directional else "a position within 1e12 m"
-                    raise ValueError(
-                        f"states[{field!r}]: {expected} is expected, not {placed[state].tolist()}, "
-                        f"which light {light} has in state {state}"
-                    )
-                vectors[:, number] = placed
-        if self._headlight is not None:
-            vectors[:, self._headlight] = forward
+        # Arrays of poses may be without lamps, which then stay where they are in the model.
+        places, ways = (
+            states.field(name) if self._lights and name in states.fields else None
+            for name in ("light_xpos", "light_xdir")
+        )
+        headlight = None if self._headlight is None else (self._headlight, matrices, camera)
+        return world.placed_lights(self._lights, places, ways, headlight, states.count)
 
 
 def _cone(cutoff: float, exponent: float) -> tuple[tuple[float, float], float, float]:

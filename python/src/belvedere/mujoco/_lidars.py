@@ -10,15 +10,15 @@ from belvedere._frames import Frames
 from belvedere._scanner import Scanner
 from belvedere._sensors import Lidar, Sensor
 from belvedere.mujoco._names import number_of
-from belvedere.mujoco._states import States, poses_of, states_of
+from belvedere.mujoco._states import States, states_of
 from belvedere.mujoco._worlds import numbers_of
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from belvedere import _native
     from belvedere._arrays import ArrayLike
     from belvedere.mujoco._scene import Scene
-    from belvedere.mujoco._worlds import Places
 
 
 class SceneLidar:
@@ -89,9 +89,8 @@ class SceneLidar:
         sensor, places = self.sensor, self._places(now)
         last = None if later is None else self._places(later)
         numbers = numbers_of(seeds, frames, now.lead)
-        arrays = scene.worlds.render(sensor, places, last, channels, numbers, None, threads)
-        shaped = {name: array.reshape(now.lead + array.shape[1:]) for name, array in arrays.items()}
-        return Frames(shaped, now.lead, sensor.frame_shape, sensor, numbers[1])
+        arrays = scene.worlds.render(sensor, now.lead, places, last, channels, numbers, None, threads)
+        return Frames(arrays, now.lead, sensor.frame_shape, sensor, numbers[1])
 
-    def _places(self, states: States) -> Places:
-        return poses_of(states.matrices(self._kind, self._number), "states"), self._scene.poses(states)
+    def _places(self, states: States) -> _native.States:
+        return self._scene.places(states, states.frames(self._kind), self._number)

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import functools
 import logging
 from typing import TYPE_CHECKING, Any
 
 import mujoco
 import numpy as np
 
-from belvedere import _arrays
+from belvedere import _arrays, _native
 from belvedere._frames import Frames
+from belvedere._looks import SEES
 from belvedere._unpicklable import Unpicklable
 from belvedere._world import World
 from belvedere.mujoco._cameras import SceneCamera
@@ -17,7 +19,7 @@ from belvedere.mujoco._geoms import add_geom
 from belvedere.mujoco._lamps import Lamps
 from belvedere.mujoco._lidars import SceneLidar
 from belvedere.mujoco._looks import Looks
-from belvedere.mujoco._states import States, poses_of, states_of
+from belvedere.mujoco._states import States, states_of
 from belvedere.mujoco._worlds import Worlds
 
 if TYPE_CHECKING:
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
 
     from belvedere._arrays import ArrayLike
     from belvedere._sensors import Sensor
+    from belvedere.mujoco._states import Frames as FramesOfStates
 
 _log = logging.getLogger("belvedere")
 #: A ray continues behind the back of a plane by this fraction of its distance, and by this many of its lengths.
@@ -176,42 +179,56 @@ class Scene(Unpicklable):
             raise ValueError(f"origins: shape {starts.shape}; {rays.shape}, as directions, or (3,) is expected")
         if not (np.abs(starts) < _FAR).all():
             raise ValueError(f"origins: numbers of less than {_FAR:g} in size are expected")
-        starts = np.broadcast_to(starts, rays.shape)
+        lead, is_one = rays.shape[:-1], starts.ndim == 1
+        starts, rays = starts.reshape(-1, 3), rays.reshape(-1, 3)
         # Single precision counts from the middle of the origins.
-        reference = starts.reshape(-1, 3).mean(axis=0) if starts.size else np.zeros(3)
-        bodies = self.poses(read)[0] if len(self.geoms) else None
-        limits = np.zeros((*rays.shape[:-1], 2), np.float32)
-        limits[..., 1] = np.inf
-        distance = np.full(rays.shape[:-1], np.inf, np.float32)
-        normal = np.zeros(rays.shape, np.float32)
-        geom = np.full(rays.shape[:-1], -1, np.int32)
-        left = np.ones(rays.shape[:-1], bool)
-        while left.any():
-            hits = self.world.cast(
-                starts[left] - reference,
-                rays[left],
-                ranges=limits[left],
-                channels=("distance", "normal", "instance"),
-                bodies=bodies,
-                sees="collision",
-                reference=reference,
-                threads=threads,
-            )
-            found = self.geom_of(hits["instance"])
-            behind = self._is_plane[found]
-            behind &= np.einsum("ij,ij->i", hits["normal"].astype(np.float64), rays[left]) > 0.0
-            distance[left] = np.where(behind, np.inf, hits["distance"])
-            normal[left] = np.where(behind[:, None], 0.0, hits["normal"])
-            geom[left] = np.where(behind, -1, found)
-            least = limits[left]
-            least[:, 0] = hits["distance"] * (1.0 + _BEHIND) + _BEHIND
-            limits[left] = least
-            left[left] = behind
-        with np.errstate(invalid="ignore"):
-            point = starts + rays * distance[..., None].astype(np.float64)
-        point[geom < 0] = np.nan
+        reference = starts[0] if is_one else starts.mean(axis=0) if len(starts) else np.zeros(3)
+        moves = self.places(read, read.frames("geom_"), None)
+        common = moves, reference, _arrays.threads(threads)
+        distance, normal, geom, behind = self._hits(starts - reference, rays, None, *common)
+        left = np.flatnonzero(behind)
+        while len(left):
+            # These rays hit the backs of planes, and continue behind them.
+            limits = np.full((len(left), 2), np.inf, np.float32)
+            limits[:, 0] = distance[left] * (1.0 + _BEHIND) + _BEHIND
+            offsets = (starts if is_one else starts[left]) - reference
+            hits = self._hits(offsets, rays[left], limits, *common)
+            distance[left], normal[left], geom[left], behind = hits
+            left = left[behind]
+        point = starts + rays * np.where(geom < 0, np.nan, distance)[:, None].astype(np.float64)
         answers = {"distance": distance, "normal": normal, "geom": geom, "point": point}
-        return Frames(answers, rays.shape[:-3], rays.shape[-3:-1])
+        shaped = {name: array.reshape(lead + array.shape[1:]) for name, array in answers.items()}
+        return Frames(shaped, lead[:-2], lead[-2:])
+
+    def _hits(
+        self,
+        starts: NDArray[np.float64],
+        rays: NDArray[np.float64],
+        limits: NDArray[np.float32] | None,
+        moves: _native.States,
+        reference: NDArray[np.float64],
+        threads: int,
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.int32], NDArray[np.bool_]]:
+        """Return distance, normal and geom of the first hit of each ray, and whether it is the back of a plane."""
+        count = len(rays)
+        distance, normal = np.empty(count, np.float32), np.empty((count, 3), np.float32)
+        instance = np.empty(count, np.uint32)
+        hits = {"distance": distance, "normal": normal, "instance": instance}
+        with np.errstate(over="ignore"):
+            # The native module refuses what is not finite.
+            origins, directions = starts.astype(np.float32), rays.astype(np.float32)
+        sees = SEES["collision"]
+        self.world._native.cast(origins, directions, limits, reference.tolist(), sees, True, moves, hits, threads)
+        geom = self.geom_of(instance)
+        behind: NDArray[np.bool_] = self._is_plane[geom]
+        if behind.any():
+            behind &= np.einsum("ij,ij->i", normal.astype(np.float64), rays) > 0.0
+        return distance, normal, geom, behind
+
+    @functools.cached_property
+    def still(self) -> mujoco.MjData:
+        """A state that nothing moves, for functions of MuJoCo that want one. To make one takes as long as a frame."""
+        return mujoco.MjData(self.model)
 
     def geom_of(self, instances: NDArray[np.uint32]) -> NDArray[np.int32]:
         """Return the geoms of the channel ``instance``, −1 where nothing was hit."""
@@ -219,14 +236,22 @@ class Scene(Unpicklable):
         geoms: NDArray[np.int32] = self._geom_of_instance[np.minimum(instances, last)]
         return geoms
 
-    def poses(self, states: States) -> NDArray[np.float64]:
-        """Return the poses of the bodies of the world in each state, (N, bodies, 7).
+    def places(
+        self, states: States, frames: FramesOfStates, number: int | None, *, is_camera: bool = False
+    ) -> _native.States:
+        """Return the poses of a sensor and of the bodies of the world in each state.
+
+        Args:
+            states: the states.
+            frames: places and matrices of objects in each state.
+            number: the object that is the sensor's place; without one, the poses are only those of the bodies.
+            is_camera: True if the object has the axes of MuJoCo's cameras.
 
         Raises:
             ValueError: a pose is not a rotation and a translation.
 
         """
-        return poses_of(states.matrices("geom_", self.geoms), "states")
+        return _native.States(frames, number, is_camera, states.frames("geom_"), self.geoms)
 
     def __repr__(self) -> str:
         """Return the number of geoms that are seen."""

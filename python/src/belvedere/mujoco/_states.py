@@ -10,12 +10,17 @@ from typing import TYPE_CHECKING, Any
 import mujoco
 import numpy as np
 
-from belvedere import _arrays, _native
+from belvedere import _arrays
 
 if TYPE_CHECKING:
+    from typing import TypeAlias
+
     from numpy.typing import NDArray
 
     from belvedere._arrays import ArrayLike
+
+    #: Places (N, objects, 3) and matrices (N, objects, 9).
+    Frames: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 #: What is read of a state: the field of MjData, the number of objects by the field of MjModel, and their shape.
 _FIELDS = {
@@ -51,19 +56,20 @@ class States:
             ValueError: the caller gave arrays without it.
 
         """
-        if name not in self.fields:
-            raise ValueError(f"states: the array {name!r} is expected, too; there are {', '.join(self.fields)}")
-        return self.fields[name]
+        try:
+            return self.fields[name]
+        except KeyError:
+            known = ", ".join(self.fields)
+            raise ValueError(f"states: the array {name!r} is expected, too; there are {known}") from None
 
-    def matrices(self, kind: str, number: int | NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the poses of objects as matrices, (N, …, 4, 4); kind is ``geom_``, ``cam_``, ``site_`` or empty."""
-        places = self.field(f"{kind}xpos")[:, number]
-        turns = self.field(f"{kind}xmat")[:, number]
-        matrices = np.zeros((*places.shape[:-1], 4, 4))
-        matrices[..., :3, :3] = turns.reshape(*places.shape[:-1], 3, 3)
-        matrices[..., :3, 3] = places
-        matrices[..., 3, 3] = 1.0
-        return matrices
+    def frames(self, kind: str) -> Frames:
+        """Return places and matrices of all objects of a kind: ``geom_``, ``cam_``, ``site_``, or empty for bodies.
+
+        Raises:
+            ValueError: the caller gave arrays without them.
+
+        """
+        return self.field(f"{kind}xpos"), self.field(f"{kind}xmat")
 
 
 def states_of(model: mujoco.MjModel, states: Any) -> States:
@@ -99,12 +105,13 @@ class _Read(Mapping[str, "NDArray[np.float64]"]):
             raise ValueError(
                 "states: an MjData of this scene's model is expected; this one belongs to another model"
             )
-        self._model, self._state = model, state
+        self._state = state
 
     def __getitem__(self, name: str) -> NDArray[np.float64]:
-        count, shape = _FIELDS[name]
+        if name not in _FIELDS:
+            raise KeyError(name)
         field: NDArray[np.float64] = getattr(self._state, name)
-        return field.reshape(1, getattr(self._model, count), *shape)
+        return field[None]
 
     def __contains__(self, name: object) -> bool:
         return name in _FIELDS
@@ -164,16 +171,3 @@ def _of_arrays(model: mujoco.MjModel, states: Mapping[str, ArrayLike]) -> States
         fields[name] = given.reshape(math.prod(lead), count, *shape)
     assert lead is not None
     return States(lead, math.prod(lead), fields)
-
-
-def poses_of(matrices: NDArray[np.float64], argument: str) -> NDArray[np.float64]:
-    """Return matrices (…, 4, 4) as poses (…, 7).
-
-    Raises:
-        ValueError: one is not a rotation and a translation.
-
-    """
-    poses, bad = _native.poses_of_matrices(np.ascontiguousarray(matrices.reshape(-1, 4, 4)))
-    if bad is not None:
-        raise ValueError(f"{argument}: pose number {bad[0]}: {bad[1]}")
-    return poses.reshape(*matrices.shape[:-2], 7)

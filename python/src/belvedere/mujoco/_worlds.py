@@ -4,25 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
 from belvedere import _arrays
 from belvedere._channels import prepare
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from typing import TypeAlias
 
+    import numpy as np
     from numpy.typing import NDArray
 
+    from belvedere import _native
     from belvedere._native import _Looks
     from belvedere._sensors import Sensor
     from belvedere._world import World
     from belvedere.mujoco._lamps import Lamps
     from belvedere.mujoco._states import States
-
-    #: Poses of the sensor, (N, 7), and of all bodies, (N, bodies, 7).
-    Places: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64]]
 
 
 class Worlds:
@@ -35,34 +31,33 @@ class Worlds:
     def __init__(self, world: World, lamps: Lamps) -> None:
         self._world, self._lamps = world, lamps
 
-    def looks(self, states: States, forward: NDArray[np.float64]) -> _Looks:
-        """Return the lamps of each state, for a camera that looks forward, (N, 3).
+    def looks(self, states: States, matrices: NDArray[np.float64], camera: int) -> _Looks:
+        """Return the lamps of each state, for a camera among those with these matrices, (N, cameras, 9).
 
         Raises:
             ValueError: a lamp has no place, or no direction.
 
         """
-        own = np.array([vector for vector, _, _ in self._world._native.lights()], np.float64).reshape(1, -1, 3)
-        vectors = np.repeat(own, states.count, axis=0)
-        self._lamps.place(vectors, states, forward)
         # All else is as in the scene.
-        return None, None, vectors, None, None
+        return None, None, self._lamps.place(self._world._native, states, matrices, camera), None, None
 
     def render(
         self,
         sensor: Sensor,
-        now: Places,
-        after: Places | None,
+        lead: tuple[int, ...],
+        now: _native.States,
+        after: _native.States | None,
         channels: Sequence[str] | None,
         numbers: tuple[list[int], list[int]],
         looks: _Looks | None,
         threads: int | None,
     ) -> dict[str, NDArray[Any]]:
-        """Return the channels of the sensor, (N, …).
+        """Return the channels of the sensor, with the shape of the states followed by the frame's.
 
         Args:
             sensor: the sensor.
-            now: the sensor's poses in each state, (N, 7), and those of all bodies, (N, bodies, 7).
+            lead: the shape of the states.
+            now: the poses of the sensor and of all bodies in each state.
             after: the same at the end of the frames.
             channels: the channels, by default the sensor's main one.
             numbers: the seed and the number of each frame.
@@ -73,12 +68,9 @@ class Worlds:
             ValueError: an argument is invalid.
 
         """
-        world, lead = self._world._native.snapshot(), (len(now[0]),)
         outputs = prepare(sensor._channels, sensor.main_channels, channels, None, lead, sensor.frame_shape)
-        moved = list(range(now[1].shape[1]))
-        first = now[0], moved, now[1]
-        last = None if after is None else (after[0], moved, after[1])
-        sensor._take(world, lead, first, last, None, (*numbers, None, looks), outputs, threads)
+        each = (*numbers, None, looks)
+        sensor._take(self._world._native, lead, now, after, None, each, outputs, threads)
         return outputs
 
 

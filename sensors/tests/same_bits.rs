@@ -161,7 +161,8 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
             "rgb8 of gloss and glass",
             picture_with(&gloss_and_glass(builder.clone()), camera, pose, 7, execution),
         ),
-        ("rgb8 of facets", picture_with(&facets(builder.clone()), camera, pose, 7, execution)),
+        ("rgb8 of facets", picture_with(&facets(builder.clone(), false), camera, pose, 7, execution)),
+        ("rgb8 of mapped facets", picture_with(&facets(builder.clone(), true), camera, pose, 7, execution)),
         ("ranges of mirrors and panes", bytes(&mirrored)),
         ("intensities of mirrors and panes", bytes(&passed)),
         ("32fc1 of mirrors and panes", bytes(&glazed_depths)),
@@ -242,16 +243,20 @@ fn gloss_and_glass(mut builder: SceneBuilder) -> SceneBuilder {
     builder
 }
 
-/// The scene with balls and a box of metal and plastic, one of them with a texture.
-fn facets(mut builder: SceneBuilder) -> SceneBuilder {
+/// The scene with balls and a box of metal and plastic, one of them with a texture; with maps if they are `mapped`.
+fn facets(mut builder: SceneBuilder, mapped: bool) -> SceneBuilder {
     let texels = [[255, 200, 100, 255], [90, 80, 9, 255], [50, 60, 70, 255], [9, 250, 3, 255]];
     let texture = Some(builder.add_texture(2, 2, &texels).unwrap());
+    let pbr_map = mapped.then(|| builder.add_pbr_map(2, 2, &texels).unwrap());
+    let emissive_map = texture.filter(|_| mapped);
+    let emissive = if mapped { [0.2; 3] } else { [0.0; 3] };
     let shapes =
         [Shape::Sphere { radius: 0.4 }, Shape::Sphere { radius: 0.5 }, Shape::Box { size: [0.4; 3] }];
     let looks = [(0.1, 1.0, None, 0.8), (0.4, 0.0, None, -0.4), (0.7, 0.5, texture, 0.3)];
     for (shape, (roughness, metalness, texture, y)) in shapes.into_iter().zip(looks) {
         let pbr = Some(Pbr { roughness, metalness, highlights: [1.0, 0.9, 0.8] });
-        let material = builder.add_material(&MaterialConfig { pbr, texture, ..Default::default() }).unwrap();
+        let config = MaterialConfig { pbr, pbr_map, emissive, emissive_map, texture, ..Default::default() };
+        let material = builder.add_material(&config).unwrap();
         add(&mut builder, shape, Pose::from_translation(DVec3::new(-1.6, y, 1.1)), material);
     }
     let kind = spot([-2.5, 0.5, 2.5], DVec3::new(0.6, 0.0, -0.8), [0.9, 0.7, 1.7]);
@@ -294,7 +299,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 23] = [
+    let expected: [(&str, u64); 24] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -315,6 +320,7 @@ fn every_machine() {
         ("rgba8 of sRGB", 0x5d94_93b7_3efb_42af),
         ("rgb8 of gloss and glass", 0x2c18_2a64_e3af_3e53),
         ("rgb8 of facets", 0x67fa_f293_d640_2f8d),
+        ("rgb8 of mapped facets", 0x8a99_00de_2846_e67c),
         ("ranges of mirrors and panes", 0xe32c_707c_86a7_e51a),
         ("intensities of mirrors and panes", 0xd852_0a22_7b22_d8ec),
         ("32fc1 of mirrors and panes", 0xc7c7_aba7_92a6_86d0),

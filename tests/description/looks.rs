@@ -3,6 +3,7 @@
 use crate::sdf;
 use crate::sdf::*;
 use belvedere::description::Severity;
+use belvedere::description::model::{Channel, PbrMaps};
 use belvedere_sensors::scene::{Air, Fog, FogLaw, Pbr, Sky, TextureAlpha};
 
 #[test]
@@ -89,10 +90,6 @@ fn roughness_and_metalness() {
         "tags/materials/scripts/tags.material",
         "material Tag { technique { pass { diffuse 1 0 0 } } }",
     );
-    let map = image::RgbImage::from_fn(4, 1, |x, _| image::Rgb([if x == 0 { 255 } else { 0 }, 7, 9]));
-    let mut png = std::io::Cursor::new(Vec::new());
-    map.write_to(&mut png, image::ImageFormat::Png).unwrap();
-    folder.write("tags/materials/textures/map.png", png.into_inner());
     let load = |material: &str| {
         let content = box_visual(&format!("<material>{material}</material>"));
         let (world, problems) = folder.load("1.6", &content, false);
@@ -122,24 +119,52 @@ fn roughness_and_metalness() {
     let script = "<script><uri>model://tags/materials/scripts</uri><name>Tag</name></script>";
     assert_eq!(look(&format!("{script}<pbr><metal/></pbr>")).pbr, None);
 
-    // A quarter of the map is 1, and a factor is multiplied by it.
-    let maps = "<roughness_map>tags/materials/textures/map.png</roughness_map>\
-                <metalness_map>tags/materials/textures/map.png</metalness_map><metalness>0.5</metalness>";
-    let (mapped, problems) = load(&format!("<pbr><metal>{maps}</metal></pbr>"));
-    assert_eq!(mapped.unwrap().pbr, pbr(0.25, 0.125, white));
-    let told: Vec<_> = problems.iter().map(ToString::to_string).collect();
-    assert!(
-        told.len() == 2 && told[0].contains("only the mean of the <roughness_map> is used: 0.25"),
-        "{told:?}"
-    );
     let (_, problems) = load("<pbr><metal><roughness>1.5</roughness></metal></pbr>");
     assert!(
         problems[0].to_string().contains("<roughness> is 1.5; write a number from 0 to 1"),
         "{problems:?}"
     );
-    let (_, problems) = load(&format!("<pbr><metal>{}</metal></pbr>", maps.replace("map.png<", "a.png<")));
+}
+
+#[test]
+fn maps_of_pbr() {
+    let folder = Folder::new();
+    let load = |metal: &str, more: &str| {
+        let look = format!("<material>{more}<pbr><metal>{metal}</metal></pbr></material>");
+        let (world, problems) = folder.load("1.6", &box_visual(&look), false);
+        (world.unwrap().models[0].links[0].visuals[0].material.clone(), problems)
+    };
+    for name in ["r", "m", "e"] {
+        folder.write(&format!("tags/materials/textures/{name}.png"), b"");
+    }
+    let map = |of: &str| {
+        let file = &of[..1];
+        format!("<{of}_map>tags/materials/textures/{file}.png</{of}_map>")
+    };
+    let (look, problems) = load(&["roughness", "metalness", "emissive"].map(map).concat(), "");
+    assert!(problems.is_empty(), "{problems:?}");
+    let file = |channel: &Option<Channel>| {
+        let channel = channel.as_ref().unwrap();
+        (channel.path.file_name().unwrap().to_str().unwrap().to_owned(), channel.channel)
+    };
+    assert_eq!(file(&look.pbr_maps.roughness), ("r.png".into(), 0));
+    assert_eq!(file(&look.pbr_maps.metalness), ("m.png".into(), 0));
+    assert!(look.emissive_map.unwrap().ends_with("e.png"));
+    // A map is multiplied by the number, and that is 0.5 if the file does not say it; without an emissive colour, it is
+    // the map alone that counts.
+    let pbr = look.pbr.unwrap();
+    assert_eq!(([pbr.roughness, pbr.metalness], look.emissive), ([0.5; 2], [1.0; 3]));
+    let red = "<emissive>1 0 0 1</emissive>";
+    assert_eq!(load(&map("emissive"), red).0.emissive, [1.0, 0.0, 0.0]);
+    assert_eq!(load("", red).0.emissive, [1.0, 0.0, 0.0]);
+    assert_eq!((load("", "").0.emissive, load("", "").0.pbr_maps), ([0.0; 3], PbrMaps::default()));
+    // A script is the look of Gazebo classic.
+    let (classic, problems) = load(&map("roughness"), "<script><name>Gazebo/Grey</name></script>");
+    assert_eq!((classic.pbr_maps, classic.emissive_map), (PbrMaps::default(), None));
+    assert!(problems.is_empty(), "{problems:?}");
+    let (_, problems) = load(&map("roughness").replace("r.png", "gone.png"), "");
     assert!(
-        problems[0].severity == Severity::Warning && problems[0].to_string().contains("a.png"),
+        problems[0].severity == Severity::Warning && problems[0].to_string().contains("gone.png"),
         "{problems:?}"
     );
 }

@@ -19,6 +19,7 @@ mod lidar_layouts;
 mod lidar_returns;
 mod logical_camera;
 mod optics;
+mod pbr_maps;
 mod physics;
 mod rest;
 mod robot;

@@ -16,6 +16,7 @@ pub mod model;
 pub mod models;
 pub mod ogre_material;
 mod optics;
+pub mod pbr_picture;
 mod plugin;
 pub mod rules;
 mod sdf;

@@ -178,7 +178,7 @@ fn textures(scene: &Scene<'_>) -> Result<(), SceneFault> {
 fn materials(scene: &Scene<'_>) -> Result<(), SceneFault> {
     for (index, material) in scene.materials.iter().enumerate() {
         let element = Element::of("materials", index);
-        for (name, texture) in [("texture", material.texture), ("normal map", material.normal_map)] {
+        for (name, texture) in material.textures() {
             if texture != NO_TEXTURE {
                 element.index(name, texture, scene.textures.len())?;
             }

@@ -37,9 +37,15 @@ pub struct MaterialConfig {
     /// Normal map, added by [`SceneBuilder::add_normal_map`](super::SceneBuilder::add_normal_map). The default is
     /// `None`.
     pub normal_map: Option<TextureId>,
+    /// Map of roughness and metalness, added by [`SceneBuilder::add_pbr_map`](super::SceneBuilder::add_pbr_map): its
+    /// green is multiplied by [`Pbr::roughness`] and its blue by [`Pbr::metalness`], as in glTF. Without a
+    /// [`MaterialConfig::pbr`] it is ignored. The default is `None`.
+    pub pbr_map: Option<TextureId>,
+    /// Colour texture that is multiplied by [`MaterialConfig::emissive`]. The default is `None`.
+    pub emissive_map: Option<TextureId>,
     /// Colour texture. The default is `None`.
     pub texture: Option<TextureId>,
-    /// Number of repetitions of texture and normal map along u and v. The default is 1 along both.
+    /// Number of repetitions of the texture and all maps along u and v. The default is 1 along both.
     pub texture_repeat: [f32; 2],
 }
 
@@ -58,6 +64,8 @@ impl Default for MaterialConfig {
             specular_reflectance: 0.0,
             transmittance: 0.0,
             normal_map: None,
+            pbr_map: None,
+            emissive_map: None,
             texture: None,
             texture_repeat: [1.0; 2],
         }
@@ -118,6 +126,9 @@ pub struct Material {
     pub(crate) specular_reflectance: f32,
     pub(crate) transmittance: f32,
     pub(crate) normal_map: u32,
+    /// [`NO_TEXTURE`] unless `gloss` is [`GLOSS_PBR`].
+    pub(crate) pbr_map: u32,
+    pub(crate) emissive_map: u32,
     pub(crate) texture_repeat: [f32; 2],
     pub(crate) texture: u32,
 }
@@ -136,6 +147,7 @@ impl Material {
             None => GLOSS_NONE,
         };
         let pbr = config.pbr.unwrap_or_default();
+        let number = |texture: Option<TextureId>| texture.map_or(NO_TEXTURE, |texture| texture.0);
         Self {
             diffuse: config.diffuse,
             ambient: config.ambient,
@@ -150,10 +162,29 @@ impl Material {
             least_alpha,
             specular_reflectance: config.specular_reflectance,
             transmittance: config.transmittance,
-            normal_map: config.normal_map.map_or(NO_TEXTURE, |texture| texture.0),
+            normal_map: number(config.normal_map),
+            pbr_map: number(config.pbr_map.filter(|_| gloss == GLOSS_PBR)),
+            emissive_map: number(config.emissive_map),
             texture_repeat: config.texture_repeat,
-            texture: config.texture.map_or(NO_TEXTURE, |texture| texture.0),
+            texture: number(config.texture),
         }
+    }
+
+    /// The names and indices of its textures, which are [`NO_TEXTURE`] for those that it does not have.
+    pub(crate) const fn textures(&self) -> [(&'static str, u32); 4] {
+        [
+            ("texture", self.texture),
+            ("normal map", self.normal_map),
+            ("map of roughness and metalness", self.pbr_map),
+            ("emissive map", self.emissive_map),
+        ]
+    }
+
+    /// Returns true if it has any texture.
+    #[inline(always)]
+    pub(crate) const fn is_mapped(&self) -> bool {
+        // All bits of `NO_TEXTURE` are set.
+        self.texture & self.normal_map & self.pbr_map & self.emissive_map != NO_TEXTURE
     }
 
     /// Returns true if lamps make highlights on the material.

@@ -13,7 +13,8 @@
 /// - B = (1 − max F)(1 − 0.338 · roughness)(1 + b (1 − n·l)⁵)(1 + b (1 − n·v)⁵) after Disney, as normalised by Lagarde
 ///   and de Rousiers, with b = roughness · (0.5 + 2 (v·h)²) − 1.
 ///
-/// Ambient light is reflected as by any other material.
+/// Roughness and metalness are multiplied by [`MaterialConfig::pbr_map`](super::MaterialConfig::pbr_map). Ambient light
+/// is reflected as by any other material.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pbr {
     /// 0 for a mirror-like surface, 1 for a dull one. The default is 1.

@@ -38,7 +38,7 @@ impl<'a> Scene<'a> {
         }
         for material in materials {
             limits::material(material)?;
-            for texture in [material.texture, material.normal_map] {
+            for (_, texture) in material.textures() {
                 if texture != NO_TEXTURE && texture as usize >= self.textures.len() {
                     return Err(SceneError::NoSuchTexture(texture));
                 }

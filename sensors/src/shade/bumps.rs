@@ -1,7 +1,7 @@
 //! Normal maps: images of normals in the axes of the surface, right (u), up (v) and outwards.
 
 use super::surface::Footprint;
-use super::texture::{Reading, Sampler};
+use super::texture::Reading;
 use super::tile::Tile;
 use super::{ROWS, Shader, lanes_in, store_where};
 use crate::scene::{Form, Light, Material, Scene};
@@ -17,12 +17,11 @@ pub(super) struct Bumps {
     pub(super) lanes: u64,
     /// The normals of the map; after [`Bumps::swap`], the normals of the surface itself.
     pub(super) normal: [Lanes<f32>; 3],
-    sampler: Sampler,
 }
 
 impl Bumps {
     pub(super) const fn new() -> Self {
-        Self { lanes: 0, normal: [[0.0; LANES]; 3], sampler: Sampler::new() }
+        Self { lanes: 0, normal: [[0.0; LANES]; 3] }
     }
 
     /// Swaps the normals of the map and those of the surfaces.
@@ -66,8 +65,8 @@ impl Shader {
         footprints: &[Footprint<S>; ROWS],
         lanes: u64,
     ) {
-        let Self { bumps, surfaces, .. } = self;
-        bumps.sampler.turn_to(scene, material.normal_map);
+        let Self { bumps, surfaces, maps, .. } = self;
+        maps.turn_to(scene, material.normal_map);
         bumps.lanes |= lanes;
         simd.vectorize(
             #[inline(always)]
@@ -77,7 +76,7 @@ impl Shader {
                     if !mine.any_true() {
                         continue;
                     }
-                    let texel = bumps.sampler.sample(simd, scene, &footprints[row], mine, Reading::Numbers);
+                    let texel = maps.sample(simd, scene, &footprints[row], mine, Reading::Numbers);
                     let normal = vectors(simd, &surfaces.normal, row);
                     let [to_u, to_v] = [0, 1].map(|side| vectors(simd, &surfaces.gradient[side], row));
                     let mapped = mapped(simd, texel, normal, to_u, to_v);

@@ -164,7 +164,7 @@ impl Shader {
         let (instance, on) = (view.instance(placed), &view.placed[placed as usize]);
         let material = &view.scene.materials[instance.material as usize];
         let bumpy = material.normal_map != NO_TEXTURE;
-        let mapped = material.texture != NO_TEXTURE || bumpy;
+        let mapped = material.is_mapped();
         let visible = VisibleFaces::new((instance, solid), on, self.faces);
         let numbers = if visible.only().is_some() { None } else { Some(visible.of_tile(simd, tile, lanes)) };
         let mut rest = lanes;

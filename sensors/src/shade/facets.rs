@@ -4,11 +4,13 @@
 //! them.
 
 use super::lamp_ray::{Ray, row_of};
+use super::surface::Footprint;
+use super::texture::Reading;
 use super::tile::Tile;
-use super::{Colours, Gloss, ROWS, lanes_in, store_where};
-use crate::scene::{Form, Light, Material};
+use super::{Colours, Gloss, ROWS, Shader, lanes_in, store_where};
+use crate::scene::{Form, Light, Material, Scene};
 use crate::simd::{Lanes, load_row, store_row};
-use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16};
 use glam::DVec3;
 
 /// The reflectance of surfaces without metal that are seen head-on.
@@ -32,19 +34,63 @@ impl Gloss {
         simd.vectorize(
             #[inline(always)]
             || {
-                let metalness = material.metalness;
+                let own = [material.roughness, material.metalness].map(|own| f32x16::splat(simd, own));
                 for row in 0..ROWS {
                     let mine = lanes_in(simd, lanes, row);
-                    for channel in 0..3 {
-                        let base = load_row(simd, &albedo[channel], row);
-                        let head_on = (base - DIELECTRIC) * metalness + DIELECTRIC;
-                        store_where(simd, mine, head_on, &mut self.specular[channel], row);
-                        store_where(simd, mine, base * (1.0 - metalness), &mut albedo[channel], row);
-                        let factor = f32x16::splat(simd, material.specular[channel]);
-                        store_where(simd, mine, factor, &mut self.factor[channel], row);
+                    self.set_facets(simd, material, own, (mine, row), albedo);
+                }
+            },
+        );
+    }
+
+    /// Sets the facets of the lanes of a row.
+    #[inline(always)]
+    fn set_facets<S: Simd>(
+        &mut self,
+        simd: S,
+        material: &Material,
+        [roughness, metalness]: [f32x16<S>; 2],
+        (mine, row): (mask32x16<S>, usize),
+        albedo: &mut Colours,
+    ) {
+        for channel in 0..3 {
+            let base = load_row(simd, &albedo[channel], row);
+            let head_on = (base - DIELECTRIC) * metalness + DIELECTRIC;
+            store_where(simd, mine, head_on, &mut self.specular[channel], row);
+            let scattered = base * (f32x16::splat(simd, 1.0) - metalness);
+            store_where(simd, mine, scattered, &mut albedo[channel], row);
+            let factor = f32x16::splat(simd, material.specular[channel]);
+            store_where(simd, mine, factor, &mut self.factor[channel], row);
+        }
+        store_where(simd, mine, roughness, &mut self.shininess, row);
+    }
+}
+
+impl Shader {
+    /// [`Gloss::add_facets`] with a roughness and a metalness for each pixel, from the material's map.
+    #[inline(never)]
+    pub(super) fn add_mapped_facets<S: Simd>(
+        &mut self,
+        simd: S,
+        scene: &Scene<'_>,
+        material: &Material,
+        footprints: &[Footprint<S>; ROWS],
+        lanes: u64,
+    ) {
+        let Self { gloss, albedo, maps, .. } = self;
+        gloss.facets |= lanes;
+        maps.turn_to(scene, material.pbr_map);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                for row in 0..ROWS {
+                    let mine = lanes_in(simd, lanes, row);
+                    if !mine.any_true() {
+                        continue;
                     }
-                    let roughness = f32x16::splat(simd, material.roughness);
-                    store_where(simd, mine, roughness, &mut self.shininess, row);
+                    let texel = maps.sample(simd, scene, &footprints[row], mine, Reading::Numbers);
+                    let own = [texel[1] * material.roughness, texel[2] * material.metalness];
+                    gloss.set_facets(simd, material, own, (mine, row), albedo);
                 }
             },
         );

@@ -12,6 +12,7 @@ mod air;
 mod bumps;
 mod face;
 mod facets;
+mod glow;
 mod lamp;
 mod lamp_ray;
 mod occluders;
@@ -52,6 +53,8 @@ pub(crate) struct Shader {
     /// Diffuse colour multiplied by the texture; black where nothing was hit.
     albedo: Colours,
     gloss: Gloss,
+    /// Reads the maps of materials: all textures but that of their colour.
+    maps: Sampler,
     bumps: Bumps,
     /// Opacity of the surface in each lane, for the lanes in [`Shader::clear`].
     coverage: Lanes<f32>,
@@ -95,6 +98,7 @@ impl Shader {
             shininess: [0.0; LANES],
             factor: [[0.0; LANES]; 3],
         },
+        maps: Sampler::new(),
         bumps: Bumps::new(),
         coverage: [1.0; LANES],
         clear: 0,
@@ -223,7 +227,7 @@ impl Shader {
         let material = &scene.materials[instance.material as usize];
         let bumpy = material.normal_map != NO_TEXTURE;
         // True if the positions of the pixels on the texture are needed.
-        let mapped = material.texture != NO_TEXTURE || bumpy;
+        let mapped = material.is_mapped();
 
         // Step 1: compute normals and footprints on the texture. Without lamps, nothing depends on normals.
         let mut footprints = [Footprint::nothing(simd); ROWS];
@@ -242,8 +246,13 @@ impl Shader {
 
         // Step 2: compute the colours.
         self.add_colours(simd, scene, material, &footprints, lanes, colours);
+        if material.emissive_map != NO_TEXTURE {
+            self.glow(simd, scene, material, &footprints, lanes, colours);
+        }
         if material.is_glossy() {
-            if material.is_pbr() {
+            if material.pbr_map != NO_TEXTURE {
+                self.add_mapped_facets(simd, scene, material, &footprints, lanes);
+            } else if material.is_pbr() {
                 self.gloss.add_facets(simd, material, lanes, &mut self.albedo);
             } else {
                 self.gloss.add(simd, material, lanes, scene.colour_space);

@@ -8,7 +8,7 @@ use super::face::{Face, VisibleFaces};
 use super::light_of;
 use super::surface::triangle_normal;
 use super::tile::CameraRays;
-use crate::scene::{Air, Form, Kind, Material, NO_TEXTURE, Scene};
+use crate::scene::{Air, Form, Kind, Material, Scene};
 use crate::trace::grid::Band;
 use crate::trace::grid::tiling::{BLOCKS, Tiling, place_in_blocks};
 use crate::trace::hit::resolve::{Hit, Resolver};
@@ -140,8 +140,7 @@ fn common_face(
 
 /// Returns true if the colour of a flat face depends only on the light.
 fn is_plain(material: &Material) -> bool {
-    let is_mapped = material.texture != NO_TEXTURE || material.normal_map != NO_TEXTURE;
-    !(is_mapped || material.is_glossy() || material.is_clear())
+    !(material.is_mapped() || material.is_glossy() || material.is_clear())
 }
 
 /// The colour of a face of a plain material.

@@ -199,6 +199,8 @@ fn scenes_document_their_defaults() {
         specular_reflectance: "0" = 0.0;
         transmittance: "0" = 0.0;
         normal_map: "None" = None;
+        pbr_map: "None" = None;
+        emissive_map: "None" = None;
         texture: "None" = None;
         texture_repeat: "1 along both" = [1.0; 2];
     }

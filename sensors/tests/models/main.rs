@@ -24,6 +24,7 @@ mod moments;
 mod noise_in_sensors;
 mod owned;
 mod parameters;
+mod pbr_maps;
 mod plain;
 mod scanner;
 mod scanner_presets;

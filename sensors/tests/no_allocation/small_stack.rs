@@ -81,7 +81,7 @@ fn ball() -> (Vec<[f32; 3]>, Vec<[u32; 3]>) {
     ((0..around * down).map(corner).collect(), triangles.collect())
 }
 
-/// The scenery with meshes, a height field, normal maps, highlights, clear surfaces and, if `glazed`, mirrors and
+/// The scenery with meshes, a height field, maps of all kinds, highlights, clear surfaces and, if `glazed`, mirrors and
 /// panes.
 fn stage(glazed: bool) -> SceneBuilder {
     let mut builder = SceneBuilder::new();
@@ -100,6 +100,9 @@ fn stage(glazed: bool) -> SceneBuilder {
             specular_reflectance,
             transmittance,
             pbr: Some(Pbr { roughness: 0.4, ..Default::default() }),
+            pbr_map: normal_map,
+            emissive: [0.1; 3],
+            emissive_map: texture,
             ..gloss
         },
     ];

@@ -61,7 +61,11 @@ pub(super) fn pictures<'a>(
 ) -> impl Iterator<Item = &'a PathBuf> {
     let models = worlds.iter().flat_map(|world| &world.models).chain(robot);
     let visuals = models.flat_map(|model| &model.links).flat_map(|link| &link.visuals);
-    visuals.flat_map(|visual| visual.material.texture.iter().chain(&visual.material.normal_map))
+    visuals.flat_map(|visual| {
+        let material = &visual.material;
+        let maps = material.normal_map.iter().chain(&material.emissive_map);
+        material.texture.iter().chain(maps).chain(material.pbr_maps.paths())
+    })
 }
 
 /// Returns a file's name relative to the first of these folders that contains it.

@@ -4,7 +4,8 @@ use crate::description::diagnostics::{Problem, Severity, Source};
 use crate::description::housing::Part;
 use crate::description::image_file;
 use crate::description::model as description;
-use crate::description::model::{Geometry, Heights, LinkIndex, Mesh, Optics};
+use crate::description::model::{Geometry, Heights, LinkIndex, Mesh, Optics, PbrMaps};
+use crate::description::pbr_picture;
 use crate::world::physics::ModelIndex;
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
@@ -43,6 +44,7 @@ pub(super) struct Assembly {
     /// Textures by path, and true for opaque ones; `None` for an image that cannot be used.
     textures: HashMap<PathBuf, Option<(TextureId, bool)>>,
     normal_maps: HashMap<PathBuf, Option<TextureId>>,
+    pbr_maps: HashMap<PbrMaps, Option<TextureId>>,
     /// Meshes by address, which is valid only while their models are borrowed.
     meshes: HashMap<*const Mesh, MeshId>,
     height_fields: HashMap<*const Heights, HeightFieldId>,
@@ -216,12 +218,16 @@ impl Assembly {
     ) -> Result<MaterialId, Problem> {
         let found = material.texture.as_deref().and_then(|path| self.texture(path, source));
         let normal_map = material.normal_map.as_deref().and_then(|path| self.normal_map(path, source));
+        let pbr_map = self.pbr_map(&material.pbr_maps, source);
+        let glow = material.emissive_map.as_deref().map(|path| self.texture(path, source));
+        // Without its map, the whole surface would emit light.
+        let emissive = if glow == Some(None) { [0.0; 3] } else { material.emissive };
         let (texture, is_opaque) = found.map_or((None, true), |(texture, opaque)| (Some(texture), opaque));
         let texture_alpha = if is_opaque { TextureAlpha::Ignored } else { material.texture_alpha };
         let config = MaterialConfig {
             diffuse: material.diffuse,
             ambient: material.ambient,
-            emissive: material.emissive,
+            emissive,
             specular: material.specular,
             shininess: material.shininess,
             pbr: material.pbr,
@@ -230,6 +236,8 @@ impl Assembly {
             specular_reflectance: optics.specular_reflectance,
             transmittance: optics.transmittance,
             normal_map,
+            pbr_map,
+            emissive_map: glow.flatten().map(|(texture, _)| texture),
             texture,
             texture_repeat: material.texture_repeat,
         };
@@ -248,6 +256,25 @@ impl Assembly {
         });
         let added = added.map_err(|problem| self.notes.push(problem)).ok();
         self.normal_maps.insert(path.to_path_buf(), added);
+        added
+    }
+
+    /// Returns the map of roughness and metalness; `None` if there is none, or, after a warning, if an image cannot be
+    /// used.
+    fn pbr_map(&mut self, maps: &PbrMaps, source: &Source) -> Option<TextureId> {
+        if let Some(known) = self.pbr_maps.get(maps) {
+            return *known;
+        }
+        let picture = pbr_picture::picture(maps).map_err(|(path, error)| unused(&path, source, &error));
+        let added = picture.and_then(|picture| {
+            let Some(picture) = picture else { return Ok(None) };
+            let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
+            let added = self.builder.add_pbr_map(picture.width(), picture.height(), texels);
+            let path = maps.paths().next().map_or(Path::new(""), PathBuf::as_path);
+            added.map(Some).map_err(|error| unused(path, source, &error))
+        });
+        let added = added.map_err(|problem| self.notes.push(problem)).ok().flatten();
+        self.pbr_maps.insert(maps.clone(), added);
         added
     }
 

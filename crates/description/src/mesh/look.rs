@@ -4,7 +4,7 @@ use super::Part;
 use super::gltf::picture;
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::Material;
-use belvedere_sensors::scene::{MAX_SHININESS, Pbr, TextureAlpha};
+use belvedere_sensors::scene::{MAX_SHININESS, TextureAlpha};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
@@ -15,7 +15,6 @@ pub(super) struct Look {
     pub(super) emissive: Option<[f32; 3]>,
     pub(super) specular: Option<[f32; 3]>,
     pub(super) shininess: Option<f32>,
-    pub(super) pbr: Option<Pbr>,
     pub(super) alpha: Option<f32>,
     pub(super) texture_alpha: TextureAlpha,
     pub(super) texture: Option<PathBuf>,
@@ -35,12 +34,10 @@ impl Look {
             emissive: self.emissive.unwrap_or([0.0; 3]),
             specular: self.specular.unwrap_or([0.0; 3]),
             shininess: within(self.shininess.unwrap_or(0.0), MAX_SHININESS),
-            pbr: self.pbr,
             alpha: within(self.alpha.unwrap_or(1.0), 1.0),
             texture_alpha: self.texture_alpha,
             texture: self.texture,
-            normal_map: None,
-            texture_repeat: [1.0; 2],
+            ..Material::default()
         })
     }
 }

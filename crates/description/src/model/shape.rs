@@ -7,6 +7,8 @@ use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::pbr_maps::PbrMaps;
+
 /// A shape that cameras see.
 #[derive(Debug, Clone)]
 pub struct Visual {
@@ -169,7 +171,7 @@ pub struct HeightMap {
     /// Position of its centre at height 0.
     pub offset: DVec3,
     /// Its own material: the first of its textures.
-    pub material: Option<Material>,
+    pub material: Option<Box<Material>>,
 }
 
 /// Heights on the vertices of a grid.
@@ -223,7 +225,11 @@ pub struct Material {
     pub texture: Option<PathBuf>,
     /// An image file of normals in tangent space.
     pub normal_map: Option<PathBuf>,
-    /// Repetitions of the texture over the surface along u and v (the inverse of Ogre's `scale`).
+    /// Images by which the values of [`Material::pbr`] are multiplied.
+    pub pbr_maps: PbrMaps,
+    /// An image file by which [`Material::emissive`] is multiplied.
+    pub emissive_map: Option<PathBuf>,
+    /// Repetitions of the texture and all maps over the surface along u and v (the inverse of Ogre's `scale`).
     pub texture_repeat: [f32; 2],
 }
 
@@ -241,6 +247,8 @@ impl Default for Material {
             texture_alpha: TextureAlpha::Ignored,
             texture: None,
             normal_map: None,
+            pbr_maps: PbrMaps::default(),
+            emissive_map: None,
             texture_repeat: [1.0; 2],
         }
     }

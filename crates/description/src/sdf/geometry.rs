@@ -19,7 +19,7 @@ impl Geometry {
     pub(super) fn own_material(&self) -> Option<Material> {
         match self {
             Self::Mesh(mesh) => mesh.material.clone(),
-            Self::HeightMap(map) => map.material.clone(),
+            Self::HeightMap(map) => map.material.as_deref().cloned(),
             _ => None,
         }
     }

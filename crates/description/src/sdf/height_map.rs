@@ -52,7 +52,7 @@ impl Loader<'_> {
         }
         let heights = self.heights[&key].clone()?;
         let material = self.ground(shape, [x, y], scope);
-        Some(Geometry::HeightMap(HeightMap { heights, offset, material }))
+        Some(Geometry::HeightMap(HeightMap { heights, offset, material: material.map(Box::new) }))
     }
 
     /// Reads the first of its textures; Gazebo blends all of them by height.

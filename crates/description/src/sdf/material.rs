@@ -3,8 +3,7 @@
 use super::resources::Resolved;
 use super::{Loader, Scope, TEXTURE, resources};
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
-use crate::image_file;
-use crate::model::Material;
+use crate::model::{Channel, Material, PbrMaps};
 use crate::ogre_material::{self, Library, OgreMaterial};
 use crate::values::{child_bool, child_text};
 use crate::xml::Element;
@@ -41,7 +40,12 @@ impl Loader<'_> {
         let texture = self.albedo_map(element, scope);
         let normal_map = self.normal_map(element, scope);
         self.tell_what_is_ignored(element);
-        let pbr = if script.is_none() { self.pbr(element, specular, scope) } else { None };
+        let (pbr, pbr_maps, emissive_map) = if script.is_none() {
+            let (pbr, maps) = self.pbr(element, specular, scope).unzip();
+            (pbr, maps.unwrap_or_default(), self.emissive_map(element, scope))
+        } else {
+            (None, PbrMaps::default(), None)
+        };
         let says_a_colour = diffuse.or(ambient).or(emissive).or(specular).is_some();
         let says_a_map = texture.is_some() || normal_map.is_some();
         if script.is_none() && !says_a_colour && !says_a_map && pbr.is_none() {
@@ -59,7 +63,12 @@ impl Loader<'_> {
         // Gazebo sets both together: a specular colour without a shininess switches the script's shininess off.
         material.shininess = shininess.unwrap_or(if specular.is_some() { 0.0 } else { material.shininess });
         material.specular = specular.unwrap_or(material.specular);
-        material.pbr = pbr;
+        (material.pbr, material.pbr_maps) = (pbr, pbr_maps);
+        // As in Ogre, black is no factor.
+        if emissive_map.is_some() && material.emissive == [0.0; 3] {
+            material.emissive = [1.0; 3];
+        }
+        material.emissive_map = emissive_map;
         material.normal_map = normal_map;
         material.alpha = rgba.map_or(material.alpha, |[.., alpha]| alpha.min(1.0));
         if material.texture.is_none() && texture.is_some() {
@@ -79,47 +88,34 @@ impl Loader<'_> {
         }
     }
 
-    /// Reads roughness and metalness with the defaults of SDF. `specular` is the colour of the `<material>`, by which Ogre
-    /// multiplies highlights.
-    fn pbr(&mut self, material: &Element, specular: Option<[f32; 3]>, scope: Scope<'_>) -> Option<Pbr> {
+    /// Reads roughness and metalness with the defaults of SDF, and their maps. As in Ogre, a map is multiplied by the
+    /// number, also by the default; and highlights by `specular`, the colour of the `<material>`.
+    fn pbr(
+        &mut self,
+        material: &Element,
+        specular: Option<[f32; 3]>,
+        scope: Scope<'_>,
+    ) -> Option<(Pbr, PbrMaps)> {
         let workflow = workflow(material)?;
         let highlights = specular.unwrap_or([1.0; 3]);
         if workflow.name == "specular" {
             let glossiness = self.within(workflow, "glossiness", 1.0).unwrap_or(0.0);
-            return Some(Pbr { roughness: 1.0 - glossiness, metalness: 0.0, highlights });
+            let pbr = Pbr { roughness: 1.0 - glossiness, metalness: 0.0, highlights };
+            return Some((pbr, PbrMaps::default()));
         }
-        let of = [("roughness", "roughness_map"), ("metalness", "metalness_map")];
-        let [roughness, metalness] = of.map(|(name, map)| {
-            let factor = self.within(workflow, name, 1.0);
-            let map = workflow.child(map);
-            match map.and_then(|map| self.mean(map, material, scope)) {
-                Some(mean) => mean * factor.unwrap_or(1.0),
-                None => factor.unwrap_or(DEFAULT_PBR),
-            }
+        let [roughness, metalness] =
+            ["roughness", "metalness"].map(|name| self.within(workflow, name, 1.0).unwrap_or(DEFAULT_PBR));
+        let [of_roughness, of_metalness] = ["roughness_map", "metalness_map"].map(|name| {
+            let map = workflow.child(name)?;
+            Some(Channel { path: self.map(map, material, scope)?, channel: 0 })
         });
-        Some(Pbr { roughness, metalness, highlights })
+        let maps = PbrMaps { roughness: of_roughness, metalness: of_metalness };
+        Some((Pbr { roughness, metalness, highlights }, maps))
     }
 
-    /// Returns the mean of a map of roughness or metalness, from 0 to 1.
-    fn mean(&mut self, map: &Element, material: &Element, scope: Scope<'_>) -> Option<f32> {
-        let path = self.map(map, material, scope)?;
-        let mean = if let Some(known) = self.map_means.get(&path) {
-            *known
-        } else {
-            let mean = match image_file::open(&path) {
-                Ok(picture) => Some(mean_red(&picture.into_rgb8())),
-                Err(error) => {
-                    let what = format!("the picture {} cannot be read: {error}", path.display());
-                    self.missing_picture(&map.source, &what, "save it as PNG");
-                    None
-                }
-            };
-            self.map_means.insert(path, mean);
-            mean
-        }?;
-        let what = format!("only the mean of the <{}> is used: {mean:.2} on the whole surface", map.name);
-        self.diagnostics.warning(&map.source, what, "");
-        Some(mean)
+    fn emissive_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
+        let map = workflow(material)?.child("emissive_map")?;
+        self.map(map, material, scope)
     }
 
     fn albedo_map(&mut self, material: &Element, scope: Scope<'_>) -> Option<PathBuf> {
@@ -294,17 +290,10 @@ impl Loader<'_> {
             alpha: ogre.alpha.unwrap_or(1.0).clamp(0.0, 1.0),
             texture_alpha: ogre.texture_alpha.unwrap_or_default(),
             texture,
-            pbr: None,
-            normal_map: None,
             texture_repeat: ogre.texture_repeat.unwrap_or([1.0; 2]),
+            ..Material::default()
         }
     }
-}
-
-/// The mean of the red channel, from 0 to 1.
-fn mean_red(picture: &image::RgbImage) -> f32 {
-    let sum: u64 = picture.pixels().map(|pixel| u64::from(pixel.0[0])).sum();
-    (sum as f64 / (255.0 * picture.pixels().len().max(1) as f64)) as f32
 }
 
 /// Returns the workflow of `<pbr>` that is read.

@@ -86,8 +86,6 @@ struct Loader<'a> {
     /// Height maps already read, by file and size.
     heights: HashMap<(PathBuf, [u64; 3]), Option<Arc<Heights>>>,
     material_scripts: HashMap<PathBuf, Arc<Vec<OgreMaterial>>>,
-    /// The means of maps of roughness and metalness; `None` for those that cannot be read.
-    map_means: HashMap<PathBuf, Option<f32>>,
     /// The materials of lists of scripts.
     libraries: HashMap<Vec<PathBuf>, Arc<Library>>,
     /// Files whose elements have been compared with the table.
@@ -236,7 +234,6 @@ impl<'a> Loader<'a> {
             meshes: HashMap::new(),
             heights: HashMap::new(),
             material_scripts: HashMap::new(),
-            map_means: HashMap::new(),
             libraries: HashMap::new(),
             compared: HashSet::new(),
         }

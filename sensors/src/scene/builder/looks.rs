@@ -35,6 +35,25 @@ impl SceneBuilder {
         height: u32,
         rgba8: &[[u8; 4]],
     ) -> Result<TextureId, SceneError> {
+        self.add_data(width, height, rgba8)
+    }
+
+    /// Adds a map of roughness (green) and metalness (blue), 0 to 255 for 0 to 1. Like a
+    /// [normal map](SceneBuilder::add_normal_map) it is averaged linearly, whatever the [`ColourSpace`].
+    ///
+    /// # Errors
+    /// The errors of [`SceneBuilder::add_texture`].
+    pub fn add_pbr_map(
+        &mut self,
+        width: u32,
+        height: u32,
+        rgba8: &[[u8; 4]],
+    ) -> Result<TextureId, SceneError> {
+        self.add_data(width, height, rgba8)
+    }
+
+    /// Adds a texture whose values are not colours.
+    fn add_data(&mut self, width: u32, height: u32, rgba8: &[[u8; 4]]) -> Result<TextureId, SceneError> {
         room(&self.textures)?;
         let texture = self.store_texture(width, height, rgba8, true)?;
         Ok(TextureId(self.textures.add(texture)))
@@ -68,7 +87,7 @@ impl SceneBuilder {
         let old = unused(&self.textures, texture.0, SceneError::NoSuchTexture(texture.0), || {
             let mut users = self.materials.items().iter().enumerate();
             let user = users.position(|(index, material)| {
-                [material.texture, material.normal_map].contains(&texture.0)
+                material.textures().iter().any(|&(_, of_material)| of_material == texture.0)
                     && self.materials.get(index as u32).is_some()
             });
             SceneError::InUse { user: "material", index: user.unwrap_or(0) as u32 }
@@ -144,8 +163,9 @@ impl SceneBuilder {
     pub fn add_material(&mut self, config: &MaterialConfig) -> Result<MaterialId, SceneError> {
         room(&self.materials)?;
         let material = self.check_material(config)?;
-        self.textures.use_one(material.texture);
-        self.textures.use_one(material.normal_map);
+        for (_, texture) in material.textures() {
+            self.textures.use_one(texture);
+        }
         Ok(MaterialId(self.materials.add(material)))
     }
 
@@ -157,7 +177,7 @@ impl SceneBuilder {
         let new = self.check_material(config)?;
         let place = self.materials.get_mut(material.0).ok_or(SceneError::NoSuchMaterial(material.0))?;
         let old = core::mem::replace(place, new);
-        for (new, old) in [(new.texture, old.texture), (new.normal_map, old.normal_map)] {
+        for ((_, new), (_, old)) in new.textures().into_iter().zip(old.textures()) {
             self.textures.use_one(new);
             self.textures.leave_one(old);
         }
@@ -172,8 +192,9 @@ impl SceneBuilder {
         let old = unused(&self.materials, material.0, SceneError::NoSuchMaterial(material.0), || {
             self.used_by_instance(|instance| instance.material == material.0)
         })?;
-        self.textures.leave_one(old.texture);
-        self.textures.leave_one(old.normal_map);
+        for (_, texture) in old.textures() {
+            self.textures.leave_one(texture);
+        }
         self.materials.remove(material.0, Material::new(&MaterialConfig::default()));
         Ok(())
     }
@@ -181,7 +202,7 @@ impl SceneBuilder {
     fn check_material(&self, config: &MaterialConfig) -> Result<Material, SceneError> {
         let material = Material::new(config);
         limits::material(&material)?;
-        for texture in [material.texture, material.normal_map] {
+        for (_, texture) in material.textures() {
             if texture != NO_TEXTURE && self.textures.get(texture).is_none() {
                 return Err(SceneError::NoSuchTexture(texture));
             }

@@ -29,16 +29,7 @@ impl Document<'_> {
             .and_then(|texture| texture.attribute("texture"))
             .and_then(|sampler| self.picture(profile, sampler));
         let (diffuse, emissive, specular) = (color("diffuse")?, color("emission")?, color("specular")?);
-        let look = Look {
-            diffuse,
-            emissive,
-            specular,
-            shininess,
-            alpha,
-            texture_alpha,
-            texture: picture,
-            ..Look::default()
-        };
+        let look = Look { diffuse, emissive, specular, shininess, alpha, texture_alpha, texture: picture };
         Ok(look.material())
     }
 

@@ -4,7 +4,7 @@ use super::container::{Container, unsupported};
 use super::means::{Means, roughness_and_metalness};
 use super::picture;
 use crate::mesh::look::Look;
-use crate::model::Material;
+use crate::model::{Material, PbrMaps};
 use belvedere_sensors::scene::{Pbr, TextureAlpha};
 use glam::{DVec2, dvec2};
 use serde_json::Value;
@@ -56,17 +56,11 @@ pub(super) fn surface(
     };
     let [red, green, blue, alpha] = numbers(factor, [1.0; 4]);
     let diffuse = [red, green, blue].map(displayed);
-    let mut emissive = numbers(&material["emissiveFactor"], [0.0; 3]).map(displayed);
     let maps = [
-        (&material["emissiveTexture"], "emissive maps"),
         (&material["occlusionTexture"], "occlusion maps"),
         (&gloss["specularGlossinessTexture"], "specular-glossiness maps"),
     ];
     left_out.extend(maps.iter().filter(|(map, _)| !map.is_null()).map(|(_, what)| (*what).to_owned()));
-    // The factor is multiplied by the map. Without the map, the whole surface would emit light.
-    if !material["emissiveTexture"].is_null() {
-        emissive = [0.0; 3];
-    }
     if material["doubleSided"] == true {
         left_out.insert("the insides of double-sided surfaces".into());
     }
@@ -78,49 +72,85 @@ pub(super) fn surface(
         Some("BLEND") => (alpha as f32, TextureAlpha::Blended),
         _ => (1.0, TextureAlpha::Ignored),
     };
-    let map = &metal["metallicRoughnessTexture"];
-    if !map.is_null() {
-        left_out.insert("the patterns of metallic-roughness maps, whose mean is used everywhere".to_owned());
-    }
-    let share = |value: &Value| value.as_f64().unwrap_or(1.0).clamp(0.0, 1.0) as f32;
-    let pbr = if !material["extensions"]["KHR_materials_unlit"].is_null() {
-        None
-    } else if metal.is_null() && !gloss.is_null() {
-        Some(Pbr { roughness: 1.0 - share(&gloss["glossinessFactor"]), ..Pbr::default() })
-    } else {
-        let [roughness, metalness] = roughness_and_metalness(container, map, means)?;
-        let roughness = roughness * share(&metal["roughnessFactor"]);
-        Some(Pbr { roughness, metalness: metalness * share(&metal["metallicFactor"]), ..Pbr::default() })
-    };
     let look = Look {
         diffuse: Some(diffuse),
-        pbr,
-        emissive: Some(emissive),
         alpha: Some(alpha),
         texture_alpha,
         texture: image(container, texture, left_out)?,
         ..Look::default()
     };
     let mut surface = Surface { material: look.material(), ..Surface::default() };
-    place(texture, &mut surface);
-    let normals = &material["normalTexture"];
-    if !normals.is_null() {
-        // A surface has only one set of texture coordinates.
-        let same = |name: &str| normals[name] == texture[name];
-        if texture.is_null() {
-            place(normals, &mut surface);
-        }
-        if texture.is_null() || same("texCoord") && same("extensions") {
-            let map =
-                image(container, normals, left_out)?.filter(|map| picture::is_embedded(map) || map.is_file());
-            if let Some(material) = &mut surface.material {
-                material.normal_map = map;
-            }
-        } else {
-            left_out.insert("normal maps whose texture coordinates differ from those of the texture".into());
-        }
+    let Some(look) = &mut surface.material else { return Ok(surface) };
+    // A surface has only one set of texture coordinates: those of the first texture that there is.
+    let (normals, glow) = (&material["normalTexture"], &material["emissiveTexture"]);
+    let textures = [texture, normals, &metal["metallicRoughnessTexture"], glow];
+    let main = textures.into_iter().find(|texture| !texture.is_null()).unwrap_or(texture);
+    look.normal_map = map(container, (normals, main), left_out, "normal maps")?;
+    look.emissive_map = map(container, (glow, main), left_out, "emissive maps")?;
+    // The factor is multiplied by the map. Without the map, the whole surface would emit light.
+    if glow.is_null() || look.emissive_map.is_some() {
+        look.emissive = numbers(&material["emissiveFactor"], [0.0; 3]).map(displayed);
     }
+    if material["extensions"]["KHR_materials_unlit"].is_null() {
+        add_facets(container, material, main, left_out, means, look)?;
+    }
+    place(main, &mut surface);
     Ok(surface)
+}
+
+/// Adds the roughness and the metalness, with their map.
+fn add_facets(
+    container: &Container<'_>,
+    material: &Value,
+    main: &Value,
+    left_out: &mut BTreeSet<String>,
+    means: &mut Means,
+    look: &mut Material,
+) -> Result<(), String> {
+    let share = |value: &Value| value.as_f64().unwrap_or(1.0).clamp(0.0, 1.0) as f32;
+    let metal = &material["pbrMetallicRoughness"];
+    let gloss = &material["extensions"]["KHR_materials_pbrSpecularGlossiness"];
+    if metal.is_null() && !gloss.is_null() {
+        look.pbr = Some(Pbr { roughness: 1.0 - share(&gloss["glossinessFactor"]), ..Pbr::default() });
+        return Ok(());
+    }
+    let both = &metal["metallicRoughnessTexture"];
+    let mut factors = [1.0; 2];
+    if let Some(path) = map(container, (both, main), left_out, "the patterns of metallic-roughness maps")? {
+        look.pbr_maps = PbrMaps::of_gltf(&path);
+    } else {
+        factors = roughness_and_metalness(container, both, means)?;
+    }
+    look.pbr = Some(Pbr {
+        roughness: factors[0] * share(&metal["roughnessFactor"]),
+        metalness: factors[1] * share(&metal["metallicFactor"]),
+        ..Pbr::default()
+    });
+    Ok(())
+}
+
+/// Returns the picture of a map, if there is one and it is placed on the surface as the `main` texture is. If it cannot
+/// be used, `what` it is, is added to `left_out`.
+fn map(
+    container: &Container<'_>,
+    (map, main): (&Value, &Value),
+    left_out: &mut BTreeSet<String>,
+    what: &str,
+) -> Result<Option<PathBuf>, String> {
+    if map.is_null() {
+        return Ok(None);
+    }
+    let set = |texture: &Value| texture["texCoord"].as_u64().unwrap_or(0);
+    if set(map) != set(main) || map["extensions"] != main["extensions"] {
+        left_out.insert(format!("{what} whose texture coordinates differ from those of the texture"));
+        return Ok(None);
+    }
+    let Some(path) = image(container, map, left_out)? else { return Ok(None) };
+    if picture::is_embedded(&path) || path.is_file() {
+        return Ok(Some(path));
+    }
+    left_out.insert(format!("{what} whose pictures are missing"));
+    Ok(None)
 }
 
 /// Reads the placement of a texture on a surface: the set of coordinates, and `KHR_texture_transform`.

@@ -1,4 +1,4 @@
-//! Means of the metallic-roughness maps of a glTF.
+//! Means of the metallic-roughness maps of a glTF that are not laid over the surface as its texture is.
 
 use super::container::Container;
 use super::picture;

@@ -3,6 +3,8 @@
 use super::Files;
 use super::gltf::{Model, encoded};
 use crate::image_file;
+use crate::model::PbrMaps;
+use crate::pbr_picture;
 use belvedere_sensors::scene::{Pbr, TextureAlpha};
 use serde_json::{Value, json};
 use std::io::Cursor;
@@ -57,9 +59,10 @@ fn materials_are_read() {
     assert_eq!(look(&json!({ "extensions": { "KHR_materials_unlit": {} } })).pbr, None);
 }
 
-/// The mean of a map, of which green is the roughness and blue the metalness, times the factors.
+/// Green is the roughness and blue the metalness. If the base colour has other texture coordinates, the mean of the map
+/// is used.
 #[test]
-fn metallic_roughness_maps_are_averaged() {
+fn metallic_roughness_maps() {
     let material = json!({ "metallicRoughnessTexture": { "index": 0 }, "metallicFactor": 0.5 });
     let mut model = painted(&json!({ "pbrMetallicRoughness": material }));
     model.json["textures"] = json!([{ "source": 0 }]);
@@ -68,8 +71,19 @@ fn metallic_roughness_maps_are_averaged() {
     let files = Files::new();
     files.write("m.glb", model.glb());
     let (meshes, problems) = files.load("m.glb");
+    assert!(problems.is_empty(), "{problems:?}");
+    let look = meshes.unwrap()[0].material.clone().unwrap();
+    assert_eq!(look.pbr, Some(Pbr { roughness: 1.0, metalness: 0.5, ..Pbr::default() }));
+    let path = files.0.path().join("m.glb#image0");
+    assert_eq!(look.pbr_maps, PbrMaps::of_gltf(&path));
+    assert_eq!(pbr_picture::picture(&look.pbr_maps).unwrap().unwrap().get_pixel(1, 0).0, [255, 51, 204, 255]);
+
+    model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] =
+        json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });
+    files.write("m.glb", model.glb());
+    let (meshes, problems) = files.load("m.glb");
     assert!(
-        matches!(&problems[..], [note] if note.contains("whose mean is used everywhere")),
+        matches!(&problems[..], [note] if note.contains("the patterns of metallic-roughness maps whose texture")),
         "{problems:?}"
     );
     let pbr = meshes.unwrap()[0].material.as_ref().unwrap().pbr.unwrap();
@@ -131,11 +145,28 @@ fn textures_are_transformed_by_the_extension() {
 }
 
 #[test]
+fn emissive_maps() {
+    let material = json!({ "emissiveFactor": [1, 0, 1], "emissiveTexture": { "index": 0 } });
+    let mut model = painted(&material);
+    let view = model.view(&png([9, 8, 7, 255]));
+    model.json["textures"] = json!([{ "source": 0 }]);
+    model.json["images"] = json!([{ "bufferView": view, "mimeType": "image/png" }]);
+    let files = Files::new();
+    files.write("m.glb", model.glb());
+    let look = files.meshes("m.glb")[0].material.clone().unwrap();
+    assert_eq!(look.emissive, [1.0, 0.0, 1.0]);
+    let map = image_file::open(&look.emissive_map.unwrap()).unwrap().into_rgb8();
+    assert_eq!(map.get_pixel(1, 0).0, [9, 8, 7]);
+}
+
+#[test]
 fn undrawn_features_give_a_note() {
     let files = Files::new();
     let mut model = painted(
         &json!({ "doubleSided": true, "emissiveFactor": [1, 1, 1], "emissiveTexture": { "index": 0 } }),
     );
+    model.json["textures"] = json!([{ "source": 0 }]);
+    model.json["images"] = json!([{ "uri": "gone.png" }]);
     model.json["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }]);
     files.write("m.glb", model.glb());
     let (meshes, problems) = files.load("m.glb");
@@ -143,7 +174,7 @@ fn undrawn_features_give_a_note() {
     let [pose, note] = &problems[..] else { panic!("{problems:?}") };
     assert!(pose.contains("m.glb: warning: the mesh m.glb has morph targets"), "{pose}");
     assert!(
-        note.contains("note: parts of the mesh m.glb are not drawn: emissive maps, the insides of"),
+        note.contains("note: parts of the mesh m.glb are not drawn: emissive maps whose pictures are missing, the insides of"),
         "{note}"
     );
 }

@@ -158,15 +158,16 @@ try {
 
   await page.check("#plotted");
   await page.keyboard.down("ArrowUp");
-  const plots = await until("curves of all plots", async () => {
+  // The rate was set to 5 Hz. Of the frames that were held back while a click was handled, the curve first shows a higher
+  // one.
+  const [rate, latency] = await until("curves of all plots", async () => {
     const { rates, latencies, velocities } = (await viewer(page)).plots;
     const forwards = Object.entries(velocities).find(([name]) => name.endsWith("forwards"))?.[1] ?? 0;
-    return forwards > 0.2 && latencies[`/${PICTURE}`] > 0 && { rates, latencies };
+    const [rate, latency] = [rates[`/${PICTURE}`] ?? 0, latencies[`/${PICTURE}`] ?? 0];
+    return forwards > 0.2 && rate > 0 && rate < 8 && latency > 0 && [rate, latency];
   });
   await page.keyboard.up("ArrowUp");
-  // Its rate was set to 5 Hz.
-  const [rate, latency] = [plots.rates[`/${PICTURE}`], plots.latencies[`/${PICTURE}`]];
-  assert.ok(rate > 0 && rate < 8 && latency < 3000, `${rate} Hz, ${latency} ms`);
+  assert.ok(latency < 3000, `${latency} ms`);
   const drawn = await page.evaluate(() =>
     [...document.querySelectorAll("#plots canvas")].map((canvas) => {
       const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);

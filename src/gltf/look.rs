@@ -74,7 +74,8 @@ impl Looks {
         if let Some(known) = self.pbr_textures.get(maps) {
             return *known;
         }
-        let texture = pbr_picture::picture(maps).ok().flatten().and_then(|picture| {
+        // What is unusable was reported when the scene was made.
+        let texture = pbr_picture::picture(maps, |_, _| {}).and_then(|picture| {
             let mut png = Cursor::new(Vec::new());
             picture.write_to(&mut png, image::ImageFormat::Png).ok()?;
             Some(add_picture(file, "image/png", &png.into_inner()))

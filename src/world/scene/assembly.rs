@@ -259,21 +259,19 @@ impl Assembly {
         added
     }
 
-    /// Returns the map of roughness and metalness; `None` if there is none, or, after a warning, if an image cannot be
-    /// used.
+    /// Returns the map of roughness and metalness; `None` if there is none, or, after a warning, if it cannot be used.
     fn pbr_map(&mut self, maps: &PbrMaps, source: &Source) -> Option<TextureId> {
         if let Some(known) = self.pbr_maps.get(maps) {
             return *known;
         }
-        let picture = pbr_picture::picture(maps).map_err(|(path, error)| unused(&path, source, &error));
+        let notes = &mut self.notes;
+        let picture = pbr_picture::picture(maps, |path, error| notes.push(unused(path, source, error)));
         let added = picture.and_then(|picture| {
-            let Some(picture) = picture else { return Ok(None) };
             let texels: &[[u8; 4]] = bytemuck::cast_slice(picture.as_raw());
             let added = self.builder.add_pbr_map(picture.width(), picture.height(), texels);
             let path = maps.paths().next().map_or(Path::new(""), PathBuf::as_path);
-            added.map(Some).map_err(|error| unused(path, source, &error))
+            added.map_err(|error| self.notes.push(unused(path, source, &error))).ok()
         });
-        let added = added.map_err(|problem| self.notes.push(problem)).ok().flatten();
         self.pbr_maps.insert(maps.clone(), added);
         added
     }

@@ -76,7 +76,10 @@ fn metallic_roughness_maps() {
     assert_eq!(look.pbr, Some(Pbr { roughness: 1.0, metalness: 0.5, ..Pbr::default() }));
     let path = files.0.path().join("m.glb#image0");
     assert_eq!(look.pbr_maps, PbrMaps::of_gltf(&path));
-    assert_eq!(pbr_picture::picture(&look.pbr_maps).unwrap().unwrap().get_pixel(1, 0).0, [255, 51, 204, 255]);
+    assert_eq!(
+        pbr_picture::picture(&look.pbr_maps, |_, error| panic!("{error}")).unwrap().get_pixel(1, 0).0,
+        [255, 51, 204, 255]
+    );
 
     model.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] =
         json!({ "index": 0, "extensions": { "KHR_texture_transform": { "scale": [2, 2] } } });

@@ -298,10 +298,6 @@ impl Rig {
             let rate = plugin_rate(base.map_or(Some(STATE_HZ), |base| base.odometry.rate_hz), physics);
             let state = StateChannel::open(robot, &opening(rate, 0, Owner::robot(id, entity)))?;
             add(rate, Box::new(state), 0, None, Vec::new());
-            if options.truth && entity.origin != Origin::World {
-                let pose = RobotPoseChannel::open(&opening(rate, 0, Owner::robot(id, entity)))?;
-                add(rate, Box::new(pose), 0, None, Vec::new());
-            }
             if let Some(base) = base.filter(|base| matches!(base.drive, Drive::Kobuki(_))) {
                 let rate = fixed_rate(STATE_HZ, physics);
                 let base = BaseChannel::open(&opening(rate, 0, Owner::base(id, entity, base)))?;
@@ -344,6 +340,13 @@ impl Rig {
                 );
                 let remedy = "give it a <plugin> of gazebo_ros, or a <topic> as in gz-sim";
                 names.note(Severity::Warning, &sensor.source, what, remedy);
+            }
+        }
+        // After all streams of the model's own, which have priority.
+        if options.truth && entity.robot.is_some() && entity.origin != Origin::World {
+            let rate = fixed_rate(STATE_HZ, physics);
+            if let Some(pose) = RobotPoseChannel::open(&opening(rate, 0, Owner::robot(id, entity)))? {
+                add(rate, Box::new(pose), 0, None, Vec::new());
             }
         }
         let sensors = self.channels.iter().filter(|channel| channel.tuning.is_some()).count();

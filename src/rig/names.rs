@@ -27,6 +27,11 @@ impl Names {
         Self { taken: RefCell::new(taken.collect()), next: RefCell::default(), notes: RefCell::default() }
     }
 
+    /// Returns true if a stream has this topic, which begins with a slash.
+    pub(super) fn is_taken(&self, topic: &str) -> bool {
+        self.taken.borrow().contains_key(topic)
+    }
+
     /// Adds a note on a decision.
     pub(super) fn note(&self, severity: Severity, source: &Source, what: String, remedy: &str) {
         let source = source.clone();

@@ -3,6 +3,7 @@
 use super::channel::Channel;
 use super::outlet::Outlet;
 use super::{Opening, RigContext, RigError};
+use crate::description::Severity;
 use crate::entities::EntityId;
 use belvedere_bridge::payload::Pose;
 use belvedere_bridge::{Kind, StreamSpec};
@@ -19,9 +20,19 @@ pub(super) struct RobotPoseChannel {
 }
 
 impl RobotPoseChannel {
-    pub(super) fn open(opening: &Opening<'_>) -> Result<Self, RigError> {
+    /// Opens the stream; `None`, with a warning, if a plugin or a sensor of the robot has its topic.
+    pub(super) fn open(opening: &Opening<'_>) -> Result<Option<Self>, RigError> {
+        let topic = opening.entity.topic(TOPIC);
+        if opening.names.is_taken(&topic) {
+            let what = format!(
+                "the robot has a stream {topic} of its own: ground truth leaves out the robot's pose"
+            );
+            let remedy = "give that stream another topic to have both";
+            opening.names.note(Severity::Warning, &opening.owner.source, what, remedy);
+            return Ok(None);
+        }
         let spec = StreamSpec::structs(TOPIC, Kind::Pose, 1).rate_hz(opening.rate.hz());
-        Ok(Self { id: opening.id, pose: opening.open_in_world(&spec.frame_id(FRAME))? })
+        Ok(Some(Self { id: opening.id, pose: opening.open_in_world(&spec.frame_id(FRAME))? }))
     }
 }
 

@@ -87,6 +87,12 @@ fn plugins_report_true_values() {
     assert_eq!(frame.header().frame_id.as_str(), "world");
     assert_eq!(DVec3::from(own.position), pose.translation());
     assert_eq!(own.orientation, pose.rotation().to_array());
+    // A plugin with the same topic keeps it.
+    let same = plugins.replace("<topicName>/truth<", "<topicName>truth/pose<");
+    assert_eq!(
+        Bench::new(&two_wheels(size, ["l", "r"], &same)).odometry("truth/pose").child_frame_id.as_str(),
+        "chassis"
+    );
     let (state, _) = bench.newest::<JointState>("joint_states");
     assert_eq!(state.name.as_str(), "r_joint");
     // If it is moved by a command, it measures no acceleration.

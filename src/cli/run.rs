@@ -25,6 +25,7 @@ use crate::server::post::Post;
 use crate::server::{ModelFiles, Server, ServerOptions, SharedMemory};
 use crate::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::{Domain, Lossless, Node};
+use clap::ArgGroup;
 use clap::builder::{OsStringValueParser, TypedValueParser as _};
 use std::collections::BTreeMap;
 use std::ffi::OsString;
@@ -60,6 +61,7 @@ The table of streams:
   DROPPED   frames that could not be sent, each with a warning that says why
   FRAME ms  time to render a frame")]
 #[command(mut_group(Ros2Args::GROUP, |group| group.requires("ros2")))]
+#[command(group(ArgGroup::new("waited_for").args(["wait_for", "record"]).multiple(true)))]
 #[command(mut_args(|arg| if PageArgs::is_option(arg.get_id().as_str()) { arg.requires("view") } else { arg }))]
 #[allow(clippy::struct_excessive_bools, reason = "each is a switch of the command line")]
 pub struct RunArgs {
@@ -119,7 +121,7 @@ pub struct RunArgs {
     wait_for: Vec<Awaited>,
     /// Longest wait for one of these consumers; after it, the simulator names the consumer and exits with code 1
     /// [default: 10; at the start, when other programs may have to be started first, 60]
-    #[arg(long, value_name = "SECONDS", value_parser = seconds)]
+    #[arg(long, value_name = "SECONDS", value_parser = seconds, requires = "waited_for")]
     patience: Option<Duration>,
 }
 

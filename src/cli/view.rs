@@ -13,6 +13,7 @@ use crate::description::package::PackagePath;
 use crate::description::{Diagnostics, Rules};
 use crate::view::{DEFAULT_PORT, ViewOptions, ViewServer, token};
 use belvedere_bridge::Node;
+use clap::Args as _;
 use clap::builder::{OsStringValueParser, TypedValueParser as _};
 use std::ffi::OsString;
 use std::fs::File;
@@ -51,10 +52,11 @@ pub struct PageArgs {
 }
 
 impl PageArgs {
-    /// Returns true for the name of an option that has no effect without a page. A token is no such option, because an
-    /// environment variable may give it to all commands.
+    /// Returns true for the name of one of these options, which have no effect without a page. A token is left out,
+    /// because an environment variable may give it to all commands.
     pub(super) fn is_option(name: &str) -> bool {
-        matches!(name, "port" | "listen" | "token_file" | "allow_origin" | "no_browser")
+        let options = Self::augment_args(clap::Command::new("page"));
+        name != "token" && options.get_arguments().any(|option| option.get_id() == name)
     }
 }
 

@@ -262,6 +262,7 @@ fn wrong_options_are_explained() {
         (&["--jpeg-quality", "95"], "not provided:\n  --ros2"),
         (&["--port", "0"], "not provided:\n  --view"),
         (&["--no-browser"], "not provided:\n  --view"),
+        (&["--patience", "5"], "not provided:\n  <--wait-for <NAME[=STREAMS]>|--record <FILE>>"),
         (&["--duration", "-1"], "positive"),
         (&["--rate", "slow"], "realtime"),
         (&["--drive", "fly"], "spin"),

@@ -1,4 +1,4 @@
-// Tests of satellite receivers, magnetometers, barometers, altimeters, and sensors of forces and contacts.
+// Tests of satellite receivers, magnetometers, barometers, altimeters, sensors of forces and contacts, and true poses.
 
 #include <cstring>
 #include <string>
@@ -7,6 +7,7 @@
 #include <gazebo_msgs/ContactsState.h>
 #include <gtest/gtest.h>
 #include <geometry_msgs/PointStamped.h>
+#include <geometry_msgs/PoseStamped.h>
 #include <geometry_msgs/Vector3Stamped.h>
 #include <geometry_msgs/WrenchStamped.h>
 #include <sensor_msgs/FluidPressure.h>
@@ -80,6 +81,14 @@ TEST(Wrench, IsStamped) {
     expect_header(wrench->header);
     EXPECT_EQ(wrench->wrench.force.z, 3);
     EXPECT_EQ(wrench->wrench.torque.y, 5);
+}
+
+TEST(Pose, IsStamped) {
+    auto known = Known::structs<bv_pose>(BV_KIND_POSE, {{{1, 2, 3}, {0, 0, 0.6, 0.8}}});
+    const auto pose = received<geometry_msgs::PoseStamped>(known.sample());
+    expect_header(pose->header);
+    EXPECT_EQ(pose->pose.position.z, 3);
+    EXPECT_EQ(pose->pose.orientation.w, 0.8);
 }
 
 TEST(Contacts, OfAPairAreOneState) {

@@ -138,12 +138,14 @@ impl Writer {
     pub(crate) fn match_reader(&mut self, peer: Peer, now: Instant) -> bool {
         if let Some(known) = self.readers.get_mut(&peer.guid) {
             known.peer = peer;
+            self.set_pace();
             return false;
         }
         let history = self.transient && peer.transient;
         let start = if history { 1 } else { self.next };
         let proxy = Proxy { peer, start, acked: start - 1, answered: None, repaired: VecDeque::new() };
         self.readers.insert(peer.guid, proxy);
+        self.set_pace();
         if history && peer.reliable {
             for (&sequence, sample) in self.history.range(..=self.sent) {
                 let reader = Some(peer.guid);
@@ -160,12 +162,17 @@ impl Writer {
     pub(crate) fn unmatch(&mut self, guid: Guid) -> bool {
         self.repairs.retain(|job| job.reader != Some(guid));
         let found = self.readers.remove(&guid).is_some();
+        self.set_pace();
         if self.readers.is_empty() {
             self.fresh.clear();
             self.sent = self.next - 1;
             self.heartbeat_due = None;
         }
         found
+    }
+
+    fn set_pace(&mut self) {
+        self.pace.readers(self.readers.values().all(|proxy| proxy.peer.reliable));
     }
 
     /// Forgets the readers of a participant.

@@ -141,5 +141,5 @@ pub use synchronizer::Synchronizer;
 pub use wire::{
     Describe, DistortionModel, Encoding, Fields, FrameError, FrameHeader, FrameView, Intrinsics, Kind,
     MAX_DISTORTION, Operation, Ros, RosBytes, RosMessage, RosType, ScanGeometry, Text, TextError, Value,
-    payload, schema,
+    payload, point, schema,
 };

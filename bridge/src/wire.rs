@@ -6,6 +6,7 @@ mod header;
 mod kind;
 mod layout;
 pub mod payload;
+pub mod point;
 mod ros;
 pub mod schema;
 mod text;

@@ -26,6 +26,7 @@ mod player;
 mod player_options;
 mod reader;
 mod recorder;
+mod replay_streams;
 pub mod ros;
 mod seeking;
 mod send_order;

@@ -16,6 +16,7 @@
 //! is at the end. Attachments: the robots and the world as they were read.
 
 mod attachment;
+mod backlog;
 mod chunk_sizes;
 mod error;
 mod file;

@@ -9,6 +9,7 @@ use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::Encoding;
+use belvedere_bridge::point::{OusterPoint, XyzIrtPoint};
 use std::io::{BufWriter, Write};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
@@ -50,28 +51,19 @@ fn write(frame: &FrameBuf, out: &mut impl Write) -> std::io::Result<()> {
     let view = frame.view();
     let mut write = |values: &[f64]| out.write_all(bytemuck::cast_slice(values));
     if view.header().encoding() == Some(Encoding::OusterPoint) {
-        for point in view.numbers::<[u8; 48]>(view.rows()) {
-            let [x, y, z] = place(&point);
-            let (time_ns, reflectivity) = (at::<u32>(&point, 20), at::<u16>(&point, 24));
-            let (ring, range) = (at::<u16>(&point, 26), at::<u32>(&point, 32));
-            let time_s = (frame.header().stamp_ns + u64::from(time_ns)) as f64 * 1e-9;
-            write(&[time_s, x, y, z, ring.into(), range.into(), reflectivity.into()])?;
+        for bytes in view.numbers(view.rows()) {
+            let point = OusterPoint::from_bytes(&bytes);
+            let [x, y, z] = point.xyz().map(f64::from);
+            let time_s = (frame.header().stamp_ns + u64::from(point.t)) as f64 * 1e-9;
+            write(&[time_s, x, y, z, point.ring.into(), point.range.into(), point.reflectivity.into()])?;
         }
     } else {
-        for point in view.numbers::<[u8; 22]>(view.rows()) {
-            let [x, y, z] = place(&point);
-            let time_s = stamp_s + f64::from(at::<f32>(&point, 18));
-            write(&[time_s, x, y, z, at::<u16>(&point, 16).into(), at::<f32>(&point, 12).into()])?;
+        for bytes in view.numbers(view.rows()) {
+            let point = XyzIrtPoint::from_bytes(&bytes);
+            let [x, y, z] = point.xyz().map(f64::from);
+            let time_s = stamp_s + f64::from(point.time);
+            write(&[time_s, x, y, z, point.ring.into(), point.intensity.into()])?;
         }
     }
     Ok(())
-}
-
-/// Reads the number at a byte of a point.
-fn at<T: bytemuck::AnyBitPattern>(point: &[u8], at: usize) -> T {
-    bytemuck::pod_read_unaligned(&point[at..at + size_of::<T>()])
-}
-
-fn place(point: &[u8]) -> [f64; 3] {
-    at::<[f32; 3]>(point, 0).map(f64::from)
 }

@@ -14,6 +14,7 @@ use belvedere::description::load;
 use belvedere::rig::FrameBuf;
 use belvedere::robot::Command;
 use belvedere::simulation::{Simulation, SpawnOptions};
+use belvedere_bridge::point::XyzIrtPoint;
 use std::f64::consts::TAU;
 use std::io::{BufWriter, Write};
 
@@ -53,12 +54,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             continue;
         }
         let points: Vec<[f64; 4]> = view
-            .numbers::<[u8; 22]>(view.rows())
+            .numbers(view.rows())
             .map(|bytes| {
-                let at = |at: usize| {
-                    f64::from(f32::from_le_bytes([bytes[at], bytes[at + 1], bytes[at + 2], bytes[at + 3]]))
-                };
-                [stamp_s + at(18), at(0), at(4), at(8)]
+                let point = XyzIrtPoint::from_bytes(&bytes);
+                [stamp_s + f64::from(point.time), point.x.into(), point.y.into(), point.z.into()]
             })
             .collect();
         out.write_all(bytemuck::cast_slice(&[steps.len() as f64, points.len() as f64]))?;

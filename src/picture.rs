@@ -67,10 +67,9 @@ pub fn draw(frame: &FrameView<'_>) -> Result<RgbImage, PictureError> {
         (_, Some(Encoding::XyzRgbF32)) if header.height > 1 => {
             Ok(depth(frame, &depths(frame).unwrap_or_default()))
         }
-        (
-            _,
-            Some(Encoding::XyzRgbF32 | Encoding::XyzIrtF32 | Encoding::OusterPoint | Encoding::LivoxPoint),
-        ) => Ok(plan(frame.numbers(frame.rows()).map(|[x, y, _]: [f32; 3]| [x, y]), 0.0)),
+        (_, Some(encoding)) if encoding.point().is_some() => {
+            Ok(plan(frame.numbers(frame.rows()).map(|[x, y, _]: [f32; 3]| [x, y]), 0.0))
+        }
         (kind, _) => Err(PictureError::Kind(kind)),
     }
 }

@@ -140,6 +140,6 @@ pub use subscriber::{Frame, Subscriber};
 pub use synchronizer::Synchronizer;
 pub use wire::{
     Describe, DistortionModel, Encoding, Fields, FrameError, FrameHeader, FrameView, Intrinsics, Kind,
-    MAX_DISTORTION, Operation, Ros, RosBytes, RosMessage, RosType, ScanGeometry, Text, TextError, Value,
-    payload, schema,
+    MAX_DISTORTION, Operation, Ros, RosBytes, RosMessage, RosPrimitive, RosType, ScanGeometry, Text,
+    TextError, Value, payload, point, schema,
 };

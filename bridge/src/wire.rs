@@ -6,6 +6,7 @@ mod header;
 mod kind;
 mod layout;
 pub mod payload;
+pub mod point;
 mod ros;
 pub mod schema;
 mod text;
@@ -15,7 +16,7 @@ pub use error::FrameError;
 pub use fields::{Describe, Fields, RosType, Value};
 pub use header::{FrameHeader, Intrinsics, ScanGeometry};
 pub use kind::{DistortionModel, Encoding, Kind, MAX_DISTORTION, Operation};
-pub use ros::{Ros, RosBytes, RosMessage};
+pub use ros::{Ros, RosBytes, RosMessage, RosPrimitive};
 pub use text::{Text, TextError};
 pub use view::FrameView;
 

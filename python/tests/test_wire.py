@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from belvedere import BadFrameError, DistortionModel, Encoding, Kind, wire
+from belvedere._layout import ELEMENTS
 
 WIRE_MD = Path(__file__).parents[2] / "bridge" / "WIRE.md"
 
@@ -28,7 +29,7 @@ def test_every_encoding_is_that_of_wire_md() -> None:
         )
         size = re.match(r"(\d+) bytes?|(?:(\d+) )?[ufi](\d+)", element)
         if size is not None and encoding is not Encoding.STRUCT:
-            assert wire._ELEMENTS[encoding].itemsize == int(size[1] or int(size[2] or 1) * int(size[3]) // 8)
+            assert ELEMENTS[encoding].itemsize == int(size[1] or int(size[2] or 1) * int(size[3]) // 8)
 
 
 def good_header() -> np.ndarray:

@@ -1,6 +1,7 @@
 //! Converts frames to files that training code reads: images as PNG, everything else as numpy's npy.
 
 use super::plan::FLOW;
+use belvedere_bridge::point::{Number, PointLayout};
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder as _};
@@ -100,53 +101,40 @@ struct Numbers {
 /// Returns numpy's type of an element, or `None` if it is not numeric.
 fn numbers(encoding: Encoding) -> Option<Numbers> {
     let plain = |descr: &str, axes| Some(Numbers { descr: format!("'{descr}'"), axes });
-    let fields = |fields: &[(&str, &str)]| {
-        let fields: Vec<String> = fields.iter().map(|(name, kind)| format!("('{name}', '{kind}')")).collect();
-        Some(Numbers { descr: format!("[{}]", fields.join(", ")), axes: &[] })
-    };
     match encoding {
         Encoding::F32C1 | Encoding::RangesF32 => plain("<f4", &[]),
         Encoding::U16C1 => plain("<u2", &[]),
         Encoding::F32C2 => plain("<f4", &[2]),
         Encoding::F32C3 => plain("<f4", &[3]),
         Encoding::I32C1 => plain("<i4", &[]),
-        // Fields without a name are padding.
-        Encoding::XyzRgbF32 => {
-            fields(&[("x", "<f4"), ("y", "<f4"), ("z", "<f4"), ("", "|V4"), ("rgb", "<f4"), ("", "|V12")])
-        }
-        Encoding::XyzIrtF32 => fields(&[
-            ("x", "<f4"),
-            ("y", "<f4"),
-            ("z", "<f4"),
-            ("intensity", "<f4"),
-            ("ring", "<u2"),
-            ("time", "<f4"),
-        ]),
-        Encoding::OusterPoint => fields(&[
-            ("x", "<f4"),
-            ("y", "<f4"),
-            ("z", "<f4"),
-            ("", "|V4"),
-            ("intensity", "<f4"),
-            ("t", "<u4"),
-            ("reflectivity", "<u2"),
-            ("ring", "<u2"),
-            ("ambient", "<u2"),
-            ("", "|V2"),
-            ("range", "<u4"),
-            ("", "|V12"),
-        ]),
-        Encoding::LivoxPoint => fields(&[
-            ("x", "<f4"),
-            ("y", "<f4"),
-            ("z", "<f4"),
-            ("intensity", "<f4"),
-            ("tag", "|u1"),
-            ("line", "|u1"),
-            ("timestamp", "<f8"),
-        ]),
-        _ => None,
+        _ => encoding.point().map(|point| Numbers { descr: structured(point), axes: &[] }),
     }
+}
+
+/// Returns numpy's type of a point.
+fn structured(point: &PointLayout) -> String {
+    let mut fields = Vec::new();
+    let mut end = 0;
+    // A field without a name is padding.
+    let pad = |fields: &mut Vec<String>, from: usize, to: usize| {
+        if from < to {
+            fields.push(format!("('', '|V{}')", to - from));
+        }
+    };
+    for field in point.fields {
+        pad(&mut fields, end, field.offset);
+        let descr = match field.number {
+            Number::U8 => "|u1",
+            Number::U16 => "<u2",
+            Number::U32 => "<u4",
+            Number::F32 | Number::Colour => "<f4",
+            Number::F64 => "<f8",
+        };
+        fields.push(format!("('{}', '{descr}')", field.name));
+        end = field.offset + field.number.size();
+    }
+    pad(&mut fields, end, point.size);
+    format!("[{}]", fields.join(", "))
 }
 
 /// Returns an array in npy format 1.0: magic, length of the header, the header as a Python literal, rows one after the
@@ -164,4 +152,30 @@ fn npy(kind: &Numbers, [rows, columns]: [u32; 2], bytes: &[u8]) -> Vec<u8> {
     array.extend(header.as_bytes());
     array.extend(bytes);
     array
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The types are those of data sets that exist.
+    #[test]
+    fn points_have_numpys_types() {
+        let xyz = "('x', '<f4'), ('y', '<f4'), ('z', '<f4')";
+        for (encoding, own) in [
+            (Encoding::XyzRgbF32, "('', '|V4'), ('rgb', '<f4'), ('', '|V12')"),
+            (Encoding::XyzIrtF32, "('intensity', '<f4'), ('ring', '<u2'), ('time', '<f4')"),
+            (
+                Encoding::OusterPoint,
+                "('', '|V4'), ('intensity', '<f4'), ('t', '<u4'), ('reflectivity', '<u2'), ('ring', '<u2'), \
+                 ('ambient', '<u2'), ('', '|V2'), ('range', '<u4'), ('', '|V12')",
+            ),
+            (
+                Encoding::LivoxPoint,
+                "('intensity', '<f4'), ('tag', '|u1'), ('line', '|u1'), ('timestamp', '<f8')",
+            ),
+        ] {
+            assert_eq!(numbers(encoding).unwrap().descr, format!("[{xyz}, {own}]"), "{encoding}");
+        }
+    }
 }

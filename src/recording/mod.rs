@@ -16,6 +16,7 @@
 //! is at the end. Attachments: the robots and the world as they were read.
 
 mod attachment;
+mod backlog;
 mod chunk_sizes;
 mod error;
 mod file;
@@ -26,6 +27,7 @@ mod player;
 mod player_options;
 mod reader;
 mod recorder;
+mod replay_streams;
 pub mod ros;
 mod seeking;
 mod send_order;

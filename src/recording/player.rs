@@ -1,16 +1,16 @@
 //! [`Player`]: plays a recording in place of the simulator.
 
+use super::RecordingError;
 use super::play_clock::PlayClock;
 use super::player_options::{Pace, PlayerOptions};
 use super::reader::{Item, RecordedFrame, RecordingReader};
+use super::replay_streams::ReplayStreams;
 use super::timeline::Timeline;
-use super::{RecordedStream, RecordingError};
 use crate::server::attendance::{Awaited, START_PATIENCE};
 use crate::server::inbox::{Inbox, Request};
-use crate::server::room::Room;
 use belvedere_bridge::payload::SimulationCommand;
-use belvedere_bridge::{FrameHeader, Kind, Lossless, Node, Operation, Publisher, StreamSpec};
-use std::collections::{BTreeMap, HashMap};
+use belvedere_bridge::{Kind, Node, Operation};
+use std::collections::BTreeMap;
 use std::io::Read;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -22,18 +22,11 @@ pub(super) const NAP: Duration = Duration::from_millis(20);
 
 /// Plays recordings in a domain: the same streams with the same frames, in the order and at the intervals of the
 /// recording. In a header only the counter, the session and the send time are the replay's own, and
-/// [`FrameHeader::REPLAYED`] is set. Commands pause, resume and step a replay like a simulator.
+/// [`REPLAYED`](belvedere_bridge::FrameHeader::REPLAYED) is set. Commands pause, resume and step a replay like a simulator.
 pub struct Player {
-    node: Node,
+    streams: ReplayStreams,
     inbox: Inbox,
     pub(super) options: PlayerOptions,
-    streams: HashMap<String, Publisher>,
-    specs: BTreeMap<String, RecordedStream>,
-    /// The limit of pools; `made` has the specification of each open stream.
-    room: Room,
-    made: HashMap<String, StreamSpec>,
-    /// True if a described stream is not open yet.
-    has_new: bool,
     pub(super) paused: bool,
     /// Shared with other threads that seek and read the position.
     pub(super) timeline: Option<Arc<Timeline>>,
@@ -64,15 +57,10 @@ impl Player {
     pub fn open(node: Node, options: PlayerOptions) -> Result<Self, RecordingError> {
         let inbox = Inbox::open(&node)?;
         Ok(Self {
-            node,
+            streams: ReplayStreams::new(node, &options),
             inbox,
             paused: options.paused,
             options,
-            streams: HashMap::new(),
-            specs: BTreeMap::new(),
-            room: Room::default(),
-            made: HashMap::new(),
-            has_new: false,
             timeline: None,
             before: BTreeMap::new(),
             steps: None,
@@ -111,14 +99,14 @@ impl Player {
             let frame = match recording.next_item() {
                 Ok(Some(Item::Frame(frame))) => frame,
                 Ok(Some(Item::Stream(stream))) => {
-                    self.add(stream);
+                    self.streams.add(stream);
                     continue;
                 }
                 Ok(Some(_)) => continue,
                 Ok(None) => break Ok(Ending::Played),
                 Err(error) => break Err(error),
             };
-            self.open_new()?;
+            self.streams.open_new()?;
             last_ns = frame.log_time_ns;
             let clock = clock.get_or_insert_with(|| PlayClock::new(frame.log_time_ns));
             let since_start = Duration::from_nanos(frame.log_time_ns.saturating_sub(clock.first_ns));
@@ -201,99 +189,8 @@ impl Player {
             return Ok(true);
         }
         self.next_update = now + UPDATE_INTERVAL;
-        self.streams.values().try_for_each(Publisher::update)?;
+        self.streams.update()?;
         Ok(go_on(self))
-    }
-
-    /// Adds a stream, which is opened before the next frame, so that streams that are described together share the
-    /// memory.
-    fn add(&mut self, stream: RecordedStream) {
-        if !self.specs.contains_key(&stream.topic) {
-            self.specs.insert(stream.topic.clone(), stream);
-            self.has_new = true;
-        }
-    }
-
-    /// Opens the streams that are not open yet, with pools as large as all of them fit. If the memory is too small with
-    /// those already open, all are opened again with smaller pools: consumers then see new publishers.
-    fn open_new(&mut self) -> Result<(), RecordingError> {
-        if !std::mem::take(&mut self.has_new) {
-            return Ok(());
-        }
-        let room = std::mem::take(&mut self.room);
-        let opened = room.fit(RecordingError::lacks_memory, || self.open_within(&room));
-        self.room = room;
-        opened
-    }
-
-    /// Opens all streams within the limit of `room`. Streams that already have the right size stay open.
-    fn open_within(&mut self, room: &Room) -> Result<(), RecordingError> {
-        let wanted: Vec<_> = self.specs.values().map(|stream| room.cut(&stream.spec())).collect();
-        // Closed first, to make room for others.
-        for spec in &wanted {
-            if self.made.get(&spec.topic).is_some_and(|made| made != spec) {
-                self.made.remove(&spec.topic);
-                self.streams.remove(&spec.topic);
-            }
-        }
-        for spec in wanted {
-            if !self.streams.contains_key(&spec.topic) {
-                self.streams.insert(spec.topic.clone(), self.publisher(&spec)?);
-                self.made.insert(spec.topic.clone(), spec);
-            }
-        }
-        Ok(())
-    }
-
-    fn publisher(&self, spec: &StreamSpec) -> Result<Publisher, RecordingError> {
-        let lossless = (!self.options.wait_for.is_empty()).then(|| Lossless {
-            consumers: self.options.wait_for.iter().map(|awaited| awaited.name.clone()).collect(),
-            patience: self.patience(),
-            gives_up: self.options.gives_up,
-        });
-        Ok(self.node.publisher(&StreamSpec { lossless, ..spec.clone() })?)
-    }
-
-    /// Opens a stream again for a frame that is larger than its description. This happens if the simulator was
-    /// restarted with another robot or world during the recording. Consumers see a new publisher, as they did then.
-    fn enlarge(&mut self, topic: &str, len: usize) -> Result<(), RecordingError> {
-        let Some(stream) = self.specs.get_mut(topic) else { return Ok(()) };
-        stream.max_payload_len = len;
-        self.made.remove(topic);
-        // A stream has one publisher: the old one is closed first, and consumers disconnect from it.
-        let awaited = |name: &String| self.options.wait_for.iter().any(|awaited| awaited.name == *name);
-        let old = self.streams.remove(topic);
-        let names = old.iter().flat_map(Publisher::consumers).map(|consumer| consumer.name);
-        let names: Vec<String> = names.filter(awaited).collect();
-        drop(old);
-        let is_left = |node: &Node| {
-            let streams = node.streams()?;
-            let followed = streams.iter().any(|info| info.topic == topic && info.subscribers > 0);
-            Ok::<_, RecordingError>(names.is_empty() || !followed)
-        };
-        self.until(|| is_left(&self.node))?;
-        self.has_new = true;
-        self.open_new()?;
-        self.until(|| {
-            let Some(publisher) = self.streams.get(topic) else { return Ok(true) };
-            publisher.update()?;
-            let there = publisher.consumers();
-            Ok(names.iter().all(|name| there.iter().any(|consumer| consumer.name == *name)))
-        })
-    }
-
-    /// Returns the longest wait of a frame for a consumer.
-    fn patience(&self) -> Duration {
-        self.options.patience.unwrap_or(Lossless::PATIENCE)
-    }
-
-    /// Waits until a condition holds, or the time for waiting is over.
-    fn until(&self, holds: impl Fn() -> Result<bool, RecordingError>) -> Result<(), RecordingError> {
-        let deadline = Instant::now() + self.patience();
-        while !holds()? && Instant::now() < deadline {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        Ok(())
     }
 
     /// Waits until all awaited consumers subscribe to as many streams as required. Returns false if `go_on` stops it.
@@ -301,7 +198,7 @@ impl Player {
         let since = Instant::now();
         loop {
             let mut following: BTreeMap<String, usize> = BTreeMap::new();
-            for consumer in self.streams.values().flat_map(Publisher::consumers) {
+            for consumer in self.streams.consumers() {
                 *following.entry(consumer.name).or_default() += 1;
             }
             let missing = |awaited: &&Awaited| {
@@ -315,7 +212,7 @@ impl Player {
             if !go_on(self) {
                 return Ok(false);
             }
-            self.node.clean_up_dead();
+            self.streams.clean_up_dead();
             self.look_after(NAP)?;
         }
     }
@@ -361,7 +258,7 @@ impl Player {
     }
 
     pub(super) fn look_after(&mut self, nap: Duration) -> Result<(), RecordingError> {
-        self.streams.values().try_for_each(Publisher::update)?;
+        self.streams.update()?;
         self.inbox.wait(nap);
         self.serve();
         Ok(())
@@ -433,21 +330,7 @@ impl Player {
     }
 
     pub(super) fn send(&mut self, frame: &RecordedFrame) -> Result<(), RecordingError> {
-        let len = frame.payload.len();
-        if self.streams.get(&frame.topic).is_some_and(|publisher| len > publisher.max_payload_len()) {
-            self.enlarge(&frame.topic, len)?;
-        }
-        let Some(publisher) = self.streams.get(&frame.topic) else {
-            return Err(RecordingError::Broken(format!(
-                "a frame belongs to /{}, which the recording does not describe",
-                frame.topic
-            )));
-        };
-        let mut loaned = publisher.loan(len)?;
-        loaned.payload_mut().copy_from_slice(&frame.payload);
-        let flags = frame.header.flags | FrameHeader::REPLAYED;
-        *loaned.header_mut() = FrameHeader { flags, payload_len: len as u64, ..*frame.header };
-        loaned.send()?;
+        self.streams.send(frame)?;
         // Streams are recorded in parallel, so some are ahead of the clock by a message. A recording of other streams
         // may have no clock.
         if frame.header.kind() == Some(Kind::Clock) {

@@ -1,5 +1,6 @@
 //! [`Recorder`]: records all streams of a domain to a file.
 
+use super::backlog::Backlog;
 use super::send_order::SendOrder;
 use super::stream::RecordedStream;
 use super::writer::{Compression, Profile, RecordingWriter, StreamId, StreamTally};
@@ -10,7 +11,7 @@ use std::io;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError, SyncSender};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -22,12 +23,6 @@ const ORDER_NS: u64 = 250_000_000;
 const NAP: Duration = Duration::from_millis(50);
 /// The topic that is always recorded, because it shows resets.
 const CLOCK: &str = "clock";
-/// Number of large buffers that are kept for reuse.
-const MOST_SPARE: usize = 16;
-const LARGE: usize = 1 << 16;
-/// Most bytes of frames that may wait for the disk. Beyond it no frames are read, and streams that are not lossless
-/// lose frames.
-const MOST_WAITING: u64 = 1 << 29;
 
 /// Options for recording.
 #[derive(Debug, Clone, Default)]
@@ -85,17 +80,11 @@ enum Note {
 #[derive(Default)]
 struct Shared {
     stop: AtomicBool,
-    /// Set when the file cannot be written any more.
-    failed: AtomicBool,
     publishers: AtomicUsize,
     frames: AtomicU64,
     missed: AtomicU64,
     written: AtomicU64,
-    /// Buffers of frames that were written, for reuse: memory that is allocated and freed for each image would be
-    /// cleared page by page.
-    spare: Mutex<Vec<Vec<u8>>>,
-    waiting: Mutex<u64>,
-    room: Condvar,
+    backlog: Backlog,
     missed_by_topic: Mutex<BTreeMap<String, u64>>,
 }
 
@@ -193,7 +182,7 @@ impl Recorder {
 
     /// Returns true if the file cannot be written any more; [`finish`](Self::finish) returns the reason.
     pub fn has_failed(&self) -> bool {
-        self.shared.failed.load(Ordering::Relaxed)
+        self.shared.backlog.has_failed()
     }
 
     /// Returns the number of lost frames per topic.
@@ -225,7 +214,6 @@ impl Recorder {
     fn end(self) -> (NewFile, Result<Vec<StreamTally>, RecordingError>) {
         let Self { file, shared, sender, followers, writer, .. } = self;
         shared.stop.store(true, Ordering::Relaxed);
-        shared.room.notify_all();
         let all_ended = followers.into_iter().map(JoinHandle::join).all(|ended| ended.is_ok());
         drop(sender);
         let panicked = |what: &str| Err(RecordingError::Broken(format!("{what} panicked")));
@@ -282,9 +270,9 @@ fn follow(mut subscriber: Subscriber, number: usize, sender: &SyncSender<Note>, 
                     *missed.entry(subscriber.topic().to_owned()).or_default() += frame.missed();
                 }
                 // Copied, so that the stream's memory is free again at once.
-                let (header, payload) = (Box::new(*frame.header()), shared.copied(frame.payload()));
+                let (header, payload) = (Box::new(*frame.header()), shared.backlog.copied(frame.payload()));
                 drop(frame);
-                shared.wait_for_room(payload.len() as u64);
+                shared.backlog.wait_for_room(payload.len() as u64);
                 shared.frames.fetch_add(1, Ordering::Relaxed);
                 if sender.send(Note::Frame(number, header, payload)).is_err() {
                     break;
@@ -311,41 +299,6 @@ fn count(now: bool, before: bool, total: &AtomicUsize) -> bool {
     now
 }
 
-impl Shared {
-    fn copied(&self, bytes: &[u8]) -> Vec<u8> {
-        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        let fits =
-            (bytes.len() > LARGE).then(|| spare.iter().position(|memory| memory.capacity() >= bytes.len()));
-        let mut copy = fits.flatten().map_or_else(Vec::new, |at| spare.swap_remove(at));
-        drop(spare);
-        copy.clear();
-        copy.extend_from_slice(bytes);
-        copy
-    }
-
-    fn keep(&self, memory: Vec<u8>) {
-        let mut spare = self.spare.lock().unwrap_or_else(PoisonError::into_inner);
-        if spare.len() < MOST_SPARE && memory.capacity() > LARGE {
-            spare.push(memory);
-        }
-    }
-
-    /// Waits while too many bytes wait to be written.
-    fn wait_for_room(&self, bytes: u64) {
-        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        while *waiting > MOST_WAITING && !self.failed.load(Ordering::Relaxed) {
-            waiting = self.room.wait_timeout(waiting, NAP).unwrap_or_else(PoisonError::into_inner).0;
-        }
-        *waiting += bytes;
-    }
-
-    fn give_room(&self, bytes: u64) {
-        let mut waiting = self.waiting.lock().unwrap_or_else(PoisonError::into_inner);
-        *waiting = waiting.saturating_sub(bytes);
-        self.room.notify_all();
-    }
-}
-
 /// Writes until all senders have ended.
 fn write<W: io::Write>(
     mut writer: RecordingWriter<W>,
@@ -354,8 +307,7 @@ fn write<W: io::Write>(
 ) -> Result<Vec<StreamTally>, RecordingError> {
     let written = write_all(&mut writer, notes, shared).and_then(|()| writer.finish());
     if written.is_err() {
-        shared.failed.store(true, Ordering::Relaxed);
-        shared.room.notify_all();
+        shared.backlog.fail();
     }
     written
 }
@@ -383,8 +335,8 @@ fn write_all<W: io::Write>(
             if let Some(&id) = ids.get(&number) {
                 writer.write(id, &header, &payload)?;
             }
-            shared.give_room(payload.len() as u64);
-            shared.keep(payload);
+            shared.backlog.give_room(payload.len() as u64);
+            shared.backlog.keep(payload);
         }
         if Instant::now() >= next_flush {
             next_flush = Instant::now() + FLUSH_INTERVAL;

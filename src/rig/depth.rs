@@ -15,12 +15,16 @@ use super::{Opening, RigContext, RigError, Settings};
 use crate::description::model::{self, CameraSensor, DepthCameraPlugin, Lens, Sensor};
 use crate::description::text::number;
 use belvedere_bridge::payload::CameraInfo;
+use belvedere_bridge::point::XyzRgbPoint;
 use belvedere_bridge::{Encoding, Intrinsics, Kind, StreamSpec};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame, OutOfRange, POINT_STEP, TooNear};
 use belvedere_sensors::device::depth_model::{DepthModel, DepthNoise};
 use belvedere_sensors::trace::Faces;
 use belvedere_sensors::{ParameterError, Shutter};
 use std::time::Instant;
+
+// The sensors write the points of this encoding by themselves, without the bridge.
+const _: () = assert!(POINT_STEP == XyzRgbPoint::SIZE);
 
 impl Behaviour for model::DepthCamera {
     fn name(&self) -> &'static str {

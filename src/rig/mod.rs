@@ -27,6 +27,7 @@ mod magnetometer;
 mod moments;
 mod motion;
 mod mount;
+mod mounting;
 mod names;
 mod navsat;
 mod numbers;
@@ -59,34 +60,27 @@ pub use schedule::Schedule;
 pub use settings::Settings;
 pub use sink::{FrameBuf, Sink};
 
-use crate::description::housing::{ShapeIndex, housings};
-use crate::description::model::{Drive, Earth, ModelPlugin, Sensor};
-use crate::description::sensor_frames::sensor_frames;
-use crate::description::{Problem, Severity};
-use crate::entities::{Entities, EntityId, Origin};
+use crate::description::Problem;
+use crate::description::housing::ShapeIndex;
+use crate::description::model::Earth;
+use crate::entities::{Entities, EntityId};
 use crate::world::physics::Physics;
 use crate::world::scene::WorldScene;
 use annotations::Census;
-use base::BaseChannel;
-use behaviour::behaviour;
 use belvedere_bridge::{Error as BridgeError, StreamSpec};
 use belvedere_sensors::Execution;
 use belvedere_sensors::trace::WorkspaceBuf;
 use channel::{Channel, Opening, RigContext};
 use cost::Cost;
-use joint_states::JointStatesChannel;
+use mounting::Mounting;
 use names::Names;
 use numbers::Numbers;
-use robot_pose::RobotPoseChannel;
-use state::{ClockChannel, StateChannel};
+use state::ClockChannel;
 use std::time::Duration;
-use true_pose::TruePoseChannel;
 use tuning::Tuning;
 
 /// Rate of the clock in Hz. A consumer's timers are exact to 10 ms of simulated time.
 const CLOCK_HZ: f64 = 100.0;
-/// Rate of transforms and joint states of a robot without a base, and of a Kobuki's sensors.
-const STATE_HZ: f64 = 50.0;
 
 /// Room for sensors that are spawned later, in addition to those at the start.
 const MORE_SENSORS: usize = 64;
@@ -133,14 +127,6 @@ struct Scheduled {
     cost: Cost,
     /// Shapes of its own model that its sensor looks through.
     housing: Vec<ShapeIndex>,
-}
-
-/// Knowledge about the streams of all models while further ones are opened. It is collected once for all of them,
-/// because that reads each stream.
-struct Mounting {
-    names: Names,
-    numbers: Numbers,
-    census: Census,
 }
 
 /// All channels of a simulation.
@@ -255,100 +241,7 @@ impl Rig {
         id: EntityId,
         mounting: &mut Mounting,
     ) -> Result<(), RigError> {
-        let Some(entity) = stage.entities.get(id) else { return Ok(()) };
-        let physics = stage.physics;
-        let options = self.options;
-        let Mounting { names, numbers, census } = mounting;
-        let (names, census) = (&*names, *census);
-        let frames =
-            if options.gazebo_compat { Vec::new() } else { sensor_frames(&entity.model, &entity.namespace) };
-        let opening = |rate, sensor, owner| Opening {
-            sink,
-            physics,
-            earth: stage.earth,
-            entity,
-            id,
-            rate,
-            seed: options.seed,
-            sensor,
-            gazebo_compat: options.gazebo_compat,
-            truth: options.truth,
-            census,
-            hashed: options.hashed,
-            owner,
-            names,
-            frames: &frames,
-        };
-        let mut add = |rate, channel: Box<dyn Channel>, number, tuning, housing| {
-            let schedule = Schedule::starting(rate, physics.time_ns());
-            let cost = Cost::default();
-            self.channels.push(Scheduled {
-                entity: Some(id),
-                number,
-                rate,
-                schedule,
-                channel,
-                tuning,
-                cost,
-                housing,
-            });
-        };
-        if let Some(robot) = &entity.robot {
-            let base = entity.model.base().filter(|_| robot.base().is_some());
-            let rate = plugin_rate(base.map_or(Some(STATE_HZ), |base| base.odometry.rate_hz), physics);
-            let state = StateChannel::open(robot, &opening(rate, 0, Owner::robot(id, entity)))?;
-            add(rate, Box::new(state), 0, None, Vec::new());
-            if let Some(base) = base.filter(|base| matches!(base.drive, Drive::Kobuki(_))) {
-                let rate = fixed_rate(STATE_HZ, physics);
-                let base = BaseChannel::open(&opening(rate, 0, Owner::base(id, entity, base)))?;
-                add(rate, Box::new(base), 0, None, Vec::new());
-            }
-            for (index, plugin) in entity.model.plugins.iter().enumerate() {
-                let owner = Owner::plugin(id, entity, index, plugin);
-                match plugin {
-                    ModelPlugin::Base(_) => {}
-                    ModelPlugin::Pose(pose) => {
-                        let rate = plugin_rate(pose.rate_hz, physics);
-                        let number = numbers.take([&entity.noise_name, "", &pose.topic]);
-                        let channel = TruePoseChannel::open(pose, &opening(rate, number, owner))?;
-                        add(rate, Box::new(channel), number, None, Vec::new());
-                    }
-                    ModelPlugin::JointStates(states) => {
-                        let rate = plugin_rate(states.rate_hz, physics);
-                        let channel = JointStatesChannel::open(states, &opening(rate, 0, owner))?;
-                        add(rate, Box::new(channel), 0, None, Vec::new());
-                    }
-                }
-            }
-        }
-        for (index, sensor) in entity.sensors().iter().enumerate() {
-            let rate = sensor_rate(sensor, physics);
-            // A sensor's name is unique on its link.
-            let link = &entity.model.links[sensor.link].name;
-            let number = numbers.take([&entity.noise_name, link, &sensor.name]);
-            let owner = Owner::sensor(id, entity, index, sensor);
-            if let Some(channel) = behaviour(sensor).open(sensor, &opening(rate, number, owner))? {
-                let described = behaviour(sensor).settings(rate.hz());
-                let name = entity.scoped(&sensor.name);
-                let housing = (!options.gazebo_compat).then(|| housings(&entity.model, sensor));
-                let tuning = Tuning { sensor: name, described, now: described };
-                add(rate, channel, number, Some(tuning), housing.unwrap_or_default());
-            } else {
-                let what = format!(
-                    "sensor '{}' publishes nothing: it has neither a plugin that is simulated nor a <topic>",
-                    sensor.name
-                );
-                let remedy = "give it a <plugin> of gazebo_ros, or a <topic> as in gz-sim";
-                names.note(Severity::Warning, &sensor.source, what, remedy);
-            }
-        }
-        // After all streams of the model's own, which have priority.
-        if options.truth && entity.robot.is_some() && entity.origin != Origin::World {
-            let rate = fixed_rate(STATE_HZ, physics);
-            if let Some(pose) = RobotPoseChannel::open(&opening(rate, 0, Owner::robot(id, entity)))? {
-                add(rate, Box::new(pose), 0, None, Vec::new());
-            }
-        }
+        self.channels.extend(mounting.open(sink, stage, id, &self.options)?);
         let sensors = self.channels.iter().filter(|channel| channel.tuning.is_some()).count();
         if sensors > self.most_sensors {
             return Err(RigError::TooManySensors { most: self.most_sensors });
@@ -479,14 +372,4 @@ impl Scheduled {
 /// Returns a fixed rate, or one frame per physics step if it is invalid.
 fn fixed_rate(hz: f64, physics: &Physics) -> Rate {
     Rate::from_hz(hz).unwrap_or(Rate::from_period_ns(physics.step_ns()))
-}
-
-/// Returns a plugin's rate, or one frame per physics step if it has none.
-fn plugin_rate(hz: Option<f64>, physics: &Physics) -> Rate {
-    fixed_rate(hz.unwrap_or(0.0), physics)
-}
-
-/// Returns the lower of the sensor's rate and its plugin's, or one frame per physics step if neither has one.
-fn sensor_rate(sensor: &Sensor, physics: &Physics) -> Rate {
-    sensor.effective_rate_hz().and_then(Rate::from_hz).unwrap_or(Rate::from_period_ns(physics.step_ns()))
 }

@@ -3,6 +3,7 @@
 //! The hash of a type (RIHS01) is the SHA-256 of its description in JSON: names and types of its fields, then those of
 //! every type it contains, by name.
 
+use belvedere_bridge::RosPrimitive;
 use sha2::{Digest as _, Sha256};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -116,34 +117,13 @@ fn field(of: &str, name: &str) -> String {
             None => (element, ARRAYS[0], count),
         },
     };
-    let known = number(element);
+    let known = RosPrimitive::of_word(element).map(RosPrimitive::number);
     let nested = if known.is_none() { full_name(element) } else { String::new() };
     format!(
         "{{\"name\": \"{name}\", \"type\": {{\"type_id\": {}, \"capacity\": {capacity}, \"string_capacity\": 0, \
          \"nested_type_name\": \"{nested}\"}}}}",
         known.unwrap_or(1) + array,
     )
-}
-
-/// Returns the number of a type that is not a message.
-fn number(of: &str) -> Option<u32> {
-    let number = match of {
-        "int8" => 2,
-        "uint8" => 3,
-        "int16" => 4,
-        "uint16" => 5,
-        "int32" => 6,
-        "uint32" => 7,
-        "int64" => 8,
-        "uint64" => 9,
-        "float32" => 10,
-        "float64" => 11,
-        "bool" => 15,
-        "byte" => 16,
-        "string" => 17,
-        _ => return None,
-    };
-    Some(number)
 }
 
 #[cfg(test)]

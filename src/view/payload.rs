@@ -10,6 +10,7 @@
 //! steps that are finer than any sensor's noise. `streamEncoding` is then the stream's original encoding. Points become
 //! 16 bytes each: x, y, z as f32, and either red, green, blue, 255 or the intensity as f32. Invalid points are omitted.
 
+use belvedere_bridge::point::{Number, PointField};
 use belvedere_bridge::{Encoding, FrameHeader, FrameView, Kind, clock};
 use serde_json::{Map, Value, json};
 use std::time::{SystemTime, UNIX_EPOCH};
@@ -39,9 +40,9 @@ pub(super) fn encode(topic: &str, frame: &FrameView<'_>, restarted: bool) -> Vec
             }
         }
         (Some(Kind::PointCloud), Some(encoding)) => {
-            let points = points(frame, encoding);
-            let colour = if encoding == Encoding::XyzRgbF32 { "rgb" } else { "intensity" };
-            object.insert("colour".into(), colour.into());
+            let colour = colour_field(encoding);
+            let points = colour.map_or_else(Vec::new, |colour| points(frame, colour));
+            object.insert("colour".into(), colour.map_or("intensity", |colour| colour.name).into());
             object.insert("points".into(), (points.len() / 16).into());
             begin(&object, &mut out, points.len());
             out.extend_from_slice(&points);
@@ -116,16 +117,17 @@ fn finite(value: f32) -> Option<f32> {
     value.is_finite().then_some(value)
 }
 
-fn points(frame: &FrameView<'_>, encoding: Encoding) -> Vec<u8> {
-    let colour_at = match encoding {
-        Encoding::XyzIrtF32 | Encoding::LivoxPoint => 12,
-        _ => 16,
-    };
+/// Returns the field that colours a point: its colour, or else its intensity.
+fn colour_field(encoding: Encoding) -> Option<&'static PointField> {
+    let point = encoding.point()?;
+    point.field("rgb").or_else(|| point.field("intensity"))
+}
+
+fn points(frame: &FrameView<'_>, colour: &PointField) -> Vec<u8> {
     let stride = (frame.header().elem_stride as usize).max(1);
     let mut points = Vec::new();
     for point in frame.rows().flat_map(|row| row.chunks(stride)) {
-        let (Some(place), Some(&colour)) =
-            (point.get(..12), point.get(colour_at..).and_then(<[u8]>::first_chunk::<4>))
+        let (Some(place), Some(&[first, second, third, fourth])) = (point.get(..12), colour.bytes(point))
         else {
             continue;
         };
@@ -134,13 +136,10 @@ fn points(frame: &FrameView<'_>, encoding: Encoding) -> Vec<u8> {
             continue;
         }
         points.extend_from_slice(place);
-        points.extend(match encoding {
-            // 0x00RRGGBB.
-            Encoding::XyzRgbF32 => {
-                let [blue, green, red, _] = colour;
-                [red, green, blue, 255]
-            }
-            _ => colour,
+        points.extend(match colour.number {
+            // Blue, green, red and 0.
+            Number::Colour => [third, second, first, 255],
+            _ => [first, second, third, fourth],
         });
     }
     points

@@ -9,3 +9,4 @@ mod layers;
 mod models;
 mod package;
 mod page_layout;
+mod point_tables;

@@ -11,6 +11,8 @@ import time
 import rclpy
 
 DOMAIN = f"ros2-{os.getpid()}"
+#: Seconds between two calls of `belvedere list`, in a loop that waits for what it says.
+LIST_S = 0.2
 
 
 @contextlib.contextmanager
@@ -39,13 +41,18 @@ def program(belvedere, *words):
         yield said
 
 
-def spin(node, done, seconds):
-    """Spins until `done()` is true, and returns the time that it took, or None."""
+def spin(node, done, seconds, interval=0.0):
+    """Spins until `done()` is true, and returns the time that it took, or None. `interval` is the least time between two
+    calls of `done`, for one that starts a program: without it, each message that comes would start one.
+    """
     begin = time.monotonic()
     while not done():
-        if time.monotonic() > begin + seconds:
+        now = time.monotonic()
+        if now > begin + seconds:
             return None
         rclpy.spin_once(node, timeout_sec=0.05)
+        while time.monotonic() < now + interval:
+            rclpy.spin_once(node, timeout_sec=0.05)
     return time.monotonic() - begin
 
 

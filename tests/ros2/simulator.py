@@ -15,7 +15,7 @@ from pathlib import Path
 import kit
 import rclpy
 from geometry_msgs.msg import Twist
-from kit import spin
+from kit import LIST_S, spin
 from mcap.reader import make_reader
 from nav_msgs.msg import Odometry
 from rclpy.qos import QoSProfile, ReliabilityPolicy
@@ -101,7 +101,7 @@ def judge_simulator(node):
             assert spin(node, lambda: len(images) > 30, 15) is not None, len(images)
             assert (images[0].width, images[0].height, images[0].encoding) == (640, 480, "rgb8")
             node.destroy_subscription(camera)
-            assert spin(node, lambda: readers("image_raw") == 0, 5) is not None, "the camera is still read"
+            assert spin(node, lambda: readers("image_raw") == 0, 5, LIST_S) is not None, "the camera is still read"
 
             def driven():
                 commands.publish(Twist(linear=Twist().linear.__class__(x=0.3)))
@@ -124,10 +124,10 @@ def judge_full_stream(node):
         node.create_subscription(Clock, "/clock", clock.append, 10),
     ]
     with program("run", "--drive", "still"), contextlib.ExitStack() as others:
-        assert spin(node, lambda: any(line["topic"].strip("/") == "odom" for line in streams()), 15) is not None
+        assert spin(node, lambda: any(line["topic"].strip("/") == "odom" for line in streams()), 15, LIST_S) is not None
         for _ in range(8):
             others.enter_context(program("echo", "/odom"))
-        assert spin(node, lambda: readers("odom") == 8, 15) is not None, readers("odom")
+        assert spin(node, lambda: readers("odom") == 8, 15, LIST_S) is not None, readers("odom")
         with program("ros2"):
             assert spin(node, lambda: len(clock) > 100, 15) is not None, len(clock)
             assert not odometry

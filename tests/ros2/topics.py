@@ -17,7 +17,7 @@ import kit
 import numpy as np
 import rclpy
 from geometry_msgs.msg import TwistStamped
-from kit import spin
+from kit import LIST_S, spin
 from nav_msgs.msg import Odometry
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import CompressedImage, Image
@@ -116,7 +116,7 @@ def judge_compressed(node, topic, form):
     pixels = numbers.reshape(image.height, image.width, -1).squeeze()
     encoded = np.frombuffer(small[last].data, np.uint8)
     np.savez(FOLDER / f"{stream.replace('/', '_')}.npz", pixels=pixels, encoded=encoded, form=form)
-    assert spin(node, lambda: readers(stream) == 0, 5) is not None, f"{topic} is still read"
+    assert spin(node, lambda: readers(stream) == 0, 5, LIST_S) is not None, f"{topic} is still read"
 
 
 def judge_spawned(node, namespace, camera_format, form):

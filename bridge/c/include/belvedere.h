@@ -140,8 +140,12 @@ enum bv_encoding
     BV_ENCODING_F32C1 = 4,
     // Depth in millimetres, 16 bits: 0 invalid (REP-118).
     BV_ENCODING_U16C1 = 5,
-    // A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are 0x00RRGGBB
-    // (PCL's rgb); the rest is padding. NaN coordinates mean no point.
+    // A point with a colour. NaN coordinates mean no point.
+    // Its 32 bytes:
+    // - x at 0, f32: Metres.
+    // - y at 4, f32: Metres.
+    // - z at 8, f32: Metres.
+    // - rgb at 16, u8[4]: Blue, green, red, 0.
     BV_ENCODING_XYZ_RGB_F32 = 6,
     // Ranges in metres, 32-bit floats (REP-117): height layers of width rays. With
     // BV_HAS_INTENSITIES a second plane of the same shape follows
@@ -175,17 +179,38 @@ enum bv_encoding
     BV_ENCODING_F32C3 = 20,
     // An instance or class number, 32-bit signed; in instance images, −1 where nothing is seen.
     BV_ENCODING_I32C1 = 21,
-    // A point of 22 bytes, in the layout of Velodyne's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as
-    // f32 at 12, ring as u16 at 16, counted from the lowest, time as f32 at 18 in seconds after the stamp. NaN
-    // coordinates mean no point, which occurs only in clouds of several rows.
+    // A point in the layout of Velodyne's driver. NaN coordinates mean no point, which occurs only in clouds of
+    // several rows.
+    // Its 22 bytes:
+    // - x at 0, f32: Metres.
+    // - y at 4, f32: Metres.
+    // - z at 8, f32: Metres.
+    // - intensity at 12, f32: Intensity.
+    // - ring at 16, u16: Number of the laser, counted from the lowest.
+    // - time at 18, f32: Seconds after the stamp.
     BV_ENCODING_XYZ_IRT_F32 = 22,
-    // A point of 48 bytes, in the layout of Ouster's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
-    // at 16, t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, counted
-    // from the highest, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates mean
-    // no point. A row is a laser, a column a direction.
+    // A point in the layout of Ouster's driver. NaN coordinates mean no point. A row is a laser, a column a
+    // direction.
+    // Its 48 bytes:
+    // - x at 0, f32: Metres.
+    // - y at 4, f32: Metres.
+    // - z at 8, f32: Metres.
+    // - intensity at 16, f32: Intensity.
+    // - t at 20, u32: Nanoseconds after the stamp.
+    // - reflectivity at 24, u16: The intensity, limited to 255.
+    // - ring at 26, u16: Number of the laser, counted from the highest.
+    // - ambient at 28, u16: 0.
+    // - range at 32, u32: Millimetres from the axis; 0 for none.
     BV_ENCODING_OUSTER_POINT = 23,
-    // A point of 26 bytes, in the layout of Livox's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
-    // at 12, tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
+    // A point in the layout of Livox's driver.
+    // Its 26 bytes:
+    // - x at 0, f32: Metres.
+    // - y at 4, f32: Metres.
+    // - z at 8, f32: Metres.
+    // - intensity at 12, f32: Intensity, 0 to 255.
+    // - tag at 16, u8: The number of the return in bits 4 and 5.
+    // - line at 17, u8: Number of the laser.
+    // - timestamp at 18, f64: Nanoseconds since time 0.
     BV_ENCODING_LIVOX_POINT = 24,
 };
 #ifndef __cplusplus
@@ -828,6 +853,44 @@ typedef struct bv_pose {
     X(bv_tag_detection, BV_KIND_TAG_DETECTIONS) \
     X(bv_seen_model, BV_KIND_SEEN_MODELS) \
     X(bv_pose, BV_KIND_POSE)
+
+// Applies X to every encoding of points: the constant, the size of a point in bytes, and whether a cloud of one
+// row has no NaN coordinates.
+#define BV_POINTS(X) \
+    X(BV_ENCODING_XYZ_RGB_F32, 32, false) \
+    X(BV_ENCODING_XYZ_IRT_F32, 22, true) \
+    X(BV_ENCODING_OUSTER_POINT, 48, false) \
+    X(BV_ENCODING_LIVOX_POINT, 26, true)
+
+// Applies X to every field of points: the constant of the encoding, name, offset in bytes, and type by its name in
+// sensor_msgs/PointField.
+#define BV_POINT_FIELDS(X) \
+    X(BV_ENCODING_XYZ_RGB_F32, "x", 0, FLOAT32) \
+    X(BV_ENCODING_XYZ_RGB_F32, "y", 4, FLOAT32) \
+    X(BV_ENCODING_XYZ_RGB_F32, "z", 8, FLOAT32) \
+    X(BV_ENCODING_XYZ_RGB_F32, "rgb", 16, FLOAT32) \
+    X(BV_ENCODING_XYZ_IRT_F32, "x", 0, FLOAT32) \
+    X(BV_ENCODING_XYZ_IRT_F32, "y", 4, FLOAT32) \
+    X(BV_ENCODING_XYZ_IRT_F32, "z", 8, FLOAT32) \
+    X(BV_ENCODING_XYZ_IRT_F32, "intensity", 12, FLOAT32) \
+    X(BV_ENCODING_XYZ_IRT_F32, "ring", 16, UINT16) \
+    X(BV_ENCODING_XYZ_IRT_F32, "time", 18, FLOAT32) \
+    X(BV_ENCODING_OUSTER_POINT, "x", 0, FLOAT32) \
+    X(BV_ENCODING_OUSTER_POINT, "y", 4, FLOAT32) \
+    X(BV_ENCODING_OUSTER_POINT, "z", 8, FLOAT32) \
+    X(BV_ENCODING_OUSTER_POINT, "intensity", 16, FLOAT32) \
+    X(BV_ENCODING_OUSTER_POINT, "t", 20, UINT32) \
+    X(BV_ENCODING_OUSTER_POINT, "reflectivity", 24, UINT16) \
+    X(BV_ENCODING_OUSTER_POINT, "ring", 26, UINT16) \
+    X(BV_ENCODING_OUSTER_POINT, "ambient", 28, UINT16) \
+    X(BV_ENCODING_OUSTER_POINT, "range", 32, UINT32) \
+    X(BV_ENCODING_LIVOX_POINT, "x", 0, FLOAT32) \
+    X(BV_ENCODING_LIVOX_POINT, "y", 4, FLOAT32) \
+    X(BV_ENCODING_LIVOX_POINT, "z", 8, FLOAT32) \
+    X(BV_ENCODING_LIVOX_POINT, "intensity", 12, FLOAT32) \
+    X(BV_ENCODING_LIVOX_POINT, "tag", 16, UINT8) \
+    X(BV_ENCODING_LIVOX_POINT, "line", 17, UINT8) \
+    X(BV_ENCODING_LIVOX_POINT, "timestamp", 18, FLOAT64)
 
 // The largest number of streams of a set.
 #define BV_SYNCHRONIZER_MAX 8

@@ -246,6 +246,16 @@ TEST(PointCloud, OfOustersAndLivoxsLidarsHaveTheFieldsOfTheirDrivers) {
                    field("line", 17, Field::UINT8), field("timestamp", 18, Field::FLOAT64)});
 }
 
+TEST(PointCloud, OfOneRowIsDenseUnlessMissingPointsAreInIt) {
+    const auto is_dense = [](bv_encoding encoding, std::uint32_t size) -> bool {
+        return to_point_cloud(Known(BV_KIND_POINT_CLOUD, encoding, 3, 1, size).sample())->is_dense;
+    };
+    EXPECT_FALSE(is_dense(BV_ENCODING_XYZ_RGB_F32, 32));
+    EXPECT_TRUE(is_dense(BV_ENCODING_XYZ_IRT_F32, 22));
+    EXPECT_FALSE(is_dense(BV_ENCODING_OUSTER_POINT, 48));
+    EXPECT_TRUE(is_dense(BV_ENCODING_LIVOX_POINT, 26));
+}
+
 TEST(Odometry, HasPoseVelocityAndCovariances) {
     bv_odometry from{};
     std::strcpy(from.child_frame_id, "base_footprint");

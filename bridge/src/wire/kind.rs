@@ -1,6 +1,9 @@
 //! The kinds of streams, the encodings of their payloads, and the operations of commands.
 
-use super::layout::wire_enum;
+use super::{
+    layout::{Value, wire_enum},
+    point::{LivoxPoint, OusterPoint, PointLayout, XyzIrtPoint, XyzRgbPoint},
+};
 
 wire_enum! {
     /// The meaning of a stream's payload (`FrameHeader::kind`). Numbers are never reused.
@@ -125,9 +128,8 @@ wire_enum! {
         F32C1 = 4 "32fc1" of f32,
         /// Depth in millimetres, 16 bits: 0 invalid (REP-118).
         U16C1 = 5 "16uc1" of u16,
-        /// A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are 0x00RRGGBB
-        /// (PCL's `rgb`); the rest is padding. NaN coordinates mean no point.
-        XyzRgbF32 = 6 "xyzrgb_f32" of [u8; 32],
+        /// A point with a colour. NaN coordinates mean no point.
+        XyzRgbF32 = 6 "xyzrgb_f32" as XyzRgbPoint,
         /// Ranges in metres, 32-bit floats (REP-117): `height` layers of `width` rays. With
         /// [`HAS_INTENSITIES`](crate::FrameHeader::HAS_INTENSITIES) a second plane of the same shape follows
         /// at `height · row_stride`.
@@ -160,18 +162,14 @@ wire_enum! {
         F32C3 = 20 "32fc3" of [f32; 3],
         /// An instance or class number, 32-bit signed; in instance images, −1 where nothing is seen.
         I32C1 = 21 "32sc1" of i32,
-        /// A point of 22 bytes, in the layout of Velodyne's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as
-        /// f32 at 12, ring as u16 at 16, counted from the lowest, time as f32 at 18 in seconds after the stamp. NaN
-        /// coordinates mean no point, which occurs only in clouds of several rows.
-        XyzIrtF32 = 22 "xyzirt_f32" of [u8; 22],
-        /// A point of 48 bytes, in the layout of Ouster's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
-        /// at 16, t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, counted
-        /// from the highest, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates mean
-        /// no point. A row is a laser, a column a direction.
-        OusterPoint = 23 "ouster_point" of [u8; 48],
-        /// A point of 26 bytes, in the layout of Livox's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
-        /// at 12, tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
-        LivoxPoint = 24 "livox_point" of [u8; 26],
+        /// A point in the layout of Velodyne's driver. NaN coordinates mean no point, which occurs only in clouds of
+        /// several rows.
+        XyzIrtF32 = 22 "xyzirt_f32" as XyzIrtPoint,
+        /// A point in the layout of Ouster's driver. NaN coordinates mean no point. A row is a laser, a column a
+        /// direction.
+        OusterPoint = 23 "ouster_point" as OusterPoint,
+        /// A point in the layout of Livox's driver.
+        LivoxPoint = 24 "livox_point" as LivoxPoint,
     }
 }
 
@@ -208,15 +206,26 @@ impl Encoding {
     /// Returns the bytes of one element; `None` for [`Encoding::Struct`], whose size depends on the kind.
     #[must_use]
     pub const fn elem_size(self) -> Option<usize> {
+        match self.value().element_size {
+            0 => None,
+            size => Some(size),
+        }
+    }
+
+    /// Returns the layout of a point; `None` for encodings of other elements.
+    #[must_use]
+    pub const fn point(self) -> Option<&'static PointLayout> {
+        self.value().point
+    }
+
+    /// Returns this encoding as data.
+    const fn value(self) -> &'static Value {
         let values = Self::LAYOUT.values;
         let mut at = 0;
         while values[at].number != self as u16 {
             at += 1;
         }
-        match values[at].element_size {
-            0 => None,
-            size => Some(size),
-        }
+        &values[at]
     }
 }
 

@@ -1,7 +1,10 @@
 //! The wire format as data. Each struct and each list of numbers is defined once, and the bindings are generated from
 //! it.
 
-use super::fields::{DescribeRows, RosType};
+use super::{
+    fields::{DescribeRows, RosType},
+    point::PointLayout,
+};
 
 /// A struct of the wire format.
 #[derive(Clone, Copy, Debug)]
@@ -59,9 +62,11 @@ pub struct Value {
     pub doc: &'static [&'static str],
     /// Its number on the wire.
     pub number: u16,
-    /// The type of an element with this encoding; empty in other enumerations.
+    /// The type of an element with this encoding; empty for points, and in other enumerations.
     pub element: &'static str,
-    /// The size of that element in bytes, or 0.
+    /// The layout of an element that is a point.
+    pub point: Option<&'static PointLayout>,
+    /// The size of an element in bytes, or 0.
     pub element_size: usize,
 }
 
@@ -123,16 +128,32 @@ macro_rules! wire_structs {
 
 /// Defines an enumeration with its numbers and names, and describes it as data in `LAYOUT`.
 macro_rules! wire_enum {
+    (@point) => { None };
+    (@point $point:ident) => { Some(&$point::LAYOUT) };
     (
         $(#[doc = $doc:literal])*
         $name:ident {
-            $($(#[doc = $value_doc:literal])* $value:ident = $number:literal $text:literal $(of $element:ty)?,)+
+            $(
+                $(#[doc = $value_doc:literal])*
+                $value:ident = $number:literal $text:literal $(of $element:ty)? $(as $point:ident)?,
+            )+
         }
     ) => {
         $(#[doc = $doc])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[repr(u16)]
-        pub enum $name { $($(#[doc = $value_doc])* $value = $number,)+ }
+        pub enum $name {
+            $(
+                $(#[doc = $value_doc])*
+                $(
+                    #[doc = ""]
+                    #[doc = concat!(
+                        "Its fields are those of [`", stringify!($point), "`](crate::point::", stringify!($point), ")."
+                    )]
+                )?
+                $value = $number,
+            )+
+        }
 
         impl $name {
             /// Every value, in the order of its number.
@@ -149,7 +170,8 @@ macro_rules! wire_enum {
                         doc: &[$($value_doc),*],
                         number: $number,
                         element: concat!($(stringify!($element))?),
-                        element_size: 0 $(+ size_of::<$element>())?,
+                        point: wire_enum!(@point $($point)?),
+                        element_size: 0 $(+ size_of::<$element>())? $(+ $point::SIZE)?,
                     },
                 )+],
             };

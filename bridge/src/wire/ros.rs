@@ -2,8 +2,10 @@
 
 mod bytes;
 mod definition;
+mod primitive;
 
 pub use bytes::RosBytes;
+pub use primitive::RosPrimitive;
 
 use super::{
     FrameHeader, FrameView, Kind,

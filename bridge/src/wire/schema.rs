@@ -2,6 +2,7 @@
 //! (`bridge/c/tests/bindings`).
 
 pub use super::layout::{Enum, Field, Struct, Value};
+pub use super::point::{PointField, PointLayout};
 
 use super::{DistortionModel, Encoding, Kind, Operation, header, payload};
 

@@ -219,7 +219,7 @@ def seeds(argument: str, value: ArrayLike | int, lead: tuple[int, ...]) -> list[
     """Return a seed for each frame: the given ones, or consecutive ones from a given first."""
     total = math.prod(lead)
     if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
-        first = _number_of_frame(argument, value)
+        first = _whole_of_64_bits(argument, value)
         return [first] if total == 1 else [(first + index) % 2**64 for index in range(total)]
     try:
         given = np.asarray(value)
@@ -237,11 +237,12 @@ def seeds(argument: str, value: ArrayLike | int, lead: tuple[int, ...]) -> list[
 def numbers_of_frames(value: ArrayLike | int, lead: tuple[int, ...]) -> list[int]:
     """Return the number of each frame: the given ones, or one for all."""
     if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
-        return [_number_of_frame("frames", value)] * math.prod(lead)
+        return [_whole_of_64_bits("frames", value)] * math.prod(lead)
     return seeds("frames", value, lead)
 
 
-def _number_of_frame(argument: str, value: int | np.integer[Any]) -> int:
+def _whole_of_64_bits(argument: str, value: int | np.integer[Any]) -> int:
+    """Return a whole number from 0 to 2**64 - 1: a seed, or the number of a frame."""
     if not 0 <= value < 2**64:
         raise ValueError(f"{argument}: a whole number from 0 to 2**64 - 1 is expected, not {value}")
     return int(value)

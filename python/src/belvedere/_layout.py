@@ -106,8 +106,12 @@ class Encoding(IntEnum):
     F32C1 = 4
     #: Depth in millimetres, 16 bits: 0 invalid (REP-118).
     U16C1 = 5
-    #: A point of 32 bytes: x, y, z as f32 at 0, 4, 8 in metres; colour at 16 as an f32 whose bits are 0x00RRGGBB
-    #: (PCL's rgb); the rest is padding. NaN coordinates mean no point.
+    #: A point with a colour. NaN coordinates mean no point.
+    #: Its 32 bytes:
+    #: - x at 0, f32: Metres.
+    #: - y at 4, f32: Metres.
+    #: - z at 8, f32: Metres.
+    #: - rgb at 16, u8[4]: Blue, green, red, 0.
     XYZRGB_F32 = 6
     #: Ranges in metres, 32-bit floats (REP-117): height layers of width rays. With
     #: HAS_INTENSITIES a second plane of the same shape follows
@@ -141,17 +145,38 @@ class Encoding(IntEnum):
     F32C3 = 20
     #: An instance or class number, 32-bit signed; in instance images, −1 where nothing is seen.
     I32C1 = 21
-    #: A point of 22 bytes, in the layout of Velodyne's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as
-    #: f32 at 12, ring as u16 at 16, counted from the lowest, time as f32 at 18 in seconds after the stamp. NaN
-    #: coordinates mean no point, which occurs only in clouds of several rows.
+    #: A point in the layout of Velodyne's driver. NaN coordinates mean no point, which occurs only in clouds of
+    #: several rows.
+    #: Its 22 bytes:
+    #: - x at 0, f32: Metres.
+    #: - y at 4, f32: Metres.
+    #: - z at 8, f32: Metres.
+    #: - intensity at 12, f32: Intensity.
+    #: - ring at 16, u16: Number of the laser, counted from the lowest.
+    #: - time at 18, f32: Seconds after the stamp.
     XYZIRT_F32 = 22
-    #: A point of 48 bytes, in the layout of Ouster's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
-    #: at 16, t as u32 at 20 in nanoseconds after the stamp, reflectivity as u16 at 24, ring as u16 at 26, counted
-    #: from the highest, ambient as u16 at 28, range as u32 at 32 in millimetres, 0 for none. NaN coordinates mean
-    #: no point. A row is a laser, a column a direction.
+    #: A point in the layout of Ouster's driver. NaN coordinates mean no point. A row is a laser, a column a
+    #: direction.
+    #: Its 48 bytes:
+    #: - x at 0, f32: Metres.
+    #: - y at 4, f32: Metres.
+    #: - z at 8, f32: Metres.
+    #: - intensity at 16, f32: Intensity.
+    #: - t at 20, u32: Nanoseconds after the stamp.
+    #: - reflectivity at 24, u16: The intensity, limited to 255.
+    #: - ring at 26, u16: Number of the laser, counted from the highest.
+    #: - ambient at 28, u16: 0.
+    #: - range at 32, u32: Millimetres from the axis; 0 for none.
     OUSTER_POINT = 23
-    #: A point of 26 bytes, in the layout of Livox's driver: x, y, z as f32 at 0, 4, 8 in metres, intensity as f32
-    #: at 12, tag as u8 at 16, line as u8 at 17, timestamp as f64 at 18 in nanoseconds since time 0.
+    #: A point in the layout of Livox's driver.
+    #: Its 26 bytes:
+    #: - x at 0, f32: Metres.
+    #: - y at 4, f32: Metres.
+    #: - z at 8, f32: Metres.
+    #: - intensity at 12, f32: Intensity, 0 to 255.
+    #: - tag at 16, u8: The number of the return in bits 4 and 5.
+    #: - line at 17, u8: Number of the laser.
+    #: - timestamp at 18, f64: Nanoseconds since time 0.
     LIVOX_POINT = 24
 
 
@@ -527,7 +552,12 @@ ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
     Encoding.MONO8: np.dtype("u1"),
     Encoding.F32C1: np.dtype("<f4"),
     Encoding.U16C1: np.dtype("<u2"),
-    Encoding.XYZRGB_F32: np.dtype(("u1", 32)),
+    Encoding.XYZRGB_F32: np.dtype({
+        "names": ["x", "y", "z", "rgb"],
+        "formats": ["<f4", "<f4", "<f4", "<u4"],
+        "offsets": [0, 4, 8, 16],
+        "itemsize": 32,
+    }),
     Encoding.RANGES_F32: np.dtype("<f4"),
     Encoding.RGBA8: np.dtype(("u1", 4)),
     Encoding.MONO16: np.dtype("<u2"),
@@ -542,7 +572,22 @@ ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
     Encoding.F32C2: np.dtype(("<f4", 2)),
     Encoding.F32C3: np.dtype(("<f4", 3)),
     Encoding.I32C1: np.dtype("<i4"),
-    Encoding.XYZIRT_F32: np.dtype(("u1", 22)),
-    Encoding.OUSTER_POINT: np.dtype(("u1", 48)),
-    Encoding.LIVOX_POINT: np.dtype(("u1", 26)),
+    Encoding.XYZIRT_F32: np.dtype({
+        "names": ["x", "y", "z", "intensity", "ring", "time"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "<u2", "<f4"],
+        "offsets": [0, 4, 8, 12, 16, 18],
+        "itemsize": 22,
+    }),
+    Encoding.OUSTER_POINT: np.dtype({
+        "names": ["x", "y", "z", "intensity", "t", "reflectivity", "ring", "ambient", "range"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "<u4", "<u2", "<u2", "<u2", "<u4"],
+        "offsets": [0, 4, 8, 16, 20, 24, 26, 28, 32],
+        "itemsize": 48,
+    }),
+    Encoding.LIVOX_POINT: np.dtype({
+        "names": ["x", "y", "z", "intensity", "tag", "line", "timestamp"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "u1", "u1", "<f8"],
+        "offsets": [0, 4, 8, 12, 16, 17, 18],
+        "itemsize": 26,
+    }),
 }

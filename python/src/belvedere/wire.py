@@ -47,46 +47,6 @@ __all__ = [
     "scan_geometry",
 ]
 
-_POINT = np.dtype(
-    {
-        "names": ["x", "y", "z", "rgb"],
-        "formats": ["<f4", "<f4", "<f4", "<u4"],
-        "offsets": [0, 4, 8, 16],
-        "itemsize": 32,
-    }
-)
-_LIDAR_POINT = np.dtype(
-    {
-        "names": ["x", "y", "z", "intensity", "ring", "time"],
-        "formats": ["<f4", "<f4", "<f4", "<f4", "<u2", "<f4"],
-        "offsets": [0, 4, 8, 12, 16, 18],
-        "itemsize": 22,
-    }
-)
-_OUSTER_POINT = np.dtype(
-    {
-        "names": ["x", "y", "z", "intensity", "t", "reflectivity", "ring", "ambient", "range"],
-        "formats": ["<f4", "<f4", "<f4", "<f4", "<u4", "<u2", "<u2", "<u2", "<u4"],
-        "offsets": [0, 4, 8, 16, 20, 24, 26, 28, 32],
-        "itemsize": 48,
-    }
-)
-_LIVOX_POINT = np.dtype(
-    {
-        "names": ["x", "y", "z", "intensity", "tag", "line", "timestamp"],
-        "formats": ["<f4", "<f4", "<f4", "<f4", "u1", "u1", "<f8"],
-        "offsets": [0, 4, 8, 12, 16, 17, 18],
-        "itemsize": 26,
-    }
-)
-_ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
-    **ELEMENTS,
-    Encoding.XYZRGB_F32: _POINT,
-    Encoding.XYZIRT_F32: _LIDAR_POINT,
-    Encoding.OUSTER_POINT: _OUSTER_POINT,
-    Encoding.LIVOX_POINT: _LIVOX_POINT,
-}
-
 
 class Intrinsics(NamedTuple):
     """The mapping from pixels to directions. Pixel centres are integers; distances in metres."""
@@ -138,7 +98,7 @@ def element(kind: int, encoding: int) -> np.dtype[np.generic] | None:
     try:
         if encoding == Encoding.STRUCT:
             return STRUCTS.get(Kind(kind))
-        return _ELEMENTS[Encoding(encoding)]
+        return ELEMENTS[Encoding(encoding)]
     except ValueError:
         return None
 

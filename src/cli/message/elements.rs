@@ -1,6 +1,7 @@
 //! Prints images, scans and clouds, whose payloads are not structs.
 
 use super::tree::Tree::{self, Flag, List, Map, Number, Text, Whole};
+use belvedere_bridge::point::{Number as Of, PointField, PointLayout};
 use belvedere_bridge::{Encoding, FrameHeader, FrameView};
 
 type Entries = Vec<(&'static str, Tree)>;
@@ -68,13 +69,11 @@ pub(super) fn scan(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
 
 pub(super) fn cloud(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
     let header = frame.header();
-    let points = match header.encoding()? {
-        Encoding::XyzRgbF32 => frame.numbers::<[f32; 5]>(frame.rows()).take(limit).map(coloured).collect(),
-        Encoding::XyzIrtF32 => frame.numbers::<[u8; 22]>(frame.rows()).take(limit).map(timed).collect(),
-        Encoding::OusterPoint => frame.numbers::<[u8; 48]>(frame.rows()).take(limit).map(ouster).collect(),
-        Encoding::LivoxPoint => frame.numbers::<[u8; 26]>(frame.rows()).take(limit).map(livox).collect(),
-        _ => return None,
-    };
+    let layout = header.encoding()?.point()?;
+    let stride = (header.elem_stride as usize).max(1);
+    let points = frame.rows().flat_map(|row| row.chunks(stride));
+    let points = points.filter(|point| point.len() >= layout.size).take(limit);
+    let points = points.map(|bytes| point(layout, bytes)).collect();
     Some(vec![
         ("height", Whole(header.height.into())),
         ("width", Whole(header.width.into())),
@@ -84,56 +83,27 @@ pub(super) fn cloud(frame: &FrameView<'_>, limit: usize) -> Option<Entries> {
     ])
 }
 
-fn xyz_of(point: [f32; 3]) -> Tree {
-    List(point.map(|value| Number(value.into())).to_vec(), 0)
+/// Shows a point: its place as one list, and its other fields by name.
+fn point(layout: &PointLayout, bytes: &[u8]) -> Tree {
+    let (place, others) = layout.fields.split_at(3);
+    let values = |fields: &[PointField]| fields.iter().map(|field| value(field, bytes)).collect();
+    let xyz = List(values(place), 0);
+    let others = others.iter().map(|field| (field.name, value(field, bytes)));
+    Map(std::iter::once(("xyz", xyz)).chain(others).collect())
 }
 
-/// Converts a point of `Encoding::XyzRgbF32`.
-fn coloured([x, y, z, _, rgb]: [f32; 5]) -> Tree {
-    let [blue, green, red, _] = rgb.to_bits().to_le_bytes();
-    Map(vec![
-        ("xyz", xyz_of([x, y, z])),
-        ("rgb", List([red, green, blue].map(|value| Whole(value.into())).to_vec(), 0)),
-    ])
-}
-
-/// Reads a number in a point at a byte offset.
-fn at<T: bytemuck::AnyBitPattern>(point: &[u8], at: usize) -> T {
-    bytemuck::pod_read_unaligned(&point[at..at + size_of::<T>()])
-}
-
-/// Converts a point of `Encoding::XyzIrtF32`.
-fn timed(point: [u8; 22]) -> Tree {
-    Map(vec![
-        ("xyz", xyz_of(at(&point, 0))),
-        ("intensity", Number(at::<f32>(&point, 12).into())),
-        ("ring", Whole(at::<u16>(&point, 16).into())),
-        ("time", Number(at::<f32>(&point, 18).into())),
-    ])
-}
-
-/// Converts a point of `Encoding::OusterPoint`.
-fn ouster(point: [u8; 48]) -> Tree {
-    Map(vec![
-        ("xyz", xyz_of(at(&point, 0))),
-        ("intensity", Number(at::<f32>(&point, 16).into())),
-        ("t", Whole(at::<u32>(&point, 20).into())),
-        ("reflectivity", Whole(at::<u16>(&point, 24).into())),
-        ("ring", Whole(at::<u16>(&point, 26).into())),
-        ("ambient", Whole(at::<u16>(&point, 28).into())),
-        ("range", Whole(at::<u32>(&point, 32).into())),
-    ])
-}
-
-/// Converts a point of `Encoding::LivoxPoint`.
-fn livox(point: [u8; 26]) -> Tree {
-    Map(vec![
-        ("xyz", xyz_of(at(&point, 0))),
-        ("intensity", Number(at::<f32>(&point, 12).into())),
-        ("tag", Whole(point[16].into())),
-        ("line", Whole(point[17].into())),
-        ("timestamp", Number(at::<f64>(&point, 18))),
-    ])
+/// Shows a field of a point.
+fn value(field: &PointField, point: &[u8]) -> Tree {
+    let bytes = &point[field.offset..][..field.number.size()];
+    match field.number {
+        Of::U8 => Whole(bytes[0].into()),
+        Of::U16 => Whole(bytemuck::pod_read_unaligned::<u16>(bytes).into()),
+        Of::U32 => Whole(bytemuck::pod_read_unaligned::<u32>(bytes).into()),
+        Of::F32 => Number(bytemuck::pod_read_unaligned::<f32>(bytes).into()),
+        Of::F64 => Number(bytemuck::pod_read_unaligned(bytes)),
+        // Red first.
+        Of::Colour => List(bytes[..3].iter().rev().map(|&value| Whole(value.into())).collect(), 0),
+    }
 }
 
 fn pixels(header: &FrameHeader) -> usize {

@@ -3,7 +3,8 @@
 use super::{Shot, data_of, find_sensor, for_each_shot, make_folder, write_if_other};
 use crate::dataset::labels::{IntrinsicsJson, ObjectJson, optical_from_world};
 use crate::dataset::{DatasetError, Folder, Making, Plan, SensorPlan};
-use belvedere_bridge::DistortionModel;
+use belvedere_bridge::point::XyzIrtPoint;
+use belvedere_bridge::{DistortionModel, Encoding};
 use belvedere_sensors::Pose;
 use glam::{DVec2, DVec3};
 use std::fmt::Write as _;
@@ -12,11 +13,6 @@ use std::path::{Path, PathBuf};
 /// Least depth of a corner in metres. Nearer corners are moved there, because points beside or behind the camera have
 /// no projection.
 const NEAR_M: f64 = 0.01;
-
-/// Bytes of a point in the encoding [`VELODYNE`], which starts with x, y, z and intensity.
-const POINT: usize = 22;
-/// The encoding of clouds as Velodyne's driver sends them.
-const VELODYNE: &str = "xyzirt_f32";
 
 /// Returns the camera with this name, if the plan has it with labels, and the lidar too if one is named. Whether the
 /// camera is a pinhole is known only from its samples, so only the export checks that.
@@ -142,7 +138,7 @@ fn wrapped(angle: f64) -> f64 {
 
 /// Returns the pose of a lidar, and its points: x, y, z in metres and the reflectance, 0 to 1.
 fn cloud(shot: &Shot<'_>, name: &str) -> Result<(Pose, Vec<u8>), DatasetError> {
-    let known = shot.sensors.get(name).filter(|known| known.encoding == VELODYNE);
+    let known = shot.sensors.get(name).filter(|known| known.encoding == Encoding::XyzIrtF32.as_str());
     let npy = shot.files.get(&format!("{name}.npy"));
     let Some((known, npy)) = known.zip(npy) else {
         let what = format!(
@@ -150,12 +146,12 @@ fn cloud(shot: &Shot<'_>, name: &str) -> Result<(Pose, Vec<u8>), DatasetError> {
         );
         return Err(DatasetError::NoExport { what });
     };
-    let point = |point: &[u8; POINT]| {
-        let numbers: [f32; 4] = bytemuck::pod_read_unaligned(&point[..16]);
-        let [x, y, z, intensity] = numbers;
+    let point = |point: &[u8; XyzIrtPoint::SIZE]| {
+        let XyzIrtPoint { x, y, z, intensity, .. } = XyzIrtPoint::from_bytes(point);
         [x, y, z, (intensity / 255.0).clamp(0.0, 1.0)]
     };
-    let points: Vec<[f32; 4]> = data_of(npy).as_chunks::<POINT>().0.iter().map(point).collect();
+    let (points, _) = data_of(npy).as_chunks::<{ XyzIrtPoint::SIZE }>();
+    let points: Vec<[f32; 4]> = points.iter().map(point).collect();
     Ok((known.world_from_sensor.pose(), bytemuck::cast_slice(&points).to_vec()))
 }
 

@@ -1,17 +1,12 @@
 //! Converts images, scans and clouds to ROS messages as the node for ROS 1 does, with one function per type of message.
 
 use super::Payload;
+use super::types::datatype;
+use belvedere_bridge::point::{PointField, XyzIrtPoint};
 use belvedere_bridge::{Encoding, FrameHeader, FrameView, RosBytes};
 
 /// Writes a frame's message. Returns `None` if the message cannot represent the frame.
 pub(super) type Encode = fn(&FrameView<'_>, &mut RosBytes<'_>) -> Option<Payload>;
-
-/// `datatype` of a `sensor_msgs/PointField`.
-pub(super) const UINT8: u8 = 2;
-pub(super) const UINT16: u8 = 4;
-pub(super) const UINT32: u8 = 6;
-pub(super) const FLOAT32: u8 = 7;
-pub(super) const FLOAT64: u8 = 8;
 
 /// Returns name and size of a pixel.
 fn pixel(encoding: Encoding) -> Option<(&'static str, u32)> {
@@ -96,12 +91,12 @@ pub(super) fn laser_scan(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Optio
 }
 
 /// Writes the fields of a cloud: names, offsets, types.
-fn fields(fields: &[(&str, u32, u8)], out: &mut RosBytes<'_>) {
+fn fields(fields: &[PointField], out: &mut RosBytes<'_>) {
     out.count(fields.len());
-    for &(name, offset, datatype) in fields {
-        out.text(name);
-        out.u32(offset);
-        out.u8(datatype);
+    for field in fields {
+        out.text(field.name);
+        out.u32(field.offset as u32);
+        out.u8(datatype(field.number));
         out.u32(1);
     }
 }
@@ -117,15 +112,18 @@ pub(super) fn scan_cloud(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Optio
     out.header(head, None);
     out.u32(head.height);
     out.u32(head.width);
-    let point_step = if has_intensities {
-        let all = [("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32), ("intensity", 12, FLOAT32)];
-        fields(&[&all[..], &[("ring", 16, UINT16), ("time", 18, FLOAT32)]].concat(), out);
-        22
-    } else {
-        let all = [("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32)];
-        fields(&[&all[..], &[("ring", 12, UINT16), ("time", 14, FLOAT32)]].concat(), out);
-        18
-    };
+    // The points of Velodyne's driver, without intensities if the scan has none.
+    let mut point_step = 0;
+    let own = XyzIrtPoint::LAYOUT.fields.iter().filter(|field| has_intensities || field.name != "intensity");
+    let own: Vec<PointField> = own
+        .map(|field| {
+            let offset = point_step;
+            point_step += field.number.size();
+            PointField { offset, ..*field }
+        })
+        .collect();
+    let point_step = point_step as u32;
+    fields(&own, out);
     out.u8(0);
     out.u32(point_step);
     out.u32(point_step * head.width);
@@ -159,41 +157,115 @@ pub(super) fn scan_cloud(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Optio
 
 pub(super) fn point_cloud(frame: &FrameView<'_>, out: &mut RosBytes<'_>) -> Option<Payload> {
     let head = frame.header();
-    let (own, is_dense) = match head.encoding()? {
-        Encoding::XyzRgbF32 => (&[("rgb", 16, FLOAT32)][..], false),
-        Encoding::XyzIrtF32 => {
-            (&[("intensity", 12, FLOAT32), ("ring", 16, UINT16), ("time", 18, FLOAT32)][..], head.height <= 1)
-        }
-        Encoding::OusterPoint => (
-            &[
-                ("intensity", 16, FLOAT32),
-                ("t", 20, UINT32),
-                ("reflectivity", 24, UINT16),
-                ("ring", 26, UINT16),
-                ("ambient", 28, UINT16),
-                ("range", 32, UINT32),
-            ][..],
-            false,
-        ),
-        Encoding::LivoxPoint => (
-            &[
-                ("intensity", 12, FLOAT32),
-                ("tag", 16, UINT8),
-                ("line", 17, UINT8),
-                ("timestamp", 18, FLOAT64),
-            ][..],
-            head.height <= 1,
-        ),
-        _ => return None,
-    };
+    let point = head.encoding()?.point()?;
     out.header(head, None);
     out.u32(head.height);
     out.u32(head.width);
-    fields(&[&[("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32)], own].concat(), out);
+    fields(point.fields, out);
     out.u8(0);
     out.u32(head.elem_stride);
     out.u32(head.elem_stride * head.width);
     let payload = rows(frame, out);
-    out.u8(is_dense.into());
+    out.u8((point.row_is_dense && head.height <= 1).into());
     Some(payload)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use belvedere_bridge::{Kind, Ros};
+
+    type Field = (&'static str, u32, u8);
+
+    const FLOAT32: u8 = 7;
+    const XYZ: [Field; 3] = [("x", 0, FLOAT32), ("y", 4, FLOAT32), ("z", 8, FLOAT32)];
+
+    /// A message of ROS 1 without its header: the shape, fields, the size of a point and of a row, and 0s for `count`
+    /// points.
+    fn message([width, height]: [u32; 2], own: &[Field], point_step: u32, is_dense: bool) -> Vec<u8> {
+        let fields = [&XYZ, own].concat();
+        let mut bytes = [height, width, fields.len() as u32].map(u32::to_le_bytes).concat();
+        for (name, offset, datatype) in fields {
+            bytes.extend((name.len() as u32).to_le_bytes());
+            bytes.extend(name.as_bytes());
+            bytes.extend(offset.to_le_bytes());
+            bytes.push(datatype);
+            bytes.extend(1_u32.to_le_bytes());
+        }
+        bytes.push(0);
+        let data_len = width * height * point_step;
+        bytes.extend([point_step, point_step * width, data_len].map(u32::to_le_bytes).concat());
+        bytes.resize(bytes.len() + data_len as usize, 0);
+        bytes.push(is_dense.into());
+        bytes
+    }
+
+    fn written(encode: Encode, header: &FrameHeader, payload: &[u8]) -> Vec<u8> {
+        let mut out = Vec::new();
+        let mut bytes = RosBytes::begin(Ros::One, &mut out);
+        encode(&FrameView::new(header, payload).unwrap(), &mut bytes).unwrap();
+        bytes.end().unwrap();
+        // Sequence number, stamp, and a frame id without a letter.
+        out.split_off(16)
+    }
+
+    /// The fields are those of the drivers, also in recordings that exist.
+    #[test]
+    fn clouds_have_the_fields_of_the_drivers() {
+        for (encoding, point_step, row_is_dense, own) in [
+            (Encoding::XyzRgbF32, 32, false, &[("rgb", 16, FLOAT32)][..]),
+            (
+                Encoding::XyzIrtF32,
+                22,
+                true,
+                &[("intensity", 12, FLOAT32), ("ring", 16, 4), ("time", 18, FLOAT32)][..],
+            ),
+            (
+                Encoding::OusterPoint,
+                48,
+                false,
+                &[
+                    ("intensity", 16, FLOAT32),
+                    ("t", 20, 6),
+                    ("reflectivity", 24, 4),
+                    ("ring", 26, 4),
+                    ("ambient", 28, 4),
+                    ("range", 32, 6),
+                ][..],
+            ),
+            (
+                Encoding::LivoxPoint,
+                26,
+                true,
+                &[("intensity", 12, FLOAT32), ("tag", 16, 2), ("line", 17, 2), ("timestamp", 18, 8)][..],
+            ),
+        ] {
+            for size in [[3, 1], [3, 2]] {
+                let mut header = FrameHeader::new(Kind::PointCloud, encoding);
+                let payload = vec![0; header.set_packed(size[0], size[1])];
+                header.payload_len = payload.len() as u64;
+                let expected = message(size, own, point_step, row_is_dense && size[1] == 1);
+                assert_eq!(written(point_cloud, &header, &payload), expected, "{encoding}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_scan_of_several_layers_has_velodynes_fields_without_gaps() {
+        for (flags, planes, point_step, own) in [
+            (0, 1, 18, &[("ring", 12, 4), ("time", 14, FLOAT32)][..]),
+            (
+                FrameHeader::HAS_INTENSITIES,
+                2,
+                22,
+                &[("intensity", 12, FLOAT32), ("ring", 16, 4), ("time", 18, FLOAT32)][..],
+            ),
+        ] {
+            let mut header = FrameHeader::new(Kind::LaserScan, Encoding::RangesF32);
+            header.flags = flags;
+            let payload = vec![0; planes * header.set_packed(2, 1)];
+            header.payload_len = payload.len() as u64;
+            assert_eq!(written(scan_cloud, &header, &payload), message([2, 1], own, point_step, true));
+        }
+    }
 }

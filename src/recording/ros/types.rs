@@ -1,7 +1,7 @@
 //! The types of images, scans and clouds, and of our own message. In ROS 1, fields and constants are those of the
 //! packages in Noetic, so that readers compute the same MD5 sums; comments do not affect the sums.
 
-use super::encode::{FLOAT32, FLOAT64, UINT8, UINT16, UINT32};
+use belvedere_bridge::point::Number;
 use belvedere_bridge::{Fields, Ros, RosMessage};
 
 /// A type of message of ROS.
@@ -70,21 +70,29 @@ fn laser_scan(fields: &mut dyn Fields) {
 pub(super) const POINT_CLOUD: MessageType =
     MessageType { name: "sensor_msgs/PointCloud2", definition: Definition::Fields(point_cloud) };
 
+/// The types of the fields of points, `datatype` in a `sensor_msgs/PointField`.
+const DATATYPES: [(&str, u8); 8] = [
+    ("INT8", 1),
+    ("UINT8", 2),
+    ("INT16", 3),
+    ("UINT16", 4),
+    ("INT32", 5),
+    ("UINT32", 6),
+    ("FLOAT32", 7),
+    ("FLOAT64", 8),
+];
+
+/// Returns the `datatype` of a field.
+pub(super) fn datatype(number: Number) -> u8 {
+    DATATYPES.iter().find(|(name, _)| *name == number.ros_constant()).map_or(0, |(_, datatype)| *datatype)
+}
+
 fn point_cloud(fields: &mut dyn Fields) {
     fields.header(None);
     fields.put("height", 0_u32);
     fields.put("width", 0_u32);
     fields.list("fields", "sensor_msgs/PointField", 1, &mut |_, fields| {
-        for (name, value) in [
-            ("INT8", 1),
-            ("UINT8", UINT8),
-            ("INT16", 3),
-            ("UINT16", UINT16),
-            ("INT32", 5),
-            ("UINT32", UINT32),
-            ("FLOAT32", FLOAT32),
-            ("FLOAT64", FLOAT64),
-        ] {
+        for (name, value) in DATATYPES {
             fields.constant("uint8", name, value.into());
         }
         fields.put("name", "");

@@ -1,12 +1,14 @@
 //! Adds models as bodies, joints and colliders of rapier.
 
+mod colliders;
+
 use super::convert::{from_rapier, to_rapier};
 use super::joint::{JointState, Motion, MovingJoint};
 use super::lump::{BodyMass, Lumps, joints_in, root_above, tree_order};
 use super::rest::Rest;
 use super::{
-    Body, Follows, ModelIndex, MovingLink, Owner, Physics, PlacedLink, PlacedModel, Placement, SUBSTEPS,
-    contact, place, resist, shape, start,
+    Body, Follows, ModelIndex, MovingLink, Physics, PlacedLink, PlacedModel, Placement, SUBSTEPS, place,
+    resist, start,
 };
 use crate::description::diagnostics::{Problem, Severity};
 use crate::description::inertia::is_positive_definite;
@@ -15,12 +17,8 @@ use crate::description::model::{
 };
 use belvedere_sensors::Pose;
 use glam::{DMat3, DVec3};
-use rapier3d_f64::dynamics::{CoefficientCombineRule, MassProperties, RigidBodyBuilder, RigidBodyHandle};
-use rapier3d_f64::geometry::ColliderBuilder;
+use rapier3d_f64::dynamics::{MassProperties, RigidBodyBuilder, RigidBodyHandle};
 use std::sync::Arc;
-
-/// Coefficient of friction of ODE and SDF for a surface that has none.
-const DEFAULT_FRICTION: f64 = 1.0;
 
 impl Physics {
     /// Adds a model's bodies, joints and shapes, at the index of a removed model or at the next one.
@@ -47,54 +45,7 @@ impl Physics {
         if let Some(trajectory) = &model.trajectory {
             leading = Some(self.insert_actor(index, trajectory, world_from_model, &mut links));
         } else if !model.is_static {
-            let lumps = Lumps::of(model, &order, carried, &mut self.notes);
-            let wheel_of = |root: LinkIndex| {
-                carried.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
-            };
-            // The body that finally carries a link: a wheel may be on a steered link, which is on the base.
-            let carrier_of = |link: LinkIndex| {
-                let mut root = lumps.root[link];
-                // A tree has fewer steps to its root than links.
-                for _ in 0..model.links.len() {
-                    let Some(joint) = wheel_of(root) else { break };
-                    root = lumps.root[model.joints[joint].parent];
-                }
-                root
-            };
-            let roots: Vec<LinkIndex> =
-                order.iter().copied().filter(|link| lumps.root[*link] == *link).collect();
-            for root in roots.iter().copied().filter(|root| wheel_of(*root).is_none()) {
-                let carries = |link: &LinkIndex| carrier_of(*link) == root;
-                let members: Vec<LinkIndex> = lumps
-                    .links(root)
-                    .chain((0..model.links.len()).filter(|link| lumps.root[*link] != root).filter(carries))
-                    .collect();
-                if let Some(handle) =
-                    self.insert_body(model, root, &members, &(*world_from_model * start[root]))
-                {
-                    let is_fixed = self.rapier.bodies[handle].is_fixed();
-                    let follows = if is_fixed { Follows::Nothing } else { Follows::Dynamics };
-                    self.place_links(model, index, &lumps, root, &start[root], handle, follows, &mut links);
-                }
-            }
-            for root in roots {
-                let Some(joint) = wheel_of(root) else { continue };
-                if let Some(carrier) = links[model.joints[joint].parent].body {
-                    let handle = self.bodies[carrier].handle;
-                    let follows = Follows::Carried(carrier, index, joint);
-                    self.place_links(model, index, &lumps, root, &start[root], handle, follows, &mut links);
-                }
-            }
-            for number in joints_in(&order, model) {
-                let joint = &model.joints[number];
-                let dynamics =
-                    JointDynamics { initial_position: start::position(model, number), ..joint.dynamics };
-                let joint = Joint { dynamics, ..joint.clone() };
-                joints[number] = self.join(&joint, &links, carried.contains(&number));
-            }
-            leading = root_above(model, model.canonical_link)
-                .and_then(|root| links[root].body)
-                .or_else(|| (first_body..self.bodies.len()).find(|body| !self.bodies[*body].is_carried()));
+            leading = self.insert_lumps(index, placement, &order, &start, &mut links, &mut joints);
         }
         // A sleeping robot would ignore its motors. Gazebo never disables a model with joints.
         let has_joints = model.joints.iter().any(|joint| joint.kind != JointKind::Fixed);
@@ -127,6 +78,67 @@ impl Physics {
             None => self.models.push(placed),
         }
         self.add_gauges(index, model, carried);
+    }
+
+    /// Adds the bodies of a model that moves by its joints, and the joints between them. Returns the body that leads the
+    /// model.
+    fn insert_lumps(
+        &mut self,
+        index: ModelIndex,
+        placement: &Placement<'_>,
+        order: &[LinkIndex],
+        start: &[Pose],
+        links: &mut [PlacedLink],
+        joints: &mut [Option<MovingJoint>],
+    ) -> Option<usize> {
+        let Placement { model, ref world_from_model, ref carried, .. } = *placement;
+        let first_body = self.bodies.len();
+        let lumps = Lumps::of(model, order, carried, &mut self.notes);
+        let wheel_of = |root: LinkIndex| {
+            carried.iter().copied().find(|joint| lumps.root[model.joints[*joint].child] == root)
+        };
+        // The body that finally carries a link: a wheel may be on a steered link, which is on the base.
+        let carrier_of = |link: LinkIndex| {
+            let mut root = lumps.root[link];
+            // A tree has fewer steps to its root than links.
+            for _ in 0..model.links.len() {
+                let Some(joint) = wheel_of(root) else { break };
+                root = lumps.root[model.joints[joint].parent];
+            }
+            root
+        };
+        let roots: Vec<LinkIndex> = order.iter().copied().filter(|link| lumps.root[*link] == *link).collect();
+        for root in roots.iter().copied().filter(|root| wheel_of(*root).is_none()) {
+            let carries = |link: &LinkIndex| carrier_of(*link) == root;
+            let members: Vec<LinkIndex> = lumps
+                .links(root)
+                .chain((0..model.links.len()).filter(|link| lumps.root[*link] != root).filter(carries))
+                .collect();
+            if let Some(handle) = self.insert_body(model, root, &members, &(*world_from_model * start[root]))
+            {
+                let is_fixed = self.rapier.bodies[handle].is_fixed();
+                let follows = if is_fixed { Follows::Nothing } else { Follows::Dynamics };
+                self.place_links(model, index, &lumps, root, &start[root], handle, follows, links);
+            }
+        }
+        for root in roots {
+            let Some(joint) = wheel_of(root) else { continue };
+            if let Some(carrier) = links[model.joints[joint].parent].body {
+                let handle = self.bodies[carrier].handle;
+                let follows = Follows::Carried(carrier, index, joint);
+                self.place_links(model, index, &lumps, root, &start[root], handle, follows, links);
+            }
+        }
+        for number in joints_in(order, model) {
+            let joint = &model.joints[number];
+            let dynamics =
+                JointDynamics { initial_position: start::position(model, number), ..joint.dynamics };
+            let joint = Joint { dynamics, ..joint.clone() };
+            joints[number] = self.join(&joint, links, carried.contains(&number));
+        }
+        root_above(model, model.canonical_link)
+            .and_then(|root| links[root].body)
+            .or_else(|| (first_body..self.bodies.len()).find(|body| !self.bodies[*body].is_carried()))
     }
 
     /// Adds a joint between two bodies. Returns none if neither moves, or if the joint has no position.
@@ -309,70 +321,6 @@ impl Physics {
             rest: None,
         });
         body
-    }
-
-    /// Returns the body that carries another one in the end, or that one itself if none carries it.
-    fn outermost_carrier(&self, mut body: usize) -> usize {
-        while let Follows::Carried(carrier, ..) = self.bodies[body].follows {
-            body = carrier;
-        }
-        body
-    }
-
-    fn add_colliders(&mut self, model: &Model, index: ModelIndex, link: LinkIndex, placed: &mut PlacedLink) {
-        for (number, collision) in model.links[link].collisions.iter().enumerate() {
-            let moves =
-                placed.body.is_some_and(|body| !matches!(self.bodies[body].follows, Follows::Nothing));
-            let (shape, collision_from_shape) = match shape::shape(&collision.geometry, moves) {
-                Ok(shape) => shape,
-                Err(why) => {
-                    self.notes.push(Problem {
-                        severity: Severity::Warning,
-                        source: collision.source.clone(),
-                        what: format!(
-                            "the collision '{}' of link '{}' touches nothing: {why}",
-                            collision.name, model.links[link].name
-                        ),
-                        remedy: "correct its <geometry>".into(),
-                    });
-                    continue;
-                }
-            };
-            // A wheel's shapes are fixed to the body that carries it.
-            let rapier_from_body = placed.body.map_or(Pose::IDENTITY, |body| {
-                let at_rest = self.bodies[body].model_at_rest;
-                match self.bodies[body].follows {
-                    Follows::Carried(..) => {
-                        self.bodies[self.outermost_carrier(body)].model_at_rest.inverse() * at_rest
-                    }
-                    _ => Pose::IDENTITY,
-                }
-            });
-            let link_from_shape = collision.link_from_collision * collision_from_shape;
-            let pose = rapier_from_body * placed.body_from_link * link_from_shape;
-            if let Some(rest) = placed.body.and_then(|body| self.bodies[body].rest.as_mut()) {
-                let radius = shape.compute_local_bounding_sphere().radius();
-                rest.reach(pose.translation().length() + radius);
-            }
-            let owner = Owner {
-                model: index,
-                self_collide: model.links[link].self_collide,
-                bounce_threshold_m_s: collision.contact.bounce_threshold_m_s,
-            };
-            let collider = ColliderBuilder::new(shape)
-                .position(to_rapier(&pose))
-                // Mass and inertia come from <inertial> alone.
-                .density(0.0)
-                .friction(collision.friction.unwrap_or(DEFAULT_FRICTION))
-                .friction_combine_rule(CoefficientCombineRule::Min)
-                .user_data(owner.into_data())
-                .active_hooks(contact::hooks(placed.body.is_some()));
-            let collider = contact::with_surface(collider, &collision.contact);
-            let parent = placed.body.map(|body| self.bodies[body].handle);
-            placed.colliders.push(self.rapier.insert_collider(collider, parent));
-            placed.numbers.push(number);
-            placed.shapes.push(link_from_shape);
-        }
     }
 }
 

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use belvedere_bridge::{FrameHeader, schema};
+use belvedere_bridge::{Encoding, FrameHeader, schema};
 
-use crate::names::{c_type, part_of, parts, plain, snake};
+use crate::names::{c_type, part_of, parts, plain, point_lines, snake};
 
 /// The block of a header, which is an array of words in Rust.
 const BLOCK: &str = "\
@@ -63,7 +63,29 @@ pub(crate) fn layout() -> String {
         of_streams,
         |layout| layout.kinds.iter().map(|&kind| constant("bv_kind", kind_name(kind))).collect(),
     );
+    text += &points();
     text.trim_end().to_owned()
+}
+
+/// Generates macros that apply another one to all layouts of points, and to all their fields.
+fn points() -> String {
+    let mut text = "\n// Applies X to every encoding of points: the constant, the size of a point in bytes, and whether a \
+                    cloud of one\n// row has no NaN coordinates.\n#define BV_POINTS(X)"
+        .to_owned();
+    let points = || Encoding::ALL.iter().filter_map(|&encoding| Some((encoding, encoding.point()?)));
+    let constant = |encoding: Encoding| constant("bv_encoding", &format!("{encoding:?}"));
+    for (encoding, point) in points() {
+        let _ = write!(text, " \\\n    X({}, {}, {})", constant(encoding), point.size, point.row_is_dense);
+    }
+    text += "\n\n// Applies X to every field of points: the constant of the encoding, name, offset in bytes, and type by its \
+             name in\n// sensor_msgs/PointField.\n#define BV_POINT_FIELDS(X)";
+    for (encoding, point) in points() {
+        for field in point.fields {
+            let (name, of) = (field.name, field.number.ros_constant());
+            let _ = write!(text, " \\\n    X({}, \"{name}\", {}, {of})", constant(encoding), field.offset);
+        }
+    }
+    text + "\n"
 }
 
 /// Converts a name in Rust to C.
@@ -94,7 +116,11 @@ fn enumeration(numbers: &schema::Enum) -> String {
     );
     for value in numbers.values {
         let constant = constant(&name, value.name);
-        let _ = writeln!(text, "{}    {constant} = {},", comment("    ", value.doc), value.number);
+        text += &comment("    ", value.doc);
+        for line in point_lines(value) {
+            let _ = writeln!(text, "    // {line}");
+        }
+        let _ = writeln!(text, "    {constant} = {},", value.number);
     }
     let _ = writeln!(
         text,

@@ -1,6 +1,6 @@
 //! Conversion of Rust's types and documentation for other languages.
 
-use belvedere_bridge::{MAX_DISTORTION, schema};
+use belvedere_bridge::{MAX_DISTORTION, point::Number, schema};
 
 /// Converts `CameraInfo` to `camera_info`, `XyzRgbF32` to `xyz_rgb_f32`.
 pub(crate) fn snake(name: &str) -> String {
@@ -50,6 +50,25 @@ pub(crate) fn size(type_name: &str) -> usize {
         name => part_of(name).map_or_else(|| name[1..].parse::<usize>().unwrap() / 8, |layout| layout.size),
     };
     lengths.iter().product::<usize>() * element
+}
+
+/// Documents the fields of a point; nothing for other encodings.
+pub(crate) fn point_lines(value: &schema::Value) -> Vec<String> {
+    let Some(point) = value.point else { return Vec::new() };
+    let line = |field: &schema::PointField| {
+        let of = match field.number {
+            Number::U8 => "u8",
+            Number::U16 => "u16",
+            Number::U32 => "u32",
+            Number::F32 => "f32",
+            Number::F64 => "f64",
+            Number::Colour => "u8[4]",
+        };
+        let doc = plain(field.doc, str::to_owned).join(" ");
+        format!("- {} at {}, {of}: {doc}", field.name, field.offset)
+    };
+    let heading = format!("Its {} bytes:", point.size);
+    std::iter::once(heading).chain(point.fields.iter().map(line)).collect()
 }
 
 /// Removes Rust's markup from documentation. `word` converts the name in `` `name` `` and `` [`name`](path) ``.

@@ -2,9 +2,9 @@
 
 use std::fmt::Write as _;
 
-use belvedere_bridge::{FrameHeader, Kind, schema};
+use belvedere_bridge::{FrameHeader, Kind, point::Number, schema};
 
-use crate::names::{part_of, parts, plain, snake};
+use crate::names::{part_of, parts, plain, point_lines, snake};
 
 pub(crate) fn layout() -> String {
     let mut text = format!(
@@ -44,7 +44,7 @@ HEADER_TYPE_NAME = \"belvedere.FrameHeader.v{}\"
         }
         text += if rest.is_empty() { "\"\"\"\n\n" } else { "\n\n    \"\"\"\n\n" };
         for value in numbers.values {
-            for line in documentation(value.doc) {
+            for line in documentation(value.doc).into_iter().chain(point_lines(value)) {
                 let _ = writeln!(text, "    #: {line}");
             }
             let _ = writeln!(text, "    {} = {}", member(value), value.number);
@@ -74,7 +74,13 @@ HEADER_TYPE_NAME = \"belvedere.FrameHeader.v{}\"
     }
     text += "\n#: The type of one element.\nELEMENTS: dict[Encoding, np.dtype[np.generic]] = {\n";
     let encodings = schema::ENUMS.iter().find(|numbers| numbers.name == "Encoding").unwrap();
-    for value in encodings.values.iter().filter(|value| !value.element.is_empty()) {
+    for value in encodings.values {
+        if let Some(point) = value.point {
+            let _ = writeln!(text, "    Encoding.{}: np.dtype({}),", member(value), point_dtype(point));
+        }
+        if value.element.is_empty() {
+            continue;
+        }
         let (element, lengths) = parts(value.element);
         let element = match lengths[..] {
             [] => scalar(&element),
@@ -116,6 +122,36 @@ fn member_of_kind(kind: Kind) -> String {
 fn scalar(element: &str) -> String {
     let size = element[1..].parse::<usize>().unwrap() / 8;
     format!("\"{}{}{size}\"", if size == 1 { "" } else { "<" }, &element[..1])
+}
+
+fn point_dtype(point: &schema::PointLayout) -> String {
+    let list = |text: fn(&schema::PointField) -> String| {
+        point.fields.iter().map(text).collect::<Vec<_>>().join(", ")
+    };
+    let format = |field: &schema::PointField| {
+        let format = match field.number {
+            Number::U8 => "u1",
+            Number::U16 => "<u2",
+            // A colour as a whole number, so that its parts can be shifted out.
+            Number::U32 | Number::Colour => "<u4",
+            Number::F32 => "<f4",
+            Number::F64 => "<f8",
+        };
+        format!("\"{format}\"")
+    };
+    format!(
+        "\
+{{
+        \"names\": [{}],
+        \"formats\": [{}],
+        \"offsets\": [{}],
+        \"itemsize\": {},
+    }}",
+        list(|field| format!("\"{}\"", field.name)),
+        list(format),
+        list(|field| field.offset.to_string()),
+        point.size,
+    )
 }
 
 fn dtype(layout: &schema::Struct) -> String {

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::Ros;
+use super::{Ros, RosPrimitive};
 use crate::wire::fields::{Fields, Value};
 
 /// The definition of a type, one line for each field, and those of its parts in the order in which they are first used.
@@ -88,34 +88,36 @@ impl Fields for Definition {
         self.field(if self.ros == Ros::One { "Header" } else { of }, "header");
         self.add(of, &mut |header| {
             if header.ros == Ros::One {
-                header.field("uint32", "seq");
+                header.field(RosPrimitive::Uint32.word(), "seq");
             }
             header.time("stamp");
-            header.field("string", "frame_id");
+            header.field(RosPrimitive::String.word(), "frame_id");
         });
     }
 
     fn value(&mut self, name: &'static str, value: Value<'_>) {
-        let of = match value {
-            Value::Bool(_) => "bool",
-            Value::U8(_) | Value::Word(..) => "uint8",
-            Value::I8(_) => "int8",
-            Value::U16(_) => "uint16",
-            Value::U32(_) => "uint32",
-            Value::U64(_) => "uint64",
-            Value::F32(_) => "float32",
-            Value::F64(_) => "float64",
+        let (of, list) = match value {
+            Value::Bool(_) => (RosPrimitive::Bool, ""),
+            Value::U8(_) | Value::Word(..) => (RosPrimitive::Uint8, ""),
+            Value::I8(_) => (RosPrimitive::Int8, ""),
+            Value::U16(_) => (RosPrimitive::Uint16, ""),
+            Value::U32(_) => (RosPrimitive::Uint32, ""),
+            Value::U64(_) => (RosPrimitive::Uint64, ""),
+            Value::F32(_) => (RosPrimitive::Float32, ""),
+            Value::F64(_) => (RosPrimitive::Float64, ""),
             Value::Time(_) => return self.time(name),
-            Value::Text(_) | Value::Frame(_) => "string",
-            Value::Array(values) => return self.field(&format!("float64[{}]", values.len()), name),
-            Value::U8s(_) => "uint8[]",
-            Value::U16s(_) => "uint16[]",
-            Value::U32s(_) => "uint32[]",
-            Value::F32s(_) => "float32[]",
-            Value::F64s(_) | Value::Pixels(_) => "float64[]",
-            Value::Texts(_) => "string[]",
+            Value::Text(_) | Value::Frame(_) => (RosPrimitive::String, ""),
+            Value::Array(values) => {
+                return self.field(&format!("{}[{}]", RosPrimitive::Float64.word(), values.len()), name);
+            }
+            Value::U8s(_) => (RosPrimitive::Uint8, "[]"),
+            Value::U16s(_) => (RosPrimitive::Uint16, "[]"),
+            Value::U32s(_) => (RosPrimitive::Uint32, "[]"),
+            Value::F32s(_) => (RosPrimitive::Float32, "[]"),
+            Value::F64s(_) | Value::Pixels(_) => (RosPrimitive::Float64, "[]"),
+            Value::Texts(_) => (RosPrimitive::String, "[]"),
         };
-        self.field(of, name);
+        self.field(&format!("{}{list}", of.word()), name);
     }
 
     fn part(&mut self, name: &'static str, of: &'static str, describe: &mut dyn FnMut(&mut dyn Fields)) {

@@ -1,11 +1,14 @@
 //! `<lens>` and `<distortion>` of a `<camera>`; docs/lenses.md describes the elements.
 
 mod angle_map;
+mod intrinsics;
 
 use super::reader::Reader;
-use crate::model::{Lens, LensIntrinsics, LensModel, LensProjection};
+use crate::diagnostics::Source;
+use crate::model::{Lens, LensModel, LensProjection};
 use crate::values::{child_text, numbers};
 use crate::xml::Element;
+use intrinsics::{intrinsics_of, principal_point};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 /// Tolerance by which an angle of view may exceed the lens's limit, for a rounded π: SDF allows 6.283186.
@@ -83,47 +86,15 @@ impl Reader<'_> {
         }
 
         let fov = self.angle_of_view(camera, element, &model);
-        let names = ["fx", "fy", "cx", "cy", "s"];
-        let written = names.map(|name| self.intrinsic(intrinsics, name));
-        if let Some(intrinsics) = intrinsics {
-            self.left_out(intrinsics, |name| names.contains(&name), "intrinsics are fx, fy, cx, cy and s");
-        }
+        let written = self.intrinsics(intrinsics);
         let projection = self.projection(element);
-        let ([fx, fy, cx, cy, skew], fov) = (written, fov?);
-        let [fx, fy, cx, cy, skew] = [fx?, fy?, cx?, cy?, skew?];
+        let ([fx, fy, cx, cy, skew], fov) = (written?, fov?);
 
-        let middle = |size: u32| 0.5 * (f64::from(size) - 1.0);
-        let mut resolved = LensIntrinsics {
-            // The same formula as for a pinhole without distortion, for identical bits.
-            fx: f64::from(picture.width) / (2.0 * model.radius(0.5 * fov)),
-            fy: 0.0,
-            cx: middle(picture.width),
-            cy: middle(picture.height),
-            skew: 0.0,
-        };
-        if let LensModel::WideAngle { map, scale_to_hfov, .. } = &mut model {
-            map.focal_px =
-                if *scale_to_hfov { resolved.fx } else { map.focal_px * 0.5 * f64::from(picture.width) };
-            resolved.fx = map.c1 * map.focal_px * map.function.slope_at(map.c3) / map.c2;
-        }
-        resolved.fy = resolved.fx;
-        if let Some([x, y]) = center {
+        let mut resolved = intrinsics_of(&mut model, fov, picture);
+        if let Some(center) = center {
             let place = Self::place(distortion, "center", distortion?);
-            if !is_distorted {
-                self.diagnostics.warning(
-                    place,
-                    format!("{} has no effect: all coefficients are 0", self.what("center")),
-                    "write <cx> and <cy> in <lens><intrinsics> for a principal point",
-                );
-            } else if cx.is_some() || cy.is_some() {
-                self.diagnostics.warning(
-                    place,
-                    format!("{} is left out: <intrinsics> gives a principal point", self.what("center")),
-                    "remove it",
-                );
-            } else {
-                resolved.cx = x * f64::from(picture.width) - 0.5;
-                resolved.cy = y * f64::from(picture.height) - 0.5;
+            if self.takes_center(place, is_distorted, cx.is_some() || cy.is_some()) {
+                [resolved.cx, resolved.cy] = principal_point(center, picture);
             }
         }
         let fov_element = camera.and_then(|camera| camera.child("horizontal_fov"));
@@ -171,6 +142,25 @@ impl Reader<'_> {
             ty: ty.unwrap_or(0.0),
         });
         Some((Lens { model, intrinsics: resolved, has_own_focal_length, projection }, fov))
+    }
+
+    /// Returns true if the <center> of the <distortion> is the principal point, and warns otherwise.
+    fn takes_center(&mut self, place: &Source, is_distorted: bool, has_own: bool) -> bool {
+        let (what, remedy) = if !is_distorted {
+            (
+                format!("{} has no effect: all coefficients are 0", self.what("center")),
+                "write <cx> and <cy> in <lens><intrinsics> for a principal point",
+            )
+        } else if has_own {
+            (
+                format!("{} is left out: <intrinsics> gives a principal point", self.what("center")),
+                "remove it",
+            )
+        } else {
+            return true;
+        };
+        self.diagnostics.warning(place, what, remedy);
+        false
     }
 
     /// Reads the coefficients: as many as the longest model has that uses one of the given ones.
@@ -338,43 +328,6 @@ impl Reader<'_> {
             return None;
         }
         self.checked(camera, "horizontal_fov", default, is_valid, &remedy).map(|angle| angle.min(widest))
-    }
-
-    #[expect(clippy::option_option, reason = "outer: readable; inner: written")]
-    fn intrinsic(&mut self, intrinsics: Option<&Element>, name: &str) -> Option<Option<f64>> {
-        let Some(element) = intrinsics.filter(|element| element.child(name).is_some()) else {
-            return Some(None);
-        };
-        if name.starts_with('f') {
-            self.checked(
-                Some(element),
-                name,
-                0.0,
-                |focal| focal > 0.0,
-                "write a focal length in pixels above 0",
-            )
-        } else {
-            self.number(Some(element), name, 0.0)
-        }
-        .map(Some)
-    }
-
-    #[expect(clippy::option_option, reason = "outer: readable; inner: written")]
-    fn projection(&mut self, lens: Option<&Element>) -> Option<Option<[Option<f64>; 6]>> {
-        let Some(element) = lens.and_then(|lens| lens.child("projection")) else { return Some(None) };
-        let names = ["p_fx", "p_fy", "p_cx", "p_cy", "tx", "ty"];
-        let remedy = "a projection is p_fx, p_fy, p_cx, p_cy, tx and ty";
-        self.left_out(element, |name| names.contains(&name), remedy);
-        let values = names.map(|name| match element.child(name) {
-            None => Some(None),
-            Some(_) if name.starts_with("p_f") => {
-                let remedy = "write a focal length in pixels above 0";
-                self.checked(Some(element), name, 0.0, |focal| focal > 0.0, remedy).map(Some)
-            }
-            Some(_) => self.number(Some(element), name, 0.0).map(Some),
-        });
-        let [fx, fy, cx, cy, tx, ty] = values;
-        Some(Some([fx?, fy?, cx?, cy?, tx?, ty?]))
     }
 }
 

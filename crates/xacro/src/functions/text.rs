@@ -114,21 +114,7 @@ pub(super) fn method(
             work.take(sized(text.len() + replaced * new.len())? / 64)?;
             Some(Value::Text(text.replacen(old.as_str(), new, replaced)))
         }
-        ("join", [parts]) => {
-            let mut joined = String::new();
-            for (at, part) in items(parts, work)?.iter().enumerate() {
-                let Value::Text(part) = part else {
-                    return Err(Fault::new(
-                        format!("join: '{}' is {}, not a text", part.shown(), part.kind()),
-                        "write str(…) around the items, as in ' '.join(map(str, items))",
-                    ));
-                };
-                joined.push_str(if at > 0 { text } else { "" });
-                joined.push_str(part);
-                sized(joined.len())?;
-            }
-            Some(checked(Value::Text(joined), work)?)
-        }
+        ("join", [parts]) => Some(join(text, parts, work)?),
         ("zfill", [width]) => {
             let Some(width) = width.small_integer() else { return Ok(None) };
             let missing = sized(usize::try_from(width).unwrap_or(0))?.saturating_sub(text.chars().count());
@@ -153,6 +139,22 @@ pub(super) fn method(
         }
         _ => None,
     })
+}
+
+fn join(between: &str, parts: &Value, work: &Work) -> Result<Value, Fault> {
+    let mut joined = String::new();
+    for (at, part) in items(parts, work)?.iter().enumerate() {
+        let Value::Text(part) = part else {
+            return Err(Fault::new(
+                format!("join: '{}' is {}, not a text", part.shown(), part.kind()),
+                "write str(…) around the items, as in ' '.join(map(str, items))",
+            ));
+        };
+        joined.push_str(if at > 0 { between } else { "" });
+        joined.push_str(part);
+        sized(joined.len())?;
+    }
+    checked(Value::Text(joined), work)
 }
 
 fn titlecase(first: &str) -> String {

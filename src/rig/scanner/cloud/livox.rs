@@ -4,10 +4,10 @@ use super::{CloudForm, Places, Scan};
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
 use belvedere_bridge::Encoding;
+use belvedere_bridge::point::LivoxPoint;
 use belvedere_sensors::scanner::Intensity;
 use lidar_packets::whole::rounded;
 
-const POINT_STEP: usize = 26;
 /// The number of a return is in bits 4 and 5 of the tag.
 const RETURN_BIT: usize = 4;
 
@@ -39,7 +39,7 @@ impl CloudForm for LivoxCloud {
 
     fn write(&self, scan: &Scan<'_>, _: usize, outlet: &Outlet) -> Option<Frame> {
         let count = scan.points();
-        let mut frame = outlet.loan(count * POINT_STEP)?;
+        let mut frame = outlet.loan(count * LivoxPoint::SIZE)?;
         let header = frame.header_mut();
         header.set_packed(count as u32, 1);
         header.stamp_ns = scan.begin_ns();
@@ -48,13 +48,19 @@ impl CloudForm for LivoxCloud {
         for (time_s, laser, points, intensities) in scan.firings() {
             let time_ns = begin_ns + rounded(time_s * 1e9);
             for (number, (point, intensity)) in points.iter().zip(intensities).enumerate() {
-                let Some(place) = places.next::<POINT_STEP>() else { return Some(frame) };
-                place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
-                place[12..16].copy_from_slice(&self.livox_intensity(*intensity).to_le_bytes());
-                place[16] = (number.min(3) << RETURN_BIT) as u8;
-                place[17] = laser as u8;
-                place[18..].copy_from_slice(&time_ns.to_le_bytes());
-                places.keep::<POINT_STEP>(scan.is_point(point, *intensity));
+                let Some(place) = places.next() else { return Some(frame) };
+                let [x, y, z] = *point;
+                let written = LivoxPoint {
+                    x,
+                    y,
+                    z,
+                    intensity: self.livox_intensity(*intensity),
+                    tag: (number.min(3) << RETURN_BIT) as u8,
+                    line: laser as u8,
+                    timestamp: time_ns,
+                };
+                *place = written.to_bytes();
+                places.keep::<{ LivoxPoint::SIZE }>(scan.is_point(point, *intensity));
             }
         }
         Some(frame)

@@ -6,11 +6,11 @@ use crate::rig::ouster::head_of;
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
 use belvedere_bridge::Encoding;
+use belvedere_bridge::point::OusterPoint;
 use belvedere_sensors::scanner::presets::Preset;
 use lidar_packets::ouster::Head;
 use lidar_packets::whole::{nearest, nearest_below};
 
-const POINT_STEP: usize = 48;
 /// Number of rows that are written together. The results are stored by columns, so a cache line contains several rows.
 const TILE: usize = 8;
 
@@ -42,11 +42,11 @@ impl CloudForm for OusterCloud {
         let found = scan.found;
         let rows = self.shifts.len();
         let columns = scan.firings / rows;
-        let mut frame = outlet.loan(scan.firings * POINT_STEP)?;
+        let mut frame = outlet.loan(scan.firings * OusterPoint::SIZE)?;
         let header = frame.header_mut();
         header.set_packed(columns as u32, rows as u32);
         header.stamp_ns = scan.begin_ns();
-        let (all, _) = frame.payload_mut().as_chunks_mut::<POINT_STEP>();
+        let (all, _) = frame.payload_mut().as_chunks_mut::<{ OusterPoint::SIZE }>();
         for (tile, shifts) in self.shifts.chunks(TILE).enumerate() {
             let (first, points) = (tile * TILE, &mut all[tile * TILE * columns..]);
             for column in 0..columns {
@@ -55,21 +55,22 @@ impl CloudForm for OusterCloud {
                     let echo = firing * scan.returns + stream;
                     let (point, intensity) = (found.points[echo], found.intensities[echo]);
                     let is_point = scan.is_point(&point, intensity);
-                    let point = if is_point { point } else { [f32::NAN; 3] };
-                    let time_ns = nearest_below(scan.time_s(firing) * 1e9, f64::from(u32::MAX));
-                    let range = if is_point { self.head.steps(found.ranges[echo], 1.0, 32) } else { 0 };
-                    let reflectivity = nearest(intensity, 255.0) as u16;
+                    let [x, y, z] = if is_point { point } else { [f32::NAN; 3] };
+                    let written = OusterPoint {
+                        x,
+                        y,
+                        z,
+                        intensity,
+                        t: nearest_below(scan.time_s(firing) * 1e9, f64::from(u32::MAX)),
+                        reflectivity: nearest(intensity, 255.0) as u16,
+                        ring: (first + row) as u16,
+                        ambient: 0,
+                        range: if is_point { self.head.steps(found.ranges[echo], 1.0, 32) } else { 0 },
+                    };
                     // This laser faces where the head faces `shift` columns later.
                     let at = column + shift;
                     let at = if at < columns { at } else { at - columns };
-                    let bytes = &mut points[row * columns + at];
-                    *bytes = [0; POINT_STEP];
-                    bytes[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
-                    bytes[16..20].copy_from_slice(&intensity.to_le_bytes());
-                    bytes[20..24].copy_from_slice(&time_ns.to_le_bytes());
-                    bytes[24..26].copy_from_slice(&reflectivity.to_le_bytes());
-                    bytes[26..28].copy_from_slice(&((first + row) as u16).to_le_bytes());
-                    bytes[32..36].copy_from_slice(&range.to_le_bytes());
+                    points[row * columns + at] = written.to_bytes();
                 }
             }
         }

@@ -4,8 +4,7 @@ use super::{CloudForm, Places, Scan};
 use crate::rig::outlet::Outlet;
 use crate::rig::sink::Frame;
 use belvedere_bridge::Encoding;
-
-const POINT_STEP: usize = 22;
+use belvedere_bridge::point::XyzIrtPoint;
 
 pub(super) struct VelodyneCloud {
     /// The rank of each laser, counted from the lowest.
@@ -32,20 +31,17 @@ impl CloudForm for VelodyneCloud {
     }
 }
 
-/// Writes a return to its place.
+/// Returns a point as bytes.
 #[inline]
-fn put(place: &mut [u8; POINT_STEP], point: [f32; 3], intensity: f32, ring: u16, before_s: f64) {
-    place[..12].copy_from_slice(bytemuck::bytes_of(&point.map(f32::to_le_bytes)));
-    place[12..16].copy_from_slice(&intensity.to_le_bytes());
-    place[16..18].copy_from_slice(&ring.to_le_bytes());
-    place[18..].copy_from_slice(&(before_s as f32).to_le_bytes());
+fn bytes([x, y, z]: [f32; 3], intensity: f32, ring: u16, before_s: f64) -> [u8; XyzIrtPoint::SIZE] {
+    XyzIrtPoint { x, y, z, intensity, ring, time: before_s as f32 }.to_bytes()
 }
 
 impl VelodyneCloud {
     /// Writes only the included returns, those of a firing next to each other.
     fn write_shown(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame> {
         let count = scan.points();
-        let mut frame = outlet.loan(count * POINT_STEP)?;
+        let mut frame = outlet.loan(count * XyzIrtPoint::SIZE)?;
         let header = frame.header_mut();
         header.set_packed(count as u32, 1);
         header.stamp_ns = scan.stamp_ns;
@@ -55,8 +51,8 @@ impl VelodyneCloud {
             let ring = self.rings[laser as usize];
             for (point, intensity) in points.iter().zip(intensities) {
                 let Some(place) = places.next() else { return Some(frame) };
-                put(place, *point, *intensity, ring, time_s - end_s);
-                places.keep::<POINT_STEP>(scan.is_point(point, *intensity));
+                *place = bytes(*point, *intensity, ring, time_s - end_s);
+                places.keep::<{ XyzIrtPoint::SIZE }>(scan.is_point(point, *intensity));
             }
         }
         Some(frame)
@@ -66,12 +62,12 @@ impl VelodyneCloud {
     fn write_all(&self, scan: &Scan<'_>, outlet: &Outlet) -> Option<Frame> {
         let Scan { found, firings, returns, .. } = *scan;
         let in_row = self.in_row;
-        let mut frame = outlet.loan(firings * returns * POINT_STEP)?;
+        let mut frame = outlet.loan(firings * returns * XyzIrtPoint::SIZE)?;
         let header = frame.header_mut();
         header.set_packed(in_row as u32, (firings * returns / in_row) as u32);
         header.stamp_ns = scan.stamp_ns;
         let end_s = scan.taken_s.unwrap_or(0.0);
-        let rows = frame.payload_mut().chunks_exact_mut(in_row * POINT_STEP);
+        let rows = frame.payload_mut().chunks_exact_mut(in_row * XyzIrtPoint::SIZE);
         for (number, row) in rows.enumerate() {
             let (first, number) = (number / returns * in_row, number % returns);
             for (place, firing) in row.as_chunks_mut().0.iter_mut().zip(first..) {
@@ -79,7 +75,7 @@ impl VelodyneCloud {
                 let (point, intensity) = (found.points[echo], found.intensities[echo]);
                 let point = if scan.is_point(&point, intensity) { point } else { [f32::NAN; 3] };
                 let ring = self.rings[found.lasers[firing] as usize];
-                put(place, point, intensity, ring, scan.time_s(firing) - end_s);
+                *place = bytes(point, intensity, ring, scan.time_s(firing) - end_s);
             }
         }
         Some(frame)

@@ -3,7 +3,7 @@
 //! colour = emissive + texture · (ambient · ambient light + Σ diffuse · lamp · max(0, n·l) · attenuation · shadow) + Σ
 //! specular · lamp's specular · (n·h)^shininess · attenuation · shadow. Materials with a [`Pbr`](crate::scene::Pbr) have
 //! the formula there instead. It is computed directly on the given colours, without gamma, as in Gazebo classic, unless
-//! the scene's colours are sRGB.
+//! the scene's colours are sRGB. [`modulation`] has what differs for textures that are multiplied by all light.
 //!
 //! A tile sees few instances. For one instance after the other, its lanes get their normals and their albedo, sixteen
 //! at a time; then the lamps are added for all lanes at once.
@@ -15,7 +15,9 @@ mod facets;
 mod glow;
 mod lamp;
 mod lamp_ray;
+mod modulation;
 mod occluders;
+mod opacity;
 mod power;
 mod ray_offset;
 mod shadow;
@@ -25,7 +27,7 @@ pub(crate) mod tile;
 pub(crate) mod transparency;
 pub(crate) mod uniform;
 
-use crate::scene::{ALPHA_CUT_OUT, ColourSpace, Kind, Material, NO_TEXTURE, Scene};
+use crate::scene::{ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
 use crate::trace::packet::{Faces, Packet};
@@ -34,6 +36,7 @@ use crate::trace::shapes::LocalRays;
 use bumps::Bumps;
 use face::KnownFaces;
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
+use modulation::Modulation;
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
 use texture::{Reading, Sampler};
@@ -56,6 +59,7 @@ pub(crate) struct Shader {
     /// Reads the maps of materials: all textures but that of their colour.
     maps: Sampler,
     bumps: Bumps,
+    modulation: Modulation,
     /// Opacity of the surface in each lane, for the lanes in [`Shader::clear`].
     coverage: Lanes<f32>,
     /// The lanes through which something may be seen, as one bit each.
@@ -100,6 +104,7 @@ impl Shader {
         },
         maps: Sampler::new(),
         bumps: Bumps::new(),
+        modulation: Modulation::new(),
         coverage: [1.0; LANES],
         clear: 0,
         shadows: Shadows::new(),
@@ -154,6 +159,7 @@ impl Shader {
                     self.surfaces.normal = [[0.0; LANES]; 3];
                 }
                 (self.gloss.lanes, self.gloss.facets, self.bumps.lanes, self.clear) = (0, 0, 0, 0);
+                self.modulation.lanes = 0;
                 let mut rest = tile.hits;
                 while rest != 0 {
                     let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
@@ -180,7 +186,17 @@ impl Shader {
         }
         if tile.hits != 0 {
             for (number, light) in scene.lights.iter().enumerate() {
+                let alone = self.modulation.lanes != 0 && light.cast_shadows != 0;
+                if alone {
+                    self.modulation.begin_pass(simd, colours);
+                }
                 self.add_lamp(simd, view, (number, light), tile, colours);
+                if alone {
+                    self.modulation.end_pass(simd, colours);
+                }
+            }
+            if self.modulation.lanes != 0 {
+                self.modulation.apply(simd, colours);
             }
             if let Some(fog) = &scene.air.fog {
                 air::blend(simd, view, fog, (tile, steps.is_some()), colours);
@@ -246,6 +262,9 @@ impl Shader {
 
         // Step 2: compute the colours.
         self.add_colours(simd, scene, material, &footprints, lanes, colours);
+        if material.light_texture != NO_TEXTURE {
+            self.modulate(simd, scene, material.light_texture, &footprints, lanes);
+        }
         if material.emissive_map != NO_TEXTURE {
             self.glow(simd, scene, material, &footprints, lanes, colours);
         }
@@ -302,40 +321,6 @@ impl Shader {
                 store_where(simd, mine, albedo, &mut self.albedo[channel], row);
             }
         }
-    }
-
-    /// Computes the opacity of the surfaces of a clear material.
-    fn uncover<S: Simd>(
-        &mut self,
-        simd: S,
-        scene: &Scene<'_>,
-        material: &Material,
-        footprints: &[Footprint<S>; ROWS],
-        lanes: u64,
-    ) {
-        let Self { sampler, coverage, clear, .. } = self;
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let one = f32x16::splat(simd, 1.0);
-                for row in 0..ROWS {
-                    let mine = lanes_in(simd, lanes, row);
-                    if !mine.any_true() {
-                        continue;
-                    }
-                    let mut alpha = one;
-                    if material.has_texture_alpha() {
-                        [alpha, ..] = sampler.sample(simd, scene, &footprints[row], mine, Reading::Alpha);
-                        if material.texture_alpha == ALPHA_CUT_OUT {
-                            alpha = alpha.simd_ge(material.least_alpha).select(one, f32x16::splat(simd, 0.0));
-                        }
-                    }
-                    let alpha = alpha * material.alpha;
-                    store_where(simd, mine, alpha, coverage, row);
-                    *clear |= (alpha.simd_lt(one) & mine).to_bitmask() << (row * WIDTH);
-                }
-            },
-        );
     }
 }
 

@@ -173,3 +173,17 @@ def test_textures_of_srgb_are_shown_by_their_linear_values() -> None:
     assert middle("") == middle('colorspace="linear"') == [204, 127, 5]
     # Those of MuJoCo's pictures.
     assert middle('colorspace="sRGB"') == [154, 54, 0]
+
+
+def test_highlights_of_shininess_0_are_everywhere() -> None:
+    model = mujoco.MjModel.from_xml_string("""
+        <mujoco>
+          <visual><headlight ambient="0 0 0" diffuse="0 0 0" specular="0.5 0.5 0.5"/></visual>
+          <asset><material name="m" rgba="1 0 0 1" specular="0.8" shininess="0"/></asset>
+          <worldbody><geom type="plane" size="5 5 1" material="m"/><camera name="down" pos="0 0 2" fovy="90"/></worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    picture = bvm.Scene(model).camera("down", 32, 32).render(data)["rgb"]
+    # That of MuJoCo's pictures, too.
+    assert np.unique(picture).tolist() == [102]

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 _GREY = (0.5, 0.5, 0.5, 1.0)
 #: Shininess of 1 is this exponent of highlights.
 _EXPONENT = 128.0
+#: The least exponent: MuJoCo's highlights of shininess 0 are equally bright everywhere, and there are none here at 0.
+_LEAST_EXPONENT = 1e-3
 #: Specular and shininess of a geom without a material.
 _PLAIN = (0.5, 0.5)
 #: The linear value of each value of sRGB, both from 0 to 255.
@@ -124,7 +126,7 @@ class Looks:
         look: dict[str, Any] = {
             "color": color.tolist(),
             "specular": [max(specular, 0.0)] * 3,
-            "shininess": max(shininess, 0.0) * _EXPONENT,
+            "shininess": max(shininess * _EXPONENT, _LEAST_EXPONENT),
             "emissive": (color[:3] * max(emission, 0.0)).tolist(),
         }
         return look, texture, material

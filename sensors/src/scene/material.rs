@@ -15,8 +15,8 @@ pub struct MaterialConfig {
     /// Emitted light. The default is 0 for each colour.
     pub emissive: [f32; 3],
     /// Specular reflectance: factor of a lamp's [`LightConfig::specular`] at the peak of the highlight, where the
-    /// surface mirrors the lamp towards the sensor. The texture changes it only in [`TextureMode::Light`]. The default is 0 for
-    /// each colour.
+    /// surface mirrors the lamp towards the sensor. The texture changes it only in [`TextureMode::Light`]. The default
+    /// is 0 for each colour.
     pub specular: [f32; 3],
     /// Sharpness of highlights: the Blinn–Phong exponent, 0 to [`MAX_SHININESS`]. At 0 there are no highlights, as in
     /// Gazebo classic. The default is 0.

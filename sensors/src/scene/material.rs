@@ -116,7 +116,7 @@ pub struct Material {
     pub(crate) texture_repeat: [f32; 2],
     /// The texture if its mode is [`TextureMode::Reflectance`], otherwise [`NO_TEXTURE`].
     pub(crate) texture: u32,
-    /// The texture if its mode is [`TextureMode::Light`], otherwise [`NO_TEXTURE`].
+    /// The texture if its mode is [`TextureMode::Light`], otherwise [`NO_TEXTURE`], as for [`GLOSS_PBR`].
     pub(crate) light_texture: u32,
 }
 
@@ -134,6 +134,7 @@ impl Material {
             None => GLOSS_NONE,
         };
         let pbr = config.pbr.unwrap_or_default();
+        let by_light = config.texture_mode == TextureMode::Light && config.pbr.is_none();
         let number = |texture: Option<TextureId>| texture.map_or(NO_TEXTURE, |texture| texture.0);
         Self {
             diffuse: config.diffuse,
@@ -153,8 +154,8 @@ impl Material {
             pbr_map: number(config.pbr_map.filter(|_| gloss == GLOSS_PBR)),
             emissive_map: number(config.emissive_map),
             texture_repeat: config.texture_repeat,
-            texture: number(config.texture.filter(|_| config.texture_mode == TextureMode::Reflectance)),
-            light_texture: number(config.texture.filter(|_| config.texture_mode == TextureMode::Light)),
+            texture: number(config.texture.filter(|_| !by_light)),
+            light_texture: number(config.texture.filter(|_| by_light)),
         }
     }
 

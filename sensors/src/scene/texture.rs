@@ -49,7 +49,8 @@ pub enum TextureMode {
     Reflectance,
     /// All light of the surface, with highlights and emitted light, after it was limited to 1. This is how OpenGL
     /// without shaders applies a texture (`GL_MODULATE`). The light of each lamp that casts shadows is limited on its
-    /// own and then added, as by a program that draws the surface once more for each such lamp.
+    /// own and then added, as by a program that draws the surface once more for each such lamp. Materials with a
+    /// [`Pbr`](super::Pbr) have [`TextureMode::Reflectance`] instead.
     Light,
 }
 

@@ -36,7 +36,6 @@ use crate::trace::shapes::LocalRays;
 use bumps::Bumps;
 use face::KnownFaces;
 use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
-use modulation::Modulation;
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
 use texture::{Reading, Sampler};
@@ -59,7 +58,8 @@ pub(crate) struct Shader {
     /// Reads the maps of materials: all textures but that of their colour.
     maps: Sampler,
     bumps: Bumps,
-    modulation: Modulation,
+    /// The lanes whose texture is multiplied by all light, as one bit each; see [`modulation`].
+    modulated: u64,
     /// Opacity of the surface in each lane, for the lanes in [`Shader::clear`].
     coverage: Lanes<f32>,
     /// The lanes through which something may be seen, as one bit each.
@@ -83,7 +83,7 @@ struct Gloss {
     specular: Colours,
     /// For facets, their roughness.
     shininess: Lanes<f32>,
-    /// Factor of the highlights of facets.
+    /// For facets, the factor of their highlights; for [`Shader::modulated`] lanes, the texture.
     factor: Colours,
 }
 
@@ -104,7 +104,7 @@ impl Shader {
         },
         maps: Sampler::new(),
         bumps: Bumps::new(),
-        modulation: Modulation::new(),
+        modulated: 0,
         coverage: [1.0; LANES],
         clear: 0,
         shadows: Shadows::new(),
@@ -159,7 +159,7 @@ impl Shader {
                     self.surfaces.normal = [[0.0; LANES]; 3];
                 }
                 (self.gloss.lanes, self.gloss.facets, self.bumps.lanes, self.clear) = (0, 0, 0, 0);
-                self.modulation.lanes = 0;
+                self.modulated = 0;
                 let mut rest = tile.hits;
                 while rest != 0 {
                     let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
@@ -185,18 +185,21 @@ impl Shader {
             air::paint_sky(simd, view, sky, tile, colours);
         }
         if tile.hits != 0 {
+            if self.modulated != 0 {
+                self.begin_passes();
+            }
             for (number, light) in scene.lights.iter().enumerate() {
-                let alone = self.modulation.lanes != 0 && light.cast_shadows != 0;
+                let alone = self.modulated != 0 && light.cast_shadows != 0;
                 if alone {
-                    self.modulation.begin_pass(simd, colours);
+                    self.begin_pass(simd, colours);
                 }
                 self.add_lamp(simd, view, (number, light), tile, colours);
                 if alone {
-                    self.modulation.end_pass(simd, colours);
+                    self.end_pass(simd, colours);
                 }
             }
-            if self.modulation.lanes != 0 {
-                self.modulation.apply(simd, colours);
+            if self.modulated != 0 {
+                self.apply_textures(simd, colours);
             }
             if let Some(fog) = &scene.air.fog {
                 air::blend(simd, view, fog, (tile, steps.is_some()), colours);

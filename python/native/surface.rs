@@ -2,13 +2,16 @@
 
 use crate::data::Data;
 use crate::errors::of;
-use belvedere_sensors::scene::{MaterialConfig, MaterialId, Pbr, SceneError, TextureAlpha, TextureId};
+use belvedere_sensors::scene::{
+    MaterialConfig, MaterialId, Pbr, SceneError, TextureAlpha, TextureId, TextureMode,
+};
 use numpy::PyReadonlyArrayDyn;
 use pyo3::prelude::*;
 
-/// A surface from Python: colour, emissive, specular, shininess, roughness and metalness, a texture with its width.
+/// A surface from Python: colour, emissive, specular, shininess, roughness and metalness, a texture with its width,
+/// repetitions of the texture, whether all light is multiplied by it.
 pub(crate) type Look<'py> =
-    ([f32; 4], [f32; 3], [f32; 3], f32, Option<[f32; 2]>, Option<Picture<'py>>, [f32; 2]);
+    ([f32; 4], [f32; 3], [f32; 3], f32, Option<[f32; 2]>, Option<Picture<'py>>, [f32; 2], bool);
 
 /// A texture from Python.
 #[derive(FromPyObject)]
@@ -53,7 +56,7 @@ pub(crate) fn of_shape(error: SceneError) -> PyErr {
 
 /// Checks a surface from Python arrays.
 pub(crate) fn surface<'a>(look: &'a Look<'_>) -> PyResult<Surface<'a>> {
-    let (color, emissive, specular, shininess, pbr, picture, texture_repeat) = look;
+    let (color, emissive, specular, shininess, pbr, picture, texture_repeat, is_light) = look;
     let picture = picture.as_ref().map(|picture| match picture {
         Picture::OfBody(body) => Ok::<_, PyErr>(CheckedPicture::OfBody(*body)),
         Picture::Texels((texels, width)) => {
@@ -73,6 +76,7 @@ pub(crate) fn surface<'a>(look: &'a Look<'_>) -> PyResult<Surface<'a>> {
         alpha,
         texture_alpha: TextureAlpha::Ignored,
         texture_repeat: *texture_repeat,
+        texture_mode: if *is_light { TextureMode::Light } else { TextureMode::Reflectance },
         ..Default::default()
     };
     Ok((material, picture.transpose()?))

@@ -111,3 +111,79 @@ def test_highlights_have_the_colour_of_the_texture() -> None:
     mujoco.mj_forward(model, data)
     middle = bvm.Scene(model).camera("down", 9, 9).render(data)["rgb"][4, 4].astype(int)
     np.testing.assert_allclose(middle, [0.8 * 255 * 0.5, 0.8 * 255 * 0.25, 0], atol=3)
+
+
+def test_light_is_limited_before_it_is_multiplied_by_a_texture() -> None:
+    model = mujoco.MjModel.from_xml_string("""
+        <mujoco>
+          <visual><headlight ambient="0.5 0.2 0" diffuse="0 0 0" specular="0.9 0.9 0.9"/></visual>
+          <asset>
+            <texture name="t" type="2d" builtin="flat" rgb1="0.4 0.4 0.4" width="8" height="8"/>
+            <material name="m" texture="t" specular="1" shininess="0.2" emission="0.1"/>
+          </asset>
+          <worldbody>
+            <light directional="true" dir="0 0 -1" diffuse="0.5 0.2 0" specular="0 0 0" castshadow="false"/>
+            <light directional="true" dir="0 0 -1" diffuse="1.5 0.2 0" specular="0 0 0"/>
+            <geom type="plane" size="1 1 1" material="m"/>
+            <camera name="down" pos="0 0 2"/>
+          </worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    middle = bvm.Scene(model).camera("down", 9, 9).render(data)["rgb"][4, 4].astype(int)
+    # MuJoCo adds the light of a lamp with shadows after both were limited and multiplied.
+    light = [min(0.1 + 0.5 + 0.5 + 0.9, 1.0) + 1.0, min(0.1 + 0.2 + 0.2 + 0.9, 1.0) + 0.2, min(0.1 + 0.9, 1.0)]
+    np.testing.assert_allclose(middle, np.array(light) * 0.4 * 255, atol=2)
+
+
+def test_black_tiles_have_no_highlight() -> None:
+    model = mujoco.MjModel.from_xml_string("""
+        <mujoco>
+          <visual><headlight ambient="0.1 0.1 0.1" diffuse="0.1 0.1 0.1" specular="0.8 0.8 0.8"/></visual>
+          <asset>
+            <texture name="t" type="2d" builtin="checker" rgb1="0 0 0" rgb2="1 1 1" width="64" height="64"/>
+            <material name="m" texture="t" specular="1" shininess="0.01" emission="0.1"/>
+          </asset>
+          <worldbody><geom type="plane" size="1 1 1" material="m"/><camera name="down" pos="0 0 2"/></worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    tiles = bvm.Scene(model).camera("down", 65, 65).render(data)["rgb"]
+    corners = [tiles[row, column].tolist() for row, column in ((24, 24), (40, 24), (24, 40), (40, 40))]
+    black, white = sorted(corners)[:2], sorted(corners)[2:]
+    assert black == [[0, 0, 0]] * 2
+    assert min(min(white)) > 220
+
+
+def test_textures_of_srgb_are_shown_by_their_linear_values() -> None:
+    def middle(colorspace: str) -> list[int]:
+        model = mujoco.MjModel.from_xml_string(f"""
+            <mujoco>
+              <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+              <asset>
+                <texture name="t" type="2d" builtin="flat" rgb1="0.8 0.5 0.02" width="8" height="8" {colorspace}/>
+                <material name="m" texture="t" specular="0"/>
+              </asset>
+              <worldbody><geom type="plane" size="1 1 1" material="m"/><camera name="down" pos="0 0 2"/></worldbody>
+            </mujoco>""")
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        return bvm.Scene(model).camera("down", 9, 9).render(data)["rgb"][4, 4].tolist()
+
+    assert middle("") == middle('colorspace="linear"') == [204, 127, 5]
+    # Those of MuJoCo's pictures.
+    assert middle('colorspace="sRGB"') == [154, 54, 0]
+
+
+def test_highlights_of_shininess_0_are_everywhere() -> None:
+    model = mujoco.MjModel.from_xml_string("""
+        <mujoco>
+          <visual><headlight ambient="0 0 0" diffuse="0 0 0" specular="0.5 0.5 0.5"/></visual>
+          <asset><material name="m" rgba="1 0 0 1" specular="0.8" shininess="0"/></asset>
+          <worldbody><geom type="plane" size="5 5 1" material="m"/><camera name="down" pos="0 0 2" fovy="90"/></worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    picture = bvm.Scene(model).camera("down", 32, 32).render(data)["rgb"]
+    # That of MuJoCo's pictures, too.
+    assert np.unique(picture).tolist() == [102]

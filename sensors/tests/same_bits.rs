@@ -14,6 +14,7 @@ use belvedere_sensors::scanner::{
 };
 use belvedere_sensors::scene::{
     ColourSpace, LightConfig, MaterialConfig, Pbr, SceneBuilder, Shape, TextureAlpha,
+    TextureMode::{self, Light, Reflectance},
 };
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::{Faces, WorkspaceBuf};
@@ -159,7 +160,11 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ("rgba8 of sRGB", picture_with(&builder, srgb, pose, 7, execution)),
         (
             "rgb8 of gloss and glass",
-            picture_with(&gloss_and_glass(builder.clone()), camera, pose, 7, execution),
+            picture_with(&gloss_and_glass(builder.clone(), Reflectance), camera, pose, 7, execution),
+        ),
+        (
+            "rgb8 of a texture of light",
+            picture_with(&gloss_and_glass(builder.clone(), Light), camera, pose, 7, execution),
         ),
         ("rgb8 of facets", picture_with(&facets(builder.clone(), false), camera, pose, 7, execution)),
         ("rgb8 of mapped facets", picture_with(&facets(builder.clone(), true), camera, pose, 7, execution)),
@@ -224,7 +229,7 @@ fn mirrors_and_panes(mut builder: SceneBuilder) -> SceneBuilder {
 }
 
 /// The scene with a glossy ball, a ball of glass and a pane with holes in it, in linear light.
-fn gloss_and_glass(mut builder: SceneBuilder) -> SceneBuilder {
+fn gloss_and_glass(mut builder: SceneBuilder, texture_mode: TextureMode) -> SceneBuilder {
     builder.set_colour_space(ColourSpace::Srgb);
     let texels = [[255, 200, 100, 255], [0, 0, 0, 0], [50, 60, 70, 120], [9, 250, 3, 200]];
     let texture = Some(builder.add_texture(2, 2, &texels).unwrap());
@@ -233,7 +238,11 @@ fn gloss_and_glass(mut builder: SceneBuilder) -> SceneBuilder {
     for (config, shape, y) in [
         (gloss, Shape::Sphere { radius: 0.4 }, 0.8),
         (MaterialConfig { alpha: 0.4, ..gloss }, Shape::Sphere { radius: 0.5 }, -0.4),
-        (MaterialConfig { texture, texture_alpha, ..gloss }, Shape::Box { size: [0.1, 0.7, 0.9] }, 0.3),
+        (
+            MaterialConfig { texture, texture_alpha, texture_mode, ..gloss },
+            Shape::Box { size: [0.1, 0.7, 0.9] },
+            0.3,
+        ),
     ] {
         let material = builder.add_material(&config).unwrap();
         add(&mut builder, shape, Pose::from_translation(DVec3::new(-1.6, y, 1.1)), material);
@@ -299,7 +308,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 24] = [
+    let expected: [(&str, u64); 25] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -319,6 +328,7 @@ fn every_machine() {
         ("bayer_gbrg16", 0xe132_1176_b7dd_c0e3),
         ("rgba8 of sRGB", 0x5d94_93b7_3efb_42af),
         ("rgb8 of gloss and glass", 0x2c18_2a64_e3af_3e53),
+        ("rgb8 of a texture of light", 0xb748_c137_3797_4a71),
         ("rgb8 of facets", 0x67fa_f293_d640_2f8d),
         ("rgb8 of mapped facets", 0x8a99_00de_2846_e67c),
         ("ranges of mirrors and panes", 0xe32c_707c_86a7_e51a),

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 SEES = {"visual": 1, "collision": 2, "all": 3}
 
 
+#: Whether a texture is multiplied by all light, instead of by the reflectance alone.
+TEXTURE_MODES = {"reflectance": False, "light": True}
+
+
 def round_size(radius: float, length: float) -> list[float]:
     return [_arrays.number("radius", radius), _arrays.number("length", length)]
 
@@ -41,6 +45,7 @@ def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look
         _pbr(rest.pop("roughness", None), rest.pop("metalness", None)),
         None if texture is None else _texture(texture),
         _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2, 1e-12),
+        bool(_arrays.choice("texture_mode", rest.pop("texture_mode", "reflectance"), TEXTURE_MODES)),
     )
     said = (
         _arrays.text("name", rest.pop("name", "")),

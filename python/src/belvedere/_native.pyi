@@ -48,6 +48,7 @@ _Look: TypeAlias = tuple[
     Sequence[float] | None,
     tuple[NDArray[np.uint8], int] | int | None,
     Sequence[float],
+    bool,
 ]
 _Said: TypeAlias = tuple[str, NDArray[np.float64], Sequence[float], int, float, int]
 

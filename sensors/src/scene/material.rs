@@ -1,7 +1,7 @@
 //! Materials and lights.
 
 use super::pbr::Pbr;
-use super::texture::TextureId;
+use super::texture::{TextureAlpha, TextureId, TextureMode};
 use bytemuck::{Pod, Zeroable};
 
 /// How a surface looks. Colours are RGB in the scene's [`ColourSpace`](super::ColourSpace): by default they are used as
@@ -15,7 +15,8 @@ pub struct MaterialConfig {
     /// Emitted light. The default is 0 for each colour.
     pub emissive: [f32; 3],
     /// Specular reflectance: factor of a lamp's [`LightConfig::specular`] at the peak of the highlight, where the
-    /// surface mirrors the lamp towards the sensor. The texture does not change it. The default is 0 for each colour.
+    /// surface mirrors the lamp towards the sensor. The texture changes it only in [`TextureMode::Light`]. The default
+    /// is 0 for each colour.
     pub specular: [f32; 3],
     /// Sharpness of highlights: the Blinn–Phong exponent, 0 to [`MAX_SHININESS`]. At 0 there are no highlights, as in
     /// Gazebo classic. The default is 0.
@@ -45,6 +46,8 @@ pub struct MaterialConfig {
     pub emissive_map: Option<TextureId>,
     /// Colour texture. The default is `None`.
     pub texture: Option<TextureId>,
+    /// What the texture is multiplied by. The default is [`TextureMode::Reflectance`].
+    pub texture_mode: TextureMode,
     /// Number of repetitions of the texture and all maps along u and v. The default is 1 along both.
     pub texture_repeat: [f32; 2],
 }
@@ -67,29 +70,10 @@ impl Default for MaterialConfig {
             pbr_map: None,
             emissive_map: None,
             texture: None,
+            texture_mode: TextureMode::Reflectance,
             texture_repeat: [1.0; 2],
         }
     }
-}
-
-/// The meaning of the alpha channel of a material's texture.
-///
-/// Only cameras see through surfaces by alpha, and through at most four of them; a fifth is opaque. Depths, lidars and
-/// the ground truth of a pixel are those of the nearest surface, transparent or not, as in Gazebo, except for
-/// [`MaterialConfig::transmittance`]. Surfaces with an alpha below 1 or a blended texture cast no shadows; cut-out
-/// surfaces cast the shadow of the whole surface.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum TextureAlpha {
-    /// Alpha is ignored: the texture is opaque.
-    #[default]
-    Ignored,
-    /// The surface is absent where the alpha of the texture is below `least`.
-    CutOut {
-        /// The threshold, from 0 to 1.
-        least: f32,
-    },
-    /// Alpha is multiplied by [`MaterialConfig::alpha`].
-    Blended,
 }
 
 pub(crate) const ALPHA_IGNORED: u32 = 0;
@@ -130,7 +114,10 @@ pub struct Material {
     pub(crate) pbr_map: u32,
     pub(crate) emissive_map: u32,
     pub(crate) texture_repeat: [f32; 2],
+    /// The texture if its mode is [`TextureMode::Reflectance`], otherwise [`NO_TEXTURE`].
     pub(crate) texture: u32,
+    /// The texture if its mode is [`TextureMode::Light`], otherwise [`NO_TEXTURE`], as for [`GLOSS_PBR`].
+    pub(crate) light_texture: u32,
 }
 
 impl Material {
@@ -147,6 +134,7 @@ impl Material {
             None => GLOSS_NONE,
         };
         let pbr = config.pbr.unwrap_or_default();
+        let by_light = config.texture_mode == TextureMode::Light && config.pbr.is_none();
         let number = |texture: Option<TextureId>| texture.map_or(NO_TEXTURE, |texture| texture.0);
         Self {
             diffuse: config.diffuse,
@@ -166,14 +154,16 @@ impl Material {
             pbr_map: number(config.pbr_map.filter(|_| gloss == GLOSS_PBR)),
             emissive_map: number(config.emissive_map),
             texture_repeat: config.texture_repeat,
-            texture: number(config.texture),
+            texture: number(config.texture.filter(|_| !by_light)),
+            light_texture: number(config.texture.filter(|_| by_light)),
         }
     }
 
     /// The names and indices of its textures, which are [`NO_TEXTURE`] for those that it does not have.
-    pub(crate) const fn textures(&self) -> [(&'static str, u32); 4] {
+    pub(crate) const fn textures(&self) -> [(&'static str, u32); 5] {
         [
             ("texture", self.texture),
+            ("texture", self.light_texture),
             ("normal map", self.normal_map),
             ("map of roughness and metalness", self.pbr_map),
             ("emissive map", self.emissive_map),
@@ -184,7 +174,12 @@ impl Material {
     #[inline(always)]
     pub(crate) const fn is_mapped(&self) -> bool {
         // All bits of `NO_TEXTURE` are set.
-        self.texture & self.normal_map & self.pbr_map & self.emissive_map != NO_TEXTURE
+        self.texture & self.light_texture & self.normal_map & self.pbr_map & self.emissive_map != NO_TEXTURE
+    }
+
+    /// Returns true if the material has a texture, of either [`TextureMode`].
+    pub const fn is_textured(&self) -> bool {
+        self.texture & self.light_texture != NO_TEXTURE
     }
 
     /// Returns true if lamps make highlights on the material.
@@ -199,7 +194,7 @@ impl Material {
 
     /// Returns true if the texture's alpha is used.
     pub(crate) fn has_texture_alpha(&self) -> bool {
-        self.texture != NO_TEXTURE && self.texture_alpha != ALPHA_IGNORED
+        self.is_textured() && self.texture_alpha != ALPHA_IGNORED
     }
 
     /// Returns true if anything may be seen through the material.

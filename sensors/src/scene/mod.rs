@@ -58,8 +58,7 @@ pub use instance::{
 pub(crate) use kind::{Kind, Solid, Triangles};
 pub(crate) use material::{ALPHA_CUT_OUT, Form, NO_TEXTURE};
 pub use material::{
-    Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material,
-    MaterialConfig, TextureAlpha,
+    Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material, MaterialConfig,
 };
 pub use mesh_slices::MeshSlices;
 pub use meshes::{MeshMemory, MeshStore, Meshes};
@@ -68,7 +67,8 @@ pub use pbr::Pbr;
 pub use single::MeshScene;
 pub use slices::SceneSlices;
 pub use texture::{
-    ColourSpace, Texture, TextureId, fill_mip_levels, fill_srgb_mip_levels, mip_levels, mip_texels,
+    ColourSpace, Texture, TextureAlpha, TextureId, TextureMode, fill_mip_levels, fill_srgb_mip_levels,
+    mip_levels, mip_texels,
 };
 
 pub use validate::TreeFault;

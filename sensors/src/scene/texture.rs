@@ -21,6 +21,39 @@ pub enum ColourSpace {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct TextureId(pub u32);
 
+/// The meaning of the alpha channel of a material's texture.
+///
+/// Only cameras see through surfaces by alpha, and through at most four of them; a fifth is opaque. Depths, lidars and
+/// the ground truth of a pixel are those of the nearest surface, transparent or not, as in Gazebo, except for
+/// [`MaterialConfig::transmittance`](super::MaterialConfig::transmittance). Surfaces with an alpha below 1 or a blended
+/// texture cast no shadows; cut-out surfaces cast the shadow of the whole surface.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum TextureAlpha {
+    /// Alpha is ignored: the texture is opaque.
+    #[default]
+    Ignored,
+    /// The surface is absent where the alpha of the texture is below `least`.
+    CutOut {
+        /// The threshold, from 0 to 1.
+        least: f32,
+    },
+    /// Alpha is multiplied by [`MaterialConfig::alpha`](super::MaterialConfig::alpha).
+    Blended,
+}
+
+/// What the texture of a material is multiplied by.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TextureMode {
+    /// The diffuse and the ambient reflectance, as in Gazebo.
+    #[default]
+    Reflectance,
+    /// All light of the surface, with highlights and emitted light, after it was limited to 1. This is how OpenGL
+    /// without shaders applies a texture (`GL_MODULATE`). The light of each lamp that casts shadows is limited on its
+    /// own and then added, as by a program that draws the surface once more for each such lamp. Materials with a
+    /// [`Pbr`](super::Pbr) have [`TextureMode::Reflectance`] instead.
+    Light,
+}
+
 /// Position of a texture's mip levels in the scene's texels. Level 0 is the full image; each further level has half the
 /// size, rounded down but at least 1; the last is 1 × 1. Rows run from the top (v = 1) down.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]

@@ -94,7 +94,7 @@ impl Material {
     #[must_use]
     pub fn without_texture(mut self) -> Self {
         if !self.has_texture_alpha() {
-            self.texture = NO_TEXTURE;
+            (self.texture, self.light_texture) = (NO_TEXTURE, NO_TEXTURE);
         }
         self
     }
@@ -102,11 +102,6 @@ impl Material {
     /// The diffuse colour, which is multiplied by the texture.
     pub const fn colour(&self) -> [f32; 3] {
         self.diffuse
-    }
-
-    /// Returns true if the material has a texture.
-    pub const fn is_textured(&self) -> bool {
-        self.texture != NO_TEXTURE
     }
 }
 

@@ -3,7 +3,7 @@
 //! colour = emissive + texture · (ambient · ambient light + Σ diffuse · lamp · max(0, n·l) · attenuation · shadow) + Σ
 //! specular · lamp's specular · (n·h)^shininess · attenuation · shadow. Materials with a [`Pbr`](crate::scene::Pbr) have
 //! the formula there instead. It is computed directly on the given colours, without gamma, as in Gazebo classic, unless
-//! the scene's colours are sRGB.
+//! the scene's colours are sRGB. [`modulation`] has what differs for textures that are multiplied by all light.
 //!
 //! A tile sees few instances. For one instance after the other, its lanes get their normals and their albedo, sixteen
 //! at a time; then the lamps are added for all lanes at once.
@@ -15,7 +15,9 @@ mod facets;
 mod glow;
 mod lamp;
 mod lamp_ray;
+mod modulation;
 mod occluders;
+mod opacity;
 mod power;
 mod ray_offset;
 mod shadow;
@@ -25,7 +27,7 @@ pub(crate) mod tile;
 pub(crate) mod transparency;
 pub(crate) mod uniform;
 
-use crate::scene::{ALPHA_CUT_OUT, ColourSpace, Kind, Material, NO_TEXTURE, Scene};
+use crate::scene::{ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
 use crate::trace::packet::{Faces, Packet};
@@ -56,6 +58,8 @@ pub(crate) struct Shader {
     /// Reads the maps of materials: all textures but that of their colour.
     maps: Sampler,
     bumps: Bumps,
+    /// The lanes whose texture is multiplied by all light, as one bit each; see [`modulation`].
+    modulated: u64,
     /// Opacity of the surface in each lane, for the lanes in [`Shader::clear`].
     coverage: Lanes<f32>,
     /// The lanes through which something may be seen, as one bit each.
@@ -79,7 +83,7 @@ struct Gloss {
     specular: Colours,
     /// For facets, their roughness.
     shininess: Lanes<f32>,
-    /// Factor of the highlights of facets.
+    /// For facets, the factor of their highlights; for [`Shader::modulated`] lanes, the texture.
     factor: Colours,
 }
 
@@ -100,6 +104,7 @@ impl Shader {
         },
         maps: Sampler::new(),
         bumps: Bumps::new(),
+        modulated: 0,
         coverage: [1.0; LANES],
         clear: 0,
         shadows: Shadows::new(),
@@ -154,6 +159,7 @@ impl Shader {
                     self.surfaces.normal = [[0.0; LANES]; 3];
                 }
                 (self.gloss.lanes, self.gloss.facets, self.bumps.lanes, self.clear) = (0, 0, 0, 0);
+                self.modulated = 0;
                 let mut rest = tile.hits;
                 while rest != 0 {
                     let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
@@ -179,8 +185,21 @@ impl Shader {
             air::paint_sky(simd, view, sky, tile, colours);
         }
         if tile.hits != 0 {
+            if self.modulated != 0 {
+                self.begin_passes();
+            }
             for (number, light) in scene.lights.iter().enumerate() {
+                let alone = self.modulated != 0 && light.cast_shadows != 0;
+                if alone {
+                    self.begin_pass(simd, colours);
+                }
                 self.add_lamp(simd, view, (number, light), tile, colours);
+                if alone {
+                    self.end_pass(simd, colours);
+                }
+            }
+            if self.modulated != 0 {
+                self.apply_textures(simd, colours);
             }
             if let Some(fog) = &scene.air.fog {
                 air::blend(simd, view, fog, (tile, steps.is_some()), colours);
@@ -246,6 +265,9 @@ impl Shader {
 
         // Step 2: compute the colours.
         self.add_colours(simd, scene, material, &footprints, lanes, colours);
+        if material.light_texture != NO_TEXTURE {
+            self.modulate(simd, scene, material.light_texture, &footprints, lanes);
+        }
         if material.emissive_map != NO_TEXTURE {
             self.glow(simd, scene, material, &footprints, lanes, colours);
         }
@@ -302,40 +324,6 @@ impl Shader {
                 store_where(simd, mine, albedo, &mut self.albedo[channel], row);
             }
         }
-    }
-
-    /// Computes the opacity of the surfaces of a clear material.
-    fn uncover<S: Simd>(
-        &mut self,
-        simd: S,
-        scene: &Scene<'_>,
-        material: &Material,
-        footprints: &[Footprint<S>; ROWS],
-        lanes: u64,
-    ) {
-        let Self { sampler, coverage, clear, .. } = self;
-        simd.vectorize(
-            #[inline(always)]
-            || {
-                let one = f32x16::splat(simd, 1.0);
-                for row in 0..ROWS {
-                    let mine = lanes_in(simd, lanes, row);
-                    if !mine.any_true() {
-                        continue;
-                    }
-                    let mut alpha = one;
-                    if material.has_texture_alpha() {
-                        [alpha, ..] = sampler.sample(simd, scene, &footprints[row], mine, Reading::Alpha);
-                        if material.texture_alpha == ALPHA_CUT_OUT {
-                            alpha = alpha.simd_ge(material.least_alpha).select(one, f32x16::splat(simd, 0.0));
-                        }
-                    }
-                    let alpha = alpha * material.alpha;
-                    store_where(simd, mine, alpha, coverage, row);
-                    *clear |= (alpha.simd_lt(one) & mine).to_bitmask() << (row * WIDTH);
-                }
-            },
-        );
     }
 }
 

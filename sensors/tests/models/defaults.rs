@@ -13,7 +13,8 @@ use belvedere_sensors::scanner::{
     Beam, Crosstalk, Halo, Intensity, Pattern, Returns, ScannerConfig, Weather,
 };
 use belvedere_sensors::scene::{
-    InstanceConfig, LightConfig, LightKind, MaterialConfig, MaterialId, Pbr, Shape, TextureAlpha, visibility,
+    InstanceConfig, LightConfig, LightKind, MaterialConfig, MaterialId, Pbr, Shape, TextureAlpha,
+    TextureMode, visibility,
 };
 use belvedere_sensors::trace::{Faces, TooNear};
 
@@ -202,6 +203,7 @@ fn scenes_document_their_defaults() {
         pbr_map: "None" = None;
         emissive_map: "None" = None;
         texture: "None" = None;
+        texture_mode: "TextureMode::Reflectance" = TextureMode::Reflectance;
         texture_repeat: "1 along both" = [1.0; 2];
     }
     check! {

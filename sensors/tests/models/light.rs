@@ -7,7 +7,7 @@ use belvedere_sensors::camera::{CameraConfig, Edges};
 use belvedere_sensors::optics::{Intrinsics, KannalaBrandt, RayTableBuf};
 use belvedere_sensors::scene::{
     ColourSpace, Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, Pbr, SceneBuilder,
-    Shape, TextureAlpha,
+    Shape, TextureAlpha, TextureMode,
 };
 use belvedere_sensors::trace::Faces;
 use core::f64::consts::PI;
@@ -403,11 +403,12 @@ fn surfaces_behind_a_clear_pane_look_the_same() {
 fn textures_are_cut_out_or_blended() {
     // Alphas of 0, 85, 170 and 255 from left to right.
     let texels: Vec<_> = (0..16).map(|i| [255, 255, 255, (i % 4 * 85) as u8]).collect();
-    let seen = |texture_alpha| {
+    let seen = |texture_alpha, texture_mode| {
         let mut builder = SceneBuilder::new();
         builder.set_environment(Environment { ambient: [1.0; 3], background: [0.0; 3] });
         let texture = Some(builder.add_texture(4, 4, &texels).unwrap());
-        let config = MaterialConfig { ambient: [1.0; 3], texture, texture_alpha, ..Default::default() };
+        let ambient = [1.0; 3];
+        let config = MaterialConfig { ambient, texture, texture_alpha, texture_mode, ..Default::default() };
         add_square(&mut builder, 4.0, 4.0, &config);
         let material = MaterialConfig { ambient: [0.0; 3], diffuse: [1.0; 3], ..Default::default() };
         add_square(&mut builder, 5.0, 40.0, &material);
@@ -422,11 +423,13 @@ fn textures_are_cut_out_or_blended() {
         values.sort_unstable();
         values
     };
-    assert_eq!(sorted(seen(TextureAlpha::Ignored)), [255; 4]);
-    // Where the texture is cut out, the wall is visible, which is black because the whole square casts its shadow on
-    // it. A blended texture casts no shadow.
-    assert_eq!(sorted(seen(TextureAlpha::CutOut { least: 0.5 })), [0, 0, 255, 255]);
-    assert_eq!(sorted(seen(TextureAlpha::Blended)), [255; 4]);
+    for mode in [TextureMode::Reflectance, TextureMode::Light] {
+        assert_eq!(sorted(seen(TextureAlpha::Ignored, mode)), [255; 4]);
+        // Where the texture is cut out, the wall is visible, which is black because the whole square casts its shadow
+        // on it. A blended texture casts no shadow.
+        assert_eq!(sorted(seen(TextureAlpha::CutOut { least: 0.5 }, mode)), [0, 0, 255, 255]);
+        assert_eq!(sorted(seen(TextureAlpha::Blended, mode)), [255; 4]);
+    }
 }
 
 #[test]

@@ -20,6 +20,7 @@ mod light;
 mod lighting;
 mod livox;
 mod mirrors;
+mod modulation;
 mod moments;
 mod noise_in_sensors;
 mod owned;

@@ -17,7 +17,8 @@ use belvedere_sensors::scanner::{
 };
 use belvedere_sensors::scene::visibility::VISUAL;
 use belvedere_sensors::scene::{
-    InstanceConfig, LightConfig, MaterialConfig, Pbr, Scene, SceneBuilder, Shape, TextureAlpha, build,
+    InstanceConfig, LightConfig, MaterialConfig, Pbr, Scene, SceneBuilder, Shape, TextureAlpha, TextureMode,
+    build,
 };
 use belvedere_sensors::trace::rays::{
     MeshTree, Rays, cast_mesh, cast_rays, occluded_by_mesh, occluded_rays, workspace_len,
@@ -95,7 +96,13 @@ fn stage(glazed: bool) -> SceneBuilder {
     let (specular_reflectance, transmittance) = if glazed { (0.4, 0.5) } else { (0.0, 0.0) };
     let looks = [
         MaterialConfig { texture, normal_map, ..gloss },
-        MaterialConfig { texture, texture_alpha: TextureAlpha::Blended, alpha: 0.5, ..gloss },
+        MaterialConfig {
+            texture,
+            texture_mode: TextureMode::Light,
+            texture_alpha: TextureAlpha::Blended,
+            alpha: 0.5,
+            ..gloss
+        },
         MaterialConfig {
             specular_reflectance,
             transmittance,

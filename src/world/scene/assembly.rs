@@ -10,7 +10,7 @@ use crate::world::physics::ModelIndex;
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
     HeightFieldId, InstanceConfig, InstanceId, MaterialConfig, MaterialId, MeshId, SceneBuilder, SceneError,
-    Shape, TextureAlpha, TextureId, visibility,
+    Shape, TextureAlpha, TextureId, TextureMode, visibility,
 };
 use glam::{DMat3, DQuat, DVec3};
 use image::DynamicImage;
@@ -239,6 +239,7 @@ impl Assembly {
             pbr_map,
             emissive_map: glow.flatten().map(|(texture, _)| texture),
             texture,
+            texture_mode: TextureMode::Reflectance,
             texture_repeat: material.texture_repeat,
         };
         self.builder.add_material(&config).map_err(|error| refused(error, source))

@@ -15,8 +15,14 @@ if TYPE_CHECKING:
 _GREY = (0.5, 0.5, 0.5, 1.0)
 #: Shininess of 1 is this exponent of highlights.
 _EXPONENT = 128.0
+#: The least exponent: MuJoCo's highlights of shininess 0 are equally bright everywhere, and there are none here at 0.
+_LEAST_EXPONENT = 1e-3
 #: Specular and shininess of a geom without a material.
 _PLAIN = (0.5, 0.5)
+#: The linear value of each value of sRGB, both from 0 to 255.
+_SRGB = np.arange(256) / 255.0
+_LINEAR = np.where(_SRGB <= 0.04045, _SRGB / 12.92, ((_SRGB + 0.055) / 1.055) ** 2.4)
+_LINEAR = np.round(_LINEAR * 255.0).astype(np.uint8)
 #: More repetitions than this of a texture would be noise.
 _MOST_REPEATS = 1e9
 
@@ -58,16 +64,17 @@ class Looks:
         look, texture, material = self._plain(geom)
         if texture < 0:
             return look
-        mean = self._dye(look, texture)
         if int(self._model.tex_type[texture]) == mujoco.mjtTexture.mjTEXTURE_2D and has_uvs:
-            look["texture"] = self._texels(texture)
-            look["texture_repeat"] = self._model.mat_texrepeat[material].tolist()
-            return look
+            repeat = self._model.mat_texrepeat[material].tolist()
+            return look | _painted(self._texels(texture), repeat)
         self._note(
             material,
             "its texture is shown by its mean colour, since only meshes with coordinates and planes "
             "have textures of images",
         )
+        mean = self._texels(texture).mean(axis=(0, 1)) / 255.0
+        for light in ("specular", "emissive"):
+            look[light] = (np.array(look[light]) * mean).tolist()
         look["color"] = [*(np.array(look["color"][:3]) * mean).tolist(), look["color"][3]]
         return look
 
@@ -81,7 +88,6 @@ class Looks:
             raise ValueError(
                 f"texrepeat of its material: numbers below {_MOST_REPEATS:g} are expected, not {given}"
             )
-        self._dye(look, texture)
         is_uniform = bool(self._model.mat_texuniform[material])
         texels, repeat = self._texels(texture), given.tolist()
         for axis, (edge, length) in enumerate(zip(edges, lengths, strict=True)):
@@ -95,7 +101,7 @@ class Looks:
                 shift = 0.5 + (repeat[axis] / 2.0 if length > 0.0 else 0.0)
             turned = round(shift * texels.shape[1 - axis])
             texels = np.roll(texels, turned if axis == 0 else -turned, axis=1 - axis)
-        return look | {"texture": texels, "texture_repeat": repeat}
+        return look | _painted(texels, repeat)
 
     def _plain(self, geom: int) -> tuple[dict[str, Any], int, int]:
         """Return the look of a geom without its texture, the texture, and the material; -1 for none."""
@@ -120,7 +126,7 @@ class Looks:
         look: dict[str, Any] = {
             "color": color.tolist(),
             "specular": [max(specular, 0.0)] * 3,
-            "shininess": max(shininess, 0.0) * _EXPONENT,
+            "shininess": max(shininess * _EXPONENT, _LEAST_EXPONENT),
             "emissive": (color[:3] * max(emission, 0.0)).tolist(),
         }
         return look, texture, material
@@ -131,16 +137,6 @@ class Looks:
             raise ValueError(f"{name} of its material: a finite number is expected, not {value}")
         return value
 
-    def _dye(self, look: dict[str, Any], texture: int) -> NDArray[np.float64]:
-        """Multiply highlights and emitted light by the mean colour of a texture, (3,), and return it.
-
-        MuJoCo multiplies them by the texture itself.
-        """
-        mean: NDArray[np.float64] = self._texels(texture).mean(axis=(0, 1)) / 255.0
-        for light in ("specular", "emissive"):
-            look[light] = (np.array(look[light]) * mean).tolist()
-        return mean
-
     def _texels(self, texture: int) -> NDArray[np.uint8]:
         """Return the pixels of a texture, (height, width, 3); those of a cube are the six sides, one below the other."""
         if texture not in self._textures:
@@ -149,9 +145,23 @@ class Looks:
             count, first = int(model.tex_nchannel[texture]), int(model.tex_adr[texture])
             pixels = model.tex_data[first : first + height * width * count].reshape(height, width, count)
             colours = pixels[..., :3] if count >= 3 else np.repeat(pixels[..., :1], 3, axis=-1)
+            if self._is_srgb(texture):
+                colours = _LINEAR[colours]
             self._textures[texture] = np.ascontiguousarray(colours)
         return self._textures[texture]
+
+    def _is_srgb(self, texture: int) -> bool:
+        """Return whether MuJoCo shows the linear values of a texture: only of images that say that they are sRGB."""
+        spaces = getattr(self._model, "tex_colorspace", None)
+        if spaces is None or int(self._model.tex_type[texture]) != mujoco.mjtTexture.mjTEXTURE_2D:
+            return False
+        return bool(int(spaces[texture]) == mujoco.mjtColorSpace.mjCOLORSPACE_SRGB)
 
     def _note(self, material: int, difference: str) -> None:
         name = mujoco.mj_id2name(self._model, mujoco.mjtObj.mjOBJ_MATERIAL, material) or f"number {material}"
         self.notes[f"material {name}: {difference}"] = None
+
+
+def _painted(texels: NDArray[np.uint8], repeat: list[float]) -> dict[str, Any]:
+    """Return the texture of a look. MuJoCo multiplies all light by it, with highlights and emitted light."""
+    return {"texture": texels, "texture_repeat": repeat, "texture_mode": "light"}

@@ -190,7 +190,12 @@ impl RobotArgs {
                 *number += 1;
                 model.name = format!("{name}_{number}");
             }
-            if taken.contains(model.name.as_str()) {
+            if self.are_for_many && !is_given {
+                // A file that is checked by itself shares no world with a model of its name.
+                while taken.contains(model.name.as_str()) {
+                    model.name.push('_');
+                }
+            } else if taken.contains(model.name.as_str()) {
                 diagnostics.error(
                     &model.source,
                     format!("a model of the world is called '{}'", model.name),

@@ -80,11 +80,17 @@ impl Axle {
                     _ => false,
                 };
                 if !turns || across.abs() < 0.99 {
-                    return Err(problem(
-                        &joint.source,
-                        format!("joint '{}' does not turn about the base's y axis", joint.name),
-                        "make it continuous, with its axis across the base",
-                    ));
+                    let (how, remedy) = match joint.kind {
+                        JointKind::Revolute { lower, upper } if !turns => {
+                            (format!("turns only from {lower} to {upper} rad"), "make it continuous")
+                        }
+                        _ if !turns => ("does not turn".into(), "make it continuous"),
+                        _ => {
+                            let how = "does not turn about the base's y axis".into();
+                            (how, "turn its axis so that it lies across the base")
+                        }
+                    };
+                    return Err(problem(&joint.source, format!("joint '{}' {how}", joint.name), remedy));
                 }
                 sums[side] += base_from_wheel.transform_point(joint.pivot);
                 found.push(Wheel { joint: *number, link: joint.child, sign: across.signum(), side });

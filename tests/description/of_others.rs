@@ -197,3 +197,54 @@ fn a_robots_lights_are_left_out_with_a_warning() {
         assert!(matches!(model, Some(Described::Model(model)) if model.links.len() == 1));
     }
 }
+
+/// PX4 ships models that are one `<include>` of another file.
+#[test]
+fn a_file_that_is_one_include_is_the_model_that_it_includes() {
+    let folder = Folder::new();
+    folder.write("ball/model.sdf", BALL);
+    let alias = |more: &str| {
+        format!(
+            "<sdf version='1.9'><include><pose>0 0 3 0 0 0</pose><uri>model://ball</uri></include>{more}</sdf>"
+        )
+    };
+    folder.write("alias/model.sdf", alias(""));
+    folder.write("alias/model.config", "<model><name>alias</name><sdf>model.sdf</sdf></model>");
+    let (model, problems) = described(&folder, "alias/model.sdf", Rules::default());
+    let Some(Described::Model(model)) = model else { panic!("{model:?} {problems:#?}") };
+    assert_eq!((model.name.as_str(), model.links.len(), problems.len()), ("ball", 2, 0), "{problems:#?}");
+    assert_eq!(model.world_from_model.translation().z, 3.0);
+    // As a world of its own, and in another world by its name.
+    let (world, problems) = load_of(&folder, "alias/model.sdf");
+    assert_eq!((world, problems.len()), (vec![("ball".to_owned(), 3.0)], 0), "{problems:#?}");
+    let included = |more: &str| {
+        let text = format!(
+            "<sdf version='1.9'><world name='w'><include>{more}<uri>model://alias</uri></include></world></sdf>"
+        );
+        folder.write("test.world", text);
+        load_of(&folder, "test.world").0
+    };
+    assert_eq!(included(""), [("ball".to_owned(), 3.0)]);
+    assert_eq!(included("<name>b</name><pose>0 0 1 0 0 0</pose>"), [("b".to_owned(), 1.0)]);
+    folder.write("test.world", alias("<world name='w'/>"));
+    let (world, problems) = load_of(&folder, "test.world");
+    assert!(world.is_empty() && problems.len() == 1, "{problems:#?}");
+    assert!(
+        problems[0].to_string().contains("<include> is ignored: it stands beside the <world>"),
+        "{problems:#?}"
+    );
+    // One that includes itself, and two that are one file.
+    folder.write("alias/model.sdf", alias("").replace("ball", "alias"));
+    let (_, problems) = described(&folder, "alias/model.sdf", Rules::default());
+    assert!(problems.len() == 1 && problems[0].to_string().contains("includes itself"), "{problems:#?}");
+    folder.write("alias/model.sdf", alias("<include><uri>model://ball</uri></include>"));
+    let (_, problems) = described(&folder, "alias/model.sdf", Rules::default());
+    assert!(problems[0].to_string().contains("this file has 2 <model> elements"), "{problems:#?}");
+}
+
+/// The names and heights of the models of a world.
+fn load_of(folder: &Folder, file: &str) -> (Vec<(String, f64)>, Vec<Problem>) {
+    let (world, problems) = crate::sdf::load(folder.path(file).to_str().unwrap(), false);
+    let models = world.map(|world| world.models).unwrap_or_default();
+    (models.into_iter().map(|model| (model.name, model.world_from_model.translation().z)).collect(), problems)
+}

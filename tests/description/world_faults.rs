@@ -15,7 +15,7 @@ fn files_that_are_not_worlds() {
         ("<robot name='r'/>", 1, "<robot>"),
         ("\n<sdf version='2.0'><world name='w'/></sdf>", 2, "version '2.0'"),
         ("<sdf version='1.6'/>", 1, "no <world>"),
-        ("", 1, "broken XML"),
+        ("", 1, "broken XML: the file is empty; restore its content"),
     ] {
         let path = folder.write("test.world", text);
         let (world, problems) = load(path.to_str().unwrap(), false);
@@ -218,6 +218,17 @@ fn bad_includes() {
     // Gazebo continues without the model.
     let (world, problems) = Folder::new().load("1.6", "<include><uri>model://none</uri></include>", true);
     assert!(world.is_some() && problems[0].severity == Severity::Warning);
+    // gz-sim looks among the models whatever the scheme.
+    let folder = Folder::new();
+    folder.write("ball/model.sdf", "<sdf version='1.6'><model name='b'><link name='l'/></model></sdf>");
+    let (world, problems) = folder.load("1.6", "<include><uri>models://ball</uri></include>", false);
+    assert_eq!((world.unwrap().models.len(), problems.len()), (1, 0), "{problems:#?}");
+    let (_, problems) = folder.load("1.6", "<include><uri>models://bal</uri></include>", false);
+    assert_one_error(
+        &problems,
+        2,
+        &["there is no model 'models://bal': looked for ", "did you mean 'model://ball'?"],
+    );
     // Two files that include each other.
     let folder = Folder::new();
     for (name, other) in [("ping", "pong"), ("pong", "ping")] {
@@ -255,6 +266,26 @@ fn bad_materials_and_textures() {
     assert!(text.contains(":4: warning: Gazebo has no material 'Gazebo/Gray5'"), "{text}");
     assert!(text.contains("did you mean 'Gazebo/Gr"), "{text}");
     assert_one_error(&load("<script><name>Gray5</name></script>"), 4, &["no material 'Gray5'"]);
+    let remote =
+        "<script><uri>https://fuel.gazebosim.org/1.0/a/models/b/files/materials</uri><name>C</name></script>";
+    assert_one_error(
+        &load(remote),
+        4,
+        &["no material 'C': 'https://fuel.gazebosim.org", "cannot be fetched"],
+    );
+    // gz-sim reads no scripts: a surface that has a <pbr> is complete.
+    let (world, problems) = folder.load(
+        "1.9",
+        &box_visual(&format!(
+            "<material>{remote}<pbr><metal><roughness>0.1</roughness></metal></pbr></material>"
+        )),
+        false,
+    );
+    let [problem] = &problems[..] else { panic!("{problems:#?}") };
+    assert_eq!(problem.severity, Severity::Warning, "{problem}");
+    assert!(problem.to_string().contains("its <pbr> is drawn"), "{problem}");
+    let look = world.unwrap().models[0].links[0].visuals[0].material.pbr;
+    assert_eq!(look.map(|look| look.roughness), Some(0.1));
     let albedo = |file: &str| load(&format!("<pbr><metal><albedo_map>{file}</albedo_map></metal></pbr>"));
     // Gazebo continues without the image; the surface stays in its place.
     for (file, words) in [

@@ -119,6 +119,17 @@ fn each_file_of_a_folder_has_a_line_and_none_stops_the_others() {
     );
     let (said, _, _) = checked(&["--all", at, "--strict"]);
     assert!(said.ends_with("11 files: 1 ok, 2 with notes, 3 macros only, 5 failed\n"), "{said}");
+    // The folder is left out of every path, however it is written, and of nothing else.
+    let lost = |at: &str| {
+        let (said, _, _) = checked(&["--all", at]);
+        said.lines().find(|line| line.starts_with("worlds/gone.sdf")).unwrap().to_owned()
+    };
+    let dotted = format!("{at}/worlds/../");
+    for at in [at, &format!("{at}/"), &dotted] {
+        let line = lost(at);
+        assert!(line.contains("error: worlds/gone.sdf:1: error: there is no model"), "{line}");
+        assert!(line.contains(", worlds/models/gone, worlds/../models/gone, "), "{line}");
+    }
     let good = folder.path().join("models/crate");
     let (said, _, code) = checked(&["--all", good.to_str().unwrap()]);
     assert_eq!((said.lines().last(), code), (Some("1 file: 1 with notes"), Some(0)), "{said}");
@@ -203,4 +214,60 @@ fn a_folder_without_all_is_named() {
     let (_, said, code) = checked(&[path]);
     assert!(said.contains("this is a folder") && said.contains("check --all"), "{said}");
     assert_eq!(code, Some(1));
+}
+
+/// A file that is checked by itself may have the name of a model of the world in which robots are checked.
+#[test]
+fn a_floor_of_ones_own_is_no_error_in_a_folder() {
+    let folder = TempDir::new().unwrap();
+    let floor =
+        "<sdf version='1.6'><model name='ground_plane'><static>1</static><link name='l'/></model></sdf>";
+    write(&folder, "ground_plane/model.sdf", floor);
+    let (said, _, code) = checked(&["--all", folder.path().to_str().unwrap()]);
+    assert_eq!((said.lines().last(), code), (Some("1 file: 1 with notes"), Some(0)), "{said}");
+}
+
+/// A wheel that Gazebo turns without end drives, also if its joint is written as SDF writes it.
+#[test]
+fn a_wheel_with_the_limits_of_sdf_drives() {
+    let folder = TempDir::new().unwrap();
+    let cart = |limit: &str, axis: &str| {
+        let inertial = "<inertial><mass value='1'/><inertia ixx='.01' iyy='.01' izz='.01' ixy='0' ixz='0' iyz='0'/></inertial>";
+        let ball = "<collision><geometry><sphere radius='.1'/></geometry></collision>";
+        let wheel = |side: &str, y: &str| {
+            format!(
+                "<link name='{side}'>{inertial}{ball}</link><joint name='{side}_joint' type='revolute'><parent link='b'/>
+                 <child link='{side}'/><origin xyz='0 {y} 0' rpy='0 0 1.57'/><axis xyz='{axis}'/>
+                 <limit lower='-{limit}' upper='{limit}' effort='9' velocity='9'/></joint>"
+            )
+        };
+        let text = format!(
+            "<robot name='cart'><link name='b'>{inertial}</link>{}{}<gazebo><plugin name='d' filename='libgazebo_ros_diff_drive.so'>
+             <left_joint>l_joint</left_joint><right_joint>r_joint</right_joint><wheel_separation>.4</wheel_separation>
+             <wheel_diameter>.2</wheel_diameter></plugin></gazebo>{}</robot>",
+            wheel("l", ".2"),
+            wheel("r", "-.2"),
+            "<gazebo><plugin name='r' filename='librotor.so'/></gazebo>".repeat(3),
+        );
+        write(&folder, "cart.urdf", &text);
+        let (said, _, _) = checked(&[folder.path().join("cart.urdf").to_str().unwrap()]);
+        said
+    };
+    let said = cart("1e+16", "1 0 0");
+    assert!(said.contains("base differential drive") && !said.contains("cannot drive"), "{said}");
+    assert_eq!(
+        said.matches("the plugin 'librotor.so' of model 'cart' is not simulated").count(),
+        1,
+        "{said}"
+    );
+    let said = cart("2", "1 0 0");
+    assert!(
+        said.contains("cannot drive: joint 'l_joint' turns only from -2 to 2 rad; make it continuous"),
+        "{said}"
+    );
+    let said = cart("1e16", "0 0 1");
+    assert!(
+        said.contains("'l_joint' does not turn about the base's y axis; turn its axis so that"),
+        "{said}"
+    );
 }

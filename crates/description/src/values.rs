@@ -6,6 +6,9 @@ use belvedere_sensors::Pose;
 use glam::{DQuat, DVec3};
 use std::str::FromStr;
 
+/// A limit of a joint at or beyond this value means no limit (SDF's default is 1e16).
+pub const NO_LIMIT: f64 = 1e15;
+
 /// Parses `text` into N finite numbers separated by white space. `what` names the value in the error, for
 /// example `<pose>` or `attribute 'xyz' of <origin>`.
 pub fn numbers<const N: usize>(

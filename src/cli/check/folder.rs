@@ -71,7 +71,6 @@ pub(super) fn check_all(folder: &Path, args: &CheckArgs) -> Result<(), CliError>
     print_line(&format!("{:<width$}  KIND   RESULT", "FILE"))?;
     let mut counted: BTreeMap<&str, usize> = BTreeMap::new();
     let mut failed = 0;
-    let prefix = format!("{}/", folder.display());
     in_order(&files, &job, |index, kind, outcome| {
         let (result, count) = match outcome {
             Outcome::Runs(counts) if counts == "no problems" => ("ok".to_owned(), "ok"),
@@ -83,7 +82,7 @@ pub(super) fn check_all(folder: &Path, args: &CheckArgs) -> Result<(), CliError>
             Outcome::MacrosOnly => ("macros only".to_owned(), "macros only"),
             Outcome::Fails(error) => {
                 failed += 1;
-                (format!("error: {}", error.replace(&prefix, "")), "failed")
+                (format!("error: {}", paths_below(folder, &error)), "failed")
             }
         };
         *counted.entry(count).or_default() += 1;
@@ -154,6 +153,36 @@ fn progress(files: usize) -> ProgressBar {
 /// Returns the path of a file relative to a folder.
 fn below(folder: &Path, file: &Path) -> String {
     file.strip_prefix(folder).unwrap_or(file).display().to_string()
+}
+
+/// Returns a text in which the paths below a folder are relative to it, as in the column of files.
+fn paths_below(folder: &Path, text: &str) -> String {
+    let absolute = std::path::absolute(folder).unwrap_or_default();
+    let mut text = text.to_owned();
+    for folder in [&absolute, folder] {
+        let folder = folder.display().to_string();
+        let prefix = format!("{}/", folder.trim_end_matches('/'));
+        if prefix != "/" {
+            text = without_prefix(&text, &prefix);
+        }
+    }
+    text
+}
+
+/// Removes the beginning of each path that begins so; one that has the same characters inside is left as it is.
+fn without_prefix(text: &str, prefix: &str) -> String {
+    let begins =
+        |before: &str| before.chars().next_back().is_none_or(|c| c.is_whitespace() || "'\"(=".contains(c));
+    let mut kept = String::new();
+    let mut rest = text;
+    while let Some((before, after)) = rest.split_once(prefix) {
+        kept.push_str(before);
+        if !begins(&kept) {
+            kept.push_str(prefix);
+        }
+        rest = after;
+    }
+    kept + rest
 }
 
 /// Returns the files below a folder whose names are those of robots, models or worlds, in alphabetical order. Hidden

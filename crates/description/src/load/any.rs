@@ -74,7 +74,7 @@ pub fn load_text(
         Ok(root) if root.name == "robot" => {
             urdf::load_urdf(&root, packages, *rules, diagnostics).map(Described::Model)
         }
-        Ok(root) if root.child("model").is_some() && root.child("world").is_none() => {
+        Ok(root) if sdf::has_model(&root) && root.child("world").is_none() => {
             sdf::load_model(&root, packages, *rules, diagnostics).map(Described::Model)
         }
         Ok(root) => sdf::load_world(&root, packages, *rules, diagnostics).map(Described::World),
@@ -91,7 +91,7 @@ pub fn is_world(file_or_name: impl AsRef<Path>, options: &LoadOptions) -> bool {
     if path.is_file() {
         return match Element::parse_file(path) {
             // An SDF file of one model is a robot, or an object.
-            Ok(root) => matches!(root.name.as_str(), "sdf" | "gazebo") && root.child("model").is_none(),
+            Ok(root) => matches!(root.name.as_str(), "sdf" | "gazebo") && !sdf::has_model(&root),
             Err(_) => path.extension().is_some_and(|extension| extension == "world" || extension == "sdf"),
         };
     }

@@ -77,6 +77,12 @@ impl Loader<'_> {
                     }));
                 }
                 "actor" => included.models.extend(self.actor(child, scope)),
+                // A file that is one <include> stands for another one.
+                "include" => {
+                    let inner = self.include(child, scope)?;
+                    included.models.extend(inner.models);
+                    included.lights.extend(inner.lights);
+                }
                 "light" => {
                     let pose = self.pose(child, version);
                     included.lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));

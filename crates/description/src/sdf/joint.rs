@@ -6,14 +6,11 @@ use super::{Loader, Scope, Version, name_of};
 use crate::diagnostics::Source;
 use crate::model::{Joint, JointDynamics, JointKind, Link, LinkIndex, Mimic};
 use crate::sensor::{JointMount, parse_joint_sensor};
-use crate::values::{child_bool, child_number, child_text, not_negative};
+use crate::values::{NO_LIMIT, child_bool, child_number, child_text, not_negative};
 use crate::xml::Element;
 use belvedere_sensors::Pose;
 use glam::DVec3;
 use std::collections::HashMap;
-
-/// A limit at or beyond this value means no limit (SDF's default is 1e16).
-const NO_LIMIT: f64 = 1e15;
 
 /// The name of the world in a joint's `<parent>`.
 const WORLD: &str = "world";

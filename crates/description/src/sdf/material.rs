@@ -30,7 +30,8 @@ impl Loader<'_> {
     /// `<pbr>` if there is no script, so that a world can have a script for Gazebo classic and `<pbr>` for its successors.
     pub(super) fn material(&mut self, visual: &Element, scope: Scope<'_>) -> Option<Material> {
         let element = visual.child("material")?;
-        let script = element.child("script").and_then(|script| self.script(script, scope));
+        let has_pbr = workflow(element).is_some();
+        let script = element.child("script").and_then(|script| self.script(script, has_pbr, scope));
         let rgba = self.rgba(element, "diffuse");
         let diffuse = rgba.map(|[r, g, b, _]| [r, g, b]);
         let ambient = self.color(element, "ambient");
@@ -179,7 +180,8 @@ impl Loader<'_> {
         None
     }
 
-    fn script(&mut self, script: &Element, scope: Scope<'_>) -> Option<Material> {
+    /// Reads the material that a script names. If there is none, `has_pbr` says that the surface has another look.
+    fn script(&mut self, script: &Element, has_pbr: bool, scope: Scope<'_>) -> Option<Material> {
         let name = child_text(script, "name").filter(|name| name != "__default__")?;
         // Gazebo's own names need no script, but a script of the user's may redefine them.
         let uris: Vec<&Element> = script.elements_named("uri").collect();
@@ -218,12 +220,19 @@ impl Loader<'_> {
             library.names(),
             "name the folder of its .material file in <uri>",
         );
-        let looked = match (uris.is_empty(), places.is_empty()) {
-            (true, _) => "its <script> has no <uri>, and Gazebo has none of that name".into(),
-            (false, true) => format!("it is not in {}", resources::list(&folders)),
-            (false, false) => format!("looked for {}", resources::list(&places)),
+        let looked = match uris.first() {
+            None => "its <script> has no <uri>, and Gazebo has none of that name".into(),
+            Some(_) if !places.is_empty() => format!("looked for {}", resources::list(&places)),
+            Some(_) if !folders.is_empty() => format!("it is not in {}", resources::list(&folders)),
+            Some(uri) => format!("'{}' cannot be fetched", uri.text()),
         };
-        self.missing(&script.source, format!("there is no material '{name}': {looked}"), remedy);
+        let what = format!("there is no material '{name}': {looked}");
+        if has_pbr {
+            // As gz-sim, which reads no scripts: the file is complete without it.
+            self.diagnostics.warning(&script.source, format!("{what}; its <pbr> is drawn"), remedy);
+        } else {
+            self.missing(&script.source, what, remedy);
+        }
         None
     }
 

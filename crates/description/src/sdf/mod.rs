@@ -155,17 +155,25 @@ pub(super) fn load_world(
     if let Some(second) = root.elements_named("world").nth(1) {
         loader.diagnostics.warning(&second.source, "only the first <world> is loaded", "");
     }
+    if let Some(include) = root.child("include") {
+        loader.ignored(include, "it stands beside the <world>, and not in it");
+    }
     let world = loader.world(world, scope);
     warn_of_hulls(&world.models, loader.diagnostics);
     Some(world)
 }
 
+/// Returns true if a file holds a model, also one that it only includes.
+pub(super) fn has_model(root: &Element) -> bool {
+    root.child("model").or_else(|| root.child("include")).is_some()
+}
+
 /// The world that stands for a file of lights and actors, or of one model, as Gazebo makes one: with nothing else in it.
 fn world_of_parts(root: &Element) -> Option<Element> {
-    let is_part = |child: &&Element| matches!(child.name.as_str(), "light" | "actor" | "model");
+    let is_part = |child: &&Element| matches!(child.name.as_str(), "light" | "actor" | "model" | "include");
     let children: Vec<Node> = root.elements().filter(is_part).cloned().map(Node::Element).collect();
     let attributes = vec![("name".into(), "default".into())];
-    let is_alone = match root.elements_named("model").count() {
+    let is_alone = match root.elements_named("model").chain(root.elements_named("include")).count() {
         0 => !children.is_empty(),
         1 => children.len() == 1,
         _ => false,
@@ -184,7 +192,7 @@ pub(super) fn load_model(
     let mut loader = Loader::new(&path, packages, rules, diagnostics);
     loader.is_world = false;
     let version = loader.version(root)?;
-    let models: Vec<&Element> = root.elements_named("model").collect();
+    let models: Vec<&Element> = root.elements_named("model").chain(root.elements_named("include")).collect();
     let [element] = models[..] else {
         let (what, remedy) = if models.is_empty() && root.child("world").is_some() {
             (
@@ -199,8 +207,14 @@ pub(super) fn load_model(
         return None;
     };
     let folder = path.parent().unwrap_or(Path::new(""));
-    loader.check_outermost(element, version);
-    let Some(parsed) = loader.model(element, Scope { folder, version }) else {
+    let scope = Scope { folder, version };
+    let parsed = if element.name == "include" {
+        loader.include(element, scope).and_then(|included| included.models.into_iter().next())
+    } else {
+        loader.check_outermost(element, version);
+        loader.model(element, scope)
+    };
+    let Some(parsed) = parsed else {
         if !diagnostics.has_errors() {
             diagnostics.error(
                 &element.source,

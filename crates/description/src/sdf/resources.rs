@@ -26,7 +26,7 @@ pub(super) enum Resolved {
     Found(PathBuf),
     /// Nothing was found in these places.
     NotFound(Vec<PathBuf>),
-    /// The URI has a scheme that is not supported.
+    /// The URI has the scheme of a server, and is no model of Fuel that is on this machine.
     UnknownScheme(String),
 }
 
@@ -80,9 +80,10 @@ impl<'a> Resources<'a> {
                 candidates.extend(self.media_folders.iter().map(|media| media.join(rest)));
                 candidates
             }
-            Some((scheme, rest)) => {
-                let fuel = FuelUri::parse(rest).filter(|_| matches!(scheme, "https" | "http" | "fuel"));
-                let Some(fuel) = fuel else { return Resolved::UnknownScheme(scheme.to_owned()) };
+            Some((scheme @ ("https" | "http" | "fuel"), rest)) => {
+                let Some(fuel) = FuelUri::parse(rest) else {
+                    return Resolved::UnknownScheme(scheme.to_owned());
+                };
                 // A copy among the models has only the folder's name.
                 let place = if fuel.file.is_empty() {
                     fuel.name.clone()
@@ -97,6 +98,8 @@ impl<'a> Resources<'a> {
                     None => Resolved::UnknownScheme(scheme.to_owned()),
                 };
             }
+            // As gz-sim, which looks for what follows any other scheme, such as a misspelt models://, among the models.
+            Some((_, rest)) => self.in_models(rest.trim_start_matches('/')).collect(),
             None => vec![folder.join(uri)],
         };
         let found = candidates.iter().find(|candidate| candidate.exists()).cloned();

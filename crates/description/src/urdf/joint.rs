@@ -3,7 +3,7 @@
 use super::Loader;
 use crate::mimic;
 use crate::model::{Joint, JointDynamics, JointKind, LinkIndex, Mimic, Model};
-use crate::values::{child_origin, not_negative, numbers};
+use crate::values::{NO_LIMIT, child_origin, not_negative, numbers};
 use crate::xml::Element;
 use glam::DVec3;
 
@@ -151,7 +151,9 @@ impl Loader<'_> {
         let (lower, upper) = (bound("lower"), bound("upper"));
         let (lower, upper) = (lower?, upper?);
         if lower <= upper {
-            return Some([lower, upper]);
+            // As in SDF, into which Gazebo converts URDF, 1e16 means no limit.
+            let open = |limit: f64| if limit.abs() >= NO_LIMIT { limit * f64::INFINITY } else { limit };
+            return Some([lower, upper].map(open));
         }
         self.diagnostics.error(
             &limit.source,

@@ -97,7 +97,10 @@ pub(super) fn document(text: &str, file: &Arc<Path>) -> Result<Element, Problem>
         let line = lines.at(text.len() as u64);
         return Err(broken(line, &format!("<{}> at line {} is never closed", last.name, last.source.line)));
     }
-    root.ok_or_else(|| broken(1, "there is no element"))
+    root.ok_or_else(|| match text.trim() {
+        "" => problem(1, "broken XML: the file is empty".into(), "restore its content, or name another file"),
+        _ => broken(1, "there is no element"),
+    })
 }
 
 fn add_text(open: &mut [Element], text: &str) {

@@ -84,6 +84,8 @@ pub struct Diagnostics {
     problems: Vec<Problem>,
     /// The same problems, for finding repetitions.
     known: HashSet<Problem>,
+    /// What was reported by [`Self::warning_once`].
+    once: HashSet<String>,
     files: BTreeSet<PathBuf>,
 }
 
@@ -96,6 +98,15 @@ impl Diagnostics {
     /// Adds a warning: something is ignored.
     pub fn warning(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
         self.push(Severity::Warning, source, what, remedy);
+    }
+
+    /// Adds a warning, unless the same was reported by this method for another place.
+    pub fn warning_once(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
+        let what = what.into();
+        if !self.once.contains(&what) {
+            self.warning(source, what.as_str(), remedy);
+            self.once.insert(what);
+        }
     }
 
     /// Adds a note: a choice was made for the user.

@@ -84,12 +84,12 @@ pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostic
         let name = plain_name(file);
         let name = name.strip_suffix("-system").unwrap_or(&name);
         let Some(read) = reader(name) else {
-            let what =
-                format!("the plugin '{file}' of model '{}' is not simulated and is left out", model.name);
             // A copter has one for each rotor.
-            if diagnostics.problems().iter().all(|told| told.what != what) {
-                diagnostics.warning(&element.source, what, format!("these are: {SUPPORTED}"));
-            }
+            diagnostics.warning_once(
+                &element.source,
+                format!("the plugin '{file}' of model '{}' is not simulated and is left out", model.name),
+                format!("these are: {SUPPORTED}"),
+            );
             continue;
         };
         let mut given = Parameters::new(element, name, model, rules, diagnostics);

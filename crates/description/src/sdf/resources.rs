@@ -67,7 +67,6 @@ impl<'a> Resources<'a> {
     /// Resolves a URI; `folder` is the folder of the file that contains it.
     pub(super) fn resolve(&self, uri: &str, folder: &Path) -> Resolved {
         let candidates: Vec<PathBuf> = match uri.split_once("://") {
-            Some(("model", rest)) => self.in_models(rest.trim_start_matches('/')).collect(),
             Some(("package", rest)) => {
                 let (package, relative) = rest.split_once('/').unwrap_or((rest, ""));
                 match self.packages.find_file(package, relative) {
@@ -98,7 +97,7 @@ impl<'a> Resources<'a> {
                     None => Resolved::UnknownScheme(scheme.to_owned()),
                 };
             }
-            // As gz-sim, which looks for what follows any other scheme, such as a misspelt models://, among the models.
+            // model://, and as in gz-sim any other scheme, such as a misspelt models://.
             Some((_, rest)) => self.in_models(rest.trim_start_matches('/')).collect(),
             None => vec![folder.join(uri)],
         };

@@ -40,7 +40,7 @@ pub struct UntilArgs {
 pub fn seconds(text: &str) -> Result<Duration, String> {
     let seconds: f64 = text.parse().map_err(|_| "expected a number of seconds, such as 2.5".to_owned())?;
     Duration::try_from_secs_f64(seconds)
-        .map_err(|_| "expected a positive number of seconds, such as 2.5".to_owned())
+        .map_err(|_| "expected a number of seconds that is not negative, such as 2.5".to_owned())
 }
 
 /// Set by Ctrl-C and termination signals, so that the process can leave the domain cleanly.
@@ -172,7 +172,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn durations_are_positive_numbers() {
+    fn durations_are_not_negative() {
         assert_eq!(seconds("2.5"), Ok(Duration::from_millis(2500)));
         for bad in ["", "x", "-1", "nan", "inf", "1e300"] {
             assert!(seconds(bad).is_err(), "{bad}");

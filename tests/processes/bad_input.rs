@@ -263,7 +263,7 @@ fn wrong_options_are_explained() {
         (&["--port", "0"], "not provided:\n  --view"),
         (&["--no-browser"], "not provided:\n  --view"),
         (&["--patience", "5"], "not provided:\n  <--wait-for <NAME[=STREAMS]>|--record <FILE>>"),
-        (&["--duration", "-1"], "positive"),
+        (&["--duration", "-1"], "not negative"),
         (&["--rate", "slow"], "realtime"),
         (&["--drive", "fly"], "spin"),
         (&["--domain", "a b"], "domain"),

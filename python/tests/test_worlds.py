@@ -188,6 +188,8 @@ def test_refused_calls_change_nothing() -> None:
         lambda: world.add_box((1, 1, 1), laser_retro=np.inf),
         lambda: world.add_box((1, 1, 1), texture_repeat=(0, 0)),
         lambda: world.add_box((1, 1, 1), texture_mode="modulate"),
+        lambda: world.add_box((1, 1, 1), texture_mode="light", roughness=0.3),
+        lambda: world.add_box((1, 1, 1), texture_mode="light", metalness=0.0),
         lambda: world.add_box((1, 1, 1), name=3),
         lambda: world.add_light(color=(np.inf, 0, 0)),
         lambda: world.add_light(color=(-1, 0, 0)),

@@ -37,15 +37,19 @@ def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look
     rest = dict(look)
     color = rgba(rest.pop("color", (0.7, 0.7, 0.7)))
     texture = rest.pop("texture", None)
+    pbr = _pbr(rest.pop("roughness", None), rest.pop("metalness", None))
+    by_light = bool(_arrays.choice("texture_mode", rest.pop("texture_mode", "reflectance"), TEXTURE_MODES))
+    if by_light and pbr is not None:
+        raise ValueError("texture_mode: light is for surfaces without roughness and metalness")
     appearance = (
         color,
         _arrays.numbers("emissive", rest.pop("emissive", (0.0, 0.0, 0.0)), 3, 0.0),
         _arrays.numbers("specular", rest.pop("specular", (0.0, 0.0, 0.0)), 3, 0.0),
         _arrays.number("shininess", rest.pop("shininess", 0.0)),
-        _pbr(rest.pop("roughness", None), rest.pop("metalness", None)),
+        pbr,
         None if texture is None else _texture(texture),
         _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2, 1e-12),
-        bool(_arrays.choice("texture_mode", rest.pop("texture_mode", "reflectance"), TEXTURE_MODES)),
+        by_light,
     )
     said = (
         _arrays.text("name", rest.pop("name", "")),

@@ -141,8 +141,8 @@ class World(Imported, Unpicklable):
                 0 to 1 instead of the last two, by default 1 and 0 if only one is given; ``texture``, an image (height,
                 width, 3 or 4) of uint8, or the number of a body that was added with one, which is shared, and
                 ``texture_repeat`` (2,); ``texture_mode``, by default ``reflectance``, which the texture is multiplied
-                by, or ``light``: all light, with highlights, limited to 1, as in OpenGL without shaders, but not with
-                ``roughness`` or ``metalness``; ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro``
+                by, or ``light``: all light, with highlights, limited to 1, as in OpenGL without shaders, which excludes
+                ``roughness`` and ``metalness``; ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro``
                 for intensities, 0 or more; ``seen_by``, ``all``, ``visual`` (only cameras) or ``collision`` (only
                 lidars).
 

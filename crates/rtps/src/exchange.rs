@@ -21,15 +21,17 @@ const ADDRESS: SocketAddrV4 = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7411);
 /// Keeps what is sent, but for what it loses: the share `lost` of 100.
 struct Lossy {
     sent: VecDeque<Vec<u8>>,
+    /// Only what is sent to this address is kept; `None` for all.
+    to: Option<SocketAddrV4>,
     lost: u64,
     random: u64,
 }
 
 impl Link for Lossy {
-    fn send(&mut self, _to: SocketAddrV4, parts: [&[u8]; 3]) {
+    fn send(&mut self, to: SocketAddrV4, parts: [&[u8]; 3]) {
         self.random =
             self.random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        if (self.random >> 33) % 100 >= self.lost {
+        if (self.random >> 33) % 100 >= self.lost && self.to.is_none_or(|only| only == to) {
             self.sent.push_back(parts.concat());
         }
     }
@@ -52,7 +54,7 @@ impl Exchange {
             now,
             writer: Writer::new(WRITER, Keep::Last(depth), true, now),
             reader: Reader::new(READER, reliable, true, 1 << 20),
-            link: Lossy { sent: VecDeque::new(), lost, random: 7 },
+            link: Lossy { sent: VecDeque::new(), to: None, lost, random: 7 },
             came: Vec::new(),
         }
     }
@@ -265,4 +267,36 @@ fn a_reply_goes_to_its_client_alone() {
         assert_eq!(said, Some(Content::Gap { start: 1, list: NumberSet::empty(2) }));
         assert_eq!(message.destination, other.prefix);
     }
+}
+
+/// A reader that is best effort slows the samples down for all, from when it is there until it is gone.
+#[test]
+fn samples_are_sent_faster_if_all_readers_are_reliable() {
+    /// Milliseconds that the last of some pictures took, 30 of which are written per second.
+    fn time(exchange: &mut Exchange) -> f64 {
+        let mut taken = Duration::ZERO;
+        for number in 0..30 {
+            let (begin, before) = (exchange.now, exchange.came.len());
+            exchange.write(number, 921_600);
+            while exchange.came.len() == before && exchange.now < begin + Duration::from_millis(30) {
+                exchange.pass(Duration::from_micros(100));
+            }
+            taken = exchange.now - begin;
+            exchange.pass(Duration::from_millis(33) - taken);
+        }
+        taken.as_secs_f64() * 1e3
+    }
+    let mut exchange = Exchange::new(true, 2, 0);
+    exchange.join(true);
+    let alone = time(&mut exchange);
+    let guid = Guid { prefix: Prefix([3; 12]), ..READER };
+    let address = SocketAddrV4::new(Ipv4Addr::LOCALHOST, 7413);
+    let peer = Peer { guid, address, reliable: false, transient: false, vendor: UNKNOWN_VENDOR };
+    exchange.writer.match_reader(peer, exchange.now);
+    // What is sent to the second one would arrive at the first one, too.
+    exchange.link.to = Some(ADDRESS);
+    let beside = time(&mut exchange);
+    exchange.writer.unmatch(guid);
+    let again = time(&mut exchange);
+    assert!(alone < 7.0 && (7.5..9.5).contains(&beside) && again < 7.0, "{alone} {beside} {again}");
 }

@@ -282,7 +282,7 @@ fn samples_are_sent_faster_if_all_readers_are_reliable() {
                 exchange.pass(Duration::from_micros(100));
             }
             taken = exchange.now - begin;
-            exchange.pass(Duration::from_millis(33) - taken);
+            exchange.pass(Duration::from_millis(33).saturating_sub(taken));
         }
         taken.as_secs_f64() * 1e3
     }

@@ -1,11 +1,13 @@
-// Bundles the page into dist/, which is committed: cargo alone builds the program.
+// Bundles the page into dist/, which is committed, because cargo alone builds the program; or into the folder that is
+// given: node build.js FOLDER
 import { build } from "esbuild";
 import { copyFile, mkdir } from "node:fs/promises";
 
-await mkdir("dist", { recursive: true });
+const folder = process.argv[2] ?? "dist";
+await mkdir(folder, { recursive: true });
 await build({
   entryPoints: ["src/viewer.ts"],
-  outfile: "dist/viewer.js",
+  outfile: `${folder}/viewer.js`,
   bundle: true,
   minify: true,
   format: "esm",
@@ -13,5 +15,5 @@ await build({
   legalComments: "eof",
 });
 for (const name of ["index.html", "viewer.css", "favicon.svg"]) {
-  await copyFile(`src/${name}`, `dist/${name}`);
+  await copyFile(`src/${name}`, `${folder}/${name}`);
 }

@@ -1,4 +1,4 @@
-"""Runs the writers and readers of crates/rtps against those of ROS 2 and Cyclone, in a network of their own (`.ci/ros2`).
+"""Runs the writers and readers of crates/rtps against those of ROS 2 and Cyclone, in a network of their own (`.ci/rtps`).
 
 judge.py EXAMPLE JAZZY KILTED CYCLONE [all]: the example program, and a Python interpreter of each environment.
 """

@@ -108,6 +108,8 @@ def judge_simulator(node):
                 return odometry[-1].pose.pose.position.x > 0.2
 
             assert spin(node, driven, 15) is not None, odometry[-1].pose.pose.position
+        # Messages of the first simulator may still be queued.
+        spin(node, lambda: False, 0.5)
         odometry.clear()
         with program("run", "--drive", "still"):
             took = spin(node, lambda: odometry, 15)

@@ -1,6 +1,6 @@
 """rclpy reads what `belvedere run --ros2` publishes while something goes wrong: trouble.py BELVEDERE FOLDER [all].
 
-`.ci/ros2` runs it. FOLDER is for files. It needs a network and a /dev/shm of its own: it cuts the network, and looks what is left in shared memory.
+`.ci/rtps` runs it. FOLDER is for files. It needs a network and a /dev/shm of its own: it cuts the network, and looks what is left in shared memory.
 """
 
 import contextlib

@@ -164,6 +164,7 @@ mod tests {
         let xyz = "('x', '<f4'), ('y', '<f4'), ('z', '<f4')";
         for (encoding, own) in [
             (Encoding::XyzRgbF32, "('', '|V4'), ('rgb', '<f4'), ('', '|V12')"),
+            (Encoding::XyzIrF32, "('intensity', '<f4'), ('ring', '<u2')"),
             (Encoding::XyzIrtF32, "('intensity', '<f4'), ('ring', '<u2'), ('time', '<f4')"),
             (
                 Encoding::OusterPoint,

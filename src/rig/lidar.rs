@@ -1,5 +1,6 @@
 //! A lidar with its stream.
 
+mod points;
 pub(super) mod report;
 
 use super::behaviour::Behaviour;
@@ -17,6 +18,7 @@ use crate::description::model::{self, LaserPlugin, RaySensor, ScanAxis, Sensor};
 use belvedere_bridge::{Encoding, FrameHeader, Kind, ScanGeometry, StreamSpec};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
 use belvedere_sensors::{ParameterError, Shutter};
+use points::{Cloud, Points};
 use std::time::Instant;
 
 impl Behaviour for model::Lidar {
@@ -47,6 +49,7 @@ pub(super) struct LidarChannel {
     lidar: Lidar,
     mount: Mount,
     scan: Outlet,
+    points: Option<Points>,
     geometry: ScanGeometry,
     size: [u32; 2],
     truth: TruthOutlets,
@@ -73,8 +76,11 @@ impl LidarChannel {
             .rate_hz(rate);
         // As deep as for messages: scans are small, come at up to 40 Hz, and mapping needs each of them.
         let spec = StreamSpec { buffer: 16, ..spec };
+        let size = [horizontal.samples, vertical.samples];
+        let points = plugin.points_topic.as_ref();
         Ok(Self {
             scan: opening.open_rendered(spec)?,
+            points: points.map(|topic| Points::open(topic, &frame, size, opening)).transpose()?,
             geometry: ScanGeometry {
                 angle_min: horizontal.min_angle_rad,
                 angle_increment: horizontal.increment(),
@@ -87,13 +93,8 @@ impl LidarChannel {
                 vertical_angle_increment: vertical.increment(),
                 reserved: [0; 19],
             },
-            size: [horizontal.samples, vertical.samples],
-            truth: TruthOutlets::open(
-                &plugin.topic,
-                &frame,
-                [horizontal.samples, vertical.samples],
-                opening,
-            )?,
+            size,
+            truth: TruthOutlets::open(&plugin.topic, &frame, size, opening)?,
             mount: Mount::new(sensor, opening),
             lidar,
         })
@@ -102,7 +103,8 @@ impl LidarChannel {
 
 impl Channel for LidarChannel {
     fn outlets(&self) -> Vec<&Outlet> {
-        [&self.scan].into_iter().chain(self.truth.outlets()).collect()
+        let points = self.points.as_ref().map(Points::outlet);
+        [&self.scan].into_iter().chain(points).chain(self.truth.outlets()).collect()
     }
 
     fn publish(&mut self, context: &mut RigContext<'_>, frame_number: u64) {
@@ -110,6 +112,8 @@ impl Channel for LidarChannel {
         let world_from_sensor = self.mount.pose(context);
         let beams = self.lidar.beams();
         let mut frame = self.scan.loan(beams * size_of::<f32>() * 2);
+        let points = self.points.as_mut();
+        let mut cloud = points.and_then(|points| points.loan(context.stamp_ns, &world_from_sensor));
         self.truth.look_at(context.scene);
         let mut truth = self.truth.loan(context.stamp_ns, &world_from_sensor, |_| {});
         let mut output = Scan::new();
@@ -125,13 +129,24 @@ impl Channel for LidarChannel {
             let (ranges, intensities) = planes.split_at_mut(beams);
             output = output.ranges(ranges).intensities(intensities);
         }
-        let is_wanted = output.ranges.is_some() || output.truth.is_some();
+        if let Some(Cloud { points, intensities, .. }) = &mut cloud {
+            output = output.points(points);
+            output.intensities.get_or_insert(intensities);
+        }
+        let is_wanted = output.ranges.is_some() || output.points.is_some() || output.truth.is_some();
         let at = Shutter::Global(context.scene.moment(world_from_sensor));
         let before = self.truth.before();
         let taken = is_wanted && context.take(&self.lidar, &capture(frame_number, at, &before), output);
+        let cloud = cloud.filter(|_| taken).map(|cloud| {
+            let planes = frame.as_ref().map(|frame| bytemuck::cast_slice(frame.payload()));
+            cloud.into_frame(planes.map(|planes| &planes[beams..]))
+        });
         let outcome = self.scan.send(frame.filter(|_| taken));
         let truths = truth.send(&self.truth, taken);
         self.scan.record(outcome, started.elapsed());
+        if let Some(points) = &mut self.points {
+            points.send(cloud, started.elapsed());
+        }
         self.truth.record(truths, started.elapsed());
         self.truth.send_forward(context, &self.lidar, &at, |_| {}, |truth| Scan::new().truth(truth));
         self.truth.keep(context, frame_number, &world_from_sensor, &at);

@@ -26,6 +26,7 @@ XYZ = [("x", 0, 7), ("y", 4, 7), ("z", 8, 7)]
 POINTS = {
     Encoding.XYZRGB_F32: [*XYZ, ("rgb", 16, 7)],
     Encoding.XYZIRT_F32: [*XYZ, ("intensity", 12, 7), ("ring", 16, 4), ("time", 18, 7)],
+    Encoding.XYZIR_F32: [*XYZ, ("intensity", 12, 7), ("ring", 16, 4)],
     Encoding.OUSTER_POINT: [
         *XYZ,
         ("intensity", 16, 7),

@@ -6,7 +6,7 @@ use belvedere_bridge::point::Number;
 #[test]
 fn clouds_of_lidars_have_the_fields_of_the_wire_format() {
     let text = include_str!("../../docs/lidars.md");
-    for encoding in [Encoding::XyzIrtF32, Encoding::OusterPoint, Encoding::LivoxPoint] {
+    for encoding in [Encoding::XyzIrF32, Encoding::XyzIrtF32, Encoding::OusterPoint, Encoding::LivoxPoint] {
         let point = encoding.point().unwrap();
         let begin = format!("encoding {} `{encoding}`", encoding.to_wire());
         let (_, section) = text.split_once(&begin).expect(&begin);

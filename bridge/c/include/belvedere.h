@@ -212,6 +212,14 @@ enum bv_encoding
     // - line at 17, u8: Number of the laser.
     // - timestamp at 18, f64: Nanoseconds since time 0.
     BV_ENCODING_LIVOX_POINT = 24,
+    // A point in the layout of gz-sim's lidars. NaN coordinates mean no point. A row is a layer.
+    // Its 18 bytes:
+    // - x at 0, f32: Metres.
+    // - y at 4, f32: Metres.
+    // - z at 8, f32: Metres.
+    // - intensity at 12, f32: Intensity.
+    // - ring at 16, u16: Number of the layer, counted from the first vertical angle.
+    BV_ENCODING_XYZ_IR_F32 = 25,
 };
 #ifndef __cplusplus
 #if __STDC_VERSION__ >= 202311L
@@ -860,7 +868,8 @@ typedef struct bv_pose {
     X(BV_ENCODING_XYZ_RGB_F32, 32, false) \
     X(BV_ENCODING_XYZ_IRT_F32, 22, true) \
     X(BV_ENCODING_OUSTER_POINT, 48, false) \
-    X(BV_ENCODING_LIVOX_POINT, 26, true)
+    X(BV_ENCODING_LIVOX_POINT, 26, true) \
+    X(BV_ENCODING_XYZ_IR_F32, 18, false)
 
 // Applies X to every field of points: the constant of the encoding, name, offset in bytes, and type by its name in
 // sensor_msgs/PointField.
@@ -890,7 +899,12 @@ typedef struct bv_pose {
     X(BV_ENCODING_LIVOX_POINT, "intensity", 12, FLOAT32) \
     X(BV_ENCODING_LIVOX_POINT, "tag", 16, UINT8) \
     X(BV_ENCODING_LIVOX_POINT, "line", 17, UINT8) \
-    X(BV_ENCODING_LIVOX_POINT, "timestamp", 18, FLOAT64)
+    X(BV_ENCODING_LIVOX_POINT, "timestamp", 18, FLOAT64) \
+    X(BV_ENCODING_XYZ_IR_F32, "x", 0, FLOAT32) \
+    X(BV_ENCODING_XYZ_IR_F32, "y", 4, FLOAT32) \
+    X(BV_ENCODING_XYZ_IR_F32, "z", 8, FLOAT32) \
+    X(BV_ENCODING_XYZ_IR_F32, "intensity", 12, FLOAT32) \
+    X(BV_ENCODING_XYZ_IR_F32, "ring", 16, UINT16)
 
 // The largest number of streams of a set.
 #define BV_SYNCHRONIZER_MAX 8

@@ -226,7 +226,7 @@ void expect_fields(bv_encoding encoding, std::uint32_t size, const std::vector<s
     }
 }
 
-TEST(PointCloud, OfOustersAndLivoxsLidarsHaveTheFieldsOfTheirDrivers) {
+TEST(PointCloud, OfOthersLidarsHaveTheFieldsOfTheirDrivers) {
     using Field = sensor_msgs::PointField;
     const auto field = [](const char* name, std::uint32_t offset, std::uint8_t datatype) {
         Field field;
@@ -244,6 +244,9 @@ TEST(PointCloud, OfOustersAndLivoxsLidarsHaveTheFieldsOfTheirDrivers) {
                   {field("x", 0, Field::FLOAT32), field("y", 4, Field::FLOAT32), field("z", 8, Field::FLOAT32),
                    field("intensity", 12, Field::FLOAT32), field("tag", 16, Field::UINT8),
                    field("line", 17, Field::UINT8), field("timestamp", 18, Field::FLOAT64)});
+    expect_fields(BV_ENCODING_XYZ_IR_F32, 18,
+                  {field("x", 0, Field::FLOAT32), field("y", 4, Field::FLOAT32), field("z", 8, Field::FLOAT32),
+                   field("intensity", 12, Field::FLOAT32), field("ring", 16, Field::UINT16)});
 }
 
 TEST(PointCloud, OfOneRowIsDenseUnlessMissingPointsAreInIt) {
@@ -254,6 +257,7 @@ TEST(PointCloud, OfOneRowIsDenseUnlessMissingPointsAreInIt) {
     EXPECT_TRUE(is_dense(BV_ENCODING_XYZ_IRT_F32, 22));
     EXPECT_FALSE(is_dense(BV_ENCODING_OUSTER_POINT, 48));
     EXPECT_TRUE(is_dense(BV_ENCODING_LIVOX_POINT, 26));
+    EXPECT_FALSE(is_dense(BV_ENCODING_XYZ_IR_F32, 18));
 }
 
 TEST(Odometry, HasPoseVelocityAndCovariances) {

@@ -2,7 +2,7 @@
 
 use super::{
     layout::{Value, wire_enum},
-    point::{LivoxPoint, OusterPoint, PointLayout, XyzIrtPoint, XyzRgbPoint},
+    point::{LivoxPoint, OusterPoint, PointLayout, XyzIrPoint, XyzIrtPoint, XyzRgbPoint},
 };
 
 wire_enum! {
@@ -170,6 +170,8 @@ wire_enum! {
         OusterPoint = 23 "ouster_point" as OusterPoint,
         /// A point in the layout of Livox's driver.
         LivoxPoint = 24 "livox_point" as LivoxPoint,
+        /// A point in the layout of gz-sim's lidars. NaN coordinates mean no point. A row is a layer.
+        XyzIrF32 = 25 "xyzir_f32" as XyzIrPoint,
     }
 }
 

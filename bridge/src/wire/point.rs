@@ -197,6 +197,20 @@ points! {
         time: f32 = 18,
     }
 
+    /// A point of a lidar of gz-sim, in the layout of gz-sensors 9 and later.
+    pub struct XyzIrPoint, 18 bytes, row_is_dense = false {
+        /// Metres.
+        x: f32 = 0,
+        /// Metres.
+        y: f32 = 4,
+        /// Metres.
+        z: f32 = 8,
+        /// Intensity.
+        intensity: f32 = 12,
+        /// Number of the layer, counted from the first vertical angle.
+        ring: u16 = 16,
+    }
+
     /// A point in the layout of Ouster's driver.
     pub struct OusterPoint, 48 bytes, row_is_dense = false {
         /// Metres.
@@ -278,7 +292,7 @@ mod tests {
             assert_eq!(found, fields.collect::<Vec<_>>(), "{row}");
             count += 1;
         }
-        assert_eq!(count, 4);
+        assert_eq!(count, 5);
     }
 
     #[test]

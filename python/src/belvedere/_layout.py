@@ -178,6 +178,14 @@ class Encoding(IntEnum):
     #: - line at 17, u8: Number of the laser.
     #: - timestamp at 18, f64: Nanoseconds since time 0.
     LIVOX_POINT = 24
+    #: A point in the layout of gz-sim's lidars. NaN coordinates mean no point. A row is a layer.
+    #: Its 18 bytes:
+    #: - x at 0, f32: Metres.
+    #: - y at 4, f32: Metres.
+    #: - z at 8, f32: Metres.
+    #: - intensity at 12, f32: Intensity.
+    #: - ring at 16, u16: Number of the layer, counted from the first vertical angle.
+    XYZIR_F32 = 25
 
 
 class DistortionModel(IntEnum):
@@ -589,5 +597,11 @@ ELEMENTS: dict[Encoding, np.dtype[np.generic]] = {
         "formats": ["<f4", "<f4", "<f4", "<f4", "u1", "u1", "<f8"],
         "offsets": [0, 4, 8, 12, 16, 17, 18],
         "itemsize": 26,
+    }),
+    Encoding.XYZIR_F32: np.dtype({
+        "names": ["x", "y", "z", "intensity", "ring"],
+        "formats": ["<f4", "<f4", "<f4", "<f4", "<u2"],
+        "offsets": [0, 4, 8, 12, 16],
+        "itemsize": 18,
     }),
 }

@@ -220,6 +220,7 @@ mod tests {
                 true,
                 &[("intensity", 12, FLOAT32), ("ring", 16, 4), ("time", 18, FLOAT32)][..],
             ),
+            (Encoding::XyzIrF32, 18, false, &[("intensity", 12, FLOAT32), ("ring", 16, 4)][..]),
             (
                 Encoding::OusterPoint,
                 48,

@@ -74,6 +74,8 @@ pub struct LaserPlugin {
     pub frame_name: String,
     /// Layout of the cloud, for plugins that publish one as a driver does.
     pub cloud: Option<CloudLayout>,
+    /// Absolute topic of the points of the scan, which gz-sim publishes besides the scan.
+    pub points_topic: Option<String>,
 }
 
 /// The points in a cloud, and their order.

@@ -119,7 +119,11 @@ fn topics(kind: &mut SensorKind) -> Vec<&mut String> {
                 ]
             })
             .collect(),
-        SensorKind::Ray(lidar) => lidar.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
+        SensorKind::Ray(lidar) => lidar
+            .plugin
+            .iter_mut()
+            .flat_map(|plugin| std::iter::once(&mut plugin.topic).chain(&mut plugin.points_topic))
+            .collect(),
         SensorKind::Range(range) => range.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
         SensorKind::Imu(imu) => imu.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),
         SensorKind::NavSat(receiver) => receiver.plugin.iter_mut().map(|plugin| &mut plugin.topic).collect(),

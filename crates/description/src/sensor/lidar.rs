@@ -73,7 +73,7 @@ impl Reader<'_> {
         };
         let mut plugin = match self.plugin(sensor, &KIND) {
             Some(plugin) => Some(self.laser_plugin(plugin, &mut ray)?),
-            None => gz_plugin(sensor, is_cloud),
+            None => gz_plugin(sensor, preset.as_ref()),
         };
         if let (true, Some(plugin)) = (is_cloud, &mut plugin) {
             plugin.cloud.get_or_insert_default();
@@ -170,13 +170,14 @@ impl Reader<'_> {
         }
         if is_velodyne && (plugin.child("ros").is_some() || plugin.child("frame_name").is_some()) {
             let InstrumentPlugin { topic, frame_name } = ros2_names(plugin);
-            return Some(LaserPlugin { topic, frame_name, cloud });
+            return Some(LaserPlugin { topic, frame_name, cloud, points_topic: None });
         }
         self.plugin_rate_hz = self.rate(plugin, "updateRate")?;
         Some(LaserPlugin {
             topic: topic(plugin, "", "topicName", if is_velodyne { "/points" } else { "/world" }),
             frame_name: child_text(plugin, "frameName").unwrap_or_else(|| "/world".into()),
             cloud,
+            points_topic: None,
         })
     }
 
@@ -242,11 +243,17 @@ fn sees_visuals(sensor: &Element) -> bool {
     matches!(sensor.attribute("type"), Some("gpu_ray" | "gpu_lidar"))
 }
 
-/// Returns the plugin that stands for gz-sim's publishing, where the cloud has a topic of its own.
-fn gz_plugin(sensor: &Element, is_cloud: bool) -> Option<LaserPlugin> {
+/// Returns the plugin that stands for gz-sim's publishing: the scan, and its points on a topic of their own. A preset
+/// publishes one of the two.
+fn gz_plugin(sensor: &Element, preset: Option<&Preset>) -> Option<LaserPlugin> {
     let topic = gz_topic(sensor)?;
-    let topic = if is_cloud { format!("{topic}/points") } else { topic };
-    Some(LaserPlugin { topic, frame_name: frame_name(sensor), cloud: None })
+    let points = format!("{topic}/points");
+    let (topic, points_topic) = match preset {
+        None => (topic, Some(points)),
+        Some(preset) if is_cloud(preset) => (points, None),
+        Some(_) => (topic, None),
+    };
+    Some(LaserPlugin { topic, frame_name: frame_name(sensor), cloud: None, points_topic })
 }
 
 /// Returns true if a preset measures in space rather than in a plane.

@@ -42,6 +42,7 @@ impl Reader<'_> {
             topic: ros2::topic(plugin, "~/out", &[]),
             frame_name: ros2::frame_name(plugin),
             cloud: is_cloud.then_some(CloudLayout { is_organized: false, min_intensity }),
+            points_topic: None,
         })
     }
 }

@@ -5,6 +5,7 @@ use belvedere::rig::FrameBuf;
 use belvedere::simulation::{Simulation, SpawnOptions};
 use belvedere_bridge::point::XyzIrPoint;
 use belvedere_bridge::{Encoding, Kind};
+use std::f64::consts::FRAC_PI_2;
 
 const FREE: f32 = f32::INFINITY;
 
@@ -105,7 +106,7 @@ fn a_lidar_of_gz_sim_publishes_its_points_as_well() {
             continue;
         }
         seen += 1;
-        let (azimuth, elevation) = (column as f64 * 4.71238898 / 3.0, (layer as f64 - 1.0) * 0.1);
+        let (azimuth, elevation) = (column as f64 * FRAC_PI_2, (layer as f64 - 1.0) * 0.1);
         let direction = [elevation.cos() * azimuth.cos(), elevation.cos() * azimuth.sin(), elevation.sin()];
         for (part, along) in point.xyz().into_iter().zip(direction) {
             let expected = f64::from(ranges[beam]) * along;

@@ -12,6 +12,7 @@ use super::simulated::SimulatedArgs;
 use crate::description::load::{self, LoadOptions, is_world, robot_names, world_names};
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
+use crate::description::shell::quoted;
 use crate::description::text::count;
 use crate::description::{Diagnostics, Problem, Severity, Source};
 use crate::rig::RigError;
@@ -43,7 +44,7 @@ pub struct CheckArgs {
     pub file: Option<PathBuf>,
     /// Check every robot, model and world in this folder and those below it: a line for each .urdf, .xacro, .sdf and
     /// .world file, and a summary. Each is checked alone: robots in an empty world, and worlds without a robot, unless
-    /// --world or --robot is given. The folder is also searched for packages. The exit code is 1 if a file has errors
+    /// --world or --robot is given. The folder is also searched for packages, and for the models of model://. The exit code is 1 if a file has errors
     #[arg(long, value_name = "FOLDER")]
     pub all: Option<PathBuf>,
     #[command(flatten)]
@@ -111,7 +112,7 @@ impl CheckArgs {
             diagnostics.error(
                 &Source::new(file, 0),
                 "this is a folder",
-                format!("name a file in it, or check all files: belvedere check --all {}", file.display()),
+                format!("name a file in it, or check all files: belvedere check --all {}", quoted(file)),
             );
             return None;
         }

@@ -108,7 +108,8 @@ impl CheckArgs {
             rules: simulated.rules(),
             xacro_args: simulated.robots.xacro_args().to_vec(),
         };
-        if file.is_dir() {
+        let is_name = name_of(file).is_some_and(|name| is_known(name, packages));
+        if file.is_dir() && !is_name {
             diagnostics.error(
                 &Source::new(file, 0),
                 "this is a folder",
@@ -151,9 +152,18 @@ impl CheckArgs {
 
 /// Returns true if the argument is a name, but not that of a shipped robot or world.
 fn is_unknown_name(file_or_name: &Path, packages: &PackagePath) -> bool {
-    let Some(name) = file_or_name.to_str().filter(|name| !name.contains(['/', '.'])) else { return false };
+    name_of(file_or_name).is_some_and(|name| !file_or_name.is_file() && !is_known(name, packages))
+}
+
+/// Returns the argument as a name, unless it can only be a path.
+fn name_of(file_or_name: &Path) -> Option<&str> {
+    file_or_name.to_str().filter(|name| !name.contains(['/', '.']))
+}
+
+/// Returns true for the name of a shipped robot or world.
+fn is_known(name: &str, packages: &PackagePath) -> bool {
     let has = |names: Vec<String>| names.iter().any(|known| known == name);
-    !file_or_name.is_file() && !has(robot_names(packages)) && !has(world_names(packages))
+    has(robot_names(packages)) || has(world_names(packages))
 }
 
 /// Returns the report on the world and each robot.

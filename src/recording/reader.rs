@@ -253,19 +253,17 @@ impl<R: Read> RecordingReader<R> {
         match metadata.name.as_str() {
             ABOUT => Step::Item(Item::About(metadata.metadata)),
             HASHES => Step::Item(Item::Hashes(metadata.metadata)),
-            STREAM => match RecordedStream::from_metadata(&metadata.metadata) {
-                Some(stream) => {
-                    self.streams.insert(stream.topic.clone());
-                    Step::Item(Item::Stream(stream))
-                }
-                None => {
+            STREAM => {
+                let Some(stream) = RecordedStream::from_metadata(&metadata.metadata) else {
                     self.records.be_damaged();
-                    Step::Item(Item::LeftOut(format!(
+                    return Step::Item(Item::LeftOut(format!(
                         "a stream is left out: this version does not understand its description {:?}",
                         metadata.metadata
-                    )))
-                }
-            },
+                    )));
+                };
+                self.streams.insert(stream.topic.clone());
+                Step::Item(Item::Stream(stream))
+            }
             _ => Step::Nothing,
         }
     }

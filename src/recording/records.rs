@@ -93,7 +93,7 @@ impl<R: Read> Records<R> {
                 }
                 Some(Err(error)) => return Err(error.into()),
                 Some(Ok(LinearReadEvent::ReadRequest(need))) => {
-                    fill(&mut self.source, &mut self.reader, need)?
+                    fill(&mut self.source, &mut self.reader, need)?;
                 }
                 Some(Ok(LinearReadEvent::Record { opcode: op::CHUNK, data })) => {
                     self.chunk = Some(Chunk::new(data));

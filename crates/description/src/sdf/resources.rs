@@ -120,7 +120,7 @@ impl<'a> Resources<'a> {
     fn in_models(&self, name: &str) -> impl Iterator<Item = PathBuf> {
         let is_relative = Path::new(name).is_relative() && !name.is_empty();
         let folders = self.model_folders.iter().map(move |models| models.join(name));
-        let indexed = self.packages.models().into_iter().flat_map(move |index| self.indexed(index, name));
+        let indexed = self.packages.models().into_iter().filter_map(move |index| self.indexed(index, name));
         let ours = self.packages.fallback().map(move |ours| ours.join(name));
         folders.chain(indexed).chain(ours).filter(move |_| is_relative)
     }

@@ -13,7 +13,8 @@ fn write(folder: &Path, name: &str, text: &str) {
 
 /// Writes a model of as many links as `links`, by which models of one name are told apart.
 fn write_model(folder: &Path, place: &str, links: usize) {
-    let links: String = (0..links).map(|number| format!("<link name='l{number}'/>")).collect();
+    let links: Vec<String> = (0..links).map(|number| format!("<link name='l{number}'/>")).collect();
+    let links = links.concat();
     let name = place.rsplit('/').next().unwrap();
     let model = format!("<sdf version='1.6'><model name='{name}'><static>1</static>{links}</model></sdf>");
     write(folder, &format!("{place}/model.sdf"), &model);
@@ -21,11 +22,13 @@ fn write_model(folder: &Path, place: &str, links: usize) {
 }
 
 fn world(uris: &[&str]) -> String {
-    let includes: String = uris.iter().map(|uri| format!("<include><uri>{uri}</uri></include>")).collect();
+    let includes: Vec<String> =
+        uris.iter().map(|uri| format!("<include><uri>{uri}</uri></include>")).collect();
+    let includes = includes.concat();
     format!("<sdf version='1.6'><world name='w'>{includes}</world></sdf>")
 }
 
-/// Returns the output of `check --all` in a folder, with GAZEBO_MODEL_PATH.
+/// Returns the output of `check --all` in a folder, with `GAZEBO_MODEL_PATH`.
 fn checked(folder: &Path, options: &[&str], model_path: &str) -> (String, Option<i32>) {
     let mut command = belvedere();
     command

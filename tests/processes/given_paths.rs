@@ -81,7 +81,7 @@ fn a_file_that_must_not_be_read_says_so() {
     fs::write(inside.join("w.world"), "<sdf/>").unwrap();
     fs::write(&file, ROBOT).unwrap();
     for path in [&inside, &file] {
-        fs::set_permissions(path, fs::Permissions::from_mode(0)).unwrap();
+        fs::set_permissions(path, fs::Permissions::from_mode(0o000)).unwrap();
     }
     let mut program = belvedere();
     if fs::read(&file).is_ok() {

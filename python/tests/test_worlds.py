@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import re
 import subprocess
 import sys
 import time
@@ -200,6 +201,16 @@ def test_refused_calls_change_nothing() -> None:
     ):
         with pytest.raises(ValueError, match=r"^\w+: "):
             add()
+    for name in ("roughness", "metalness", "shininess"):
+        for given, said in (
+            (np.zeros((4, 6, 3), np.uint8), "a number is expected: it is an array of shape (4, 6, 3)"),
+            ([0.1, 0.2], "a number is expected: it is an array of shape (2,)"),
+            ("map.png", "a number is expected: it is the text 'map.png'"),
+            ("0.5", "a number is expected: it is the text '0.5'"),
+            ({}, "a number is expected: "),
+        ):
+            with pytest.raises(ValueError, match=f"^{name}: {re.escape(said)}"):
+                world.add_box((1, 1, 1), **{name: given})
     assert world.bodies == []
     assert world.memory <= before + 4096
     with pytest.raises(TypeError, match="colour"):

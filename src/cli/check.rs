@@ -12,6 +12,7 @@ use super::simulated::SimulatedArgs;
 use crate::description::load::{self, LoadOptions, is_world, robot_names, world_names};
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
+use crate::description::shell::quoted;
 use crate::description::text::count;
 use crate::description::{Diagnostics, Problem, Severity, Source};
 use crate::rig::RigError;
@@ -43,7 +44,7 @@ pub struct CheckArgs {
     pub file: Option<PathBuf>,
     /// Check every robot, model and world in this folder and those below it: a line for each .urdf, .xacro, .sdf and
     /// .world file, and a summary. Each is checked alone: robots in an empty world, and worlds without a robot, unless
-    /// --world or --robot is given. The folder is also searched for packages. The exit code is 1 if a file has errors
+    /// --world or --robot is given. The folder is also searched for packages, and for the models of model://. The exit code is 1 if a file has errors
     #[arg(long, value_name = "FOLDER")]
     pub all: Option<PathBuf>,
     #[command(flatten)]
@@ -107,11 +108,12 @@ impl CheckArgs {
             rules: simulated.rules(),
             xacro_args: simulated.robots.xacro_args().to_vec(),
         };
-        if file.is_dir() {
+        let is_name = name_of(file).is_some_and(|name| is_known(name, packages));
+        if file.is_dir() && !is_name {
             diagnostics.error(
                 &Source::new(file, 0),
                 "this is a folder",
-                format!("name a file in it, or check all files: belvedere check --all {}", file.display()),
+                format!("name a file in it, or check all files: belvedere check --all {}", quoted(file)),
             );
             return None;
         }
@@ -150,9 +152,18 @@ impl CheckArgs {
 
 /// Returns true if the argument is a name, but not that of a shipped robot or world.
 fn is_unknown_name(file_or_name: &Path, packages: &PackagePath) -> bool {
-    let Some(name) = file_or_name.to_str().filter(|name| !name.contains(['/', '.'])) else { return false };
+    name_of(file_or_name).is_some_and(|name| !file_or_name.is_file() && !is_known(name, packages))
+}
+
+/// Returns the argument as a name, unless it can only be a path.
+fn name_of(file_or_name: &Path) -> Option<&str> {
+    file_or_name.to_str().filter(|name| !name.contains(['/', '.']))
+}
+
+/// Returns true for the name of a shipped robot or world.
+fn is_known(name: &str, packages: &PackagePath) -> bool {
     let has = |names: Vec<String>| names.iter().any(|known| known == name);
-    !file_or_name.is_file() && !has(robot_names(packages)) && !has(world_names(packages))
+    has(robot_names(packages)) || has(world_names(packages))
 }
 
 /// Returns the report on the world and each robot.

@@ -233,6 +233,7 @@ fn recording_words(error: &RecordingError) -> String {
             _ => "",
         },
         RecordingError::Cut => "; the complete part can be replayed",
+        RecordingError::Damaged { .. } => "; the rest was read, and can be replayed",
         RecordingError::NotMcap => "; choose a file written by `belvedere record` or `run --record`",
         _ => "",
     };

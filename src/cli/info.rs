@@ -13,7 +13,8 @@ use std::time::Duration;
 
 /// Show the contents of a recording: how it was made, its streams, and the number of frames of each.
 ///
-/// Reads every byte. If the file was cut off, its complete part is shown, and the exit code is 1.
+/// Reads every byte. If the file was cut off, its complete part is shown, and if it is damaged, all parts that are not;
+/// the exit code is 1.
 #[derive(Clone, Debug, clap::Args)]
 #[command(
     after_help = "Examples:\n  belvedere info run.mcap\n  belvedere info run.mcap.active --json\n  belvedere info run.mcap --extract description     (the robots and the world of the run)"
@@ -40,6 +41,8 @@ struct Found {
     channels: BTreeMap<String, (String, u64, u64)>,
     frames: BTreeMap<String, u64>,
     times_ns: Option<[u64; 2]>,
+    /// The damaged parts.
+    left_out: Vec<String>,
 }
 
 /// Runs the command.
@@ -52,7 +55,7 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
     let ended = loop {
         match recording.next_item() {
             Ok(Some(item)) => found.add(item),
-            Ok(None) => break Ok(()),
+            Ok(None) => break found.completeness(),
             Err(error) => break Err(error),
         }
     };
@@ -68,6 +71,9 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
             print_line(found.text(recording.library(), bytes).trim_end())?;
         }
     }
+    for what in &found.left_out {
+        tracing::warn!("{}: {what}", args.file.display());
+    }
     ended.map_err(|source| CliError::Recording {
         action: "read all of",
         path: args.file.clone(),
@@ -76,6 +82,16 @@ pub fn run(args: &InfoArgs) -> Result<(), CliError> {
 }
 
 impl Found {
+    /// Returns an error if parts were left out.
+    fn completeness(&self) -> Result<(), RecordingError> {
+        let parts = match self.left_out.len() {
+            0 => return Ok(()),
+            1 => "1 part is".to_owned(),
+            number => format!("{number} parts are"),
+        };
+        Err(RecordingError::Damaged { parts })
+    }
+
     fn add(&mut self, item: Item) {
         match item {
             Item::About(about) => self.about = about,
@@ -91,6 +107,7 @@ impl Found {
                 channel.2 += message.data.len() as u64;
                 self.cover(message.log_time_ns);
             }
+            Item::LeftOut(what) => self.left_out.push(what),
             Item::Frame(frame) => {
                 *self.frames.entry(frame.topic).or_default() += 1;
                 self.cover(frame.log_time_ns);
@@ -161,6 +178,7 @@ impl Found {
             "library": library,
             "bytes": bytes,
             "complete": is_complete,
+            "left_out": self.left_out,
             "times_ns": self.times_ns,
             "about": self.about,
             "files": self.attachments.iter().map(file).collect::<Vec<_>>(),

@@ -6,6 +6,7 @@ pub mod control;
 pub mod dataset;
 mod displays;
 pub mod echo;
+mod environment;
 pub mod error;
 pub mod follow;
 pub mod hz;
@@ -163,7 +164,7 @@ pub fn run_words(words: &[OsString]) -> u8 {
 }
 
 fn run_command(words: &[OsString]) -> u8 {
-    let cli = match Cli::try_parse_from(words) {
+    let cli = match environment::parse::<Cli>(words) {
         Ok(cli) => cli,
         Err(error) => {
             // If the output is closed, the exit code alone reports the error.

@@ -72,6 +72,7 @@ pub fn run(args: &ReplayArgs) -> Result<(), CliError> {
     listen_for_stop()?;
     let node = Node::open(&args.domain.domain, "belvedere")?;
     let options = PlayerOptions {
+        name: args.file.display().to_string(),
         pace: args.rate,
         start: args.start,
         duration: args.duration,

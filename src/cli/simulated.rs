@@ -33,7 +33,7 @@ pub(super) struct SimulatedArgs {
     /// of range, ranges that begin at the minimum, sensors on missing links are ignored
     #[arg(long)]
     pub(super) gazebo_compat: bool,
-    /// Skip models and meshes of the world that are not found, with a warning for each, as Gazebo does
+    /// Skip models and meshes of the world and of robots that are not found, with a warning for each, as Gazebo does
     #[arg(long)]
     skip_missing: bool,
     /// Rotate meshes so that z is up: Collada meshes according to their <up_axis>, glTF from its y. Gazebo and rviz use
@@ -57,12 +57,11 @@ pub(super) struct SimulatedArgs {
 }
 
 impl SimulatedArgs {
-    /// Returns the rules for reading robots, and models that are spawned later. Missing files are skipped only in the
-    /// world, never in a robot.
+    /// Returns the rules for reading the world, the robots, and models that are spawned later.
     pub(super) fn rules(&self) -> Rules {
         let up_axis = if self.apply_up_axis { UpAxis::Applied } else { UpAxis::Ignored };
         let sensor_models = self.sensor_models.into();
-        Rules { gazebo_compat: self.gazebo_compat, skip_missing: false, up_axis, sensor_models }
+        Rules { gazebo_compat: self.gazebo_compat, skip_missing: self.skip_missing, up_axis, sensor_models }
     }
 
     /// Adds a folder of packages after those that are given.
@@ -98,8 +97,7 @@ impl SimulatedArgs {
         packages: &PackagePath,
         diagnostics: &mut Diagnostics,
     ) -> (Option<World>, Vec<(Model, SpawnOptions)>) {
-        let rules = Rules { skip_missing: self.skip_missing, ..self.rules() };
-        let world = load_world(self.world(), packages, rules, diagnostics);
+        let world = load_world(self.world(), packages, self.rules(), diagnostics);
         let taken = world.iter().flat_map(|world| &world.models).map(|model| model.name.as_str());
         let robots = self.robots.load(packages, self.rules(), &taken.collect(), diagnostics);
         self.judge(diagnostics);

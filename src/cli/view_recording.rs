@@ -92,8 +92,11 @@ impl RecordingToView {
     /// # Errors
     /// If the domain has a simulator.
     pub(super) fn player(&self, node: Node) -> Result<Player, CliError> {
-        Player::open(node, PlayerOptions::default())
-            .map_err(|source| recording_error("play", &self.path, source))
+        Player::open(
+            node,
+            PlayerOptions { name: self.path.display().to_string(), ..PlayerOptions::default() },
+        )
+        .map_err(|source| recording_error("play", &self.path, source))
     }
 
     /// Plays the recording until the user stops it.

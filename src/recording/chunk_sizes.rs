@@ -1,11 +1,9 @@
-//! Checks whether the sizes that the chunks of an MCAP file state are possible. The reader reserves memory for a chunk
-//! before it reads it, and a damaged size may ask for any amount.
+//! Checks whether the sizes that the chunks of an MCAP file state are possible. The reader reserves memory for the content
+//! of a chunk before it reads it, and a damaged size may ask for any amount.
 
 use mcap::records::op;
 use std::io::{Error, ErrorKind, Read, Result};
 
-/// Bytes before the first record.
-const MAGIC: u64 = 8;
 /// Bytes of a record's opcode and length.
 const RECORD_HEAD: usize = 9;
 /// Bytes of a chunk before the name of its compression: two times, its size, its checksum, and the name's length.
@@ -20,11 +18,11 @@ const ZSTD_RATIO: u64 = 32 << 10;
 /// Size that every chunk may have, in bytes.
 const SLACK: u64 = 64 << 10;
 
-/// Reads an MCAP file and fails at a chunk that cannot have the size that it states.
+/// Reads records of an MCAP file and fails at a chunk that cannot have the size that it states.
 #[derive(Debug)]
 pub(super) struct CheckedChunks<R> {
     source: R,
-    /// Size of the whole file, in bytes.
+    /// Size of all records, in bytes.
     file_len: u64,
     /// Number of bytes before the next record's head.
     skip: u64,
@@ -33,9 +31,9 @@ pub(super) struct CheckedChunks<R> {
 }
 
 impl<R> CheckedChunks<R> {
-    /// Checks a file of at most `file_len` bytes from its beginning.
-    pub(super) fn new(source: R, file_len: u64) -> Self {
-        Self { source, file_len, skip: MAGIC, head: Vec::new() }
+    /// Checks records, of at most `len` bytes together.
+    pub(super) fn of_record(source: R, len: u64) -> Self {
+        Self { source, file_len: len, skip: 0, head: Vec::new() }
     }
 
     /// Finds and checks the records in these bytes.
@@ -147,8 +145,7 @@ mod tests {
 
     /// Reads a file of these records in pieces of this many bytes.
     fn read(records: &[Vec<u8>], piece: usize) -> Result<()> {
-        let file = [&[0; MAGIC as usize][..], &records.concat()].concat();
-        let mut checked = CheckedChunks::new(Cursor::new(file), u64::MAX);
+        let mut checked = CheckedChunks::of_record(Cursor::new(records.concat()), u64::MAX);
         let mut buffer = vec![0; piece];
         while checked.read(&mut buffer)? > 0 {}
         Ok(())
@@ -176,9 +173,8 @@ mod tests {
         let mut lies = chunk(1 << 29, "lz4", &[7; 1000]);
         let at = RECORD_HEAD + BEFORE_NAME + 3;
         lies[at..at + 8].copy_from_slice(&(1_u64 << 29).to_le_bytes());
-        let file = [&[0; MAGIC as usize][..], &lies].concat();
-        let len = file.len() as u64;
-        let mut checked = CheckedChunks::new(Cursor::new(file), len);
+        let len = lies.len() as u64;
+        let mut checked = CheckedChunks::of_record(Cursor::new(lies), len);
         assert_eq!(copy(&mut checked, &mut sink()).unwrap_err().kind(), ErrorKind::InvalidData);
     }
 }

@@ -36,6 +36,12 @@ pub enum RecordingError {
     /// The MCAP file is damaged.
     #[error("it is broken: {0}")]
     Broken(String),
+    /// Damaged parts of the file were left out.
+    #[error("it is damaged: {parts} left out")]
+    Damaged {
+        /// The number of parts, in words.
+        parts: String,
+    },
     /// The file is cut off.
     #[error("it ends in the middle, as after a crash or while it is still being written")]
     Cut,

@@ -31,6 +31,13 @@ pub(super) fn check(opcode: u8, body: &[u8]) -> Result<(), RecordingError> {
     rest.map(|_| ()).ok_or_else(broken)
 }
 
+/// Returns the text that begins with its length at a place of a record, or `None` if it is damaged.
+pub(super) fn text(body: &[u8], at: usize) -> Option<&str> {
+    let rest = body.get(at..)?;
+    let len = rest.len() - after_text(rest)?.len();
+    std::str::from_utf8(&rest[4..len]).ok()
+}
+
 /// Checks a chunk index, whose text follows a map of numbers with a length of its own.
 fn check_chunk_index(body: &[u8]) -> Result<(), RecordingError> {
     let offsets = body.get(32..).and_then(after_text);

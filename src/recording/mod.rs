@@ -27,6 +27,7 @@ mod player;
 mod player_options;
 mod reader;
 mod recorder;
+mod records;
 mod replay_streams;
 pub mod ros;
 mod seeking;

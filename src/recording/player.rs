@@ -10,7 +10,7 @@ use crate::server::attendance::{Awaited, START_PATIENCE};
 use crate::server::inbox::{Inbox, Request};
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Kind, Node, Operation};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io::Read;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -38,6 +38,8 @@ pub struct Player {
     time_ns: u64,
     has_clock: bool,
     frames: u64,
+    /// The damaged parts of the recording that were reported.
+    left_out: BTreeSet<String>,
 }
 
 /// The reason why playing ended.
@@ -68,6 +70,7 @@ impl Player {
             time_ns: 0,
             has_clock: false,
             frames: 0,
+            left_out: BTreeSet::new(),
         })
     }
 
@@ -100,6 +103,13 @@ impl Player {
                 Ok(Some(Item::Frame(frame))) => frame,
                 Ok(Some(Item::Stream(stream))) => {
                     self.streams.add(stream);
+                    continue;
+                }
+                Ok(Some(Item::LeftOut(what))) => {
+                    // A recording that is repeated has the same damage again.
+                    if self.left_out.insert(what.clone()) {
+                        tracing::warn!("{}: {what}", self.options.name);
+                    }
                     continue;
                 }
                 Ok(Some(_)) => continue,

@@ -16,6 +16,8 @@ pub enum Pace {
 /// Options for playing a recording.
 #[derive(Debug, Clone)]
 pub struct PlayerOptions {
+    /// Name of the recording in warnings.
+    pub name: String,
     /// The speed.
     pub pace: Pace,
     /// Start, counted from the beginning of the recording.
@@ -36,6 +38,7 @@ impl Default for PlayerOptions {
     /// Plays everything at the original speed.
     fn default() -> Self {
         Self {
+            name: "the recording".into(),
             pace: Pace::Rate(1.0),
             start: Duration::ZERO,
             duration: None,

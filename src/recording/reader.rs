@@ -1,26 +1,18 @@
 //! [`RecordingReader`]: reads the contents of an MCAP file in the order in which they were written.
 
-use super::chunk_sizes::CheckedChunks;
-use super::lengths;
+use super::records::{Part, Records};
 use super::ros;
 use super::skip::{Before, Skipping, chunks_before, summary};
 use super::stream::RecordedStream;
 use super::writer::{ABOUT, FRAMES, HASHES, STREAM};
-use super::zstd::Zstd;
 use super::{Attachment, RecordingError};
 use belvedere_bridge::{FrameHeader, FrameView, Ros};
-use mcap::records::Record;
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
-use std::collections::{BTreeMap, HashMap};
-use std::io::{ErrorKind, Read, Seek, SeekFrom};
+use mcap::Summary;
+use mcap::records::{Metadata, Record};
+use std::collections::{BTreeMap, HashMap, HashSet};
+use std::io::{Read, Seek};
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The largest record or chunk that is loaded into memory, bytes. Belvedere writes no larger ones.
-const LARGEST: usize = 1 << 30;
-
-/// Most bytes that are read at a time.
-const PIECE: usize = 1 << 22;
 
 /// An item of a recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,6 +30,8 @@ pub enum Item {
     Message(Message),
     /// A frame as it was sent.
     Frame(RecordedFrame),
+    /// A damaged part, of which nothing else is returned: what was left out and why, in a sentence.
+    LeftOut(String),
 }
 
 /// A message of a channel.
@@ -75,11 +69,14 @@ impl PartialEq for RecordedFrame {
 
 /// Reads a recording from its beginning, a chunk at a time.
 pub struct RecordingReader<R: Read> {
-    source: CheckedChunks<R>,
-    reader: LinearReader,
+    records: Records<R>,
     library: String,
     schemas: HashMap<u16, String>,
     channels: HashMap<u16, Channel>,
+    /// The streams that were described.
+    streams: HashSet<String>,
+    /// The streams and channels whose frames and messages are left out, because a damaged part described them.
+    unknown: HashSet<String>,
     /// The last message, which may contain the payload of the next frame.
     last: Option<Arc<Vec<u8>>>,
     /// Time of the first message, if chunks are skipped.
@@ -122,20 +119,14 @@ impl<R: Read + Seek> RecordingReader<Skipping<R>> {
     }
 
     fn without(mut source: R, start: Duration, wanted: Before) -> Result<Self, RecordingError> {
-        let index = (start > Duration::ZERO).then(|| summary(&mut source)).flatten();
-        let left_out = index.as_ref().map_or_else(Vec::new, |index| chunks_before(index, start, wanted));
+        let index = summary(&mut source);
+        let skips = index.as_ref().filter(|_| start > Duration::ZERO);
+        let left_out = skips.map_or_else(Vec::new, |index| chunks_before(index, start, wanted));
         let is_whole = left_out.is_empty();
-        let file_len = source.seek(SeekFrom::End(0))?;
-        let mut reader = Self::checking(Skipping::new(source, left_out)?, file_len, is_whole);
-        if let Some(index) = index.filter(|_| !is_whole) {
-            // The descriptions of channels may be in the skipped chunks.
-            for channel in index.channels.values() {
-                let type_name =
-                    channel.schema.as_ref().map_or_else(String::new, |schema| schema.name.clone());
-                let described = Channel::new(channel.topic.clone(), type_name, &channel.message_encoding);
-                reader.channels.insert(channel.id, described);
-            }
-            reader.begins_ns = index.stats.map(|stats| stats.message_start_time);
+        let mut reader = Self::checking(Skipping::new(source, left_out)?, is_whole);
+        if let Some(index) = index {
+            reader.learn(&index);
+            reader.begins_ns = index.stats.filter(|_| !is_whole).map(|stats| stats.message_start_time);
         }
         Ok(reader)
     }
@@ -144,29 +135,30 @@ impl<R: Read + Seek> RecordingReader<Skipping<R>> {
 impl<R: Read> RecordingReader<R> {
     /// Reads from the source's current position.
     pub fn new(source: R) -> Self {
-        Self::checking(source, u64::MAX, true)
+        Self::checking(source, true)
     }
 
-    /// Reads a file of at most `file_len` bytes. If `is_whole`, verifies the checksum of everything before the index.
-    fn checking(source: R, file_len: u64, is_whole: bool) -> Self {
-        // Chunks are checked before any of their contents are returned.
-        let options = LinearReaderOptions::default()
-            .with_prevalidate_chunk_crcs(true)
-            .with_validate_data_section_crc(is_whole)
-            .with_validate_summary_section_crc(true)
-            .with_record_length_limit(LARGEST);
-        let mut reader = LinearReader::new_with_options(options);
-        // This fails only for a decompressor without a name.
-        let _ = reader.add_decompressor(Zstd::new());
+    /// Reads a file. If `is_whole`, verifies the checksum of everything before the index.
+    fn checking(source: R, is_whole: bool) -> Self {
         Self {
-            source: CheckedChunks::new(source, file_len),
-            reader,
+            records: Records::new(source, is_whole),
             library: String::new(),
             schemas: HashMap::new(),
             channels: HashMap::new(),
+            streams: HashSet::new(),
+            unknown: HashSet::new(),
             last: None,
             begins_ns: None,
             ended: false,
+        }
+    }
+
+    /// Takes the descriptions of channels from the index: they may be in chunks that are skipped or damaged.
+    fn learn(&mut self, index: &Summary) {
+        for channel in index.channels.values() {
+            let type_name = channel.schema.as_ref().map_or_else(String::new, |schema| schema.name.clone());
+            let described = Channel::new(channel.topic.clone(), type_name, &channel.message_encoding);
+            self.channels.insert(channel.id, described);
         }
     }
 
@@ -180,7 +172,8 @@ impl<R: Read> RecordingReader<R> {
         &self.library
     }
 
-    /// Returns the next item, or `None` at the end of a complete file.
+    /// Returns the next item, or `None` at the end of a complete file. In the place of a damaged part there is an
+    /// [`Item::LeftOut`].
     ///
     /// # Errors
     /// [`RecordingError::Cut`] at the end of an incomplete file, once all complete items have been returned;
@@ -201,27 +194,14 @@ impl<R: Read> RecordingReader<R> {
     }
 
     fn step(&mut self) -> Result<Step, RecordingError> {
-        let record = match self.reader.next_event() {
+        let record = match self.records.next()? {
             None => return Ok(Step::End),
-            Some(Err(error)) => return Err(error.into()),
-            Some(Ok(LinearReadEvent::ReadRequest(need))) => {
-                let read = loop {
-                    // Read in pieces, because a damaged length may ask for more than there is.
-                    match self.source.read(self.reader.insert(need.min(PIECE))) {
-                        Err(error) if error.kind() == ErrorKind::Interrupted => {}
-                        Err(error) if error.kind() == ErrorKind::InvalidData => {
-                            return Err(RecordingError::Broken(error.to_string()));
-                        }
-                        read => break read?,
-                    }
-                };
-                self.reader.notify_read(read);
-                return Ok(Step::Nothing);
+            Some(Part::LeftOut(what)) => {
+                // A frame after it may be the end of a message in it.
+                self.last = None;
+                return Ok(Step::Item(Item::LeftOut(what)));
             }
-            Some(Ok(LinearReadEvent::Record { opcode, data })) => {
-                lengths::check(opcode, data)?;
-                mcap::parse_record(opcode, data)?.into_owned()
-            }
+            Some(Part::Record(record)) => record,
         };
         Ok(match record {
             Record::Header(header) => {
@@ -238,41 +218,69 @@ impl<R: Read> RecordingReader<R> {
                 self.channels.insert(channel.id, described);
                 Step::Nothing
             }
-            Record::Metadata(metadata) => match metadata.name.as_str() {
-                ABOUT => Step::Item(Item::About(metadata.metadata)),
-                HASHES => Step::Item(Item::Hashes(metadata.metadata)),
-                STREAM => match RecordedStream::from_metadata(&metadata.metadata) {
-                    Some(stream) => Step::Item(Item::Stream(stream)),
-                    None => {
-                        return Err(RecordingError::Broken(format!(
-                            "a stream has the description {:?}, which this version does not understand",
-                            metadata.metadata
-                        )));
-                    }
-                },
-                _ => Step::Nothing,
-            },
+            Record::Metadata(metadata) => self.metadata(metadata),
             Record::Attachment { header, data, .. } => Step::Item(Item::Attachment(Attachment {
                 name: header.name,
                 media_type: header.media_type,
                 data: data.into_owned(),
             })),
             Record::Message { header, data } => {
-                let Some(channel) = self.channels.get(&header.channel_id) else {
-                    return Err(RecordingError::Broken(format!(
-                        "a message belongs to channel {}, which the recording does not describe",
-                        header.channel_id
-                    )));
+                let Some(channel) = self.channels.get(&header.channel_id).cloned() else {
+                    let channel = format!("channel {}", header.channel_id);
+                    return self.not_described(&channel, "a message");
                 };
-                let (channel, data) = (channel.clone(), data.into_owned());
-                match self.message(channel, header.log_time, data) {
+                if let Some(topic) = channel.topic.strip_prefix(FRAMES)
+                    && !self.streams.contains(topic)
+                    && self.records.is_damaged()
+                {
+                    let topic = format!("/{topic}");
+                    return self.not_described(&topic, "a frame");
+                }
+                match self.message(channel, header.log_time, data.into_owned()) {
                     // The message of the first frame after skipped chunks may be in them.
                     Err(RecordingError::Broken(_)) if self.begins_ns.is_some() => Step::Nothing,
+                    Err(RecordingError::Broken(why)) if self.records.is_damaged() => {
+                        Step::Item(Item::LeftOut(format!("{why}; it is left out")))
+                    }
                     item => Step::Item(item?),
                 }
             }
             _ => Step::Nothing,
         })
+    }
+
+    fn metadata(&mut self, metadata: Metadata) -> Step {
+        match metadata.name.as_str() {
+            ABOUT => Step::Item(Item::About(metadata.metadata)),
+            HASHES => Step::Item(Item::Hashes(metadata.metadata)),
+            STREAM => {
+                let Some(stream) = RecordedStream::from_metadata(&metadata.metadata) else {
+                    self.records.be_damaged();
+                    return Step::Item(Item::LeftOut(format!(
+                        "a stream is left out: this version does not understand its description {:?}",
+                        metadata.metadata
+                    )));
+                };
+                self.streams.insert(stream.topic.clone());
+                Step::Item(Item::Stream(stream))
+            }
+            _ => Step::Nothing,
+        }
+    }
+
+    /// Says once that the frames or messages of a stream or channel are left out, if a damaged part described it.
+    ///
+    /// # Errors
+    /// [`RecordingError::Broken`] if no part is damaged.
+    fn not_described(&mut self, of: &str, what: &str) -> Result<Step, RecordingError> {
+        if !self.records.is_damaged() {
+            let why = format!("{what} belongs to {of}, which the recording does not describe");
+            return Err(RecordingError::Broken(why));
+        }
+        if !self.unknown.insert(of.to_owned()) {
+            return Ok(Step::Nothing);
+        }
+        Ok(Step::Item(Item::LeftOut(format!("all of {of} is left out: a damaged part described it"))))
     }
 
     fn message(&mut self, channel: Channel, log_time_ns: u64, data: Vec<u8>) -> Result<Item, RecordingError> {

@@ -12,6 +12,10 @@ use std::time::Duration;
 /// Bytes of the footer and the magic bytes at the end of a file: opcode, length, three numbers, the magic.
 const FOOTER: u64 = 1 + 8 + 20 + 8;
 
+/// Largest index that is read, bytes: that of a recording of some terabytes. A damaged place of the index may be that of
+/// the first chunk.
+const LARGEST_INDEX: u64 = 1 << 28;
+
 /// Reads a file without some ranges.
 #[derive(Debug)]
 pub struct Skipping<R> {
@@ -74,9 +78,10 @@ fn check_lengths(source: &mut (impl Read + Seek)) -> Option<()> {
     if begin == 0 {
         return Some(());
     }
+    let len = footer.checked_sub(begin).filter(|len| *len <= LARGEST_INDEX)?;
     source.seek(SeekFrom::Start(begin)).ok()?;
     let mut index = Vec::new();
-    source.take(footer.checked_sub(begin)?).read_to_end(&mut index).ok()?;
+    source.take(len).read_to_end(&mut index).ok()?;
     let mut rest = &index[..];
     while let Some((opcode, after)) = rest.split_first() {
         let (len, after) = after.split_first_chunk::<8>()?;

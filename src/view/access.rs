@@ -2,6 +2,7 @@
 
 use super::http::Request;
 use super::peer;
+use crate::description::shell::quoted;
 use rustix::process::getuid;
 use std::fs::{self, File};
 use std::io::{self, Read as _};
@@ -40,7 +41,8 @@ impl Access {
             let is_ours = authority.is_some_and(|authority| authority.eq_ignore_ascii_case(host));
             if !is_ours && !self.origins.iter().any(|known| known == origin) {
                 return Err(format!(
-                    "pages of '{origin}' have no access; start belvedere with --allow-origin {origin}"
+                    "pages of '{origin}' have no access; start belvedere with --allow-origin {}",
+                    quoted(origin)
                 ));
             }
         }
@@ -78,8 +80,9 @@ impl Access {
             return Ok(host);
         }
         Err(format!(
-            "'{host}' is not the name of this server; open http://{}, or start belvedere with --allow-origin http://{host}",
-            self.address
+            "'{host}' is not the name of this server; open http://{}, or start belvedere with --allow-origin {}",
+            self.address,
+            quoted(format!("http://{host}"))
         ))
     }
 

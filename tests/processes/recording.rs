@@ -85,7 +85,8 @@ fn a_truncated_file_gives_all_complete_records() {
         wrong[place] ^= 1 << (part % 8);
         let (items, end) = read(&wrong);
         let found = frames(&items);
-        assert!(end.is_some() || found == known, "byte {place}");
+        let is_told = items.iter().any(|item| matches!(item, Item::LeftOut(_)));
+        assert!(end.is_some() || is_told || found == known, "byte {place}");
         for frame in found.values().flatten() {
             assert!(known[&frame.topic[..]].contains(frame), "byte {place}");
         }
@@ -93,8 +94,8 @@ fn a_truncated_file_gives_all_complete_records() {
     // A wrong length is detected before this much memory is requested: 4 GiB, for a text of the first record.
     let mut wrong = bytes.clone();
     wrong[17..21].fill(0xff);
-    let (_, end) = read(&wrong);
-    let Some(RecordingError::Broken(why)) = end else { panic!("{end:?}") };
+    let (items, end) = read(&wrong);
+    let Some(Item::LeftOut(why)) = items.first() else { panic!("{end:?}") };
     assert!(why.contains("longer than the record"), "{why}");
     let long = folder.path().join("long.mcap");
     std::fs::write(&long, &wrong).unwrap();

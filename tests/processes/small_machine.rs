@@ -94,7 +94,7 @@ fn a_damaged_size_in_a_recording_asks_for_no_memory() {
     let output = after("ulimit -v 700000", &["info", path]);
     let words = words(&output);
     assert_eq!(output.status.code(), Some(1), "{words}");
-    assert!(words.contains("it is broken: a chunk states a size of 1073741823 bytes"), "{words}");
+    assert!(words.contains("is left out: a chunk states a size of 1073741823 bytes"), "{words}");
 }
 
 #[test]

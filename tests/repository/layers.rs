@@ -69,10 +69,12 @@ const SENSORS: &[&str] = &[
 const XACRO: &[&str] = &[
     "shorten",
     "file",
+    "shell",
     "suggestion",
     "diagnostics",
     "xml",
     "budget",
+    "model_index",
     "package",
     "fault",
     "value",

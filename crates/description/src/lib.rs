@@ -31,7 +31,7 @@ pub mod values;
 /// The crate `belvedere-xacro`, which expands xacro files.
 pub use belvedere_xacro as xacro;
 use belvedere_xacro::file;
-pub use belvedere_xacro::{budget, diagnostics, package, suggestion, xml};
+pub use belvedere_xacro::{budget, diagnostics, model_index, package, shell, suggestion, xml};
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};
 pub use rules::{Rules, SensorModels};

@@ -7,7 +7,7 @@ use super::mesh::UpAxis;
 pub struct Rules {
     /// Continue as Gazebo classic does where something is missing, with a warning in place of the error.
     pub gazebo_compat: bool,
-    /// Leave out missing files that a world names, with a warning in place of the error.
+    /// Leave out missing files that a world or a robot names, with a warning in place of the error.
     pub skip_missing: bool,
     /// How Collada's `<up_axis>` is handled.
     pub up_axis: UpAxis,

@@ -107,9 +107,9 @@ pub(super) fn is_robot(root: &Element, diagnostics: &mut Diagnostics) -> bool {
 }
 
 impl Loader<'_> {
-    /// Reports a missing object: an error, or a warning where Gazebo continues without it.
+    /// Reports a missing file: an error, or a warning with `--gazebo-compat` or `--skip-missing`.
     fn missing(&mut self, source: &Source, what: impl Into<String>, remedy: impl Into<String>) {
-        if self.rules.gazebo_compat {
+        if self.rules.gazebo_compat || self.rules.skip_missing {
             self.diagnostics.warning(source, what, remedy);
         } else {
             self.diagnostics.error(source, what, remedy);

@@ -2,7 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, Read as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// The largest file that is read, bytes.
@@ -37,6 +37,45 @@ pub fn remedy(error: &io::Error) -> &'static str {
         io::ErrorKind::IsADirectory => "name a file in it",
         io::ErrorKind::PermissionDenied => "check the file's permissions",
         _ => "name another file",
+    }
+}
+
+/// Returns why nothing can be read at a path, unless the reason is that nothing is there: the system's error, such as that
+/// of a symbolic link that leads to itself, or where a broken link leads.
+pub fn obstacle(path: &Path) -> Option<String> {
+    let error = std::fs::metadata(path).err()?;
+    if error.kind() != io::ErrorKind::NotFound {
+        return Some(error.to_string());
+    }
+    let target = std::fs::read_link(path).ok()?;
+    Some(format!("it is a symbolic link to {}, which does not exist", target.display()))
+}
+
+/// Returns true if something is at a path, also what cannot be read.
+pub fn is_there(path: &Path) -> bool {
+    path.exists() || obstacle(path).is_some()
+}
+
+/// Lists the places where a file was looked for, each once, as part of a sentence.
+pub fn list(places: &[PathBuf]) -> String {
+    let mut listed: Vec<String> = Vec::new();
+    for place in places {
+        let text = match obstacle(place) {
+            Some(why) => format!("{} ({why})", place.display()),
+            None => place.display().to_string(),
+        };
+        if !listed.contains(&text) {
+            listed.push(text);
+        }
+    }
+    listed.join(", ")
+}
+
+/// Returns a sentence about a file that is needed, and is not at its place.
+pub fn lacking(path: &Path) -> String {
+    match obstacle(path) {
+        Some(why) => format!("the file {} cannot be read: {why}", path.display()),
+        None => format!("there is no file {}", path.display()),
     }
 }
 

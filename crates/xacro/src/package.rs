@@ -1,5 +1,6 @@
 //! Finds ROS packages, like rospack, and files in them.
 
+use super::model_index::ModelIndex;
 use super::xml::Element;
 use std::collections::{HashMap, HashSet};
 use std::ffi::OsStr;
@@ -17,6 +18,7 @@ const MAX_FOLDERS: usize = 200_000;
 pub struct PackagePath {
     user: Vec<Root>,
     fallback: Option<PathBuf>,
+    models: Option<Arc<ModelIndex>>,
 }
 
 /// A folder that contains packages. It is crawled when a package is requested that is not directly inside.
@@ -44,13 +46,24 @@ impl PackagePath {
             .unwrap_or_default();
         let user = user.into_iter().chain(ros).filter(|path| !path.as_os_str().is_empty());
         let user = user.map(|folder| Root { folder, crawled: Arc::default() }).collect();
-        Self { user, fallback: None }
+        Self { user, fallback: None, models: None }
     }
 
     /// Adds a folder that is searched after all others, for packages that are included with a program.
     #[must_use]
     pub fn with_fallback(self, folder: impl Into<PathBuf>) -> Self {
         Self { fallback: Some(folder.into()), ..self }
+    }
+
+    /// Adds models that `model://` finds by their names wherever they are, after all folders except the fallback.
+    #[must_use]
+    pub fn with_models(self, models: ModelIndex) -> Self {
+        Self { models: Some(models.into()), ..self }
+    }
+
+    /// Returns the models that are found wherever they are.
+    pub fn models(&self) -> Option<&ModelIndex> {
+        self.models.as_deref()
     }
 
     /// Returns the folder that is searched after all others.

@@ -75,6 +75,11 @@ def numbers(
 def number(argument: str, value: float, least: float = -math.inf, most: float = math.inf) -> float:
     """Return a number within limits, and not NaN."""
     try:
+        if isinstance(value, (str, bytes)):
+            raise TypeError(f"it is the text {value!r}")
+        shape = np.shape(value) if hasattr(value, "shape") or isinstance(value, (list, tuple)) else ()
+        if math.prod(shape) != 1:
+            raise TypeError(f"it is an array of shape {tuple(shape)}")
         converted = float(value)
     except (TypeError, ValueError, OverflowError) as error:
         raise ValueError(f"{argument}: a number is expected: {error}") from error

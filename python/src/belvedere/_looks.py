@@ -76,8 +76,8 @@ def _pbr(roughness: float | None, metalness: float | None) -> list[float] | None
     if roughness is None and metalness is None:
         return None
     return [
-        _arrays.numbers("roughness", [1.0 if roughness is None else roughness], 1, 0.0, 1.0)[0],
-        _arrays.numbers("metalness", [0.0 if metalness is None else metalness], 1, 0.0, 1.0)[0],
+        _arrays.number("roughness", 1.0 if roughness is None else roughness, 0.0, 1.0),
+        _arrays.number("metalness", 0.0 if metalness is None else metalness, 0.0, 1.0),
     ]
 
 

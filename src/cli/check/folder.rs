@@ -1,15 +1,19 @@
 //! `belvedere check --all`: a line for each robot, model and world of a folder.
 
+mod search;
+
 use super::{CheckArgs, counts, diagnose};
 use crate::cli::error::CliError;
 use crate::cli::follow::print_line;
 use crate::cli::log::status_lines;
 use crate::description::diagnostics::Source;
 use crate::description::load::{LoadOptions, is_world, xacro_argument};
+use crate::description::model_index::ModelIndex;
 use crate::description::xacro::{self, Element};
 use crate::description::{Diagnostics, Problem};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::collections::{BTreeMap, HashSet};
+use search::{Found, config_error, search};
+use std::collections::BTreeMap;
 use std::io::IsTerminal as _;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
@@ -59,8 +63,10 @@ enum Outcome {
 /// # Errors
 /// If there is no such folder, if it has no file to check, or if a file has errors; failures of standard output.
 pub(super) fn check_all(folder: &Path, args: &CheckArgs) -> Result<(), CliError> {
-    let job = Job::of(folder, args)?;
-    let files = files(folder).map_err(|source| CliError::Input { path: folder.to_owned(), source })?;
+    let mut job = Job::of(folder, args)?;
+    let Found { files, models } =
+        search(folder).map_err(|source| CliError::Input { path: folder.to_owned(), source })?;
+    job.options.packages = job.options.packages.with_models(ModelIndex::new(models));
     if files.is_empty() {
         let what = "there is no .urdf, .xacro, .sdf or .world file in this folder";
         return Err(problem(folder, what, "name the folder that has robots, models or worlds"));
@@ -95,12 +101,30 @@ pub(super) fn check_all(folder: &Path, args: &CheckArgs) -> Result<(), CliError>
         .iter()
         .filter_map(|what| Some(format!("{} {what}", counted.get(what)?)));
     print_line("")?;
+    for choice in choices(folder, &job) {
+        print_line(&choice)?;
+    }
     let plural = if files.len() == 1 { "file" } else { "files" };
     print_line(&format!("{} {plural}: {}", files.len(), counts.collect::<Vec<_>>().join(", ")))?;
     if failed > 0 {
         return Err(CliError::FilesFail { failed, files: files.len() });
     }
     Ok(())
+}
+
+/// Says, for each model that was looked up and is in several folders, which of them was used.
+fn choices(folder: &Path, job: &Job) -> Vec<String> {
+    let choices = job.options.packages.models().map(ModelIndex::choices).unwrap_or_default();
+    let say = |(name, folders): (String, Vec<&Path>)| {
+        let shown: Vec<String> = folders.iter().map(|model| below(folder, model)).collect();
+        let (used, others) = shown.split_first()?;
+        Some(format!(
+            "note: model://{name} is {used}, the first in alphabetical order, and not {}; to use another one, add the \
+             folder that contains it with --package-path or GAZEBO_MODEL_PATH",
+            others.join(", ")
+        ))
+    };
+    choices.into_iter().filter_map(say).collect()
 }
 
 /// The arguments and options with which each file is checked. Packages are searched only once.
@@ -183,66 +207,6 @@ fn without_prefix(text: &str, prefix: &str) -> String {
         rest = after;
     }
     kept + rest
-}
-
-/// Returns the files below a folder whose names are those of robots, models or worlds, in alphabetical order. Hidden
-/// folders are skipped, and so are symbolic links to a folder that was already visited.
-fn files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
-    let mut found = Vec::new();
-    let mut seen = HashSet::new();
-    let mut open = vec![folder.to_path_buf()];
-    let mut is_first = true;
-    while let Some(folder) = open.pop() {
-        let entries = match std::fs::read_dir(&folder) {
-            Ok(entries) => entries,
-            Err(error) if is_first => return Err(error),
-            Err(error) => {
-                tracing::warn!(folder = %folder.display(), %error, "a folder cannot be read and is left out");
-                continue;
-            }
-        };
-        is_first = false;
-        if !folder.canonicalize().is_ok_and(|real| seen.insert(real)) {
-            continue;
-        }
-        for entry in entries.filter_map(Result::ok) {
-            let path = entry.path();
-            let is_hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
-            if path.is_dir() {
-                open.extend((!is_hidden).then_some(path));
-            } else if is_description(&path) {
-                found.push(path);
-            }
-        }
-    }
-    found.sort();
-    Ok(found)
-}
-
-fn is_description(path: &Path) -> bool {
-    let is_known = path.extension().is_some_and(|extension| {
-        ["urdf", "xacro", "sdf", "world"].iter().any(|known| extension.eq_ignore_ascii_case(known))
-    });
-    // A model.config is listed only if it has an error: the file that it names is listed itself.
-    is_known || path.file_name().is_some_and(|name| name == "model.config") && config_error(path).is_some()
-}
-
-/// Returns the error of a model.config, if it has one. The files that it names are checked on their own.
-fn config_error(path: &Path) -> Option<String> {
-    let root = match Element::parse_file(path) {
-        Ok(root) => root,
-        Err(problem) => return Some(problem.to_string()),
-    };
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let named: Vec<String> = root.elements_named("sdf").map(Element::text).collect();
-    // A folder of meshes for other models names no file.
-    if named.is_empty() || named.iter().any(|name| folder.join(name.trim()).is_file()) {
-        return None;
-    }
-    let (place, named) = (root.source, named.join(", "));
-    Some(format!(
-        "{place}: error: <sdf> names {named}, which is not in its folder; correct the name of the file"
-    ))
 }
 
 /// Checks files on all cores, and passes the results to `done` in the order of the files.

@@ -4,6 +4,7 @@ use crate::cli::error::CliError;
 use crate::cli::place::{PLACE, Place};
 use crate::description::load::{Spawnable, xacro_argument};
 use crate::description::models::package_path;
+use crate::description::shell::quoted;
 use crate::description::{Diagnostics, Severity};
 use belvedere_bridge::payload::SimulationCommand;
 use belvedere_bridge::{Operation, Text};
@@ -154,10 +155,11 @@ impl Order {
         let name = message.command.name.as_str();
         let known = if name.is_empty() { "text" } else { name };
         let place = reason.strip_prefix(known).and_then(|rest| rest.strip_prefix(':'));
-        let file = file.display();
         match place.filter(|place| place.starts_with(|first: char| first.is_ascii_digit())) {
-            Some(place) if message.is_expanded => format!("what `belvedere urdf {file}` prints:{place}"),
-            Some(place) => format!("{file}:{place}"),
+            Some(place) if message.is_expanded => {
+                format!("what `belvedere urdf {}` prints:{place}", quoted(file))
+            }
+            Some(place) => format!("{}:{place}", file.display()),
             None => reason.to_owned(),
         }
     }

@@ -3,6 +3,7 @@
 use super::robot::{LoadOptions, is_bare, load_robot, not_found, robot_names};
 use super::world::{load_world, world_names};
 use crate::diagnostics::Diagnostics;
+use crate::file;
 use crate::model::{Model, World};
 use crate::models::searched;
 use crate::xml::Element;
@@ -32,7 +33,7 @@ pub fn load(
     if is_bare(path) && path.extension().is_none() && !path.is_file() {
         let (robots, worlds) = (robot_names(&options.packages), world_names(&options.packages));
         let names = || robots.iter().chain(&worlds).map(String::as_str);
-        if names().all(|name| path != Path::new(name)) {
+        if !file::is_there(path) && names().all(|name| path != Path::new(name)) {
             let listed =
                 |names: &[String]| if names.is_empty() { "none found".into() } else { names.join(", ") };
             let otherwise = format!(

@@ -1,6 +1,7 @@
 //! Loading of robots: found by file or by name, expanded by xacro, read from URDF.
 
 use crate::diagnostics::{Diagnostics, Source};
+use crate::file;
 use crate::model::Model;
 use crate::models::searched;
 use crate::package::PackagePath;
@@ -153,7 +154,7 @@ pub(super) fn find_robot(
     let is_robot_file = path.extension().is_some_and(|extension| {
         ["urdf", "xacro", "xml", "sdf", "world"].iter().any(|known| extension == *known)
     });
-    if !is_bare(path) || is_robot_file && path.exists() {
+    if !is_bare(path) || is_robot_file && file::is_there(path) {
         return Some(path.to_path_buf());
     }
     let name = path.to_string_lossy();
@@ -162,6 +163,10 @@ pub(super) fn find_robot(
         && let Some(found) = packages.find_file(PACKAGE, format!("robots/{name}{EXTENSION}"))
     {
         return Some(found.path);
+    }
+    // Whatever it is, reading it says what is wrong with it.
+    if file::is_there(path) {
+        return Some(path.to_path_buf());
     }
     let names = robot_names(packages);
     let otherwise = format!("give the path of a {formats} file or {}", one_of(&names, packages));

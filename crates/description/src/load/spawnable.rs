@@ -2,6 +2,7 @@
 
 use super::robot::find_robot;
 use crate::diagnostics::{Diagnostics, Problem, Severity, Source};
+use crate::file;
 use crate::package::PackagePath;
 use crate::xml::{Element, read_text};
 use crate::{urdf, xacro};
@@ -130,7 +131,7 @@ fn found(
     packages: &PackagePath,
     diagnostics: &mut Diagnostics,
 ) -> Result<PathBuf, NotSpawnable> {
-    if path.exists() && !path.is_dir() {
+    if file::is_there(path) && !path.is_dir() {
         return Ok(path.to_owned());
     }
     let mut own = Diagnostics::default();
@@ -214,6 +215,7 @@ mod tests {
         for (name, says) in [
             ("no/such.sdf", "no/such.sdf: error: no such file"),
             ("kobuki_nostack_camra", "did you mean 'kobuki_nostack_camera'"),
+            (&*"x".repeat(300), "File name too long"),
         ] {
             let said = load(name, &[]).unwrap_err().into_problem().to_string();
             assert!(said.contains(says), "{said}");

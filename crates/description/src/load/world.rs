@@ -2,6 +2,7 @@
 
 use super::robot::{is_bare, not_found, one_of};
 use crate::diagnostics::{Diagnostics, Source};
+use crate::file;
 use crate::model::World;
 use crate::package::PackagePath;
 use crate::rules::Rules;
@@ -70,7 +71,7 @@ fn lacks_files(path: &Path, packages: &PackagePath, rules: Rules) -> bool {
 }
 
 fn find_world(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics) -> Option<PathBuf> {
-    if !is_bare(path) || path.exists() && path.extension().is_some() {
+    if !is_bare(path) || file::is_there(path) && path.extension().is_some() {
         return Some(path.to_path_buf());
     }
     // `playground.world` also stands for the name, if there is no such file here.
@@ -87,6 +88,10 @@ fn find_world(path: &Path, packages: &PackagePath, diagnostics: &mut Diagnostics
         if let Some(found) = candidates.find(|candidate| candidate.is_file()) {
             return Some(found);
         }
+    }
+    // Whatever it is, reading it says what is wrong with it.
+    if file::is_there(path) {
+        return Some(path.to_path_buf());
     }
     let names = world_names(packages);
     let otherwise = format!("give the path of a world file or {}", one_of(&names, packages));

@@ -1,7 +1,8 @@
 //! `<geometry>`.
 
 use super::resources::Resolved;
-use super::{Loader, Scope, TEXTURE, resources};
+use super::{Loader, Scope, TEXTURE};
+use crate::file;
 use crate::mesh::{MESH_FORMATS, Submesh, load_mesh_parts, merge_parts};
 use crate::model::{Geometry, Material, Mesh};
 use crate::values::{child_bool, child_text, numbers};
@@ -167,7 +168,7 @@ impl Loader<'_> {
                 (format!("the {what} '{uri}' is a folder: {}", path.display()), "name a file in it".to_owned())
             }
             Resolved::NotFound(places) => (
-                format!("there is no {what} '{uri}': looked for {}", resources::list(&places)),
+                format!("there is no {what} '{uri}': looked for {}", file::list(&places)),
                 "correct the path, or add the folder that holds the model to GAZEBO_MODEL_PATH or --package-path"
                     .to_owned(),
             ),

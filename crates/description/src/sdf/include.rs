@@ -3,7 +3,8 @@
 use super::model::ParsedModel;
 use super::pose::WrittenPose;
 use super::resources::Resolved;
-use super::{A_FILE, Loader, Scope, Version, canonical, resources};
+use super::{A_FILE, Loader, Scope, Version, canonical};
+use crate::file;
 use crate::model::Light;
 use crate::plugin;
 use crate::suggestion::nearest;
@@ -145,7 +146,7 @@ impl Loader<'_> {
                 let meant = near.map_or_else(String::new, |near| format!("did you mean 'model://{near}'? "));
                 self.missing(
                     &element.source,
-                    format!("there is no model '{uri}': looked for {}", resources::list(&places)),
+                    format!("there is no model '{uri}': looked for {}", file::list(&places)),
                     format!("{meant}add the folder that contains it to GAZEBO_MODEL_PATH or --package-path"),
                 );
                 return None;
@@ -199,7 +200,7 @@ impl Loader<'_> {
         }
         self.missing(
             sdf.map_or(&root.source, |sdf| &sdf.source),
-            format!("there is no file {}", file.display()),
+            file::lacking(&file),
             "correct the <sdf> element",
         );
         None

@@ -1,7 +1,8 @@
 //! `<material>`: an Ogre script by name, colours, gloss, normals, and `<pbr>`.
 
 use super::resources::Resolved;
-use super::{Loader, Scope, TEXTURE, resources};
+use super::{Loader, Scope, TEXTURE};
+use crate::file;
 use crate::gazebo_materials::{gazebo_material, gazebo_material_names};
 use crate::model::{Channel, Material, PbrMaps};
 use crate::ogre_material::{self, Library, OgreMaterial};
@@ -222,8 +223,8 @@ impl Loader<'_> {
         );
         let looked = match uris.first() {
             None => "its <script> has no <uri>, and Gazebo has none of that name".into(),
-            Some(_) if !places.is_empty() => format!("looked for {}", resources::list(&places)),
-            Some(_) if !folders.is_empty() => format!("it is not in {}", resources::list(&folders)),
+            Some(_) if !places.is_empty() => format!("looked for {}", file::list(&places)),
+            Some(_) if !folders.is_empty() => format!("it is not in {}", file::list(&folders)),
             Some(uri) => format!("'{}' cannot be fetched", uri.text()),
         };
         let what = format!("there is no material '{name}': {looked}");
@@ -278,7 +279,7 @@ impl Loader<'_> {
             let Some(found) = places.iter().find(|place| place.is_file()) else {
                 self.missing_picture(
                     source,
-                    &format!("there is no texture '{name}': looked for {}", resources::list(&places)),
+                    &format!("there is no texture '{name}': looked for {}", file::list(&places)),
                     format!(
                         "put it there, or name its folder in a <uri> of the <script> at {}",
                         script.source

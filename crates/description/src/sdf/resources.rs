@@ -1,6 +1,7 @@
 //! Resolution of the URIs in a world.
 
 use super::fuel::FuelUri;
+use crate::model_index::ModelIndex;
 use crate::package::PackagePath;
 use std::cell::OnceCell;
 use std::path::{Path, PathBuf};
@@ -12,7 +13,7 @@ const MODEL_VARIABLES: [&str; 4] =
 /// The folders that are searched.
 pub(super) struct Resources<'a> {
     packages: &'a PackagePath,
-    /// Folders that contain models, Belvedere's own last.
+    /// Folders that contain models, except Belvedere's own, which is the last one searched.
     model_folders: Vec<PathBuf>,
     /// Folders that `file://media/…` may refer to.
     media_folders: Vec<PathBuf>,
@@ -32,7 +33,8 @@ pub(super) enum Resolved {
 
 impl<'a> Resources<'a> {
     /// Collects the folders in order: the user's package folders, Gazebo's variables, the world file's folder and the `models`
-    /// beside it (for a model file the folder above it), Gazebo's download folder, Belvedere's own.
+    /// beside it (for a model file the folder above it), Gazebo's download folder. The packages' index of models and
+    /// Belvedere's own follow.
     pub(super) fn new(packages: &'a PackagePath, world_file: &Path) -> Self {
         let variable = |name: &str| -> Vec<PathBuf> {
             std::env::var_os(name)
@@ -54,7 +56,6 @@ impl<'a> Resources<'a> {
             .chain(beside)
             .chain(around)
             .chain(downloads)
-            .chain(ours.map(Path::to_path_buf))
             .collect();
         Self {
             packages,
@@ -98,7 +99,14 @@ impl<'a> Resources<'a> {
                 };
             }
             // model://, and as in gz-sim any other scheme, such as a misspelt models://.
-            Some((_, rest)) => self.in_models(rest.trim_start_matches('/')).collect(),
+            Some((_, rest)) => {
+                let rest = rest.trim_start_matches('/');
+                // The index of models is only asked for what is in no folder before it.
+                match self.in_models(rest).find(|place| place.exists()) {
+                    Some(found) => vec![found],
+                    None => self.in_models(rest).collect(),
+                }
+            }
             None => vec![folder.join(uri)],
         };
         let found = candidates.iter().find(|candidate| candidate.exists()).cloned();
@@ -111,8 +119,17 @@ impl<'a> Resources<'a> {
     /// Returns the paths that a relative name may have among the models.
     fn in_models(&self, name: &str) -> impl Iterator<Item = PathBuf> {
         let is_relative = Path::new(name).is_relative() && !name.is_empty();
-        let folders = self.model_folders.iter().filter(move |_| is_relative);
-        folders.map(move |models| models.join(name))
+        let folders = self.model_folders.iter().map(move |models| models.join(name));
+        let indexed = self.packages.models().into_iter().filter_map(move |index| self.indexed(index, name));
+        let ours = self.packages.fallback().map(move |ours| ours.join(name));
+        folders.chain(indexed).chain(ours).filter(move |_| is_relative)
+    }
+
+    /// Returns the paths of a name among the models that are found wherever they are. What a package exports to Gazebo
+    /// comes first, because the package means it.
+    fn indexed(&self, index: &ModelIndex, name: &str) -> Option<PathBuf> {
+        let exported = self.exported_folders()[0].iter().map(|folder| folder.join(name));
+        exported.into_iter().find(|place| place.exists()).or_else(|| index.find(name))
     }
 
     /// As in libsdformat, a name that is not found in its own folder is looked for among the models.
@@ -128,15 +145,19 @@ impl<'a> Resources<'a> {
             ("file", rest) => (1, rest),
             _ => return None,
         };
+        self.exported_folders()[kind].iter().map(|folder| folder.join(rest)).find(|place| place.exists())
+    }
+
+    fn exported_folders(&self) -> &[Vec<PathBuf>; 2] {
         let keys = ["gazebo_model_path", "gazebo_media_path"];
-        let exported = self.exported.get_or_init(|| keys.map(|key| self.packages.exported(key)));
-        exported[kind].iter().map(|folder| folder.join(rest)).find(|place| place.exists())
+        self.exported.get_or_init(|| keys.map(|key| self.packages.exported(key)))
     }
 
     /// Returns the names of the models that `model://` can reach, for "did you mean".
     pub(super) fn model_names(&self) -> Vec<String> {
-        self.model_folders
-            .iter()
+        let folders = self.model_folders.iter().map(PathBuf::as_path).chain(self.packages.fallback());
+        let indexed = self.packages.models().into_iter().flat_map(ModelIndex::names).map(str::to_owned);
+        folders
             .filter_map(|folder| std::fs::read_dir(folder).ok())
             .flatten()
             .filter_map(|entry| {
@@ -144,18 +165,7 @@ impl<'a> Resources<'a> {
                 let is_model = path.join("model.config").is_file() || path.join("model.sdf").is_file();
                 is_model.then(|| path.file_name()?.to_str().map(str::to_owned))?
             })
+            .chain(indexed)
             .collect()
     }
-}
-
-/// Lists the places that were searched, for an error message.
-pub(super) fn list(places: &[PathBuf]) -> String {
-    let mut shown: Vec<String> = Vec::new();
-    for place in places {
-        let text = place.display().to_string();
-        if !shown.contains(&text) {
-            shown.push(text);
-        }
-    }
-    shown.join(", ")
 }

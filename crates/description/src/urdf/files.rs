@@ -2,6 +2,7 @@
 
 use super::{Loader, TEXTURE};
 use crate::diagnostics::{Diagnostics, Source};
+use crate::file;
 use crate::package::{Found, PackagePath};
 use crate::xml::{Element, Node};
 use percent_encoding::{AsciiSet, CONTROLS, percent_decode_str, utf8_percent_encode};
@@ -108,15 +109,12 @@ impl Loader<'_> {
                         "",
                     );
                 }
-                let folders: Vec<String> = self
-                    .packages
-                    .folders()
-                    .map(|folder| folder.join(package).join(relative).display().to_string())
-                    .collect();
-                (found.map(|found| found.path), folders.join(", "))
+                let places: Vec<PathBuf> =
+                    self.packages.folders().map(|folder| folder.join(package).join(relative)).collect();
+                (found.map(|found| found.path), file::list(&places))
             }
             Named::At(path) => {
-                let shown = path.display().to_string();
+                let shown = file::list(std::slice::from_ref(&path));
                 (Some(path), shown)
             }
             Named::Elsewhere(scheme) => {

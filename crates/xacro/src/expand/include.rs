@@ -65,7 +65,10 @@ impl Expander<'_> {
                 "correct the name, or add the folder that has it with --package-path or ROS_PACKAGE_PATH",
             ),
             None => Fault::new(
-                format!("no file '{}' to include", path.display()),
+                match crate::file::obstacle(path) {
+                    Some(why) => format!("the file '{}' to include cannot be read: {why}", path.display()),
+                    None => format!("no file '{}' to include", path.display()),
+                },
                 "correct the name; it is relative to the folder of the file that is being expanded, also in a macro",
             ),
         }

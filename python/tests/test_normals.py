@@ -23,7 +23,7 @@ HERE = np.array([[1.0, 0, 0, -5], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]])
 
 def lit(**normals: Any) -> bv.World:
     world = bv.World()
-    world.set_environment(ambient=(0, 0, 0))
+    world.set_environment(ambient=(0, 0, 0), background=(0, 0, 0))
     world.add_mesh(CORNERS, FACES, color=(1, 1, 1), **normals)
     world.add_light("directional", direction=(1, 0, 0), color=(1, 1, 1), shadows=False)
     return world

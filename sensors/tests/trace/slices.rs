@@ -358,8 +358,6 @@ fn meshes_from_elsewhere_are_checked() {
 #[test]
 fn normals_need_their_memory() {
     let mut arrays = Arrays::new();
-    let memory = arrays.store();
-    drop(memory);
     let Arrays { meshes, uvs, triangles, nodes, blocks, facets, scratch, .. } = &mut *arrays;
     let normals: &mut [[f32; 3]] = &mut [];
     let mut store =

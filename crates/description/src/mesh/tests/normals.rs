@@ -14,11 +14,11 @@ const NORMALS: [[f32; 3]; 4] = [[-2.0, 0.0, 0.0], [0.0, 0.0, 0.5], [0.0, 0.0, 3.
 const FACES: [[u32; 3]; 2] = [[0, 1, 2], [1, 3, 2]];
 
 fn words(rows: &[[f32; 3]]) -> String {
-    rows.iter().map(|[x, y, z]| format!("{x} {y} {z} ")).collect()
+    rows.as_flattened().iter().map(|number| number.to_string() + " ").collect()
 }
 
 fn lines(keyword: &str, rows: &[[f32; 3]]) -> String {
-    rows.iter().map(|[x, y, z]| format!("{keyword} {x} {y} {z}\n")).collect()
+    rows.iter().map(|row| format!("{keyword} {}", words(&[*row]))).collect::<Vec<_>>().join("\n") + "\n"
 }
 
 fn obj() -> String {

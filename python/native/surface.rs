@@ -40,6 +40,7 @@ pub(crate) fn of_shape(error: SceneError) -> PyErr {
         SceneError::BadPose => "pose",
         SceneError::BadVertex(_) | SceneError::VertexTooFar(_) => "vertices",
         SceneError::BadTriangle(_) => "faces",
+        SceneError::NormalCount | SceneError::BadNormal(_) => "normals",
         SceneError::UvCount | SceneError::BadUv(_) => "uvs",
         SceneError::BadHeight(_) | SceneError::HeightCount | SceneError::HeightFieldTooSmall => "heights",
         SceneError::BadAlpha => "color",

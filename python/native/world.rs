@@ -242,12 +242,15 @@ impl World {
         vertices: PyReadonlyArrayDyn<'_, f32>,
         faces: PyReadonlyArrayDyn<'_, u32>,
         uvs: Option<PyReadonlyArrayDyn<'_, f32>>,
+        normals: Option<PyReadonlyArrayDyn<'_, f32>>,
         look: Look<'_>,
         said: Said<'_>,
     ) -> PyResult<usize> {
         let positions = triples::<f32, 3>("vertices", &vertices)?;
         let triangles = triples::<u32, 3>("faces", &faces)?;
         let uvs = uvs.as_ref().map(|uvs| triples::<f32, 2>("uvs", uvs)).transpose()?.unwrap_or_default();
+        let normals = normals.as_ref().map(|normals| triples::<f32, 3>("normals", normals));
+        let normals = normals.transpose()?.unwrap_or_default();
         if triangles.is_empty() {
             return Err(of("faces", "there are none; a mesh has one triangle at least"));
         }
@@ -257,6 +260,7 @@ impl World {
             |builder| {
                 let id = builder.add_mesh(&positions, &uvs, &triangles).map_err(of_shape)?;
                 mesh = Some(id);
+                builder.set_mesh_normals(id, &normals).map_err(of_shape)?;
                 Ok(Shape::Mesh(id))
             },
             look,

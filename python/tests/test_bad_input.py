@@ -205,10 +205,12 @@ def test_any_poses(poses: Any, seeds: Any, bodies: Any, after: Any) -> None:
     vertices=arrays.arrays(np.float64, st.tuples(st.integers(0, 9), st.integers(2, 4))),
     faces=arrays.arrays(np.int64, st.tuples(st.integers(0, 5), st.integers(2, 4)), elements=st.integers(-2, 9)),
     uvs=st.one_of(st.none(), anything),
+    normals=st.one_of(st.none(), anything, arrays.arrays(np.float64, st.tuples(st.integers(0, 9), st.just(3)))),
 )
-def test_any_mesh(vertices: Any, faces: Any, uvs: Any) -> None:
+def test_any_mesh(vertices: Any, faces: Any, uvs: Any, normals: Any) -> None:
     world = bv.World()
-    if refused(lambda: world.add_mesh(vertices, faces, uvs=uvs), "vertices", "faces", "uvs"):
+    names = ("vertices", "faces", "uvs", "normals")
+    if refused(lambda: world.add_mesh(vertices, faces, uvs=uvs, normals=normals), *names):
         assert world.bodies == []
     CAMERA.render(world, HERE, channels=("depth", "rgb", "normal"))
 

@@ -23,7 +23,11 @@ def plain(**attributes: Any) -> SimpleNamespace:
     """Return what a ``geometry.TriangleMesh`` has."""
     empty = np.zeros((0, 3))
     given: dict[str, Any] = {"vertices": SQUARE, "triangles": FACES, "vertex_colors": empty, "textures": []}
-    given |= {"triangle_uvs": np.zeros((0, 2)), "triangle_material_ids": np.zeros(0, np.int32)}
+    given |= {
+        "vertex_normals": empty,
+        "triangle_uvs": np.zeros((0, 2)),
+        "triangle_material_ids": np.zeros(0, np.int32),
+    }
     return SimpleNamespace(**(given | attributes))
 
 
@@ -87,6 +91,25 @@ def test_textures_are_upright() -> None:
     world = bv.World.from_open3d([{"name": "model", "geometry": model}])
     assert has_upright_tiles(world)
     assert world.bodies == ["model/part"]
+
+
+@pytest.mark.parametrize("colours", [{}, {"vertex_colors": np.eye(4, 3)}])
+def test_normals_of_vertices_are_those_of_the_body(colours: Any) -> None:
+    slope = np.array([[0.0, 0.6, 0.8], [0.0, -0.6, 0.8], [0.6, 0.0, 0.8], [-0.6, 0.0, 0.8]])
+    tensors = {"colors" if key == "vertex_colors" else key: value for key, value in colours.items()}
+    for flat, smooth in (
+        (plain(**colours), plain(vertex_normals=slope, **colours)),
+        (tensor(tensors, {}), tensor(tensors | {"normals": slope}, {})),
+    ):
+        pictures = []
+        for geometry in (flat, smooth):
+            world = bv.World.from_open3d(geometry)
+            world.add_light("directional", direction=(0, 0, -1), color=(1, 1, 1), shadows=False)
+            from_above = np.array([[0, 0, 1.0, 0], [0, 1, 0, 0], [-1, 0, 0, 3], [0, 0, 0, 1]])
+            pictures.append(bv.Camera(60, 60, 1.0).render(world, from_above)["rgb"].astype(int))
+        # All normals lie 37 degrees aside, and the mean of opposite ones points straight up.
+        assert pictures[0].max() >= pictures[1].max()
+        assert (pictures[0] - pictures[1]).max() > 10
 
 
 def test_colours() -> None:

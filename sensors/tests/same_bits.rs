@@ -13,7 +13,7 @@ use belvedere_sensors::scanner::{
     Spinning, Weather, presets,
 };
 use belvedere_sensors::scene::{
-    ColourSpace, LightConfig, MaterialConfig, Pbr, SceneBuilder, Shape, TextureAlpha,
+    ColourSpace, InstanceConfig, LightConfig, MaterialConfig, Pbr, SceneBuilder, Shape, TextureAlpha,
     TextureMode::{self, Light, Reflectance},
 };
 use belvedere_sensors::simd::Level;
@@ -168,6 +168,11 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
         ),
         ("rgb8 of facets", picture_with(&facets(builder.clone(), false), camera, pose, 7, execution)),
         ("rgb8 of mapped facets", picture_with(&facets(builder.clone(), true), camera, pose, 7, execution)),
+        ("rgb8 of meshes with normals", picture_with(&smooth(builder.clone()), camera, pose, 7, execution)),
+        (
+            "rgb8 of both sides of meshes with normals",
+            picture_with(&smooth(builder.clone()), camera.faces(Faces::Both), pose, 7, execution),
+        ),
         ("ranges of mirrors and panes", bytes(&mirrored)),
         ("intensities of mirrors and panes", bytes(&passed)),
         ("32fc1 of mirrors and panes", bytes(&glazed_depths)),
@@ -273,6 +278,38 @@ fn facets(mut builder: SceneBuilder, mapped: bool) -> SceneBuilder {
     builder
 }
 
+/// The scene with two coarse vases that have a normal per vertex: a textured one and a shiny one, scaled.
+fn smooth(mut builder: SceneBuilder) -> SceneBuilder {
+    const SIDES: [[f32; 2]; 6] =
+        [[1.0, 0.0], [0.5, 0.9], [-0.5, 0.9], [-1.0, 0.0], [-0.5, -0.9], [0.5, -0.9]];
+    let rings = [(0.3, -0.5), (0.5, -0.2), (0.35, 0.2), (0.45, 0.5_f32)];
+    let of_rings = |of: &dyn Fn([f32; 2], (f32, f32)) -> [f32; 3]| -> Vec<[f32; 3]> {
+        rings.iter().flat_map(|ring| SIDES.iter().map(|side| of(*side, *ring))).collect()
+    };
+    let corners = of_rings(&|[x, y], (radius, z)| [radius * x, radius * y, z]);
+    let normals = of_rings(&|[x, y], (radius, z)| [x, y, radius - 0.4 + z * 0.1]);
+    let uvs: Vec<[f32; 2]> = corners.iter().map(|[x, y, z]| [x + y, *z]).collect();
+    let quad = |ring: u32, side: u32| {
+        let next = (side + 1) % 6;
+        let [a, b, c, d] = [6 * ring + side, 6 * ring + next, 6 * ring + 6 + side, 6 * ring + 6 + next];
+        [[a, b, c], [b, d, c]]
+    };
+    let faces: Vec<_> = (0..3).flat_map(|ring| (0..6).flat_map(move |side| quad(ring, side))).collect();
+    let mesh = builder.add_mesh(&corners, &uvs, &faces).unwrap();
+    builder.set_mesh_normals(mesh, &normals).unwrap();
+    let texels = [[255, 200, 100, 255], [90, 80, 9, 255], [50, 60, 70, 255], [9, 250, 3, 255]];
+    let texture = Some(builder.add_texture(2, 2, &texels).unwrap());
+    let pbr = Some(Pbr { roughness: 0.3, metalness: 0.2, highlights: [1.0, 0.9, 0.8] });
+    for (texture, pbr, y, scale) in [(texture, None, 0.6, [1.0; 3]), (None, pbr, -0.4, [0.7, -1.1, 0.9])] {
+        let material = builder.add_material(&MaterialConfig { texture, pbr, ..Default::default() }).unwrap();
+        let world_from_instance = Pose::from_translation(DVec3::new(-1.6, y, 1.1));
+        let shape = Shape::Mesh(mesh);
+        let config = InstanceConfig { shape, world_from_instance, material, scale, ..Default::default() };
+        builder.add_instance(&config).unwrap();
+    }
+    builder
+}
+
 #[test]
 fn every_level() {
     let expected = sense_all(Execution { level: Level::baseline(), ..Execution::default() });
@@ -308,7 +345,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 25] = [
+    let expected: [(&str, u64); 27] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -331,6 +368,8 @@ fn every_machine() {
         ("rgb8 of a texture of light", 0xb748_c137_3797_4a71),
         ("rgb8 of facets", 0x67fa_f293_d640_2f8d),
         ("rgb8 of mapped facets", 0x8a99_00de_2846_e67c),
+        ("rgb8 of meshes with normals", 0x1842_d74c_c512_5f28),
+        ("rgb8 of both sides of meshes with normals", 0xaa1b_5e80_3110_39fe),
         ("ranges of mirrors and panes", 0xe32c_707c_86a7_e51a),
         ("intensities of mirrors and panes", 0xd852_0a22_7b22_d8ec),
         ("32fc1 of mirrors and panes", 0xc7c7_aba7_92a6_86d0),

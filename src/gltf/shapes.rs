@@ -21,14 +21,14 @@ pub(super) struct Triangles<'a> {
 }
 
 impl<'a> Triangles<'a> {
-    /// Returns the triangles of a shape. Meshes have no normals, so readers shade them flat.
+    /// Returns the triangles of a shape. Readers shade meshes without normals flat, as cameras do.
     pub(super) fn of(geometry: &'a Geometry) -> Self {
         let mut shape = Self::default();
         match geometry {
             Geometry::Mesh(mesh) => {
                 return Self {
                     positions: Cow::Borrowed(&mesh.positions),
-                    normals: Vec::new(),
+                    normals: mesh.normals.clone(),
                     uvs: Cow::Borrowed(&mesh.uvs),
                     corners: Cow::Borrowed(&mesh.triangles),
                 };

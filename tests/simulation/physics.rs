@@ -221,6 +221,7 @@ fn the_radius_of_a_wheel_is_taken_from_its_triangles() {
             path: "ring.stl".into(),
             positions,
             uvs: Vec::new(),
+            normals: Vec::new(),
             triangles: triangles.collect(),
             material: None,
         }

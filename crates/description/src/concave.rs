@@ -185,7 +185,7 @@ mod tests {
     use std::time::Instant;
 
     fn mesh(positions: Vec<[f32; 3]>, triangles: Vec<[u32; 3]>) -> Mesh {
-        Mesh { path: "m".into(), positions, uvs: Vec::new(), triangles, material: None }
+        Mesh { path: "m".into(), positions, uvs: Vec::new(), normals: Vec::new(), triangles, material: None }
     }
 
     /// A ring of `count` sides that stands on z = 0, with a tip above its middle, and another in its middle at `floor`.

@@ -2,11 +2,16 @@
 //!
 //! STL, OBJ and PLY are read without conversion: metres, z up. Collada files state their unit and their up axis, and in glTF
 //! y is up: see [`UpAxis`].
+//!
+//! Normals of vertices are read from all formats but STL. Where a vertex has several normals, it becomes several
+//! vertices. A file, or a face, without normals is flat; so is every STL file, whose normals belong to triangles, as in
+//! Gazebo.
 
 mod collada;
 mod faces;
 pub(crate) mod gltf;
 mod look;
+mod normals;
 mod obj;
 mod part;
 mod ply;
@@ -189,6 +194,7 @@ pub fn merge_parts(parts: &[Arc<Mesh>]) -> Option<Arc<Mesh>> {
         path: largest.path.clone(),
         positions: Vec::new(),
         uvs: Vec::new(),
+        normals: Vec::new(),
         triangles: Vec::new(),
         material: largest.material.clone(),
     };

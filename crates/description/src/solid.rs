@@ -152,6 +152,7 @@ mod tests {
             path: "box".into(),
             positions: (0..8).map(|index| corner(index).as_vec3().to_array()).collect(),
             uvs: Vec::new(),
+            normals: Vec::new(),
             triangles: faces.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]).collect(),
             material: None,
         };

@@ -36,6 +36,18 @@ def coloured(
     return own, np.arange(len(own)).reshape(-1, 3), uvs.reshape(-1, 2).astype(np.float32), look
 
 
+def coloured_with_normals(
+    vertices: NDArray[Any], normals: NDArray[Any] | None, faces: NDArray[Any], corners: NDArray[np.uint8]
+) -> tuple[NDArray[Any], NDArray[Any] | None, NDArray[Any], NDArray[np.float32] | None, dict[str, Any]]:
+    """Return the same as ``coloured``, with the normals of the vertices, (V, 3), if there are any."""
+    if normals is None:
+        vertices, faces, uvs, look = coloured(vertices, faces, corners)
+        return vertices, None, faces, uvs, look
+    rows = np.concatenate([np.asarray(vertices, np.float64), np.asarray(normals, np.float64)], axis=1)
+    rows, faces, uvs, look = coloured(rows, faces, corners)
+    return rows[:, :3], rows[:, 3:], faces, uvs, look
+
+
 def _one_texel_each(colours: NDArray[np.uint8]) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     """Return a texture with a texel for each colour, and the coordinates of the corners (F, 3, 2)."""
     packed = colours.astype(np.uint32) @ np.array([1 << 16, 1 << 8, 1], np.uint32)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from belvedere._coloured import coloured
+from belvedere._coloured import coloured_with_normals
 from belvedere._importer import Importer, Mesh
 
 if TYPE_CHECKING:
@@ -51,6 +51,8 @@ class _Geometry(NamedTuple):
     #: The number of the material of each face, (F,).
     materials: NDArray[Any]
     surfaces: Sequence[_Surface]
+    #: The normals of vertices, (V, 3).
+    normals: NDArray[Any] | None = None
 
 
 def world_of(given: Any, up: str) -> World:
@@ -100,17 +102,19 @@ def _mesh(importer: Importer, read: _Geometry, chosen: NDArray[np.bool_], number
         own = read.vertices[faces.reshape(-1)]
         corners = np.arange(len(own)).reshape(-1, 3)
         look = {"color": [1.0, 1.0, 1.0]} | surface.look | {"texture": surface.texture}
-        return Mesh(own, corners, read.uvs[chosen].reshape(-1, 2), look)
+        normals = None if read.normals is None else read.normals[faces.reshape(-1)]
+        return Mesh(own, corners, read.uvs[chosen].reshape(-1, 2), look, normals)
     if surface.texture is not None:
         importer.note("textures of meshes without texture coordinates are left out")
     if read.colors is not None:
         colors = np.rint(np.clip(read.colors[chosen], 0.0, 1.0) * 255.0).astype(np.uint8)
-        vertices, faces, uvs, look = coloured(read.vertices, faces, colors)
+        vertices, normals, faces, uvs, look = coloured_with_normals(read.vertices, read.normals, faces, colors)
         base = np.ones(4) if "color" not in surface.look else np.array(surface.look["color"])
         look["color"] = [*(base[:3] * look["color"]).tolist(), *base[3:].tolist()]
-        return Mesh(vertices, faces, uvs, surface.look | look)
+        return Mesh(vertices, faces, uvs, surface.look | look, normals)
     used, corners = np.unique(faces, return_inverse=True)
-    return Mesh(read.vertices[used], corners.reshape(-1, 3), None, surface.look)
+    normals = None if read.normals is None else read.normals[used]
+    return Mesh(read.vertices[used], corners.reshape(-1, 3), None, surface.look, normals)
 
 
 def _plain(importer: Importer, mesh: Any) -> _Geometry:
@@ -128,6 +132,7 @@ def _plain(importer: Importer, mesh: Any) -> _Geometry:
         colors[faces] if len(colors) else None,
         numbers if len(numbers) == len(faces) else np.zeros(len(faces), np.int64),
         surfaces,
+        _normals(np.asarray(mesh.vertex_normals), np.asarray(mesh.vertices)),
     )
 
 
@@ -155,7 +160,13 @@ def _tensor(importer: Importer, mesh: Any) -> _Geometry:
             importer.note(f"{key} maps are not shown")
         look = _look(vectors.get("base_color", np.ones(4)), scalars.get("roughness"), scalars.get("metallic"))
         surfaces = [_Surface(look, _texels(importer, dict(material.texture_maps).get("albedo")))]
-    return _Geometry(vertices, faces, uvs, colors, np.zeros(len(faces), np.int64), surfaces)
+    normals = _normals(corner.get("normals"), vertices)
+    return _Geometry(vertices, faces, uvs, colors, np.zeros(len(faces), np.int64), surfaces, normals)
+
+
+def _normals(given: NDArray[Any] | None, vertices: NDArray[Any]) -> NDArray[Any] | None:
+    """Return the normals of a mesh that has one for each vertex."""
+    return given if given is not None and given.shape == vertices.shape and len(given) else None
 
 
 def _arrays_of(attributes: Any) -> dict[str, NDArray[Any]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from belvedere._coloured import coloured
+from belvedere._coloured import coloured_with_normals
 from belvedere._importer import Importer, Mesh, displayed
 from belvedere._placed_camera import PlacedCamera, pose_of
 from belvedere._required import required
@@ -69,18 +69,19 @@ def _metres(trimesh: Any, scene: Any) -> float:
 
 def _mesh(importer: Importer, geometry: Any) -> Mesh:
     vertices, faces, visual = geometry.vertices, geometry.faces, geometry.visual
+    normals = _normals(geometry)
     if len(faces) == 0 or not visual.defined:
-        return Mesh(vertices, faces, None, {})
+        return Mesh(vertices, faces, None, {}, normals)
     if visual.kind == "texture":
         look, image = _look(importer, visual.material)
         uvs = getattr(visual, "uv", None)
         if image is not None and uvs is not None and len(uvs) == len(vertices):
-            return Mesh(vertices, faces, uvs, look | {"texture": image})
+            return Mesh(vertices, faces, uvs, look | {"texture": image}, normals)
         if image is not None:
             importer.note("textures of meshes without texture coordinates are shown by their mean colour")
             mean = image.reshape(-1, 3).mean(axis=0) / 255.0
             look["color"] = [*(np.array(look["color"][:3]) * mean).tolist(), look["color"][3]]
-        return Mesh(vertices, faces, None, look)
+        return Mesh(vertices, faces, None, look, normals)
     if visual.kind == "face":
         corners = np.repeat(np.asarray(visual.face_colors, np.uint8)[:, None], 3, axis=1)
     else:
@@ -88,9 +89,18 @@ def _mesh(importer: Importer, geometry: Any) -> Mesh:
     alpha = corners[..., 3]
     if (alpha != alpha[0, 0]).any():
         importer.note("the transparency of single vertices and faces is shown by its mean")
-    vertices, faces, uvs, look = coloured(vertices, faces, corners[..., :3])
+    vertices, normals, faces, uvs, look = coloured_with_normals(vertices, normals, faces, corners[..., :3])
     look["color"].append(float(alpha.mean()) / 255.0)
-    return Mesh(vertices, faces, uvs, look)
+    return Mesh(vertices, faces, uvs, look, normals)
+
+
+def _normals(geometry: Any) -> Any:
+    """Return the normals of vertices of a file or of the caller; none for a mesh for which trimesh would compute them.
+
+    Computed ones are round at the edges of a box too. As when trimesh writes glTF, those count that the mesh holds.
+    """
+    held = vars(geometry).get("_cache", ())
+    return geometry.vertex_normals if "vertex_normals" in held else None
 
 
 def _look(importer: Importer, material: Any) -> tuple[dict[str, Any], NDArray[np.uint8] | None]:

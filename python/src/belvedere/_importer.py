@@ -39,6 +39,8 @@ class Mesh(NamedTuple):
     uvs: NDArray[Any] | None
     #: Keywords of ``World.add_mesh``.
     look: dict[str, Any]
+    #: Outward normals of the vertices, (V, 3); without them, triangles are flat.
+    normals: NDArray[Any] | None = None
 
 
 class _Known(NamedTuple):
@@ -139,7 +141,7 @@ class Importer:
             return None
         middle, vertices = _centred(made.vertices)
         pose[:3, 3] = matrix[:3, 3] + matrix[:3, :3] @ middle
-        body = self._add(name, vertices, made.faces, made, pose, scale)
+        body = self._add(name, vertices, made.faces, made, pose, scale, made.normals)
         self._known[key] = _Known(body, middle)
         return body
 
@@ -151,7 +153,13 @@ class Importer:
         pose[:3, 3] = matrix[:3, 3] + middle
         is_mirrored = np.linalg.det(matrix[:3, :3]) < 0.0
         faces = np.asarray(made.faces)[:, ::-1] if is_mirrored else made.faces
-        return self._add(name, vertices, faces, made, pose, np.ones(3))
+        normals = made.normals
+        if normals is not None:
+            # Cofactors are the inverse transpose, up to a factor, and exist without an inverse too.
+            columns = matrix[:3, :3].T
+            cofactors = np.stack([np.cross(columns[i - 2], columns[i - 1]) for i in range(3)])
+            normals = np.asarray(normals, np.float64) @ cofactors * (-1.0 if is_mirrored else 1.0)
+        return self._add(name, vertices, faces, made, pose, np.ones(3), normals)
 
     def _add(
         self,
@@ -161,6 +169,7 @@ class Importer:
         made: Mesh,
         pose: NDArray[np.float64],
         scale: NDArray[np.float64],
+        normals: NDArray[Any] | None,
     ) -> int:
         look, unique = dict(made.look), self.name(name)
         texture = look.get("texture")
@@ -169,7 +178,9 @@ class Importer:
         if key in self._textures:
             look["texture"] = self._textures[key]
         try:
-            body = self.world.add_mesh(vertices, faces, pose, uvs=made.uvs, name=unique, scale=scale, **look)
+            body = self.world.add_mesh(
+                vertices, faces, pose, uvs=made.uvs, normals=usable(normals), name=unique, scale=scale, **look
+            )
         except ValueError as error:
             raise ValueError(f"mesh {name!r}: {error}") from error
         if key is not None:
@@ -238,6 +249,16 @@ def _centred(vertices: NDArray[Any]) -> tuple[NDArray[np.float64], NDArray[Any]]
         return np.zeros(3), points
     middle = (low + high) / 2.0
     return middle, points - middle
+
+
+def usable(normals: NDArray[Any] | None) -> NDArray[np.float64] | None:
+    """Return normals with length 1; none if one of them has no direction, as the triangles can be shown without."""
+    if normals is None:
+        return None
+    given = np.asarray(normals, np.float64)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        unit = given / np.linalg.norm(given, axis=-1, keepdims=True)
+    return unit if np.isfinite(unit).all() else None
 
 
 def displayed(linear: Any) -> NDArray[np.float64]:

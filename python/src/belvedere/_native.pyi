@@ -87,6 +87,7 @@ class World:
         vertices: NDArray[np.float32],
         faces: NDArray[np.uint32],
         uvs: NDArray[np.float32] | None,
+        normals: NDArray[np.float32] | None,
         look: _Look,
         said: _Said,
     ) -> int: ...

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from belvedere._coloured import coloured
+from belvedere._coloured import coloured_with_normals
 from belvedere._importer import Importer, Mesh, displayed
 from belvedere._required import required
 
@@ -132,31 +132,57 @@ class Meshes:
     ) -> Mesh:
         """Return triangles with their colours or their texture."""
         faces = numbers[triangles.corners]
+        normals = self._normals(prim, numbers, triangles)
         look: dict[str, Any] = {} if surface is None else dict(surface.look)
         if surface is not None and surface.texture is not None:
             uvs = self._at_corners(prim, surface.uv_name, numbers, triangles)
             if uvs is not None and uvs.shape[-1] == 2:
                 own = np.arange(faces.size).reshape(-1, 3)
                 coordinates = surface.placed(uvs.reshape(-1, 2))
-                return Mesh(points[faces.reshape(-1)], own, coordinates, look | {"texture": surface.texture})
+                look |= {"texture": surface.texture}
+                return Mesh(points[faces.reshape(-1)], own, coordinates, look, normals)
             self._importer.note("textures of meshes without texture coordinates are left out")
-        vertices, used = _used(points, faces)
+        if normals is not None:
+            # A vertex may have several normals, so each corner is a vertex of its own.
+            points, faces = points[faces.reshape(-1)], np.arange(faces.size).reshape(-1, 3)
+        vertices, used = (points, faces) if normals is not None else _used(points, faces)
         if surface is None or surface.has_display_color:
             colors = self._at_corners(prim, "displayColor", numbers, triangles)
             if colors is not None and colors.shape[-1] == 3:
                 corners = np.rint(displayed(colors) * 255.0).astype(np.uint8)
-                vertices, used, own_uvs, shown = coloured(points, faces, corners)
-                return Mesh(
-                    vertices, used, own_uvs, look | shown | {"color": [*shown["color"], self._opacity(prim)]}
-                )
+                vertices, normals, used, own_uvs, shown = coloured_with_normals(points, normals, faces, corners)
+                shown["color"] = [*shown["color"], self._opacity(prim)]
+                return Mesh(vertices, used, own_uvs, look | shown, normals)
             look["color"] = [*_GREY, self._opacity(prim)]
-        return Mesh(vertices, used, None, look)
+        return Mesh(vertices, used, None, look, normals)
+
+    def _normals(self, prim: Any, numbers: NDArray[np.int64], triangles: _Corners) -> NDArray[Any] | None:
+        """Return the normals of the corners of triangles, (3·T, 3); None if the mesh has none, or is subdivided."""
+        mesh = self._geom.Mesh(prim)
+        if mesh.GetSubdivisionSchemeAttr().Get(self._time) != self._geom.Tokens.none:
+            return None
+        values, interpolation = self._primvar(prim, "normals")
+        if values is None:
+            given = mesh.GetNormalsAttr().Get(self._time)
+            values = None if given is None else np.asarray(given, np.float64)
+            interpolation = str(mesh.GetNormalsInterpolation())
+        normals = self._placed("normals", values, interpolation, numbers, triangles)
+        return None if normals is None or normals.shape[-1] != 3 else normals.reshape(-1, 3)
 
     def _at_corners(
         self, prim: Any, primvar: str, numbers: NDArray[np.int64], triangles: _Corners
     ) -> NDArray[Any] | None:
         """Return the values of a primvar at the corners of triangles, (T, 3, …); None without fitting ones."""
-        values, interpolation = self._primvar(prim, primvar)
+        return self._placed(primvar, *self._primvar(prim, primvar), numbers, triangles)
+
+    def _placed(
+        self,
+        primvar: str,
+        values: NDArray[Any] | None,
+        interpolation: str,
+        numbers: NDArray[np.int64],
+        triangles: _Corners,
+    ) -> NDArray[Any] | None:
         if values is None or values.ndim != 2 or len(values) == 0:
             return None
         if interpolation == "constant":

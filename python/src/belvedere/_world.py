@@ -187,6 +187,7 @@ class World(Imported, Unpicklable):
         pose: ArrayLike | None = None,
         *,
         uvs: ArrayLike | None = None,
+        normals: ArrayLike | None = None,
         **look: Any,
     ) -> int:
         """Add triangles, counter-clockwise seen from outside. See ``add_box``.
@@ -196,6 +197,8 @@ class World(Imported, Unpicklable):
             faces: (F, 3) vertex numbers, at least one triangle.
             pose: as for ``add_box``.
             uvs: (V, 2) texture coordinates, v upwards.
+            normals: (V, 3) outward normals of any length but 0. Cameras interpolate between them where light falls on
+                the mesh, so that it looks round. Without them, triangles look flat.
             **look: as for ``add_box``.
 
         Raises:
@@ -213,8 +216,11 @@ class World(Imported, Unpicklable):
         coordinates = None if uvs is None else table("uvs", uvs, 2, np.float32)
         if coordinates is not None and len(coordinates) != len(points):
             raise ValueError(f"uvs: shape {coordinates.shape}; {(len(points), 2)}, one a vertex, is expected")
+        outwards = None if normals is None else table("normals", normals, 3, np.float32)
+        if outwards is not None and len(outwards) != len(points):
+            raise ValueError(f"normals: shape {outwards.shape}; {(len(points), 3)}, one a vertex, is expected")
         appearance, said = look_of(pose, look)
-        return self._native.add_mesh(points, triangles, coordinates, appearance, said)
+        return self._native.add_mesh(points, triangles, coordinates, outwards, appearance, said)
 
     def add_copy(
         self,

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! line 0       header: magic, version, number of sections, length of all, environment
-//! lines 1 … 4  table: offset in bytes and number of elements of each section
-//! lines 5 …    sections in the order of the table, each starting at a cache line
+//! lines 1 … 5  table: offset in bytes and number of elements of each section
+//! lines 6 …    sections in the order of the table, each starting at a cache line
 //! ```
 //!
 //! Numbers are little-endian; on a machine with another byte order, the magic number does not match. The bytes need not
@@ -29,11 +29,11 @@ use bytemuck::{Pod, Zeroable};
 /// `BLVDRSCN`, read as a little-endian number.
 const MAGIC: u64 = u64::from_le_bytes(*b"BLVDRSCN");
 /// Version of the layout of all elements.
-const VERSION: u32 = 6;
+const VERSION: u32 = 7;
 const LINE: usize = size_of::<CacheLine>();
 
 /// Names and element sizes of the sections, in file order.
-const SECTIONS: [(&str, usize); 16] = [
+const SECTIONS: [(&str, usize); 17] = [
     ("instances", size_of::<Instance>()),
     ("meshes", size_of::<Mesh>()),
     ("uvs", size_of::<[f32; 2]>()),
@@ -50,6 +50,7 @@ const SECTIONS: [(&str, usize); 16] = [
     ("lights", size_of::<Light>()),
     ("poses", size_of::<Pose>()),
     ("air", size_of::<PackedAir>()),
+    ("normals", size_of::<[f32; 3]>()),
 ];
 
 /// The header, which fills the first cache line.
@@ -120,6 +121,7 @@ impl SceneBuilder {
             bytemuck::cast_slice(scene.lights),
             bytemuck::cast_slice(self.poses()),
             bytemuck::bytes_of(&air),
+            bytemuck::cast_slice(scene.normals),
         ];
         let mut table = [Section::zeroed(); SECTIONS.len()];
         let mut length = head_len();
@@ -206,10 +208,12 @@ impl<'a> Scene<'a> {
             lights,
             poses,
             air,
+            normals,
         ] = sections;
         let meshes = MeshSlices {
             meshes: bytemuck::cast_slice(meshes),
             uvs: bytemuck::cast_slice(uvs),
+            normals: bytemuck::cast_slice(normals),
             triangles: bytemuck::cast_slice(triangles),
             nodes: bytemuck::cast_slice(nodes),
             blocks: bytemuck::cast_slice(blocks),

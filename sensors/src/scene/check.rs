@@ -51,6 +51,9 @@ pub(super) fn parts_of_meshes(meshes: &MeshSlices<'_>) -> Result<(), SceneFault>
         element.follows("blocks", mesh.first_block, mesh.blocks, of_blocks, blocks.len())?;
     }
     count("uvs", uvs.len(), ends[0])?;
+    if !meshes.normals.is_empty() {
+        count("normals", meshes.normals.len(), ends[0])?;
+    }
     count("triangles", triangles.len(), ends[1])?;
     count("nodes", nodes.len(), ends[2])?;
     count("blocks", blocks.len(), ends[3])?;
@@ -86,6 +89,7 @@ pub(super) fn meshes(meshes: &MeshSlices<'_>, scratch: &mut [u32]) -> Result<(),
     for (index, &uv) in meshes.uvs.iter().enumerate() {
         Element::of("uvs", index).accept(limits::uv(index, uv))?;
     }
+    normals(meshes)?;
     facets(meshes)
 }
 
@@ -111,6 +115,24 @@ fn take_corners(blocks: &[TriangleBlock], triangles: &[[u32; 3]], positions: &mu
             }
         }
     }
+}
+
+/// Checks that the vertices of a mesh have unit normals, all or none.
+fn normals(meshes: &MeshSlices<'_>) -> Result<(), SceneFault> {
+    if meshes.normals.is_empty() {
+        return Ok(());
+    }
+    for mesh in meshes.meshes {
+        let own = part(meshes.normals, mesh.first_vertex, mesh.vertices);
+        if own.iter().all(|normal| *normal == [0.0; 3]) {
+            continue;
+        }
+        for (offset, &normal) in own.iter().enumerate() {
+            let index = mesh.first_vertex as usize + offset;
+            Element::of("normals", index).accept(limits::stored_normal(index, normal))?;
+        }
+    }
+    Ok(())
 }
 
 /// Checks that the facets are bit for bit those computed from the blocks.

@@ -71,6 +71,24 @@ pub(crate) fn uvs(uvs: &[[f32; 2]], vertices: usize) -> Result<(), SceneError> {
     Ok(())
 }
 
+/// Checks the normals that are given for a mesh: none, or one per vertex, each of any length but 0.
+pub(crate) fn normals(normals: &[[f32; 3]], vertices: usize) -> Result<(), SceneError> {
+    if !normals.is_empty() && normals.len() != vertices {
+        return Err(SceneError::NormalCount);
+    }
+    let good = |normal: &[f32; 3]| normal.iter().all(|x| x.is_finite()) && *normal != [0.0; 3];
+    match normals.iter().position(|normal| !good(normal)) {
+        Some(index) => Err(SceneError::BadNormal(index)),
+        None => Ok(()),
+    }
+}
+
+/// Checks the square of the length of a stored normal.
+pub(crate) fn stored_normal(index: usize, normal: [f32; 3]) -> Result<(), Refusal> {
+    let square = normal.iter().map(|&value| f64::from(value) * f64::from(value)).sum::<f64>();
+    all([square], is_unit, "squared length of the normal", SceneError::BadNormal(index))
+}
+
 pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
     all(material.texture_repeat.map(f64::from), in_space, "texture repeat", SceneError::BadTextureRepeat)?;
     all([f64::from(material.shininess)], up_to(MAX_SHININESS), "shininess", SceneError::BadShininess)?;

@@ -10,6 +10,9 @@ pub struct MeshSlices<'a> {
     pub meshes: &'a [Mesh],
     /// Texture coordinates, one per vertex.
     pub uvs: &'a [[f32; 2]],
+    /// Unit normals for shading, one per vertex, and 0 for all vertices of a mesh without normals; or empty, if no mesh
+    /// has normals.
+    pub normals: &'a [[f32; 3]],
     /// Vertex indices of the triangles, counted from the first vertex of the mesh.
     pub triangles: &'a [[u32; 3]],
     /// Nodes of the trees.

@@ -8,6 +8,7 @@ use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{Mesh, MeshId, MeshSlices, SceneError, SceneFault, check, limits};
 use crate::Execution;
 use crate::simd::WIDTH;
+use glam::DVec3;
 
 /// Slots are counted in 32 bits, sixteen per block.
 const MOST_BLOCKS: usize = 1 << (32 - WIDTH.ilog2());
@@ -47,6 +48,8 @@ pub struct MeshMemory<'a> {
     pub meshes: &'a mut [Mesh],
     /// Texture coordinates, one per vertex.
     pub uvs: &'a mut [[f32; 2]],
+    /// Normals, one per vertex; empty if no mesh has normals.
+    pub normals: &'a mut [[f32; 3]],
     /// One entry per triangle.
     pub triangles: &'a mut [[u32; 3]],
     /// Nodes of the trees: the sum of [`max_size`](super::build::max_size) over the meshes is always enough.
@@ -102,6 +105,10 @@ impl<'a> MeshStore<'a> {
         }
         let place = &mut part("meshes", memory.meshes, self.meshes, 1)?[0];
         let own_uvs = part("uvs", memory.uvs, self.vertices, positions.len())?;
+        let smooth = !memory.normals.is_empty();
+        let of_normals = if smooth { positions.len() } else { 0 };
+        let own_normals =
+            part("normals", memory.normals, if smooth { self.vertices } else { 0 }, of_normals)?;
         let own_triangles = part("triangles", memory.triangles, self.triangles, triangles.len())?;
         let own_nodes = part("nodes", memory.nodes, before.nodes, nodes)?;
         let own_blocks = part("blocks", memory.blocks, before.blocks, blocks)?;
@@ -114,6 +121,7 @@ impl<'a> MeshStore<'a> {
         } else {
             own_uvs.copy_from_slice(uvs);
         }
+        own_normals.fill([0.0; 3]);
         own_triangles.copy_from_slice(triangles);
         let [min, max] = own_nodes[0].bounds();
         *place = Mesh {
@@ -134,17 +142,46 @@ impl<'a> MeshStore<'a> {
         Ok(id)
     }
 
+    /// Sets the normals of the vertices of a mesh, of any length but 0, between which shading interpolates. With an
+    /// empty slice, the mesh becomes flat again, as it is when it is added.
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchMesh`], [`SceneError::NormalCount`], [`SceneError::BadNormal`], and
+    /// [`SceneError::BufferTooSmall`] if [`MeshMemory::normals`] does not have an element for each vertex.
+    pub fn set_normals(&mut self, mesh: MeshId, normals: &[[f32; 3]]) -> Result<(), SceneError> {
+        let Self { memory, meshes, vertices, .. } = self;
+        let of = memory.meshes[..*meshes].get(mesh.0 as usize).ok_or(SceneError::NoSuchMesh(mesh.0))?;
+        limits::normals(normals, of.vertices as usize)?;
+        if normals.is_empty() && memory.normals.is_empty() {
+            return Ok(());
+        }
+        let all = part("normals", memory.normals, 0, *vertices)?;
+        store_normals(normals, &mut all[of.first_vertex as usize..][..of.vertices as usize]);
+        Ok(())
+    }
+
     /// Returns the meshes that were added, for use in a scene.
     pub fn meshes(&self) -> Meshes<'_> {
         let Self { memory, meshes, vertices, triangles, size } = self;
         Meshes(MeshSlices {
             meshes: &memory.meshes[..*meshes],
             uvs: &memory.uvs[..*vertices],
+            normals: memory.normals.get(..*vertices).unwrap_or_default(),
             triangles: &memory.triangles[..*triangles],
             nodes: &memory.nodes[..size.nodes],
             blocks: &memory.blocks[..size.blocks],
             facets: &memory.facets[..size.blocks * WIDTH],
         })
+    }
+}
+
+/// Stores the normals of a mesh with length 1, or 0 for all of its vertices if none are given.
+pub(super) fn store_normals(normals: &[[f32; 3]], own: &mut [[f32; 3]]) {
+    own.fill([0.0; 3]);
+    for (own, normal) in own.iter_mut().zip(normals) {
+        // In double precision, no square of a number of single precision overflows, or becomes 0.
+        let normal = DVec3::from_array(normal.map(f64::from));
+        *own = (normal / normal.length()).as_vec3().to_array();
     }
 }
 

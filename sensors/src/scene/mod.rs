@@ -109,6 +109,8 @@ pub struct Scene<'a> {
     pub(crate) meshes: &'a [Mesh],
     /// One per vertex of the meshes; (0, 0) for meshes without texture coordinates.
     pub(crate) uvs: &'a [[f32; 2]],
+    /// One unit normal per vertex, 0 for meshes without; or empty, if no mesh has normals.
+    pub(crate) normals: &'a [[f32; 3]],
     /// Vertex indices relative to the first vertex of the mesh, in the order in which the triangles were given.
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) nodes: &'a [tree::WideNode],
@@ -134,6 +136,7 @@ impl<'a> Scene<'a> {
         instances: &[],
         meshes: &[],
         uvs: &[],
+        normals: &[],
         triangles: &[],
         nodes: &[],
         blocks: &[],
@@ -172,6 +175,19 @@ impl<'a> Scene<'a> {
     /// The colour space of materials, textures and the background.
     pub fn colour_space(&self) -> ColourSpace {
         self.colour_space
+    }
+
+    /// Returns true if a mesh has normals of its vertices, between which shading interpolates.
+    #[inline(always)]
+    pub(crate) fn is_smooth(&self, mesh: u32) -> bool {
+        // Most scenes have no normals at all.
+        !self.normals.is_empty() && self.has_normals(mesh)
+    }
+
+    fn has_normals(&self, mesh: u32) -> bool {
+        let first = self.meshes[mesh as usize].first_vertex as usize;
+        // A mesh has a normal for each of its vertices, or for none.
+        self.normals.get(first).is_some_and(|normal| *normal != [0.0; 3])
     }
 
     /// Returns true if the scene has textures.
@@ -251,6 +267,10 @@ pub enum SceneError {
     BadTriangle(usize),
     /// The number of texture coordinates is neither 0 nor the number of vertices.
     UvCount,
+    /// The number of normals is neither 0 nor the number of vertices.
+    NormalCount,
+    /// The normal of the vertex with this index is not finite, or is 0.
+    BadNormal(usize),
     /// A texture has no pixels, or the number of texels is not width × height.
     BadTexture,
     /// A height field has fewer than 2 × 2 heights.
@@ -335,6 +355,8 @@ impl core::fmt::Display for SceneError {
             Self::BadTree(node) => write!(f, "node {node} does not belong to a tree over these triangles"),
             Self::BadTriangle(index) => write!(f, "triangle {index} refers to a vertex that is not there"),
             Self::UvCount => f.write_str("texture coordinates must be none or one per vertex"),
+            Self::NormalCount => f.write_str("normals must be none or one per vertex"),
+            Self::BadNormal(index) => write!(f, "the normal of vertex {index} is not finite, or is 0"),
             Self::BadTexture => f.write_str("a texture must have width × height texels, both at least 1"),
             Self::HeightFieldTooSmall => f.write_str("a height field must have 2 × 2 heights at least"),
             Self::HeightCount => f.write_str("a height field must have rows × columns heights"),

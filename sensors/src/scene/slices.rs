@@ -26,6 +26,7 @@ use super::{
 /// let mut store = MeshStore::new(MeshMemory {
 ///     meshes: &mut meshes,
 ///     uvs: &mut uvs,
+///     normals: &mut [],
 ///     triangles: &mut triangles,
 ///     nodes: &mut nodes,
 ///     blocks: &mut blocks,
@@ -140,11 +141,12 @@ impl<'a> Scene<'a> {
     /// # Errors
     /// [`SceneFault`] names the slice, the element and what is wrong.
     pub fn from_slices(slices: &SceneSlices<'a>) -> Result<Self, SceneFault> {
-        let MeshSlices { meshes, uvs, triangles, nodes, blocks, facets } = slices.meshes.slices();
+        let MeshSlices { meshes, uvs, normals, triangles, nodes, blocks, facets } = slices.meshes.slices();
         let scene = Self {
             instances: slices.instances,
             meshes,
             uvs,
+            normals,
             triangles,
             nodes,
             blocks,

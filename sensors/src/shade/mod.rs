@@ -9,6 +9,7 @@
 //! at a time; then the lamps are added for all lanes at once.
 
 mod air;
+mod axes;
 mod bumps;
 mod face;
 mod facets;
@@ -21,6 +22,7 @@ mod opacity;
 mod power;
 mod ray_offset;
 mod shadow;
+mod smooth;
 mod surface;
 mod texture;
 pub(crate) mod tile;
@@ -160,6 +162,7 @@ impl Shader {
                 }
                 (self.gloss.lanes, self.gloss.facets, self.bumps.lanes, self.clear) = (0, 0, 0, 0);
                 self.modulated = 0;
+                (self.surfaces.smooth, self.surfaces.smooth_away) = (0, 0);
                 let mut rest = tile.hits;
                 while rest != 0 {
                     let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
@@ -168,7 +171,11 @@ impl Shader {
                     self.add_instance(simd, view, tile, steps, (placed, lanes), colours);
                 }
                 if self.faces == Faces::Both {
-                    self.turn_to_sensor(simd, tile);
+                    if self.surfaces.smooth == 0 {
+                        self.turn_to_sensor::<S, false>(simd, tile);
+                    } else {
+                        self.turn_smooth_to_sensor(simd, tile);
+                    }
                 }
                 if let Some(seen) = &mut self.seen {
                     tell_surfaces(simd, tile, &self.surfaces, seen);
@@ -207,9 +214,20 @@ impl Shader {
         }
     }
 
-    /// Flips normals that face away from the sensor towards it, both those of maps and the surfaces' own.
+    /// [`Shader::turn_to_sensor`] for tiles with interpolated normals, compiled separately so that others do not pay for
+    /// them.
+    #[inline(never)]
+    fn turn_smooth_to_sensor<S: Simd>(&mut self, simd: S, tile: &Tile) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.turn_to_sensor::<S, true>(simd, tile),
+        );
+    }
+
+    /// Flips normals that face away from the sensor towards it, both those of maps and the surfaces' own. Interpolated
+    /// ones are flipped where their triangle faces away.
     #[inline(always)]
-    fn turn_to_sensor<S: Simd>(&mut self, simd: S, tile: &Tile) {
+    fn turn_to_sensor<S: Simd, const SMOOTH: bool>(&mut self, simd: S, tile: &Tile) {
         let mut back = 0;
         for row in 0..ROWS {
             let mut along = f32x16::splat(simd, 0.0);
@@ -217,7 +235,11 @@ impl Shader {
                 let normal = load_row(simd, &self.surfaces.normal[axis], row);
                 along += normal * load_row(simd, &tile.direction[axis], row);
             }
-            let away = along.simd_gt(f32x16::splat(simd, 0.0));
+            let mut away = along.simd_gt(f32x16::splat(simd, 0.0));
+            if SMOOTH {
+                let Surfaces { smooth, smooth_away, .. } = self.surfaces;
+                away = (away & !lanes_in(simd, smooth, row)) | lanes_in(simd, smooth_away, row);
+            }
             back |= away.to_bitmask() << (row * WIDTH);
             for axis in 0..3 {
                 for normal in [&mut self.surfaces.normal[axis], &mut self.bumps.normal[axis]] {

@@ -4,6 +4,8 @@
 //! A tile sees few instances, so its surfaces are computed instance by instance, for all lanes of a row at once, and
 //! each lane keeps the result of its own instance.
 
+use super::axes::{load, local_points, to_instance, to_view};
+use super::smooth::smooth_row;
 use super::tile::{Steps, Tile};
 use super::{ROWS, lanes_in, store_where};
 use crate::optics::rays::dot;
@@ -53,6 +55,10 @@ pub(crate) struct Surfaces {
     /// Gradients of u and of v, up to a positive factor. Only set if `wants_gradient`.
     pub(crate) gradient: [[Lanes<f32>; 3]; 2],
     pub(crate) wants_gradient: bool,
+    /// The lanes with [interpolated normals](super::smooth), as one bit each, and those of them whose triangle faces
+    /// away from the sensor.
+    pub(crate) smooth: u64,
+    pub(crate) smooth_away: u64,
     /// Recently hit solids without flat faces.
     curved: HitCache<Curved>,
 }
@@ -63,6 +69,8 @@ impl Surfaces {
             normal: [[0.0; LANES]; 3],
             gradient: [[[0.0; LANES]; 3]; 2],
             wants_gradient: false,
+            smooth: 0,
+            smooth_away: 0,
             curved: HitCache::new(),
         }
     }
@@ -97,6 +105,7 @@ impl Surfaces {
     ) {
         let placed = &view.placed[index as usize];
         let instance = view.instance(index);
+        let is_smooth = placed.kind().is_mesh() && view.scene.is_smooth(placed.mesh);
         let mut local = Local::new();
         for row in 0..ROWS {
             let lanes = (lanes >> (row * WIDTH)) as u16;
@@ -133,6 +142,11 @@ impl Surfaces {
             }
             let mine = lanes_in(simd, lanes.into(), 0);
             self.add_row(simd, mine, placed, row, (&local, texture.0));
+            if is_smooth {
+                let away = smooth_row(simd, (view, placed), (tile, row), lanes, &mut self.normal);
+                self.smooth |= u64::from(lanes) << (row * WIDTH);
+                self.smooth_away |= u64::from(away) << (row * WIDTH);
+            }
             if TEXTURED {
                 footprints[row] = local.footprint(simd, placed, (tile, row), texture);
             }
@@ -165,39 +179,6 @@ impl Surfaces {
             }
         }
     }
-}
-
-/// Multiplies vectors by the inverse transpose of an instance, and by a factor.
-#[inline(always)]
-fn to_view<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[[f32; WIDTH]; 3], by: f32) -> [f32x16<S>; 3] {
-    let mut turned = [f32x16::splat(simd, 0.0); 3];
-    for axis in 0..3 {
-        let [a, b, c] = [0, 1, 2].map(|row| placed.inverse[row][axis] as f32 * by);
-        turned[axis] = (load(simd, x) * a + load(simd, y) * b) + load(simd, z) * c;
-    }
-    turned
-}
-
-/// The points of a row, in the axes of an instance.
-#[inline(always)]
-fn local_points(placed: &Placed, tile: &Tile, row: usize) -> [[f64; WIDTH]; 3] {
-    let [px, py, pz] = tile.point.each_ref().map(|axis| &axis.as_chunks::<WIDTH>().0[row]);
-    let [tx, ty, tz] = placed.translation;
-    let mut points = [[0.0; WIDTH]; 3];
-    for axis in 0..3 {
-        let [x, y, z] = placed.inverse[axis];
-        for lane in 0..WIDTH {
-            points[axis][lane] = x * (f64::from(px[lane]) - tx)
-                + y * (f64::from(py[lane]) - ty)
-                + z * (f64::from(pz[lane]) - tz);
-        }
-    }
-    points
-}
-
-#[inline(always)]
-fn load<S: Simd>(simd: S, values: &[f32; WIDTH]) -> f32x16<S> {
-    f32x16::load_array_ref(simd, values)
 }
 
 /// The surface of an instance's shape at the points of a row, in the axes of the instance: directions and differences
@@ -353,17 +334,6 @@ impl Local {
         }
         footprint
     }
-}
-
-/// Converts vectors of a row from the view to the axes of an instance.
-#[inline(always)]
-fn to_instance<S: Simd>(simd: S, placed: &Placed, [x, y, z]: &[Lanes<f32>; 3], row: usize) -> [f32x16<S>; 3] {
-    let mut turned = [f32x16::splat(simd, 0.0); 3];
-    for axis in 0..3 {
-        let [a, b, c] = DVec3::from_array(placed.inverse[axis]).as_vec3().to_array();
-        turned[axis] = (load_row(simd, x, row) * a + load_row(simd, y, row) * b) + load_row(simd, z, row) * c;
-    }
-    turned
 }
 
 /// Unit normal, in the view, of a triangle without a texture, computed with the same operations as in

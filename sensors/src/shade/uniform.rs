@@ -14,7 +14,7 @@ use crate::trace::grid::tiling::{BLOCKS, Tiling, place_in_blocks};
 use crate::trace::hit::resolve::{Hit, Resolver};
 use crate::trace::image::{GRAZING, NO_HIT};
 use crate::trace::packet::Faces;
-use crate::trace::placed::view::View;
+use crate::trace::placed::view::{Placed, View};
 use fearless_simd::{Simd, SimdBase, SimdMask, u32x16};
 use glam::DVec3;
 
@@ -96,7 +96,8 @@ impl UniformTiles {
             return Some(colour);
         }
         let material = &scene.materials[band.view.instance(hit.placed).material as usize];
-        let colour = is_plain(material).then(|| shine(band.view, material, &hit, (face, self.faces)))?;
+        let plain = is_plain(material) && !is_smooth(band.view, hit.instance);
+        let colour = plain.then(|| shine(band.view, material, &hit, (face, self.faces)))?;
         let place = place((slot, face));
         (self.of[place], self.colours[place]) = ((slot, face), colour);
         Some(colour)
@@ -141,6 +142,11 @@ fn common_face(
 /// Returns true if the colour of a flat face depends only on the light.
 fn is_plain(material: &Material) -> bool {
     !(material.is_mapped() || material.is_glossy() || material.is_clear())
+}
+
+/// Returns true if the normal differs from point to point of a triangle.
+fn is_smooth(view: &View<'_>, placed: &Placed) -> bool {
+    placed.kind().is_mesh() && view.scene.is_smooth(placed.mesh)
 }
 
 /// The colour of a face of a plain material.

@@ -136,7 +136,10 @@ proptest! {
             ..MaterialConfig::default()
         });
         for (positions, uvs, triangles) in &meshes {
-            let _ = builder.add_mesh(positions, uvs, triangles);
+            if let Ok(mesh) = builder.add_mesh(positions, uvs, triangles) {
+                let normals: Vec<_> = positions.iter().map(|[x, y, z]| [y * x, *z, -x]).collect();
+                let _ = builder.set_mesh_normals(mesh, &normals);
+            }
         }
         let (rows, columns, length, heights) = terrain;
         let _ = builder.add_height_field(rows, columns, [length, 1.0], &heights);

@@ -31,5 +31,6 @@ mod scanner;
 mod scanner_presets;
 mod shadows;
 mod shutter;
+mod smooth;
 mod textures;
 mod turning;

@@ -18,6 +18,11 @@ fn everything() -> SceneBuilder {
     let heights: Vec<_> = (0..7 * 9).map(|i| (i * 37 % 11) as f32 * 0.02).collect();
     let field = builder.add_height_field(7, 9, [2.0, 3.0], &heights).unwrap();
     add_grey(&mut builder, Shape::HeightField(field), Pose::from_translation(DVec3::new(1.0, 1.0, 0.4)));
+    let corners = [[0.0, 0.0, 0.0], [0.5, 0.0, 0.0], [0.0, 0.5, 0.2], [0.5, 0.5, 0.0]];
+    let sail = builder.add_mesh(&corners, &[], &[[0, 1, 2], [1, 3, 2]]).unwrap();
+    let normals = [[0.0, 0.0, 1.0], [0.3, 0.1, 1.0], [-0.2, 0.5, 0.9], [0.0, 0.4, 2.0]];
+    builder.set_mesh_normals(sail, &normals).unwrap();
+    add_grey(&mut builder, Shape::Mesh(sail), Pose::from_translation(DVec3::new(-1.0, 0.0, 1.0)));
     let nothing = builder.add_mesh(&[], &[], &[]).unwrap();
     add_grey(&mut builder, Shape::Mesh(nothing), Pose::IDENTITY);
     builder
@@ -105,8 +110,8 @@ proptest! {
             // Header, instances and poses, where few bytes have a large effect, are changed as often as everything
             // else.
             let range = match kind {
-                0 => 0..320,
-                1 => 0..320 + 72 * 30,
+                0 => 0..384,
+                1 => 0..384 + 72 * 30,
                 2 => poses..bytes.len(),
                 _ => 0..bytes.len(),
             };

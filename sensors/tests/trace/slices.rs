@@ -30,6 +30,13 @@ fn sheet(cells: u32, textured: bool) -> Soup {
     (positions.collect(), uvs.collect(), triangles.collect())
 }
 
+/// Normals of the vertices of the smaller sheet, of various lengths.
+fn normals() -> Vec<[f32; 3]> {
+    (0..25)
+        .map(|index| [0.1 * (index % 5) as f32 - 0.2, 0.05 * (index / 5) as f32, 0.5 + index as f32])
+        .collect()
+}
+
 const TEXTURE: [u32; 2] = [5, 3];
 const FIELD: [u32; 2] = [7, 9];
 
@@ -101,6 +108,7 @@ fn built() -> SceneBuilder {
     for (positions, uvs, triangles) in soups() {
         builder.add_mesh(&positions, &uvs, &triangles).unwrap();
     }
+    builder.set_mesh_normals(MeshId(1), &normals()).unwrap();
     builder.add_height_field(FIELD[0], FIELD[1], [2.0, 3.0], &heights()).unwrap();
     builder.add_texture(TEXTURE[0], TEXTURE[1], &pixels()).unwrap();
     for material in &materials() {
@@ -119,6 +127,7 @@ fn built() -> SceneBuilder {
 struct Arrays {
     meshes: [Mesh; 2],
     uvs: [[f32; 2]; 125],
+    normals: [[f32; 3]; 125],
     triangles: [[u32; 3]; 194],
     nodes: [WideNode; 64],
     blocks: [TriangleBlock; 64],
@@ -131,6 +140,7 @@ impl Arrays {
         Box::new(Self {
             meshes: [Mesh::zeroed(); 2],
             uvs: [[0.0; 2]; 125],
+            normals: [[0.0; 3]; 125],
             triangles: [[0; 3]; 194],
             nodes: [WideNode::zeroed(); 64],
             blocks: [TriangleBlock::zeroed(); 64],
@@ -140,8 +150,8 @@ impl Arrays {
     }
 
     fn store(&mut self) -> MeshStore<'_> {
-        let Self { meshes, uvs, triangles, nodes, blocks, facets, scratch } = self;
-        MeshStore::new(MeshMemory { meshes, uvs, triangles, nodes, blocks, facets, scratch })
+        let Self { meshes, uvs, normals, triangles, nodes, blocks, facets, scratch } = self;
+        MeshStore::new(MeshMemory { meshes, uvs, normals, triangles, nodes, blocks, facets, scratch })
     }
 }
 
@@ -245,6 +255,7 @@ fn frames_are_those_of_a_builder() {
     for (positions, uvs, triangles) in soups() {
         store.add(&positions, &uvs, &triangles, Execution::default()).unwrap();
     }
+    store.set_normals(MeshId(1), &normals()).unwrap();
     let (rest, builder) = (Rest::new(), built());
     let scene = Scene::from_slices(&rest.slices(store.meshes())).unwrap();
     let expected = sense(&builder.scene(), builder.poses());
@@ -335,4 +346,28 @@ fn meshes_from_elsewhere_are_checked() {
     let uvs = &slices.uvs[1..];
     let said = fault(MeshSlices { uvs, ..slices }, &mut scratch);
     assert_eq!(said, "element 1 of `meshes` of the scene: vertices cannot be 100");
+    let mut normals = slices.normals.to_vec();
+    normals[7] = [0.0, 0.5, 0.0];
+    let said = fault(MeshSlices { normals: &normals, ..slices }, &mut scratch);
+    let expected = "element 0 of `normals` of the scene: squared length of the normal cannot be 0";
+    assert_eq!(said, expected, "a mesh has normals for all of its vertices, or for none");
+    let said = fault(MeshSlices { normals: &normals[1..], ..slices }, &mut scratch);
+    assert_eq!(said, "`normals` of the scene has 124 elements, and the others call for 125");
+}
+
+#[test]
+fn normals_need_their_memory() {
+    let mut arrays = Arrays::new();
+    let Arrays { meshes, uvs, triangles, nodes, blocks, facets, scratch, .. } = &mut *arrays;
+    let normals: &mut [[f32; 3]] = &mut [];
+    let mut store =
+        MeshStore::new(MeshMemory { meshes, uvs, normals, triangles, nodes, blocks, facets, scratch });
+    let [_, (positions, uvs, triangles)] = soups();
+    let mesh = store.add(&positions, &uvs, &triangles, Execution::default()).unwrap();
+    assert!(store.meshes().slices().normals.is_empty());
+    assert_eq!(store.set_normals(mesh, &[]), Ok(()));
+    assert_eq!(store.set_normals(MeshId(1), &[]), Err(SceneError::NoSuchMesh(1)));
+    assert_eq!(store.set_normals(mesh, &self::normals()[1..]), Err(SceneError::NormalCount));
+    let said = store.set_normals(mesh, &self::normals()).unwrap_err().to_string();
+    assert_eq!(said, "the buffer `normals` holds 0 elements, and 25 are needed");
 }

@@ -190,9 +190,9 @@ impl Assembly {
         if let Some(known) = self.meshes.get(&Arc::as_ptr(mesh)) {
             return Ok(*known);
         }
-        let added = self.builder.add_mesh(&mesh.positions, &mesh.uvs, &mesh.triangles).map_err(|error| {
-            refused(error, &Source { file: mesh.path.as_path().into(), ..source.clone() })
-        })?;
+        let wrong = |error| refused(error, &Source { file: mesh.path.as_path().into(), ..source.clone() });
+        let added = self.builder.add_mesh(&mesh.positions, &mesh.uvs, &mesh.triangles).map_err(wrong)?;
+        self.builder.set_mesh_normals(added, &mesh.normals).map_err(wrong)?;
         self.meshes.insert(Arc::as_ptr(mesh), added);
         Ok(added)
     }

@@ -12,6 +12,7 @@ mod shape;
 
 use super::UpAxis;
 use super::faces::Cutter;
+use super::normals;
 use super::part::Part;
 use crate::budget::Budget;
 use crate::diagnostics::{Diagnostics, Source};
@@ -278,7 +279,11 @@ impl<'a> Document<'a> {
         parts: &mut Vec<Part>,
     ) -> Outcome<()> {
         let shapes = if let Some(known) = self.geometries.get(&std::ptr::from_ref(geometry)) {
-            let bytes = |shape: &Shape<'_>| size_of_val(&shape.positions[..]) + size_of_val(&shape.uvs[..]);
+            let bytes = |shape: &Shape<'_>| {
+                size_of_val(&shape.positions[..])
+                    + size_of_val(&shape.uvs[..])
+                    + size_of_val(&shape.normals[..])
+            };
             if let Err(spent) = self.budget.take(0, known.iter().map(bytes).sum()) {
                 return wrong(geometry, spent.to_string());
             }
@@ -288,6 +293,7 @@ impl<'a> Document<'a> {
             self.geometries.insert(geometry, shapes.clone());
             shapes
         };
+        let matrix = normals::matrix(world_from_geometry.matrix3);
         let mirrored = world_from_geometry.matrix3.determinant() < 0.0;
         for shape in &*shapes {
             let place = |position: &[f32; 3]| {
@@ -301,6 +307,7 @@ impl<'a> Document<'a> {
                 aliases: geometry.attribute("name").map(str::to_owned).into_iter().collect(),
                 positions: shape.positions.iter().map(place).collect(),
                 uvs: shape.uvs.clone(),
+                normals: shape.normals.iter().map(|normal| normals::turned(&matrix, *normal)).collect(),
                 triangles: triangles.collect(),
                 material: shape.symbol.and_then(|symbol| materials.get(symbol)).cloned(),
             });

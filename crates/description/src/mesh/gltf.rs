@@ -14,6 +14,7 @@ mod means;
 pub(crate) mod picture;
 mod skin;
 
+use super::normals;
 use super::part::{Part, Unreadable};
 use crate::budget::Budget;
 use crate::diagnostics::{Diagnostics, Source};
@@ -206,6 +207,7 @@ impl<'a> Scene<'a> {
             None => points.iter().map(|point| scene_from_node.transform_point3((*point).into())).collect(),
             Some(skin) => self.posed(skin, attributes, &points)?,
         };
+        let normals = self.normals(attributes, skin, scene_from_node, points.len());
         let surface = surface(self.container, &primitive["material"], &mut self.left_out, &mut self.means)?;
         let uvs: Vec<[f64; 2]> = match &attributes[format!("TEXCOORD_{}", surface.uv_set)] {
             Value::Null => Vec::new(),
@@ -222,9 +224,35 @@ impl<'a> Scene<'a> {
             triangles: triangles.collect(),
             positions: positions.iter().map(|point: &DVec3| point.as_vec3().to_array()).collect(),
             uvs: uvs.iter().map(|uv| surface.uv(*uv)).collect(),
+            normals,
             material: surface.material,
             ..Part::default()
         }))
+    }
+
+    /// Returns the normals of the vertices; none if they are damaged, as the triangles can be drawn without them.
+    fn normals(
+        &self,
+        attributes: &Value,
+        skin: Option<&Skin>,
+        scene_from_node: DAffine3,
+        count: usize,
+    ) -> Vec<[f32; 3]> {
+        let normals: Vec<[f64; 3]> = match &attributes["NORMAL"] {
+            Value::Null => Vec::new(),
+            accessor => self.accessors.read(accessor).unwrap_or_default(),
+        };
+        if normals.len() != count {
+            return Vec::new();
+        }
+        let Some(skin) = skin else {
+            let matrix = normals::matrix(scene_from_node.matrix3);
+            return normals.iter().map(|normal| normals::unit(matrix * DVec3::from_array(*normal))).collect();
+        };
+        let joints = self.accessors.read::<4>(&attributes["JOINTS_0"]).unwrap_or_default();
+        let weights = self.accessors.read::<4>(&attributes["WEIGHTS_0"]).unwrap_or_default();
+        let bound = normals.iter().zip(joints.into_iter().zip(weights));
+        bound.map(|(normal, (joints, weights))| skin.turn((*normal).into(), joints, weights)).collect()
     }
 
     /// Returns the positions of the vertices as deformed by a skin.

@@ -3,6 +3,7 @@
 mod material;
 
 use super::faces::Cutter;
+use super::normals::MISSING;
 use super::part::{Part, Unreadable, text};
 use crate::diagnostics::{Diagnostics, Source};
 use crate::file;
@@ -57,6 +58,7 @@ struct Reader<'a> {
     line: u32,
     positions: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
+    normals: Vec<[f32; 3]>,
     object: String,
     group: String,
     material: String,
@@ -69,12 +71,13 @@ struct Reader<'a> {
     /// The keys of the warnings so far.
     warned: HashSet<String>,
     parts: Vec<Part>,
-    /// The vertices of the last part, by the indices of their position and, plus 1, of their texture coordinates.
-    vertices: HashMap<(u32, u32), u32>,
+    /// The vertices of the last part, by the indices of their position and, plus 1, of their texture coordinates and of
+    /// their normal.
+    vertices: HashMap<(u32, u32, u32), u32>,
     /// True if further faces belong to the last part.
     is_open: bool,
     cutter: Cutter,
-    face: Vec<(u32, u32)>,
+    face: Vec<(u32, u32, u32)>,
     corners: Vec<DVec3>,
 }
 
@@ -86,6 +89,7 @@ impl<'a> Reader<'a> {
             line: 0,
             positions: Vec::new(),
             uvs: Vec::new(),
+            normals: Vec::new(),
             object: String::new(),
             group: String::new(),
             material: String::new(),
@@ -115,6 +119,8 @@ impl<'a> Reader<'a> {
                 let ([u, v, _], _) = numbers(rest, 1)?;
                 self.uvs.push([u, v]);
             }
+            // A damaged normal leaves its faces flat.
+            "vn" => self.normals.push(numbers(rest, 3).map_or(MISSING, |(normal, _)| normal)),
             "f" | "fo" => self.face(rest)?,
             "g" => {
                 rest.clone_into(&mut self.group);
@@ -165,7 +171,8 @@ impl<'a> Reader<'a> {
                 "" => 0,
                 uv => index(uv, self.uvs.len(), "texture coordinate")? + 1,
             };
-            self.face.push((vertex, uv));
+            let normal = index(indices.next().unwrap_or_default(), self.normals.len(), "normal");
+            self.face.push((vertex, uv, normal.map_or(0, |normal| normal + 1)));
             self.corners.push(Vec3::from(self.positions[vertex as usize]).as_dvec3());
         }
         if !self.is_open {
@@ -174,12 +181,16 @@ impl<'a> Reader<'a> {
         let Some(part) = self.parts.last_mut() else { return Ok(()) };
         for triangle in self.cutter.cut(&self.corners, &[]) {
             let triangle = triangle.map(|corner| {
-                let (vertex, uv) = self.face[corner as usize];
-                *self.vertices.entry((vertex, uv)).or_insert_with(|| {
+                let (vertex, uv, normal) = self.face[corner as usize];
+                *self.vertices.entry((vertex, uv, normal)).or_insert_with(|| {
                     // If a part has texture coordinates, each of its vertices has them.
                     if uv != 0 {
                         part.uvs.resize(part.positions.len(), [0.0; 2]);
                         part.uvs.push(self.uvs[uv as usize - 1]);
+                    }
+                    if normal != 0 {
+                        part.normals.resize(part.positions.len(), MISSING);
+                        part.normals.push(self.normals[normal as usize - 1]);
                     }
                     part.positions.push(self.positions[vertex as usize]);
                     part.positions.len() as u32 - 1
@@ -189,6 +200,9 @@ impl<'a> Reader<'a> {
         }
         if !part.uvs.is_empty() {
             part.uvs.resize(part.positions.len(), [0.0; 2]);
+        }
+        if !part.normals.is_empty() {
+            part.normals.resize(part.positions.len(), MISSING);
         }
         Ok(())
     }

@@ -1,8 +1,9 @@
 //! Triangles with one material, as stored in a file, and their checks and conversion to a mesh.
 
+use super::normals;
 use crate::diagnostics::{Diagnostics, Source};
 use crate::model::{Material, Mesh};
-use glam::{DVec3, Vec3};
+use glam::{DMat3, DVec3, Vec3};
 use std::borrow::Cow;
 use std::path::Path;
 
@@ -16,6 +17,8 @@ pub(super) struct Part {
     pub(super) positions: Vec<[f32; 3]>,
     /// As many as positions, or none.
     pub(super) uvs: Vec<[f32; 2]>,
+    /// As many as positions, or none. [`MISSING`](super::normals::MISSING) stands for vertices without a normal.
+    pub(super) normals: Vec<[f32; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
     pub(super) material: Option<Material>,
 }
@@ -60,7 +63,8 @@ pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
     }
 }
 
-/// Appends triangles. If only one of the meshes has texture coordinates, those of the other are zeros.
+/// Appends triangles. If only one of the meshes has texture coordinates, those of the other are zeros. If only one has
+/// normals, the other remains flat.
 pub(super) fn append(mesh: &mut Mesh, more: &Mesh) {
     let first = mesh.positions.len() as u32;
     if !more.uvs.is_empty() || !mesh.uvs.is_empty() {
@@ -68,11 +72,20 @@ pub(super) fn append(mesh: &mut Mesh, more: &Mesh) {
         mesh.uvs.extend(&more.uvs);
         mesh.uvs.resize(mesh.positions.len() + more.positions.len(), [0.0; 2]);
     }
+    let smooth = !more.normals.is_empty() || !mesh.normals.is_empty();
+    if smooth {
+        mesh.normals.resize(mesh.positions.len(), normals::MISSING);
+        mesh.normals.extend(&more.normals);
+        mesh.normals.resize(mesh.positions.len() + more.positions.len(), normals::MISSING);
+    }
     mesh.positions.extend(&more.positions);
     mesh.triangles.extend(more.triangles.iter().map(|triangle| triangle.map(|index| index + first)));
+    if smooth {
+        normals::complete(mesh);
+    }
 }
 
-/// Checks all numbers, applies the scale, and removes triangles without area.
+/// Checks all numbers, applies the scale, completes the normals, and removes triangles without area.
 pub(super) fn finish(
     part: Part,
     path: &Path,
@@ -80,7 +93,7 @@ pub(super) fn finish(
     source: &Source,
     diagnostics: &mut Diagnostics,
 ) -> Option<Mesh> {
-    let Part { name, mut positions, mut uvs, mut triangles, material, .. } = part;
+    let Part { name, mut positions, mut uvs, normals, mut triangles, material, .. } = part;
     let mut fail = |what: String| {
         let name = if name.is_empty() { String::new() } else { format!(" of '{name}'") };
         diagnostics.error(source, format!("the mesh {}: {what}{name}", path.display()), "export it again");
@@ -98,6 +111,9 @@ pub(super) fn finish(
     if uvs.len() != positions.len() {
         uvs.clear();
     }
+    // Normals are transformed by the inverse transpose.
+    let matrix = normals::matrix(DMat3::from_diagonal(scale));
+    let normals = normals.iter().map(|normal| normals::turned(&matrix, *normal)).collect();
     if let Some((index, _)) = triangles
         .iter()
         .enumerate()
@@ -115,5 +131,7 @@ pub(super) fn finish(
             triangle.swap(1, 2);
         }
     }
-    Some(Mesh { path: path.to_path_buf(), positions, uvs, triangles, material })
+    let mut mesh = Mesh { path: path.to_path_buf(), positions, uvs, normals, triangles, material };
+    normals::complete(&mut mesh);
+    Some(mesh)
 }

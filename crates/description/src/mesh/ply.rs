@@ -1,6 +1,6 @@
 //! PLY (Stanford): vertices and polygons, in text or binary form.
 //!
-//! Normals and colours of vertices are ignored; Gazebo does not draw these colours either. Elements other than
+//! Colours of vertices are ignored; Gazebo does not draw these colours either. Elements other than
 //! vertices, faces and strips of triangles are ignored.
 
 mod header;
@@ -38,6 +38,14 @@ struct Reader {
     cutter: Cutter,
 }
 
+/// The vertices that faces with separate corners name.
+#[derive(Default)]
+struct Shared {
+    positions: Vec<[f32; 3]>,
+    /// As many as positions, or none.
+    normals: Vec<[f32; 3]>,
+}
+
 impl Reader {
     /// Reads the rows of an element.
     fn element(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<(), Unreadable> {
@@ -46,13 +54,17 @@ impl Reader {
         }
         let place = |names: &[&str]| element.place(names);
         let point = [place(&["x"]), place(&["y"]), place(&["z"])];
+        let normal = [place(&["nx"]), place(&["ny"]), place(&["nz"])];
         let uv = [place(&["s", "u", "texture_u"]), place(&["t", "v", "texture_v"])];
         let indices = place(&["vertex_indices", "vertex_index"]);
         let corner_uvs = place(&["texcoord"]);
         // The vertices that faces name, without those created for texture coordinates of corners.
-        let shared: Vec<[f32; 3]> = match (element.name.as_str(), corner_uvs) {
-            ("face", Some(_)) => std::mem::take(&mut self.part.positions),
-            _ => Vec::new(),
+        let shared = match (element.name.as_str(), corner_uvs) {
+            ("face", Some(_)) => Shared {
+                positions: std::mem::take(&mut self.part.positions),
+                normals: std::mem::take(&mut self.part.normals),
+            },
+            _ => Shared::default(),
         };
         let mut row: Vec<Vec<f64>> = element.properties.iter().map(|_| Vec::new()).collect();
         for _ in 0..element.count {
@@ -63,6 +75,9 @@ impl Reader {
                 "vertex" => match point.map(first) {
                     [Some(x), Some(y), Some(z)] => {
                         self.part.positions.push([x as f32, y as f32, z as f32]);
+                        if let [Some(x), Some(y), Some(z)] = normal.map(first) {
+                            self.part.normals.push([x as f32, y as f32, z as f32]);
+                        }
                         if let [Some(u), Some(v)] = uv.map(first) {
                             self.part.uvs.push([u as f32, v as f32]);
                         }
@@ -107,10 +122,12 @@ impl Reader {
     }
 
     /// Divides a face whose corners have their own texture coordinates.
-    fn separate_face(&mut self, corners: &[f64], uvs: &[f64], shared: &[[f32; 3]]) -> Result<(), String> {
-        let (indices, points) = points(corners, shared)?;
+    fn separate_face(&mut self, corners: &[f64], uvs: &[f64], shared: &Shared) -> Result<(), String> {
+        let (indices, points) = points(corners, &shared.positions)?;
         let first = self.part.positions.len() as u32;
-        self.part.positions.extend(indices.iter().map(|index| shared[*index as usize]));
+        self.part.positions.extend(indices.iter().map(|index| shared.positions[*index as usize]));
+        let normals = indices.iter().filter_map(|index| shared.normals.get(*index as usize));
+        self.part.normals.extend(normals);
         let uv = |corner: usize| {
             uvs.get(2 * corner..2 * corner + 2).map_or([0.0; 2], |uv| [uv[0] as f32, uv[1] as f32])
         };

@@ -3,6 +3,7 @@
 mod collada;
 mod gltf;
 mod gltf_look;
+mod normals;
 mod obj;
 mod ply;
 mod stl;

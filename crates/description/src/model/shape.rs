@@ -196,6 +196,8 @@ pub struct Mesh {
     pub positions: Vec<[f32; 3]>,
     /// Texture coordinates per vertex, v up; empty if there are none.
     pub uvs: Vec<[f32; 2]>,
+    /// Unit normals per vertex, for shading; empty if the mesh is flat.
+    pub normals: Vec<[f32; 3]>,
     /// Vertex indices, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
     /// The material in the file itself, which is used if the description gives none.

@@ -81,8 +81,14 @@ fn extrude(mut outlines: Vec<Outline>, height: f32, path: std::path::PathBuf) ->
             outline.reverse();
         }
     }
-    let mut mesh =
-        Mesh { path, positions: Vec::new(), uvs: Vec::new(), triangles: Vec::new(), material: None };
+    let mut mesh = Mesh {
+        path,
+        positions: Vec::new(),
+        uvs: Vec::new(),
+        normals: Vec::new(),
+        triangles: Vec::new(),
+        material: None,
+    };
     let mut cutter = Earcut::new();
     let mut cut: Vec<u32> = Vec::new();
     for solid in (0..outlines.len()).filter(|one| is_solid(*one)) {

@@ -39,8 +39,8 @@ def add_geom(world: World, model: mujoco.MjModel, geom: int, name: str, looks: L
     if kind in (_Geom.mjGEOM_MESH, _Geom.mjGEOM_SDF):
         if model.geom_dataid[geom] < 0:
             return "it has no mesh"
-        vertices, faces, uvs = mesh(model, int(model.geom_dataid[geom]))
-        world.add_mesh(vertices, faces, uvs=uvs, **look, **looks.of(geom, has_uvs=uvs is not None))
+        vertices, faces, uvs, normals = mesh(model, int(model.geom_dataid[geom]))
+        world.add_mesh(vertices, faces, uvs=uvs, normals=normals, **look, **looks.of(geom, has_uvs=uvs is not None))
         return None
     look |= looks.of(geom)
     if kind == _Geom.mjGEOM_SPHERE:
@@ -62,23 +62,29 @@ def add_geom(world: World, model: mujoco.MjModel, geom: int, name: str, looks: L
 
 def mesh(
     model: mujoco.MjModel, number: int
-) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32] | None]:
-    """Return vertices (V, 3), faces (F, 3) and texture coordinates (V, 2) of a mesh, if it has them."""
+) -> tuple[NDArray[np.float32], NDArray[np.int32], NDArray[np.float32] | None, NDArray[np.float32]]:
+    """Return vertices (V, 3), faces (F, 3), texture coordinates (V, 2) of a mesh, if it has them, and normals (V, 3)."""
     first, count = int(model.mesh_vertadr[number]), int(model.mesh_vertnum[number])
-    vertices = model.mesh_vert[first : first + count]
     start, total = int(model.mesh_faceadr[number]), int(model.mesh_facenum[number])
-    faces = model.mesh_face[start : start + total]
+    first_normal, normal_count = int(model.mesh_normaladr[number]), int(model.mesh_normalnum[number])
     texts = int(model.mesh_texcoordadr[number])
+    # A vertex has one place, and several normals and texture coordinates; here each combination is a vertex of its own.
+    places = [model.mesh_face[start : start + total], model.mesh_facenormal[start : start + total]]
+    if texts >= 0:
+        places.append(model.mesh_facetexcoord[start : start + total])
+    rows = np.stack(places, axis=-1).reshape(-1, len(places))
+    unique, corners = np.unique(rows, axis=0, return_inverse=True)
+    vertices = model.mesh_vert[first : first + count][unique[:, 0]]
+    normals = model.mesh_normal[first_normal : first_normal + normal_count][unique[:, 1]].copy()
+    # Triangles without area may have no direction.
+    normals[~(np.isfinite(normals).all(axis=1) & normals.any(axis=1))] = (0.0, 0.0, 1.0)
+    faces = corners.reshape(-1, 3).astype(np.int32)
     if texts < 0:
-        return vertices, faces, None
-    # A vertex has one place and several texture coordinates; here each pair is a vertex of its own.
-    coordinates = model.mesh_texcoord[texts : texts + int(model.mesh_texcoordnum[number])]
-    pairs = np.stack([faces, model.mesh_facetexcoord[start : start + total]], axis=-1).reshape(-1, 2)
-    unique, corners = np.unique(pairs, axis=0, return_inverse=True)
-    uvs = coordinates[unique[:, 1]].copy()
+        return vertices, faces, None, normals
+    uvs = model.mesh_texcoord[texts : texts + int(model.mesh_texcoordnum[number])][unique[:, 2]].copy()
     # Rows of textures are counted from the top, and v upwards.
     uvs[:, 1] = 1.0 - uvs[:, 1]
-    return vertices[unique[:, 0]], corners.reshape(-1, 3).astype(np.int32), uvs
+    return vertices, faces, uvs, normals
 
 
 def height_field(model: mujoco.MjModel, number: int) -> tuple[NDArray[np.float32], NDArray[np.int32]]:

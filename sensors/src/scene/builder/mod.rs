@@ -52,6 +52,8 @@ pub struct SceneBuilder {
     slots: u64,
     meshes: Table<Mesh>,
     uvs: Pool<[f32; 2]>,
+    /// One per element of `uvs`, or empty as long as no mesh has normals.
+    normals: Vec<[f32; 3]>,
     triangles: Pool<[u32; 3]>,
     nodes: Pool<WideNode>,
     blocks: Pool<TriangleBlock>,
@@ -106,6 +108,7 @@ impl SceneBuilder {
             instances: self.instances.items(),
             meshes: self.meshes.items(),
             uvs: self.uvs.items(),
+            normals: &self.normals,
             triangles: self.triangles.items(),
             nodes: self.nodes.items(),
             blocks: self.blocks.items(),
@@ -130,6 +133,7 @@ impl SceneBuilder {
             + size_of_val(self.poses())
             + size_of_val(scene.meshes)
             + size_of_val(scene.uvs)
+            + size_of_val(scene.normals)
             + size_of_val(scene.triangles)
             + size_of_val(scene.nodes)
             + size_of_val(scene.blocks)

@@ -14,6 +14,7 @@ use bytemuck::{Pod, Zeroable};
 pub(in crate::scene) struct Packed {
     meshes: Vec<Mesh>,
     uvs: Vec<[f32; 2]>,
+    normals: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
     nodes: Vec<WideNode>,
     blocks: Vec<TriangleBlock>,
@@ -61,6 +62,9 @@ impl Packed {
             first_block: append(&mut self.blocks, scene.blocks, mesh.first_block, mesh.blocks as usize),
             ..*mesh
         };
+        if !scene.normals.is_empty() {
+            append(&mut self.normals, scene.normals, mesh.first_vertex, mesh.vertices as usize);
+        }
         let facets = &scene.facets[mesh.first_block as usize * WIDTH..][..mesh.blocks as usize * WIDTH];
         self.facets.extend_from_slice(facets);
         if mesh.nodes == 0 {
@@ -104,6 +108,7 @@ impl Packed {
         Scene {
             meshes: &self.meshes,
             uvs: &self.uvs,
+            normals: &self.normals,
             triangles: &self.triangles,
             nodes: &self.nodes,
             blocks: &self.blocks,

@@ -4,6 +4,7 @@ use super::{SceneBuilder, room, unused};
 use crate::execution::Execution;
 use crate::scene::build::owned::Tree;
 use crate::scene::build::quality::Quality;
+use crate::scene::meshes::store_normals;
 use crate::scene::tree::Facet;
 use crate::scene::{HeightField, HeightFieldId, Kind, Mesh, MeshId, SceneError, Triangles, limits};
 use crate::simd::WIDTH;
@@ -33,7 +34,8 @@ impl SceneBuilder {
         Ok(MeshId(self.meshes.add(mesh)))
     }
 
-    /// Replaces a mesh. All its instances show the new one.
+    /// Replaces a mesh. All its instances show the new one, which has no
+    /// [normals](Self::set_mesh_normals).
     ///
     /// # Errors
     /// [`SceneError::NoSuchMesh`], [`SceneError::TooMany`] and those of [`SceneBuilder::add_mesh`]; the old mesh is
@@ -56,6 +58,43 @@ impl SceneBuilder {
             *place = new;
         }
         Ok(())
+    }
+
+    /// Sets the normals of the vertices of a mesh, of any length but 0. Where light falls on the mesh, normals are
+    /// interpolated between them, so that it looks round; its shape, and with it distances, shadows and the truth about
+    /// normals, remains that of the triangles. With an empty slice, the mesh becomes flat again, as it is when it is
+    /// added or [replaced](Self::set_mesh).
+    ///
+    /// ```
+    /// use belvedere_sensors::scene::*;
+    /// let mut builder = SceneBuilder::new();
+    /// let corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    /// let mesh = builder.add_mesh(&corners, &[], &[[0, 1, 2]])?;
+    /// // An eighth of a ball around the origin.
+    /// builder.set_mesh_normals(mesh, &corners)?;
+    /// assert_eq!(builder.set_mesh_normals(mesh, &[[0.0; 3]; 3]), Err(SceneError::BadNormal(0)));
+    /// # Ok::<(), SceneError>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`SceneError::NoSuchMesh`]; [`SceneError::NormalCount`] if the number of normals is neither 0 nor that of the
+    /// vertices; [`SceneError::BadNormal`]. The mesh then keeps the normals that it had.
+    pub fn set_mesh_normals(&mut self, mesh: MeshId, normals: &[[f32; 3]]) -> Result<(), SceneError> {
+        let of = *self.meshes.get(mesh.0).ok_or(SceneError::NoSuchMesh(mesh.0))?;
+        limits::normals(normals, of.vertices as usize)?;
+        if !normals.is_empty() {
+            self.normals.resize(self.uvs.items().len(), [0.0; 3]);
+        }
+        self.write_normals(&of, normals);
+        Ok(())
+    }
+
+    /// Stores the normals of a mesh if there is memory for normals.
+    fn write_normals(&mut self, of: &Mesh, normals: &[[f32; 3]]) {
+        if !self.normals.is_empty() {
+            let own = &mut self.normals[of.first_vertex as usize..][..of.vertices as usize];
+            store_normals(normals, own);
+        }
     }
 
     /// Removes a mesh.
@@ -95,7 +134,7 @@ impl SceneBuilder {
         self.facets.resize(self.blocks.items().len() * WIDTH, Facet::zeroed());
         self.facets[first_block * WIDTH..][..tree.blocks.len() * WIDTH].copy_from_slice(&tree.facets());
         let [min, max] = tree.nodes[0].bounds();
-        Ok(Mesh {
+        let mesh = Mesh {
             first_vertex: first_vertex as u32,
             vertices: vertices as u32,
             first_triangle: first_triangle as u32,
@@ -106,11 +145,17 @@ impl SceneBuilder {
             blocks: tree.blocks.len() as u32,
             min,
             max,
-        })
+        };
+        if !self.normals.is_empty() {
+            self.normals.resize(self.uvs.items().len(), [0.0; 3]);
+            self.write_normals(&mesh, &[]);
+        }
+        Ok(mesh)
     }
 
     fn release_mesh(&mut self, mesh: &Mesh) {
         self.uvs.release(mesh.first_vertex, mesh.vertices as usize);
+        self.normals.truncate(self.uvs.items().len());
         self.triangles.release(mesh.first_triangle, mesh.triangles as usize);
         self.nodes.release(mesh.first_node, mesh.nodes as usize);
         self.blocks.release(mesh.first_block, mesh.blocks as usize);

@@ -2,6 +2,7 @@
 
 use super::numbers::{Values, offset, polygons, values};
 use super::{Document, Outcome, wrong};
+use crate::mesh::normals::MISSING;
 use crate::xml::Element;
 use glam::DVec3;
 use std::rc::Rc;
@@ -12,6 +13,13 @@ struct Input<'a> {
     values: Rc<Values<'a>>,
 }
 
+/// The inputs of a primitive that are read.
+struct Inputs<'a> {
+    vertex: Input<'a>,
+    texture: Option<Input<'a>>,
+    normal: Option<Input<'a>>,
+}
+
 /// The triangles of a primitive in the axes of its geometry.
 #[derive(Default)]
 pub(super) struct Shape<'a> {
@@ -19,6 +27,7 @@ pub(super) struct Shape<'a> {
     pub(super) symbol: Option<&'a str>,
     pub(super) positions: Vec<[f32; 3]>,
     pub(super) uvs: Vec<[f32; 2]>,
+    pub(super) normals: Vec<[f32; 3]>,
     pub(super) triangles: Vec<[u32; 3]>,
 }
 
@@ -47,8 +56,8 @@ impl<'a> Document<'a> {
         Ok(values)
     }
 
-    fn inputs(&mut self, primitive: &'a Element) -> Outcome<(Input<'a>, Option<Input<'a>>)> {
-        let (mut vertex, mut texture) = (None, None);
+    fn inputs(&mut self, primitive: &'a Element) -> Outcome<Inputs<'a>> {
+        let (mut vertex, mut texture, mut normal) = (None, None, None);
         for input in primitive.elements_named("input") {
             let offset = offset(input)?;
             let source = self.referenced(input, "source")?;
@@ -58,6 +67,9 @@ impl<'a> Document<'a> {
                     // same indices.
                     for inner in source.elements_named("input") {
                         let semantic = inner.attribute("semantic");
+                        if semantic == Some("NORMAL") {
+                            normal = self.normals(inner, offset);
+                        }
                         if !matches!(semantic, Some("POSITION" | "TEXCOORD")) {
                             continue;
                         }
@@ -66,6 +78,7 @@ impl<'a> Document<'a> {
                         if semantic == Some("POSITION") { vertex = values } else { texture = values }
                     }
                 }
+                Some("NORMAL") if normal.is_none() => normal = self.normals(input, offset),
                 Some("TEXCOORD") if texture.is_none() => {
                     texture = Some(Input { offset, values: self.values(source)? });
                 }
@@ -73,14 +86,20 @@ impl<'a> Document<'a> {
             }
         }
         match vertex {
-            Some(vertex) => Ok((vertex, texture)),
+            Some(vertex) => Ok(Inputs { vertex, texture, normal }),
             None => wrong(primitive, format!("<{}> has no positions", primitive.name)),
         }
     }
 
+    /// Returns an input of normals; none if it is damaged, as the triangles can be read without it.
+    fn normals(&mut self, input: &'a Element, offset: usize) -> Option<Input<'a>> {
+        let source = self.referenced(input, "source").ok()?;
+        Some(Input { offset, values: self.values(source).ok()? })
+    }
+
     /// Divides the polygons of a primitive into triangles with a separate vertex for each corner.
     fn triangulate(&mut self, primitive: &'a Element) -> Outcome<Shape<'a>> {
-        let (vertex, texture) = self.inputs(primitive)?;
+        let Inputs { vertex, texture, normal } = self.inputs(primitive)?;
         let polygons = polygons(primitive)?;
         let mut shape = Shape { symbol: primitive.attribute("material"), ..Shape::default() };
         let mut corners = Vec::new();
@@ -92,6 +111,10 @@ impl<'a> Document<'a> {
                 let position: [f32; 3] = vertex.values.get(corner[vertex.offset])?;
                 corners.push(DVec3::from_array(position.map(f64::from)));
                 shape.positions.push(position);
+                if let Some(normal) = &normal {
+                    let found = normal.values.get(corner[normal.offset]);
+                    shape.normals.push(found.unwrap_or(MISSING));
+                }
                 if let Some(texture) = &texture {
                     shape.uvs.push(texture.values.get(corner[texture.offset])?);
                 }

@@ -2,6 +2,7 @@
 
 use super::accessor::Accessors;
 use super::container::Container;
+use crate::mesh::normals;
 use glam::{DAffine3, DMat4, DVec3};
 use serde_json::Value;
 
@@ -50,6 +51,17 @@ impl Skin {
             placed += scene_from_bound.transform_point3(point) * (weight / total);
         }
         Ok(placed)
+    }
+
+    /// Returns the normal of a vertex, from its joints and their weights.
+    pub(super) fn turn(&self, normal: DVec3, joints: [f64; 4], weights: [f64; 4]) -> [f32; 3] {
+        let mut turned = DVec3::ZERO;
+        for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
+            if let Some(scene_from_bound) = self.scene_from_bound.get(joint as usize) {
+                turned += normals::matrix(scene_from_bound.matrix3) * normal * weight;
+            }
+        }
+        normals::unit(turned)
     }
 }
 

@@ -26,7 +26,7 @@ pub(super) struct Model {
 }
 
 impl Model {
-    fn new() -> Self {
+    pub(super) fn new() -> Self {
         let json = json!({ "asset": { "version": "2.0" }, "accessors": [], "bufferViews": [], "scene": 0 });
         Self { json, bytes: Vec::new() }
     }
@@ -47,12 +47,12 @@ impl Model {
         accessors.len() - 1
     }
 
-    fn floats(&mut self, numbers: &[f32], kind: &str, count: usize) -> usize {
+    pub(super) fn floats(&mut self, numbers: &[f32], kind: &str, count: usize) -> usize {
         let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
         self.accessor(&bytes, 5126, kind, count)
     }
 
-    fn shorts(&mut self, numbers: &[u16]) -> usize {
+    pub(super) fn shorts(&mut self, numbers: &[u16]) -> usize {
         let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
         self.accessor(&bytes, 5123, "SCALAR", numbers.len())
     }

@@ -44,7 +44,8 @@ pub struct CheckArgs {
     pub file: Option<PathBuf>,
     /// Check every robot, model and world in this folder and those below it: a line for each .urdf, .xacro, .sdf and
     /// .world file, and a summary. Each is checked alone: robots in an empty world, and worlds without a robot, unless
-    /// --world or --robot is given. The folder is also searched for packages, and for the models of model://. The exit code is 1 if a file has errors
+    /// --world or --robot is given. The folder is also searched for packages, and for the models of model://. The exit
+    /// code is 1 if a file has errors
     #[arg(long, value_name = "FOLDER")]
     pub all: Option<PathBuf>,
     #[command(flatten)]

@@ -108,6 +108,7 @@ pub fn load_mesh_parts(
             }
         }
     }
+    meshes.iter_mut().for_each(normals::complete);
     if meshes.is_empty() {
         diagnostics.error(
             source,
@@ -201,6 +202,7 @@ pub fn merge_parts(parts: &[Arc<Mesh>]) -> Option<Arc<Mesh>> {
     for part in parts {
         append(&mut merged, part);
     }
+    normals::complete(&mut merged);
     Some(Arc::new(merged))
 }
 

@@ -64,7 +64,8 @@ pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
 }
 
 /// Appends triangles. If only one of the meshes has texture coordinates, those of the other are zeros. If only one has
-/// normals, the other remains flat.
+/// normals, those of the other are [`MISSING`](normals::MISSING) until [`complete`](normals::complete) has read the whole
+/// mesh: once, and not after each part, as the parts may be many.
 pub(super) fn append(mesh: &mut Mesh, more: &Mesh) {
     let first = mesh.positions.len() as u32;
     if !more.uvs.is_empty() || !mesh.uvs.is_empty() {
@@ -72,17 +73,13 @@ pub(super) fn append(mesh: &mut Mesh, more: &Mesh) {
         mesh.uvs.extend(&more.uvs);
         mesh.uvs.resize(mesh.positions.len() + more.positions.len(), [0.0; 2]);
     }
-    let smooth = !more.normals.is_empty() || !mesh.normals.is_empty();
-    if smooth {
+    if !more.normals.is_empty() || !mesh.normals.is_empty() {
         mesh.normals.resize(mesh.positions.len(), normals::MISSING);
         mesh.normals.extend(&more.normals);
         mesh.normals.resize(mesh.positions.len() + more.positions.len(), normals::MISSING);
     }
     mesh.positions.extend(&more.positions);
     mesh.triangles.extend(more.triangles.iter().map(|triangle| triangle.map(|index| index + first)));
-    if smooth {
-        normals::complete(mesh);
-    }
 }
 
 /// Checks all numbers, applies the scale, completes the normals, and removes triangles without area.

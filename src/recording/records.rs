@@ -117,6 +117,7 @@ struct Chunk {
 impl Chunk {
     /// Reads the content of a chunk's record.
     fn new(data: &[u8]) -> Self {
+        let data = without_padding(data);
         let record = [&[op::CHUNK][..], &(data.len() as u64).to_le_bytes(), data].concat();
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
@@ -155,6 +156,18 @@ impl Chunk {
         }
         None
     }
+}
+
+/// Returns the content of a chunk without what follows its records. If a damaged record reaches into that, the library's
+/// count of the bytes that remain overflows.
+fn without_padding(data: &[u8]) -> &[u8] {
+    let end = || {
+        let compression = lengths::text(data, 28)?;
+        let records = 32 + compression.len();
+        let len = u64::from_le_bytes(*data.get(records..)?.first_chunk()?);
+        usize::try_from(len).ok()?.checked_add(records + 8)
+    };
+    end().and_then(|end| data.get(..end)).unwrap_or(data)
 }
 
 /// Gives a reader the bytes that it asks for, or fewer.

@@ -1,7 +1,7 @@
 //! Of a damaged recording everything that is intact is read, and what is left out is told.
 
 use crate::live::{output, own_domain};
-use crate::recordings::{frames, info, read, record_a_run};
+use crate::recordings::{frames, info, read, read_all, record_a_run};
 use belvedere::recording::{Item, RecordingError, RecordingReader};
 use std::io::Cursor;
 use std::ops::Range;
@@ -31,15 +31,7 @@ fn of_kind(bytes: &[u8], kind: u8) -> Vec<Range<usize>> {
 
 /// Reads with the index, as the commands do.
 fn read_file(bytes: &[u8]) -> (Vec<Item>, Option<RecordingError>) {
-    let mut reader = RecordingReader::starting_at(Cursor::new(bytes), Duration::ZERO).unwrap();
-    let mut items = Vec::new();
-    loop {
-        match reader.next_item() {
-            Ok(Some(item)) => items.push(item),
-            Ok(None) => return (items, None),
-            Err(error) => return (items, Some(error)),
-        }
-    }
+    read_all(RecordingReader::starting_at(Cursor::new(bytes), Duration::ZERO).unwrap())
 }
 
 fn left_out(items: &[Item]) -> Vec<&str> {

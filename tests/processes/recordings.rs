@@ -37,9 +37,13 @@ impl Drop for Process {
     }
 }
 
-/// Everything that can be read from a recording, and the error at its end, if any.
+/// Reads a recording from its beginning, without its index; see [`read_all`].
 pub(crate) fn read(bytes: &[u8]) -> (Vec<Item>, Option<RecordingError>) {
-    let mut reader = RecordingReader::new(bytes);
+    read_all(RecordingReader::new(bytes))
+}
+
+/// Returns everything that can be read from a recording, and the error at its end, if any.
+pub(crate) fn read_all<R: Read>(mut reader: RecordingReader<R>) -> (Vec<Item>, Option<RecordingError>) {
     let mut items = Vec::new();
     loop {
         match reader.next_item() {

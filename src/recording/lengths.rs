@@ -51,12 +51,12 @@ fn after_text(bytes: &[u8]) -> Option<&[u8]> {
     rest.get(u32::from_le_bytes(*len) as usize..)
 }
 
-/// Returns the bytes after a map of texts, if all texts are within its length.
+/// Returns the bytes after a map of texts, if all keys and values are within its length.
 fn after_map(bytes: &[u8]) -> Option<&[u8]> {
     let after = after_text(bytes)?;
     let mut inside = &bytes[4..bytes.len() - after.len()];
     while !inside.is_empty() {
-        inside = after_text(inside)?;
+        inside = after_text(inside).and_then(after_text)?;
     }
     Some(after)
 }

@@ -119,16 +119,18 @@ impl Chunk {
     fn new(data: &[u8]) -> Self {
         let data = without_padding(data);
         let record = [&[op::CHUNK][..], &(data.len() as u64).to_le_bytes(), data].concat();
+        let number = |at: usize| Some(u64::from_le_bytes(*data.get(at..)?.first_chunk()?));
+        // Nothing in the chunk is larger than its content, whose stated size `CheckedChunks` checks.
+        let content = number(16).and_then(|len| usize::try_from(len).ok()).unwrap_or(LARGEST);
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
             .with_skip_end_magic(true)
             .with_prevalidate_chunk_crcs(true)
-            .with_record_length_limit(LARGEST);
+            .with_record_length_limit(content.max(record.len()).min(LARGEST));
         let mut reader = LinearReader::new_with_options(options);
         // This fails only for a decompressor without a name.
         let _ = reader.add_decompressor(Zstd::new());
-        let time = |at: usize| Some(u64::from_le_bytes(*data.get(at..)?.first_chunk()?));
-        let times_ns = time(0).zip(time(8)).map(|(first, last)| [first, last]);
+        let times_ns = number(0).zip(number(8)).map(|(first, last)| [first, last]);
         let len = record.len() as u64;
         Self { record: CheckedChunks::of_record(Cursor::new(record), len), reader, times_ns, is_over: false }
     }

@@ -16,13 +16,13 @@ use belvedere_sensors::camera::{Camera, Picture};
 use belvedere_sensors::noise::{Stream, fill_standard_normal};
 use belvedere_sensors::simd::{Level, best_level};
 use belvedere_sensors::trace::WorkspaceBuf;
-use belvedere_sensors::{Capture, Sensor};
+use belvedere_sensors::{Capture, Execution, Sensor};
 use gungraun::{
     Callgrind, CallgrindMetrics, EventKind, LibraryBenchmarkConfig, OutputFormat, library_benchmark,
     library_benchmark_group, main,
 };
 use scenes::fine::FineMeshes;
-use scenes::ours::{Built, Caster, Tree, Wanted, execution};
+use scenes::ours::{Built, Caster, Tree, Wanted};
 use scenes::{Mesh, RaySet, Scene, level};
 use std::hint::black_box;
 
@@ -51,7 +51,7 @@ fn limit(name: &str) -> LibraryBenchmarkConfig {
 fn cast(scene: &str, rays: &str) -> (Built, Caster) {
     let scene = Scene::new(scene);
     let rays = RaySet::new(rays, &scene).first(20_000);
-    let caster = Caster::new(&rays, execution(simd()), Wanted::All);
+    let caster = Caster::new(&rays, Execution::at(simd()), Wanted::All);
     (Built::new(&scene.mesh), caster)
 }
 
@@ -161,7 +161,7 @@ fn room_view() -> RoomView {
     let camera = Camera::new(tag_room::camera_of_height(16, 0.007));
     let camera = camera.expect("in range");
     let mut workspace = WorkspaceBuf::default();
-    workspace.execution = execution(simd());
+    workspace.execution = Execution::at(simd());
     let capture = Capture::new(0, scene.moment(tag_room::across()));
     let _ = workspace.lend(camera.workspace_len(&scene.scene(), &capture)); // allocates
     let pixels = vec![0; camera.frame_len()];

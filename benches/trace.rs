@@ -4,9 +4,10 @@
 
 mod scenes;
 
+use belvedere_sensors::Execution;
 use belvedere_sensors::simd::best_level;
 use criterion::{Criterion, SamplingMode, Throughput, criterion_group, criterion_main};
-use scenes::ours::{Built, Caster, Wanted, execution};
+use scenes::ours::{Built, Caster, Wanted};
 use scenes::{RAYS, RaySet, SCENES, Scene};
 use std::hint::black_box;
 use std::time::Duration;
@@ -19,7 +20,7 @@ fn trace(criterion: &mut Criterion) {
         let built = Built::new(&scene.mesh);
         for name in RAYS {
             let rays = RaySet::new(name, &scene).first(100_000);
-            let mut caster = Caster::new(&rays, execution(best_level()), Wanted::All);
+            let mut caster = Caster::new(&rays, Execution::at(best_level()), Wanted::All);
             group.throughput(Throughput::Elements(rays.len() as u64));
             group.bench_function(name, |bencher| bencher.iter(|| black_box(caster.cast(&built)).len()));
         }

@@ -3,6 +3,7 @@
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
 use crate::scenes::{RAYS, RaySet, Scene, ours, peer};
+use belvedere_sensors::Execution;
 use belvedere_sensors::simd::Level;
 use std::hint::black_box;
 
@@ -21,7 +22,7 @@ pub fn run(gate: &mut Gate<'_>, scene: &str, level: Level) -> Result<(), String>
     let theirs = peer::Built::new(&scene.mesh);
     for name in RAYS.into_iter().filter(|rays| gate.options.wants(scene.name, rays)) {
         let rays = RaySet::new(name, scene).first(OUR_RANDOM_RAYS);
-        let mut caster = ours::Caster::new(&rays, ours::execution(level), ours::Wanted::All);
+        let mut caster = ours::Caster::new(&rays, Execution::at(level), ours::Wanted::All);
         let chosen = chosen(&rays);
         let mut distances = Vec::with_capacity(chosen.len());
         let entry =

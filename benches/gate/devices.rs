@@ -3,7 +3,6 @@
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
 use super::moments::{Stage, depths, sensor, stage};
-use crate::scenes::ours;
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::DepthCameraConfig;
 use belvedere_sensors::device::depth_model::{DepthModel, presets as depth_presets};
@@ -12,7 +11,7 @@ use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scanner::{Beam, Echoes, Returns, Scanner, ScannerConfig, presets};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::{Faces, WorkspaceBuf};
-use belvedere_sensors::{Capture, Keyframe, Moment, Pose, Sensor};
+use belvedere_sensors::{Capture, Execution, Keyframe, Moment, Pose, Sensor};
 use std::hint::black_box;
 
 const GROUP: &str = "frames";
@@ -70,7 +69,7 @@ fn scans<'a>(
         })
         .collect();
     let mut workspace = WorkspaceBuf::default();
-    workspace.execution = ours::execution(level);
+    workspace.execution = Execution::at(level);
     let values = scanner.most_firings() * scanner.returns();
     let (mut points, mut intensities) = (vec![[0.0; 3]; values], vec![0.0; values]);
     move || {

@@ -92,7 +92,7 @@ fn depth_frame(gate: &mut Gate<'_>, level: Level, scene: &str, name: &str) {
     let rays = RaySet::new("R1", &scene);
     let built = ours::Built::new(&scene.mesh);
     let noise = GaussianNoise::of_stddev(0.01).expect("in range");
-    let execution = ours::execution(level);
+    let execution = Execution::at(level);
     let mut whole = ours::DepthFrames::new(&rays, noise, execution);
     let mut trace = ours::Caster::new(&rays, execution, ours::Wanted::Distance);
     gate.run(
@@ -119,7 +119,7 @@ fn two_threads(gate: &mut Gate<'_>, level: Level) {
     let scene = Scene::new("S3");
     let rays = RaySet::new("R1", &scene);
     let built = ours::Built::new(&scene.mesh);
-    let one = ours::execution(level);
+    let one = Execution::at(level);
     let both = Execution { parallel: true, ..one };
     let mut one = ours::DepthFrames::new(&rays, GaussianNoise::NONE, one);
     let mut both = ours::DepthFrames::new(&rays, GaussianNoise::NONE, both);
@@ -140,7 +140,7 @@ fn tag_room_rgb(gate: &mut Gate<'_>, level: Level) {
     let built = tag_room::scene(&world);
     let scene = built.scene();
     let mut workspace = WorkspaceBuf::default();
-    workspace.execution = ours::execution(level);
+    workspace.execution = Execution::at(level);
     let camera = Camera::new(tag_room::camera_config(0.007)).expect("in range");
     let mut pixels = vec![0; camera.frame_len()];
     let capture = Capture::new(0, built.moment(tag_room::across()));
@@ -179,7 +179,7 @@ fn device_rgb(gate: &mut Gate<'_>, level: Level) {
 fn pictures<'a>(built: &'a WorldScene, config: &CameraConfig<'a>, level: Level) -> impl FnMut() + use<'a> {
     let camera = Camera::new(*config).expect("in range");
     let mut workspace = WorkspaceBuf::default();
-    workspace.execution = ours::execution(level);
+    workspace.execution = Execution::at(level);
     let mut pixels = vec![0; camera.frame_len()];
     move || {
         let scene = built.scene();

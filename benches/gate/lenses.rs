@@ -2,7 +2,6 @@
 
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
-use crate::scenes::ours;
 use crate::tag_room;
 use belvedere::world::scene::WorldScene;
 use belvedere_sensors::camera::CameraConfig;
@@ -12,7 +11,7 @@ use belvedere_sensors::optics::{
 };
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::{Faces, WorkspaceBuf};
-use belvedere_sensors::{Capture, Sensor};
+use belvedere_sensors::{Capture, Execution, Sensor};
 use core::f64::consts::{FRAC_PI_2, PI};
 use std::hint::black_box;
 
@@ -48,7 +47,7 @@ fn frames<'a>(built: &'a WorldScene, optics: &Optics<'a>, level: Level) -> impl 
     let camera = DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(*optics)).faces(Faces::Front))
         .expect("in range");
     let mut workspace = WorkspaceBuf::default();
-    workspace.execution = ours::execution(level);
+    workspace.execution = Execution::at(level);
     let mut depths = vec![0.0; camera.pixels()];
     move || {
         let scene = built.scene();

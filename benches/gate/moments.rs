@@ -2,14 +2,13 @@
 
 use super::clock::Clock;
 use super::gate::{Entry, Gate, Unit};
-use crate::scenes::ours;
 use belvedere_sensors::camera::{Camera, CameraConfig, Picture};
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::{Faces, Truth, WorkspaceBuf};
-use belvedere_sensors::{Capture, Moment, Pose, Sensor, Slice};
+use belvedere_sensors::{Capture, Execution, Moment, Pose, Sensor, Slice};
 use glam::DVec3;
 use std::hint::black_box;
 
@@ -95,7 +94,7 @@ fn truth_frames(stage: &Stage, all: bool, level: Level) -> impl FnMut() + use<'_
     let camera = Camera::new(camera([width, height])).expect("in range");
     let rays = (width * height) as usize;
     let mut workspace = WorkspaceBuf::default();
-    workspace.execution = ours::execution(level);
+    workspace.execution = Execution::at(level);
     let (mut depth, mut normal) = (vec![0.0; rays], vec![[0.0; 3]; rays]);
     let (mut instance, mut class, mut flow) = (vec![0; rays], vec![0; rays], vec![[0.0; 2]; rays]);
     move || {
@@ -116,7 +115,7 @@ fn truth_frames(stage: &Stage, all: bool, level: Level) -> impl FnMut() + use<'_
 fn pictures(stage: &Stage, rolling: bool, level: Level) -> impl FnMut() + use<'_> {
     let camera = Camera::new(camera([640, 480])).expect("in range");
     let mut workspace = WorkspaceBuf::default();
-    workspace.execution = ours::execution(level);
+    workspace.execution = Execution::at(level);
     let mut pixels = vec![0; camera.frame_len()];
     let moments: Vec<(Pose, Vec<Pose>)> = (0..480)
         .map(|row| {
@@ -154,7 +153,7 @@ pub fn depths<'a>(
 ) -> impl FnMut() + use<'a> {
     let camera = DepthCamera::new(*config).expect("in range");
     let mut workspace = WorkspaceBuf::default();
-    workspace.execution = ours::execution(level);
+    workspace.execution = Execution::at(level);
     let mut depths = vec![0.0; camera.pixels()];
     move || {
         let scene = stage.builder.scene();

@@ -10,7 +10,7 @@ use belvedere_sensors::optics::PinholeGrid;
 use belvedere_sensors::scene::{InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape};
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::trace::{Faces, WorkspaceBuf};
-use belvedere_sensors::{Capture, Sensor};
+use belvedere_sensors::{Capture, Execution, Sensor};
 use glam::DVec3;
 
 const BODIES: u32 = 31;
@@ -61,7 +61,7 @@ impl FineMeshes {
         let camera = DepthCamera::new(DepthCameraConfig::new(CameraConfig::new(lens)).faces(Faces::Front))
             .expect("in range");
         let mut workspace = WorkspaceBuf::default();
-        workspace.execution = ours::execution(level);
+        workspace.execution = Execution::at(level);
         let (pixels, bytes) = (camera.pixels(), camera.camera().frame_len());
         let mut made =
             Self { builder, camera, workspace, depths: vec![0.0; pixels], colours: vec![0; bytes] };

@@ -15,15 +15,20 @@ pub struct Execution {
 impl Default for Execution {
     /// The calling thread only, with the best instruction set available.
     fn default() -> Self {
-        Self {
-            level: best_level(),
-            #[cfg(feature = "rayon")]
-            parallel: false,
-        }
+        Self::at(best_level())
     }
 }
 
 impl Execution {
+    /// The calling thread only, with this instruction set.
+    pub fn at(level: Level) -> Self {
+        Self {
+            level,
+            #[cfg(feature = "rayon")]
+            parallel: false,
+        }
+    }
+
     /// Uses all threads of the current rayon pool.
     #[cfg(feature = "rayon")]
     pub fn parallel() -> Self {

@@ -312,13 +312,13 @@ fn smooth(mut builder: SceneBuilder) -> SceneBuilder {
 
 #[test]
 fn every_level() {
-    let expected = sense_all(Execution { level: Level::baseline(), ..Execution::default() });
+    let expected = sense_all(Execution::at(Level::baseline()));
     for (name, level) in levels() {
         let Some(level) = level else {
             println!("this machine has no {name}: not tested");
             continue;
         };
-        for (expected, found) in expected.iter().zip(sense_all(Execution { level, ..Execution::default() })) {
+        for (expected, found) in expected.iter().zip(sense_all(Execution::at(level))) {
             assert!(*expected == found, "{} differs at {name}", found.0);
         }
     }

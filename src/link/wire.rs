@@ -271,7 +271,7 @@ mod tests {
             keeps_last: false,
         };
         let bytes = Announcement::new(vec![described.clone()]).to_bytes();
-        assert_eq!(Announcement::read(&bytes).unwrap().streams, [described.clone()]);
+        assert_eq!(Announcement::read(&bytes).unwrap().streams, std::slice::from_ref(&described));
         let spec = described.spec().unwrap();
         assert_eq!((spec.kind, spec.encoding, spec.history), (Kind::LaserScan, Encoding::RangesF32, 0));
         assert_eq!((spec.rate_hz, spec.layers, spec.max_payload_len), (Some(5.5), Some(16), 2880));

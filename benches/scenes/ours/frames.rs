@@ -1,7 +1,7 @@
 //! Whole frames, and scenes that move.
 
 use super::super::rays::{RaySet, Source};
-use super::{Built, execution};
+use super::Built;
 use belvedere_sensors::camera::CameraConfig;
 use belvedere_sensors::depth::{DepthCamera, DepthCameraConfig, DepthFrame};
 use belvedere_sensors::lidar::{Beams, Lidar, LidarConfig, Scan, TooNear};
@@ -79,7 +79,7 @@ impl Moving {
         let mut add = || builder.add_instance(&instance).expect("our own instance");
         let boxes = (0..count).map(|_| add()).collect();
         let mut workspace = WorkspaceBuf::default();
-        workspace.execution = execution(level);
+        workspace.execution = Execution::at(level);
         Self { builder, boxes, workspace, lidar: lidar(FAN, Beams::ONE) }
     }
 

@@ -12,23 +12,18 @@ use belvedere_sensors::scene::{InstanceConfig, MaterialConfig, SceneBuilder, Sha
 use belvedere_sensors::simd::Level;
 use belvedere_sensors::{Execution, Pose};
 
-/// Returns the settings for one thread at a SIMD level.
-pub fn execution(level: Level) -> Execution {
-    Execution { level, ..Execution::default() }
-}
-
 /// The tree of a mesh, without a scene.
 pub struct Tree(WideTree);
 
 impl Tree {
     pub fn new(mesh: &Mesh, level: Level) -> Self {
-        let tree = WideTree::build(&mesh.vertices, &mesh.triangles, Quality::High, execution(level));
+        let tree = WideTree::build(&mesh.vertices, &mesh.triangles, Quality::High, Execution::at(level));
         Self(tree.expect("our own mesh"))
     }
 
     /// Refits the tree to moved vertices.
     pub fn refit(&mut self, vertices: &[[f32; 3]], triangles: &[[u32; 3]], level: Level) {
-        self.0.refit(vertices, triangles, execution(level)).expect("our own mesh");
+        self.0.refit(vertices, triangles, Execution::at(level)).expect("our own mesh");
     }
 }
 

@@ -488,7 +488,7 @@ fn fisheye_frame(execution: Execution) -> (Vec<u8>, Vec<u32>) {
 #[test]
 fn the_same_bytes_for_all_levels_and_threads() {
     let best = Level::new();
-    let mut executions = vec![("the best", Execution { level: best, ..Execution::default() })];
+    let mut executions = vec![("the best", Execution::at(best))];
     #[cfg(target_arch = "x86_64")]
     for (name, level) in [
         ("SSE2", best.as_sse2().map(Level::Sse2)),
@@ -496,11 +496,11 @@ fn the_same_bytes_for_all_levels_and_threads() {
         ("AVX-512", best.as_avx512().map(Level::Avx512)),
     ] {
         match level {
-            Some(level) => executions.push((name, Execution { level, ..Execution::default() })),
+            Some(level) => executions.push((name, Execution::at(level))),
             None => println!("this machine has no {name}: not tested"),
         }
     }
-    let expected = fisheye_frame(Execution { level: Level::baseline(), ..Execution::default() });
+    let expected = fisheye_frame(Execution::at(Level::baseline()));
     assert!(expected.0.iter().filter(|byte| **byte != 0).count() > expected.0.len() / 3);
     for (name, execution) in executions {
         assert!(fisheye_frame(execution) == expected, "{name} differs");

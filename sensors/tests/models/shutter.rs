@@ -284,7 +284,7 @@ fn threads_and_levels_change_nothing() {
         .collect();
     let capture = Capture::new(5, rows.as_slice());
     let expected = picture_of(&scene, config, &capture, Execution::default());
-    let baseline = Execution { level: Level::baseline(), ..Execution::default() };
+    let baseline = Execution::at(Level::baseline());
     assert!(expected == picture_of(&scene, config, &capture, baseline));
     #[cfg(feature = "rayon")]
     for threads in 1..=3 {

@@ -172,7 +172,7 @@ fn columns_at_one_moment_give_the_scan_of_that_moment() {
             let rings = config.vertical.samples;
             let mut executions = vec![Execution::default()];
             if cut == 5 {
-                executions.push(Execution { level: Level::baseline(), ..Execution::default() });
+                executions.push(Execution::at(Level::baseline()));
                 #[cfg(feature = "rayon")]
                 executions.push(Execution::parallel());
             }

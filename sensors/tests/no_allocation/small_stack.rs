@@ -48,7 +48,7 @@ fn run(name: &str, call: impl FnOnce() + Send) {
 fn at_each_level(work: impl Fn(&str, Execution)) {
     for (name, level) in levels() {
         let Some(level) = level else { continue };
-        work(name, Execution { level, ..Execution::default() });
+        work(name, Execution::at(level));
     }
 }
 

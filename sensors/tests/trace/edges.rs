@@ -316,7 +316,7 @@ fn all_pictures(execution: Execution) -> Vec<Vec<u8>> {
 
 #[test]
 fn the_same_bits_for_all_levels_and_threads() {
-    let expected = all_pictures(Execution { level: Level::baseline(), ..Execution::default() });
+    let expected = all_pictures(Execution::at(Level::baseline()));
     let best = Level::new();
     let mut levels = vec![("the best level", Some(best))];
     #[cfg(target_arch = "x86_64")]
@@ -328,10 +328,7 @@ fn the_same_bits_for_all_levels_and_threads() {
     for (name, level) in levels {
         match level {
             Some(level) => {
-                assert!(
-                    all_pictures(Execution { level, ..Execution::default() }) == expected,
-                    "{name} differs"
-                );
+                assert!(all_pictures(Execution::at(level)) == expected, "{name} differs");
             }
             None => println!("this machine has no {name}: not tested"),
         }

@@ -48,13 +48,13 @@ fn assert_same(what: &str, scenario: &Scenario, expected: &[(&str, Vec<u8>)], fo
 #[test]
 fn every_level_gives_the_same_hits() {
     for scenario in &scenarios() {
-        let expected = cast_all(scenario, Execution { level: Level::baseline(), ..Execution::default() });
+        let expected = cast_all(scenario, Execution::at(Level::baseline()));
         for (name, level) in levels() {
             let Some(level) = level else {
                 println!("this machine has no {name}: not tested");
                 continue;
             };
-            let found = cast_all(scenario, Execution { level, ..Execution::default() });
+            let found = cast_all(scenario, Execution::at(level));
             assert_same(&format!("at {name}"), scenario, &expected, &found);
         }
     }

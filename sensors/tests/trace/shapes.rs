@@ -558,8 +558,7 @@ fn same_bits_at_every_level() {
     }
     let view = look_at(DVec3::new(-3.2, 0.3, 1.4), DVec3::ZERO, 0.1);
     let camera = camera_of([333, 245], 1.2);
-    let at =
-        |level| common::picture_with(&builder, camera, view, 7, Execution { level, ..Default::default() });
+    let at = |level| common::picture_with(&builder, camera, view, 7, Execution::at(level));
     let expected = at(Level::baseline());
     assert!(expected.iter().filter(|value| **value > 0).count() > expected.len() / 2);
     let best = Level::new();

@@ -425,8 +425,7 @@ fn the_same_bytes() {
             best.as_avx2().map(Level::Avx2),
             best.as_avx512().map(Level::Avx512),
         ];
-        executions
-            .extend(levels.into_iter().flatten().map(|level| Execution { level, ..Execution::default() }));
+        executions.extend(levels.into_iter().flatten().map(Execution::at));
     }
     #[cfg(feature = "rayon")]
     executions.push(Execution::parallel());

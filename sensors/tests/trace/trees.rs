@@ -167,7 +167,7 @@ fn levels_give_the_same_bytes() {
     for (name, (positions, triangles)) in meshes() {
         for quality in QUALITIES {
             let [a, b] = levels.map(|level| {
-                let execution = Execution { level, ..Execution::default() };
+                let execution = Execution::at(level);
                 let mut tree = Tree::build(&positions, &triangles, quality, execution).unwrap();
                 let built = tree.clone();
                 tree.refit(&positions, &triangles, execution).unwrap();

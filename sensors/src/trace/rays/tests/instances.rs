@@ -29,7 +29,7 @@ fn cast(builder: &SceneBuilder, reference: DVec3, rays: &Rays<'_>, faces: Faces)
         };
         let mut primitive = vec![0; count];
         let mut occluded = vec![false; count];
-        let execution = Execution { level, ..Execution::default() };
+        let execution = Execution::at(level);
         let mut workspace = Workspace { buffer: &mut buffer, execution };
         let hits = Hits {
             distance: Some(&mut found.distance),

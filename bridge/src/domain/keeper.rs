@@ -3,7 +3,7 @@
 use std::{
     path::PathBuf,
     sync::atomic::{AtomicU64, Ordering},
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use iceoryx2::{
@@ -159,7 +159,7 @@ fn listed(name: &str) -> String {
 }
 
 fn create(domain: &Domain, config: &Config, places: &Places, name: &NodeName) -> Result<IoxNode<Ipc>, Error> {
-    let mut attempts = 0;
+    let started = Instant::now();
     loop {
         let created = NodeBuilder::new()
             .name(name)
@@ -168,9 +168,9 @@ fn create(domain: &Domain, config: &Config, places: &Places, name: &NodeName) ->
             .create::<Ipc>();
         match created {
             Ok(node) => return Ok(node),
-            // The last process of another domain may be removing the empty directories at this moment.
-            Err(_) if attempts < 5 => {
-                attempts += 1;
+            // The last process of another domain may be removing the empty directories at this moment. On a busy
+            // machine it can be interrupted there.
+            Err(_) if started.elapsed() < Duration::from_millis(500) => {
                 std::thread::sleep(Duration::from_millis(5));
             }
             Err(NodeCreationFailure::InsufficientPermissions) => {

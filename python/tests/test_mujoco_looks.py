@@ -97,6 +97,31 @@ def test_a_spotlight_has_the_falloff_of_mujoco() -> None:
         np.testing.assert_allclose(row, 0.8 * cosine * cosine**exponent, atol=0.01)
 
 
+@pytest.mark.parametrize("mode", ["targetbody", "targetbodycom"])
+@pytest.mark.parametrize("form", ["spot", "directional"])
+def test_a_lamp_that_follows_a_body_looks_at_it(mode: str, form: str) -> None:
+    def seen(light: str) -> NDArray[np.uint8]:
+        model = mujoco.MjModel.from_xml_string(f"""
+            <mujoco>
+              <visual><headlight active="0"/></visual>
+              <worldbody>
+                <geom type="plane" size="3 3 1"/>
+                <light pos="-1 0 1" type="{form}" cutoff="90" exponent="20" {light}/>
+                <body name="ball" pos="1 0 0"><geom type="sphere" size="0.1"/></body>
+                <camera name="down" pos="0 0 4" fovy="50"/>
+              </worldbody>
+            </mujoco>""")
+        # Without directions of lamps, they keep those of the first pose.
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        state = {name: getattr(data, name)[None] for name in ("geom_xpos", "geom_xmat", "cam_xpos", "cam_xmat")}
+        return bvm.Scene(model).camera("down", 64, 64).render(state)["rgb"]
+
+    following = seen(f'mode="{mode}" target="ball"')
+    assert (following == seen('dir="2 0 -1"')).all()
+    assert (following != seen('dir="0 0 -1"')).any()
+
+
 def test_highlights_have_the_colour_of_the_texture() -> None:
     model = mujoco.MjModel.from_xml_string("""
         <mujoco>

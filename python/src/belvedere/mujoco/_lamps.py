@@ -36,6 +36,7 @@ class Lamps:
         self._lights: list[tuple[int, bool]] = []
         headlight = model.vis.headlight
         ambient = np.zeros(3)
+        first = _first_pose(model)
         for light in range(model.nlight):
             if not model.light_active[light]:
                 continue
@@ -44,7 +45,7 @@ class Lamps:
                 self.notes.append(f"light {light}: images are not lamps here, so it is dark")
                 continue
             try:
-                self._add(world, model, light, kind)
+                self._add(world, model, light, kind, first)
             except ValueError as error:
                 raise ValueError(f"model: light {light}: {error}") from error
             ambient += model.light_ambient[light]
@@ -65,8 +66,8 @@ class Lamps:
         except ValueError as error:
             raise ValueError(f"model: lights: {error}") from error
 
-    def _add(self, world: World, model: mujoco.MjModel, light: int, kind: str) -> None:
-        direction = model.light_dir0[light] if np.any(model.light_dir0[light]) else (0.0, 0.0, -1.0)
+    def _add(self, world: World, model: mujoco.MjModel, light: int, kind: str, first: mujoco.MjData) -> None:
+        direction = first.light_xdir[light] if np.any(first.light_xdir[light]) else (0.0, 0.0, -1.0)
         cone, falloff, error = _cone(float(model.light_cutoff[light]), float(model.light_exponent[light]))
         if kind == "spot":
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_LIGHT, light) or f"number {light}"
@@ -74,7 +75,7 @@ class Lamps:
             self.notes.append(f"light {name}: {edge}it keeps the direction that it has in the model's first pose")
         world.add_light(
             kind,
-            position=model.light_pos0[light],
+            position=first.light_xpos[light],
             direction=direction,
             color=np.maximum(model.light_diffuse[light], 0.0),
             specular=np.maximum(model.light_specular[light], 0.0),
@@ -123,6 +124,19 @@ class Lamps:
         )
         headlight = None if self._headlight is None else (self._headlight, matrices, camera)
         return world.placed_lights(self._lights, places, ways, headlight, states.count)
+
+
+def _first_pose(model: mujoco.MjModel) -> mujoco.MjData:
+    """Return the state with the model's first pose and the lamps of it.
+
+    ``light_dir0`` is not their direction there, since it ignores the body that a lamp looks at.
+    """
+    first = mujoco.MjData(model)
+    if model.nlight:
+        mujoco.mj_kinematics(model, first)
+        mujoco.mj_comPos(model, first)
+        mujoco.mj_camlight(model, first)
+    return first
 
 
 def _cone(cutoff: float, exponent: float) -> tuple[tuple[float, float], float, float]:

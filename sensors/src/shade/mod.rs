@@ -11,6 +11,7 @@
 mod air;
 mod axes;
 mod bumps;
+mod cube;
 mod face;
 mod facets;
 mod glow;
@@ -29,7 +30,7 @@ pub(crate) mod tile;
 pub(crate) mod transparency;
 pub(crate) mod uniform;
 
-use crate::scene::{ColourSpace, Kind, Material, NO_TEXTURE, Scene};
+use crate::scene::{ColourSpace, Kind, Material, NO_TEXTURE, Scene, Sky};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
 use crate::trace::packet::{Faces, Packet};
@@ -57,7 +58,7 @@ pub(crate) struct Shader {
     /// Diffuse colour multiplied by the texture; black where nothing was hit.
     albedo: Colours,
     gloss: Gloss,
-    /// Reads the maps of materials: all textures but that of their colour.
+    /// Reads the maps of materials, all textures but that of their colour, and cube textures.
     maps: Sampler,
     bumps: Bumps,
     /// The lanes whose texture is multiplied by all light, as one bit each; see [`modulation`].
@@ -189,7 +190,12 @@ impl Shader {
         if let Some(sky) = &scene.air.sky
             && tile.hits != !0
         {
-            air::paint_sky(simd, view, sky, tile, colours);
+            match *sky {
+                Sky::Clear { zenith, horizon } => {
+                    air::paint_sky(simd, view, [zenith, horizon], tile, colours);
+                }
+                Sky::Cube(texture) => self.paint_cube(simd, scene, texture.0, (tile, steps), colours),
+            }
         }
         if tile.hits != 0 {
             if self.modulated != 0 {
@@ -273,7 +279,7 @@ impl Shader {
         // Step 1: compute normals and footprints on the texture. Without lamps, nothing depends on normals.
         let mut footprints = [Footprint::nothing(simd); ROWS];
         let is_flat_light = scene.lights.is_empty() && self.seen.is_none();
-        if is_flat_light && !mapped {
+        if is_flat_light && !(mapped || material.has_cube()) {
             // Neither normals nor footprints are needed.
         } else if let Kind::Solid(solid) = instance.kind()
             && solid.has_flat_faces()
@@ -289,6 +295,9 @@ impl Shader {
         self.add_colours(simd, scene, material, &footprints, lanes, colours);
         if material.light_texture != NO_TEXTURE {
             self.modulate(simd, scene, material.light_texture, &footprints, lanes);
+        }
+        if material.has_cube() {
+            self.wrap(simd, (view, tile), steps, (placed, lanes), colours);
         }
         if material.emissive_map != NO_TEXTURE {
             self.glow(simd, scene, material, &footprints, lanes, colours);

@@ -168,7 +168,9 @@ impl Means {
     /// The mean of three texels.
     pub(super) fn of_three(&self, texels: [[u8; 4]; 3]) -> [u8; 4] {
         let mut sum = [0; 4];
-        texels.into_iter().for_each(|texel| self.add(&mut sum, texel, 1));
+        for texel in texels {
+            self.add(&mut sum, texel, 1);
+        }
         self.back(sum, 3)
     }
 

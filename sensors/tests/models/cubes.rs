@@ -78,7 +78,7 @@ impl Cube {
         let far = |face: &usize| FACES[*face][0].dot(direction);
         let face = (0..6).max_by(|one, other| far(one).total_cmp(&far(other))).unwrap();
         let [outwards, right, up] = FACES[face].map(|axis| axis.dot(direction));
-        let at = |part: f64| (part / outwards + 1.0) / 2.0 * self.size as f64 - 0.5;
+        let at = |part: f64| f64::midpoint(part / outwards, 1.0) * self.size as f64 - 0.5;
         let (column, row) = (at(right), at(-up));
         let mut sum = [0.0; 3];
         for (y, x) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
@@ -161,7 +161,7 @@ fn a_fisheye_sees_the_sky() {
 
 #[test]
 fn fine_texels_of_the_sky_become_their_mean() {
-    let checks = |i: u32| if (i + i / 512) % 2 == 0 { [0, 0, 255, 0] } else { [255, 0, 255, 0] };
+    let checks = |i: u32| if (i + i / 512).is_multiple_of(2) { [0, 0, 255, 0] } else { [255, 0, 255, 0] };
     let cube = Cube { size: 512, texels: (0..6 * 512 * 512).map(checks).collect() };
     let pixels = picture(&under(&cube), camera_of([64, 48], 1.8), Pose::IDENTITY);
     for pixel in pixels.as_chunks::<3>().0 {

@@ -92,7 +92,8 @@ impl SceneBuilder {
     /// Replaces a texture that is not a cube by another of any size. Materials that use it show the new one.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchTexture`], [`SceneError::WrongTexture`], and those of [`SceneBuilder::add_texture`]; the old texture is then kept.
+    /// [`SceneError::NoSuchTexture`], [`SceneError::WrongTexture`], and those of [`SceneBuilder::add_texture`]; the
+    /// old texture is then kept.
     pub fn set_texture(
         &mut self,
         texture: TextureId,

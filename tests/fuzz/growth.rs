@@ -3,18 +3,20 @@
 use crate::{Reader, processor_time};
 use std::time::Duration;
 
-/// A file that grows: its beginning, a part that is repeated with each `#` replaced by the number of the repetition,
-/// and its end. If there is a closing part, the parts are nested.
+/// A file that grows: its beginning, a part that is repeated with each `#` replaced by the number of the repetition, and
+/// its end. If there is a closing part, it is repeated as often after the middle. In the beginning and the middle, the
+/// number of repetitions replaces `{count}`.
 struct Shape {
     format: &'static str,
     head: &'static str,
     part: &'static str,
+    middle: &'static str,
     close: &'static str,
     tail: &'static str,
 }
 
 const fn row(format: &'static str, head: &'static str, part: &'static str, tail: &'static str) -> Shape {
-    Shape { format, head, part, close: "", tail }
+    pair(format, head, [part, "", ""], tail)
 }
 
 const fn nest(
@@ -23,7 +25,17 @@ const fn nest(
     [part, close]: [&'static str; 2],
     tail: &'static str,
 ) -> Shape {
-    Shape { format, head, part, close, tail }
+    pair(format, head, [part, "", close], tail)
+}
+
+/// A file with many of two things.
+const fn pair(
+    format: &'static str,
+    head: &'static str,
+    [part, middle, close]: [&'static str; 3],
+    tail: &'static str,
+) -> Shape {
+    Shape { format, head, part, middle, close, tail }
 }
 
 const XACRO: &str = "<robot name='r' xmlns:xacro='http://x'><link name='base'/>";
@@ -38,6 +50,36 @@ const DAE: &str = "<COLLADA xmlns='http://x' version='1.4.1'><library_geometries
     </technique_common></source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices>";
 const DAE_END: &str = "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='z'><node>\
     <instance_geometry url='#g'/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url='#z'/></scene></COLLADA>";
+/// Collada with normals of the vertices, and further sources, up to the primitives.
+const SMOOTH_DAE: &str = "<COLLADA version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
+    <float_array count='9'>0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source='#a' count='3' stride='3'/>\
+    </technique_common></source><source id='n'><float_array count='3'>0 0 1</float_array><technique_common>\
+    <accessor source='#b' count='1' stride='3'/></technique_common></source>\
+    <vertices id='v'><input semantic='POSITION' source='#s'/></vertices>";
+/// The normals that primitives name are an array that grows.
+const NORMALS_DAE: &str = "<COLLADA version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
+    <float_array count='9'>0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source='#a' count='3' stride='3'/>\
+    </technique_common></source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices>\
+    <source id='n'><float_array>";
+const SMOOTH_TRIANGLE: &str = "<triangles count='1'><input semantic='VERTEX' source='#v' offset='0'/>\
+    <input semantic='NORMAL' source='#n' offset='1'/><p>0 0 1 0 2 0</p></triangles>";
+const DAE_MESH_END: &str = "</mesh></geometry></library_geometries></COLLADA>";
+/// A triangle in the plane of x and y, with the accessors 0 of its positions and 1 of its normals.
+const SMOOTH_GLTF: &str = "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":72,\"uri\":\"data:;base64,\
+    AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/\"}],\
+    \"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36}],\
+    \"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},\
+    {\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],\
+    \"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[";
+const SMOOTH_PRIMITIVE: &str = "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}},";
+const FLAT_PRIMITIVES_END: &str = "{\"attributes\":{\"POSITION\":0}}]}]}";
+const SMOOTH_PLY: &str = "ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n\
+    property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face {count}\n\
+    property list uchar int vertex_indices\nend_header\n";
+/// The corners of its faces have texture coordinates of their own.
+const TEXTURED_PLY: &str = "ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n\
+    property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face {count}\n\
+    property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n";
 const PLAN: &str =
     "worlds = ['w.sdf']\nrobot = 'eyes.sdf'\nseeds = [1]\n[[sensors]]\nname = 'rgb'\ntopic = 'rgb'\n";
 
@@ -222,6 +264,37 @@ const SHAPES: &[Shape] = &[
         ["<node>", "</node>"],
         "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#z'/></scene></COLLADA>",
     ),
+    row("collada", SMOOTH_DAE, SMOOTH_TRIANGLE, DAE_MESH_END),
+    // Every second primitive has no normals.
+    row(
+        "collada",
+        SMOOTH_DAE,
+        "<triangles><input semantic='VERTEX' source='#v'/><input semantic='NORMAL' source='#n'/><p>0 0 0</p></triangles>\
+         <triangles><input semantic='VERTEX' source='#v'/><p>0 1 2</p></triangles>",
+        DAE_MESH_END,
+    ),
+    // Many primitives name many normals: good ones, and damaged ones.
+    pair("collada", NORMALS_DAE, ["0 0 1 ", "</float_array></source>", SMOOTH_TRIANGLE], DAE_MESH_END),
+    pair("collada", NORMALS_DAE, ["0 0 1 ", "damaged</float_array></source>", SMOOTH_TRIANGLE], DAE_MESH_END),
+    pair(
+        "collada",
+        "<COLLADA version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
+         <float_array>0 0 0 1 0 0 0 1 0</float_array></source><vertices id='v'><input semantic='POSITION' source='#s'/>",
+        [
+            "<input semantic='NORMAL' source='#s'/>",
+            "</vertices>",
+            "<triangles><input semantic='VERTEX' source='#v'/><p>0 1 2</p></triangles>",
+        ],
+        DAE_MESH_END,
+    ),
+    pair(
+        "collada",
+        "<COLLADA version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
+         <float_array>0 0 0 1 0 0 0 1 0</float_array></source><vertices id='v'><input semantic='POSITION' source='#s'/>\
+         </vertices><polylist><input semantic='VERTEX' source='#v'/><vcount>",
+        ["0 ", "</vcount>", "<p/>"],
+        "</polylist></mesh></geometry></library_geometries></COLLADA>",
+    ),
     row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", ""),
     row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "o n#\nusemtl m#\nf 1 2 3\n", ""),
     row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n", "o n#\nf 1//1 2//1 3//1\n", ""),
@@ -241,6 +314,40 @@ const SHAPES: &[Shape] = &[
     row("ply", "ply\nformat ascii 1.0\n", "comment c #\n", "end_header\n"),
     row("ply", "ply\nformat ascii 1.0\nelement vertex 1\n", "property float x#\n", "end_header\n"),
     row("ply", "ply\nformat ascii 1.0\n", "element e# 0\n", "end_header\n"),
+    nest("ply", SMOOTH_PLY, ["0 1 # 0 0 1\n", "3 0 1 2\n"], ""),
+    nest("ply", SMOOTH_PLY, ["0 1 # 0 0 0\n", "3 0 1 2\n"], ""),
+    nest("ply", TEXTURED_PLY, ["0 1 # 0 0 1\n", "3 0 1 2 6 0 0 1 0 1 1\n"], ""),
+    row("gltf", SMOOTH_GLTF, SMOOTH_PRIMITIVE, FLAT_PRIMITIVES_END),
+    // Every second primitive has no normals.
+    row(
+        "gltf",
+        SMOOTH_GLTF,
+        "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}},{\"attributes\":{\"POSITION\":0}},",
+        FLAT_PRIMITIVES_END,
+    ),
+    // Many primitives name many normals, which are not theirs.
+    pair(
+        "gltf",
+        "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}],\"buffers\":[{\"uri\":\"data:;base64,",
+        [
+            "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA",
+            "\"}],\"bufferViews\":[{\"buffer\":0,\"byteStride\":10,\"byteLength\":{count}0}],\"accessors\":[\
+             {\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},\
+             {\"bufferView\":0,\"componentType\":5120,\"type\":\"VEC3\",\"count\":{count}}],\
+             \"meshes\":[{\"primitives\":[",
+            SMOOTH_PRIMITIVE,
+        ],
+        FLAT_PRIMITIVES_END,
+    ),
+    // Many nodes have the same skin of many joints.
+    pair(
+        "gltf",
+        "{\"asset\":{\"version\":\"2.0\"},\"accessors\":[{\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},\
+         {\"componentType\":5126,\"type\":\"VEC4\",\"count\":3}],\"meshes\":[{\"primitives\":[{\"attributes\":{\
+         \"POSITION\":0,\"NORMAL\":0,\"JOINTS_0\":1,\"WEIGHTS_0\":1}}]}],\"skins\":[{\"joints\":[0",
+        [",0", "]}],\"nodes\":[{}", ",{\"mesh\":0,\"skin\":0}"],
+        "]}",
+    ),
     row("gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}", ",{\"children\":[0]}", "]}"),
     row(
         "gltf",
@@ -269,15 +376,18 @@ impl Shape {
     fn grown(&self, bytes: usize) -> Vec<u8> {
         let count = bytes / (self.part.len() + self.close.len());
         let number = |at: usize| {
-            if self.format == "collada" && self.part.contains("'#v'") { None } else { Some(at.to_string()) }
+            // In Collada, a source is named with a `#`.
+            if self.part.contains("='#") { None } else { Some(at.to_string()) }
         };
-        let mut text = self.head.to_owned();
+        let filled = |text: &str| text.replace("{count}", &count.to_string());
+        let mut text = filled(self.head);
         for at in 0..count {
             match number(at) {
                 Some(number) => text.push_str(&self.part.replace('#', &number)),
                 None => text.push_str(self.part),
             }
         }
+        text.push_str(&filled(self.middle));
         text.push_str(&self.close.repeat(count));
         text.push_str(self.tail);
         text.into_bytes()

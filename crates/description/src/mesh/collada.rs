@@ -20,7 +20,7 @@ use crate::model::Material;
 use crate::xml::Element;
 use glam::{DAffine3, DMat3, DVec3};
 use numbers::{Values, transform};
-use shape::Shape;
+use shape::{Shape, Vertices};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
@@ -95,8 +95,10 @@ struct Document<'a> {
     ambiguous: RefCell<BTreeSet<String>>,
     budget: Budget,
     cutter: Cutter,
-    /// Sources that have been read.
-    values: HashMap<*const Element, Rc<Values<'a>>>,
+    /// Sources that have been read; `None` for damaged ones.
+    values: HashMap<*const Element, Option<Rc<Values<'a>>>>,
+    /// `<vertices>` that have been read.
+    vertices: HashMap<*const Element, Vertices<'a>>,
     /// Geometries that have been read.
     geometries: HashMap<*const Element, Rc<[Shape<'a>]>>,
     /// Errors in parts that the mesh can be loaded without.
@@ -116,6 +118,7 @@ impl<'a> Document<'a> {
             budget: Budget::default(),
             cutter: Cutter::default(),
             values: HashMap::new(),
+            vertices: HashMap::new(),
             geometries: HashMap::new(),
             left_out: Vec::new(),
         }

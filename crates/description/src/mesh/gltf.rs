@@ -25,8 +25,9 @@ use look::{numbers, surface};
 use means::Means;
 use serde_json::Value;
 use skin::{Skin, affine};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
+use std::rc::Rc;
 
 /// Reads a file with unchanged coordinates.
 pub(super) fn parse(
@@ -65,6 +66,7 @@ fn read(
         budget: Budget::default(),
         poses: Vec::new(),
         placed: Vec::new(),
+        skins: HashMap::new(),
         parts: Vec::new(),
         left_out: BTreeSet::new(),
         posed: BTreeSet::new(),
@@ -91,6 +93,8 @@ struct Scene<'a> {
     poses: Vec<DAffine3>,
     /// The nodes with a mesh, in order, with their name, or that of the nearest ancestor with a name.
     placed: Vec<(&'a Value, &'a str, DAffine3)>,
+    /// The skins that have been read, by their numbers.
+    skins: HashMap<u64, Rc<Skin>>,
     parts: Vec<Part>,
     /// Features that are not drawn.
     left_out: BTreeSet<String>,
@@ -159,12 +163,12 @@ impl<'a> Scene<'a> {
             Value::Null => None,
             index => {
                 self.posed.insert("a skin, which stays in its rest pose");
-                Some(Skin::read(self.container, &self.accessors, index, &self.poses)?)
+                Some(self.skin(index)?)
             }
         };
         let title = mesh["name"].as_str().unwrap_or_default();
         for primitive in mesh["primitives"].as_array().into_iter().flatten() {
-            let part = self.primitive(primitive, skin.as_ref(), scene_from_node);
+            let part = self.primitive(primitive, skin.as_deref(), scene_from_node);
             let Some(mut part) = part.map_err(|what| format!("mesh '{title}': {what}"))? else { continue };
             if name.is_empty() { title } else { name }.clone_into(&mut part.name);
             part.aliases.push(title.to_owned());
@@ -173,6 +177,16 @@ impl<'a> Scene<'a> {
             self.parts.push(part);
         }
         Ok(())
+    }
+
+    /// Returns a skin, which is read only once: many nodes may have the same.
+    fn skin(&mut self, index: &Value) -> Result<Rc<Skin>, String> {
+        if let Some(known) = index.as_u64().and_then(|index| self.skins.get(&index)) {
+            return Ok(known.clone());
+        }
+        let skin = Rc::new(Skin::read(self.container, &self.accessors, index, &self.poses)?);
+        self.skins.extend(index.as_u64().map(|index| (index, skin.clone())));
+        Ok(skin)
     }
 
     /// Reads a primitive; `None` if it has no triangles.
@@ -211,7 +225,7 @@ impl<'a> Scene<'a> {
         let surface = surface(self.container, &primitive["material"], &mut self.left_out, &mut self.means)?;
         let uvs: Vec<[f64; 2]> = match &attributes[format!("TEXCOORD_{}", surface.uv_set)] {
             Value::Null => Vec::new(),
-            accessor => self.accessors.read(accessor)?,
+            accessor => self.accessors.of_vertices(accessor, points.len())?,
         };
         let indices: Vec<u32> = match &primitive["indices"] {
             Value::Null => (0..points.len() as u32).collect(),
@@ -240,7 +254,7 @@ impl<'a> Scene<'a> {
     ) -> Vec<[f32; 3]> {
         let normals: Vec<[f64; 3]> = match &attributes["NORMAL"] {
             Value::Null => Vec::new(),
-            accessor => self.accessors.read(accessor).unwrap_or_default(),
+            accessor => self.accessors.of_vertices(accessor, count).unwrap_or_default(),
         };
         if normals.len() != count {
             return Vec::new();
@@ -249,16 +263,16 @@ impl<'a> Scene<'a> {
             let matrix = normals::matrix(scene_from_node.matrix3);
             return normals.iter().map(|normal| normals::unit(matrix * DVec3::from_array(*normal))).collect();
         };
-        let joints = self.accessors.read::<4>(&attributes["JOINTS_0"]).unwrap_or_default();
-        let weights = self.accessors.read::<4>(&attributes["WEIGHTS_0"]).unwrap_or_default();
+        let [joints, weights] = ["JOINTS_0", "WEIGHTS_0"]
+            .map(|name| self.accessors.of_vertices::<4>(&attributes[name], count).unwrap_or_default());
         let bound = normals.iter().zip(joints.into_iter().zip(weights));
         bound.map(|(normal, (joints, weights))| skin.turn((*normal).into(), joints, weights)).collect()
     }
 
     /// Returns the positions of the vertices as deformed by a skin.
     fn posed(&self, skin: &Skin, attributes: &Value, points: &[[f64; 3]]) -> Result<Vec<DVec3>, String> {
-        let joints: Vec<[f64; 4]> = self.accessors.read(&attributes["JOINTS_0"])?;
-        let weights: Vec<[f64; 4]> = self.accessors.read(&attributes["WEIGHTS_0"])?;
+        let joints: Vec<[f64; 4]> = self.accessors.of_vertices(&attributes["JOINTS_0"], points.len())?;
+        let weights: Vec<[f64; 4]> = self.accessors.of_vertices(&attributes["WEIGHTS_0"], points.len())?;
         if joints.len() != points.len() || weights.len() != points.len() {
             return Err("its vertices, joints and weights differ in number".into());
         }

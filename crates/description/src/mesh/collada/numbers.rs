@@ -104,13 +104,14 @@ pub(super) fn polygons(primitive: &Element) -> Outcome<Polygons> {
     for input in primitive.elements_named("input") {
         found.stride = found.stride.max(offset(input)? + 1);
     }
-    let sizes = primitive.child("vcount").map(list::<usize>).transpose()?;
+    let sizes = primitive.child("vcount").map(list::<usize>).transpose()?.unwrap_or_default();
+    let mut sizes = sizes.into_iter();
     for element in primitive.elements() {
         match (primitive.name.as_str(), element.name.as_str()) {
             ("polygons", "ph") => with_holes(element, &mut found)?,
             (_, "p") => {
                 let corners = found.append(element)?;
-                cut_up(primitive, element, corners, sizes.as_deref(), &mut found)?;
+                cut_up(primitive, element, corners, &mut sizes, &mut found)?;
             }
             _ => {}
         }
@@ -118,12 +119,12 @@ pub(super) fn polygons(primitive: &Element) -> Outcome<Polygons> {
     Ok(found)
 }
 
-/// Creates polygons from the corners of a `<p>`.
+/// Creates polygons from the corners of a `<p>`; those of a `<polylist>`, which has only one, take all `sizes`.
 fn cut_up(
     primitive: &Element,
     p: &Element,
     corners: Range<usize>,
-    sizes: Option<&[usize]>,
+    sizes: &mut impl Iterator<Item = usize>,
     found: &mut Polygons,
 ) -> Outcome<()> {
     let (first, end) = (corners.start, corners.end);
@@ -137,8 +138,8 @@ fn cut_up(
         }),
         "polylist" => {
             let mut next = first;
-            for size in sizes.unwrap_or_default() {
-                if *size > end - next {
+            for size in sizes {
+                if size > end - next {
                     return wrong(p, "<vcount> asks for more corners than <p> has");
                 }
                 found.push(next..next + size);

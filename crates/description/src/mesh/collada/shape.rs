@@ -13,6 +13,14 @@ struct Input<'a> {
     values: Rc<Values<'a>>,
 }
 
+/// The sources that a `<vertices>` refers to, which have the same indices.
+#[derive(Clone, Default)]
+pub(super) struct Vertices<'a> {
+    position: Option<Rc<Values<'a>>>,
+    texture: Option<Rc<Values<'a>>>,
+    normal: Option<Rc<Values<'a>>>,
+}
+
 /// The inputs of a primitive that are read.
 struct Inputs<'a> {
     vertex: Input<'a>,
@@ -46,14 +54,49 @@ impl<'a> Document<'a> {
         Ok(shapes)
     }
 
-    /// Returns the numbers of a source, which is read only once.
+    /// Returns the numbers of a source, which is read only once if it is good.
     fn values(&mut self, source: &'a Element) -> Outcome<Rc<Values<'a>>> {
-        if let Some(known) = self.values.get(&std::ptr::from_ref(source)) {
+        if let Some(Some(known)) = self.values.get(&std::ptr::from_ref(source)) {
             return Ok(known.clone());
         }
         let values = Rc::new(values(source)?);
-        self.values.insert(source, values.clone());
+        self.values.insert(source, Some(values.clone()));
         Ok(values)
+    }
+
+    /// Returns the numbers of the normals that an input refers to; none if they are damaged, as the triangles can be read
+    /// without them.
+    fn normals(&mut self, input: &Element) -> Option<Rc<Values<'a>>> {
+        let source = self.referenced(input, "source").ok()?;
+        // Many primitives may refer to the same damaged source, which is read only once, too.
+        let known = self.values.get(&std::ptr::from_ref(source)).cloned();
+        known.unwrap_or_else(|| {
+            let read = self.values(source).ok();
+            self.values.insert(source, read.clone());
+            read
+        })
+    }
+
+    /// Returns the sources of a `<vertices>`, which is read only once.
+    fn vertices(&mut self, element: &'a Element) -> Outcome<Vertices<'a>> {
+        if let Some(known) = self.vertices.get(&std::ptr::from_ref(element)) {
+            return Ok(known.clone());
+        }
+        let mut vertices = Vertices::default();
+        for input in element.elements_named("input") {
+            match input.attribute("semantic") {
+                Some("POSITION") => {
+                    vertices.position = Some(self.values(self.referenced(input, "source")?)?);
+                }
+                Some("TEXCOORD") => {
+                    vertices.texture = Some(self.values(self.referenced(input, "source")?)?);
+                }
+                Some("NORMAL") => vertices.normal = self.normals(input),
+                _ => {}
+            }
+        }
+        self.vertices.insert(element, vertices.clone());
+        Ok(vertices)
     }
 
     fn inputs(&mut self, primitive: &'a Element) -> Outcome<Inputs<'a>> {
@@ -61,27 +104,16 @@ impl<'a> Document<'a> {
         for input in primitive.elements_named("input") {
             let offset = offset(input)?;
             let source = self.referenced(input, "source")?;
+            let at_offset = |values| Input { offset, values };
             match input.attribute("semantic") {
                 Some("VERTEX") => {
-                    // Its source is <vertices>, which refers to the source of the positions, and to others with the
-                    // same indices.
-                    for inner in source.elements_named("input") {
-                        let semantic = inner.attribute("semantic");
-                        if semantic == Some("NORMAL") {
-                            normal = self.normals(inner, offset);
-                        }
-                        if !matches!(semantic, Some("POSITION" | "TEXCOORD")) {
-                            continue;
-                        }
-                        let source = self.referenced(inner, "source")?;
-                        let values = Some(Input { offset, values: self.values(source)? });
-                        if semantic == Some("POSITION") { vertex = values } else { texture = values }
-                    }
+                    let vertices = self.vertices(source)?;
+                    vertex = vertices.position.map(at_offset).or(vertex);
+                    texture = vertices.texture.map(at_offset).or(texture);
+                    normal = vertices.normal.map(at_offset).or(normal);
                 }
-                Some("NORMAL") if normal.is_none() => normal = self.normals(input, offset),
-                Some("TEXCOORD") if texture.is_none() => {
-                    texture = Some(Input { offset, values: self.values(source)? });
-                }
+                Some("NORMAL") if normal.is_none() => normal = self.normals(input).map(at_offset),
+                Some("TEXCOORD") if texture.is_none() => texture = Some(at_offset(self.values(source)?)),
                 _ => {}
             }
         }
@@ -89,12 +121,6 @@ impl<'a> Document<'a> {
             Some(vertex) => Ok(Inputs { vertex, texture, normal }),
             None => wrong(primitive, format!("<{}> has no positions", primitive.name)),
         }
-    }
-
-    /// Returns an input of normals; none if it is damaged, as the triangles can be read without it.
-    fn normals(&mut self, input: &'a Element, offset: usize) -> Option<Input<'a>> {
-        let source = self.referenced(input, "source").ok()?;
-        Some(Input { offset, values: self.values(source).ok()? })
     }
 
     /// Divides the polygons of a primitive into triangles with a separate vertex for each corner.

@@ -98,6 +98,20 @@ impl<'a> Accessors<'a> {
         Ok(entries)
     }
 
+    /// Returns the numbers of an accessor with an entry for each of `count` vertices. If it has another number of entries,
+    /// the result is empty and nothing is read: many primitives may name the same accessor, which may be long.
+    ///
+    /// # Errors
+    /// A message about what is wrong with the accessor.
+    pub(super) fn of_vertices<const N: usize>(
+        &self,
+        index: &Value,
+        count: usize,
+    ) -> Result<Vec<[f64; N]>, String> {
+        let accessor = self.container.entry("accessors", index)?;
+        if number(&accessor["count"]) == Ok(count) { self.read(index) } else { Ok(Vec::new()) }
+    }
+
     /// Replaces the entries that a sparse accessor names.
     fn replace<const N: usize>(
         &self,

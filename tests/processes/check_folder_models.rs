@@ -40,6 +40,32 @@ fn checked(folder: &Path, options: &[&str], model_path: &str) -> (String, Option
     (String::from_utf8(done.stdout).unwrap(), done.status.code())
 }
 
+/// In gz-sim, the installed packages of a workspace are models, too.
+#[test]
+fn the_first_word_of_a_uri_may_be_a_package_of_a_deeper_folder() {
+    let folder = TempDir::new().unwrap();
+    let at = folder.path();
+    let package = "<package format='3'><name>arm_description</name></package>";
+    write(at, "src/vendor/arm/description/package.xml", package);
+    write(at, "src/vendor/arm/description/meshes/board.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let robot = "<robot name='r'><link name='l'><visual><geometry>
+        <mesh filename='model://arm_description/meshes/board.obj'/></geometry></visual></link></robot>";
+    write(at, "src/arm.urdf", robot);
+    let mesh = "<mesh><uri>model://arm_description/meshes/board.obj</uri></mesh>";
+    let visual = format!("<visual name='v'><geometry>{mesh}</geometry></visual>");
+    let model = format!("<model name='m'><static>1</static><link name='l'>{visual}</link></model>");
+    write(at, "worlds/one.world", &format!("<sdf version='1.9'><world name='w'>{model}</world></sdf>"));
+    let gone = model.replace("board.obj", "gone.obj");
+    write(at, "worlds/gone.world", &format!("<sdf version='1.9'><world name='w'>{gone}</world></sdf>"));
+    let (said, code) = checked(at, &[], "");
+    let line =
+        |name: &str| said.lines().find(|line| line.starts_with(name)).unwrap_or_else(|| panic!("{said}"));
+    assert!(!line("src/arm.urdf").contains("error"), "{said}");
+    assert!(!line("worlds/one.world").contains("error"), "{said}");
+    assert!(line("worlds/gone.world").contains("model://arm_description/meshes/gone.obj"), "{said}");
+    assert_eq!(code, Some(1), "{said}");
+}
+
 #[test]
 fn models_in_deeper_folders_are_found() {
     let folder = TempDir::new().unwrap();

@@ -110,7 +110,8 @@ impl<'a> Resources<'a> {
             None => vec![folder.join(uri)],
         };
         let found = candidates.iter().find(|candidate| candidate.exists()).cloned();
-        match found.or_else(|| self.among_models(uri)).or_else(|| self.exported(uri)) {
+        let found = found.or_else(|| self.among_models(uri)).or_else(|| self.exported(uri));
+        match found.or_else(|| self.in_package(uri)) {
             Some(found) => Resolved::Found(std::path::absolute(&found).unwrap_or(found)),
             None => Resolved::NotFound(candidates),
         }
@@ -146,6 +147,14 @@ impl<'a> Resources<'a> {
             _ => return None,
         };
         self.exported_folders()[kind].iter().map(|folder| folder.join(rest)).find(|place| place.exists())
+    }
+
+    /// Resolves `model://PACKAGE/PATH` in the user's packages, wherever they are. In gz-sim, `GZ_SIM_RESOURCE_PATH` has the
+    /// folder into which packages are installed, so that their names are those of models.
+    fn in_package(&self, uri: &str) -> Option<PathBuf> {
+        let (package, path) = uri.strip_prefix("model://")?.split_once('/')?;
+        let is_name = !package.is_empty() && Path::new(path).is_relative();
+        Some(self.packages.find_file(package, path).filter(|_| is_name)?.path)
     }
 
     fn exported_folders(&self) -> &[Vec<PathBuf>; 2] {

@@ -11,15 +11,16 @@ pub(super) use randomize::{Randomization, Ranges};
 
 use super::DatasetError;
 use crate::description::diagnostics::Source;
+use crate::description::encoding::{NotRead, utf_8};
+use crate::description::file;
 use crate::description::load::{LoadOptions, load_robot, load_world};
 use crate::description::model::{Model, World};
 use crate::description::package::PackagePath;
 use crate::description::text::count;
-use crate::description::{Diagnostics, Rules};
+use crate::description::{Diagnostics, Problem, Rules, Severity};
 use belvedere_sensors::Pose;
 use placement::{Random, Route};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use tables::{PlanFile, classes, listed, random, route, sensors};
@@ -92,12 +93,16 @@ impl Plan {
     /// # Errors
     /// Errors in the plan or in these files.
     pub fn read(path: &Path, packages: &PackagePath) -> Result<Self, DatasetError> {
-        let text = fs::read_to_string(path)
-            .map_err(|source| DatasetError::Input { path: path.to_owned(), source })?;
+        let bytes =
+            file::read(path).map_err(|source| DatasetError::Input { path: path.to_owned(), source })?;
+        let text = utf_8(bytes, path).map_err(|NotRead { what, remedy }| {
+            let (severity, source) = (Severity::Error, Source::new(path, 0));
+            DatasetError::Description(vec![Problem { severity, source, what, remedy }])
+        })?;
         let mut diagnostics = Diagnostics::default();
         let plan = Self::parse(&Text { path, text: &text }, packages, &mut diagnostics);
         for problem in diagnostics.problems() {
-            if problem.severity == crate::description::Severity::Warning {
+            if problem.severity == Severity::Warning {
                 tracing::warn!("{problem}");
             }
         }

@@ -141,6 +141,54 @@ fn a_file_in_utf_16_or_utf_32_is_told_its_encoding_and_a_command_that_converts_i
     }
 }
 
+/// Whatever text a file names, and however it is reached, the encoding and the command that converts it are told.
+#[test]
+fn each_text_that_a_file_names_is_told_its_encoding() {
+    let folder = TempDir::new().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    let wide = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();
+    let ply = "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n";
+    let texts = [
+        ("m.ply", ply),
+        ("m.gltf", "{\"asset\":{\"version\":\"2.0\"}}"),
+        ("m.dae", "<COLLADA version='1.4.1'/>"),
+        ("m.stl", "solid a\nendsolid a\n"),
+        ("m.material", "material A { technique { pass { } } }"),
+        ("c.yaml", "a: 1\n"),
+        ("i.xacro", "<robot/>"),
+        ("plan.toml", "worlds = ['w.world']\n"),
+    ];
+    for name in ["m.ply", "m.gltf", "m.dae", "m.stl"] {
+        let mesh = format!("<visual><geometry><mesh filename='{name}'/></geometry></visual>");
+        write(&format!("{name}.urdf"), &format!("<robot name='r'><link name='l'>{mesh}</link></robot>"));
+    }
+    let script = "<script><uri>m.material</uri><name>A</name></script>";
+    let visual = format!(
+        "<visual name='v'><geometry><sphere><radius>1</radius></sphere></geometry><material>{script}</material></visual>"
+    );
+    let model = format!("<sdf version='1.6'><model name='m'><link name='l'>{visual}</link></model></sdf>");
+    write("m.material.sdf", &model);
+    let xacro = |inside: &str| {
+        format!("<robot name='r' xmlns:xacro='http://ros.org/wiki/xacro'>{inside}<link name='l'/></robot>")
+    };
+    let yaml = "<xacro:property name='p' value=\"${xacro.load_yaml('c.yaml')}\"/><a b='${p}'/>";
+    write("c.yaml.xacro", &xacro(yaml));
+    write("i.xacro.xacro", &xacro("<xacro:include filename='i.xacro'/>"));
+    for (name, text) in texts {
+        for mark in ["", "\u{feff}"] {
+            fs::write(folder.path().join(name), wide(&format!("{mark}{text}"))).unwrap();
+            let reader = ["urdf", "sdf", "xacro"].map(|extension| format!("{name}.{extension}"));
+            let reader = reader.iter().find(|reader| folder.path().join(reader).exists());
+            let (said, _) = match reader {
+                Some(reader) => said(folder.path(), &["check", reader]),
+                None => said(folder.path(), &["dataset", name, "-o", "shards"]),
+            };
+            assert!(said.contains("its text is in UTF-16LE, and UTF-8 is read"), "{name} {mark:?}: {said}");
+            assert!(said.contains("convert it: iconv -f UTF-16LE -t UTF-8 "), "{name} {mark:?}: {said}");
+        }
+    }
+}
+
 #[test]
 fn a_command_in_a_message_can_be_pasted_into_a_shell() {
     let folder = TempDir::new().unwrap();

@@ -70,6 +70,7 @@ const XACRO: &[&str] = &[
     "shorten",
     "file",
     "shell",
+    "encoding",
     "suggestion",
     "diagnostics",
     "xml",

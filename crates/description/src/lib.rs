@@ -30,8 +30,9 @@ pub mod values;
 
 /// The crate `belvedere-xacro`, which expands xacro files.
 pub use belvedere_xacro as xacro;
-use belvedere_xacro::file;
-pub use belvedere_xacro::{budget, diagnostics, model_index, package, shell, suggestion, xml};
+pub use belvedere_xacro::{
+    budget, diagnostics, encoding, file, model_index, package, shell, suggestion, xml,
+};
 
 pub use diagnostics::{Diagnostics, Problem, Severity, Source};
 pub use rules::{Rules, SensorModels};

@@ -18,6 +18,7 @@ mod ply;
 mod stl;
 
 use super::diagnostics::{Diagnostics, Source};
+use super::encoding::{NotRead, Wide};
 use super::file;
 use super::model::Mesh;
 use glam::{DVec3, Vec3};
@@ -142,6 +143,12 @@ fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnos
         }
     };
     let read = file::read(path).map_err(|error| Unreadable::from(error.to_string()));
+    if let Some(wide) = read.as_ref().ok().and_then(|bytes| unread_encoding(extension, bytes)) {
+        let NotRead { what, remedy } = wide.error(path);
+        let what = format!("the mesh {} cannot be read: {what}", path.display());
+        diagnostics.error(source, what, remedy);
+        return None;
+    }
     match read.and_then(|bytes| parse(&bytes, path, diagnostics)) {
         Ok(parts) => Some(parts),
         Err(Unreadable { line, what }) => {
@@ -151,6 +158,18 @@ fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnos
             None
         }
     }
+}
+
+/// Returns the encoding of a text that is not read. OBJ is read in all of them. In a binary STL, the first bytes may have any
+/// value, so its text is recognized by its first word.
+fn unread_encoding(extension: &str, bytes: &[u8]) -> Option<Wide> {
+    let mut letters = bytes.iter().filter(|byte| byte.is_ascii_alphabetic()).take(5);
+    let is_unread = match extension.to_ascii_lowercase().as_str() {
+        "obj" => false,
+        "stl" => letters.by_ref().map(u8::to_ascii_lowercase).eq(*b"solid"),
+        _ => true,
+    };
+    Wide::of(bytes).filter(|_| is_unread)
 }
 
 /// Returns the parts that a submesh refers to; none after an error.

@@ -4,8 +4,8 @@
 
 mod script;
 
-use super::diagnostics::{Diagnostics, Problem, Severity, Source};
-use super::file;
+use super::diagnostics::{Diagnostics, Problem, Source};
+use super::xml::read_text;
 use belvedere_sensors::scene::TextureAlpha;
 use script::{Statement, problem, statements};
 use std::collections::HashMap;
@@ -43,14 +43,7 @@ pub struct OgreMaterial {
 /// # Errors
 /// If the file cannot be read, or at the first line that cannot be understood.
 pub fn parse_file(path: &Path) -> Result<Vec<OgreMaterial>, Problem> {
-    let bytes = file::read(path).map_err(|error| Problem {
-        severity: Severity::Error,
-        source: Source::new(path, 0),
-        what: format!("cannot be read: {error}"),
-        remedy: file::remedy(&error).into(),
-    })?;
-    // Comments in old scripts are often Latin-1.
-    parse(&String::from_utf8_lossy(&bytes), path)
+    parse(&read_text(path)?, path)
 }
 
 /// Reads every material of a script that came from `path`.

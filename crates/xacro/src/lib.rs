@@ -18,6 +18,7 @@
 //! | [`package`] | finding ROS packages and their files |
 //! | [`budget`] | limits on what a file may expand to |
 //! | [`mod@file`] | reading of files, up to a size |
+//! | [`encoding`] | the encodings of text files |
 //! | [`suggestion`] | "did you mean" |
 //!  `expand` | the traversal of the tree: directives, macro calls, includes; `${…}` and `$(…)` in texts and attributes |
 //!  `scope`, `macros` | the scopes of names, and the definitions of macros |
@@ -27,6 +28,7 @@
 
 pub mod budget;
 pub mod diagnostics;
+pub mod encoding;
 mod evaluate;
 mod expand;
 mod expression;

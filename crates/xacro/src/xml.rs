@@ -7,7 +7,7 @@ mod parse;
 mod write;
 
 use super::diagnostics::{Problem, Severity, Source};
-use super::shell::quoted;
+use super::encoding::{NotRead, utf_8_or_latin_1};
 use std::path::Path;
 
 /// An element with its attributes in order.
@@ -56,35 +56,7 @@ pub fn read_text(path: &Path) -> Result<String, Problem> {
         };
         fail(what, crate::file::remedy(&error))
     })?;
-    if let Some(encoding) = wide_encoding(&bytes) {
-        let what = format!("its text is in {encoding}, and UTF-8 is read");
-        let [file, copy] =
-            [path.as_os_str().to_owned(), [path.as_os_str(), "-utf-8".as_ref()].into_iter().collect()];
-        let remedy = format!("convert it: iconv -f {encoding} -t UTF-8 {} > {}", quoted(file), quoted(copy));
-        return Err(fail(what, &remedy));
-    }
-    String::from_utf8(bytes).or_else(|error| {
-        let bytes = error.into_bytes();
-        if bytes.contains(&0) {
-            return Err(fail("not UTF-8 text".into(), "save it as UTF-8"));
-        }
-        // Old files are ISO 8859-1, mostly in their comments. Its bytes are the first 256 characters of Unicode.
-        Ok(bytes.into_iter().map(char::from).collect())
-    })
-}
-
-/// Returns the encoding of a text whose characters have two or four bytes each, by its byte-order mark, or by the `<` with
-/// which XML begins.
-fn wide_encoding(bytes: &[u8]) -> Option<&'static str> {
-    // Those of four bytes come first, because they begin with those of two.
-    let encodings: [(&[u8], &[u8], &str); 4] = [
-        (b"\xff\xfe\0\0", b"<\0\0\0", "UTF-32LE"),
-        (b"\0\0\xfe\xff", b"\0\0\0<", "UTF-32BE"),
-        (b"\xff\xfe", b"<\0", "UTF-16LE"),
-        (b"\xfe\xff", b"\0<", "UTF-16BE"),
-    ];
-    let is = |(mark, first, _): &&(&[u8], &[u8], &str)| bytes.starts_with(mark) || bytes.starts_with(first);
-    encodings.iter().find(is).map(|(_, _, name)| *name)
+    utf_8_or_latin_1(bytes, path).map_err(|NotRead { what, remedy }| fail(what, &remedy))
 }
 
 /// The size of a tree of elements, as it counts against a [`Budget`](crate::budget::Budget).

@@ -2,6 +2,7 @@
 
 mod scalars;
 
+use super::encoding::{NotRead, utf_8};
 use super::evaluate::{Names, evaluate};
 use super::expression::parse;
 use super::fault::Fault;
@@ -12,7 +13,6 @@ use super::value::{Entries, Value, parse_float};
 use saphyr_parser::{Event, Parser, ScalarStyle, Tag};
 use scalars::{by_tag, plain};
 use std::collections::HashMap;
-use std::io;
 use std::path::Path;
 
 /// The greatest nesting of lists and mappings.
@@ -31,10 +31,11 @@ const UNITS: [(&str, f64); 7] = [
 
 /// Reads a file.
 pub(super) fn load(path: &Path) -> Result<Value, Fault> {
-    let read = file::read(path).and_then(|bytes| String::from_utf8(bytes).map_err(io::Error::other));
-    let text = read.map_err(|error| {
-        Fault::new(format!("the YAML file {} cannot be read: {error}", path.display()), "correct its name")
-    })?;
+    let fail = |what: String, remedy: String| {
+        Fault::new(format!("the YAML file {} cannot be read: {what}", path.display()), remedy)
+    };
+    let bytes = file::read(path).map_err(|error| fail(error.to_string(), "correct its name".into()))?;
+    let text = utf_8(bytes, path).map_err(|NotRead { what, remedy }| fail(what, remedy))?;
     document(&text)
         .map(Value::dotted)
         .map_err(|fault| Fault { what: format!("the YAML file {}: {}", path.display(), fault.what), ..fault })

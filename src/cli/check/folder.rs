@@ -10,6 +10,7 @@ use crate::description::diagnostics::Source;
 use crate::description::load::{LoadOptions, is_world, xacro_argument};
 use crate::description::model_index::ModelIndex;
 use crate::description::xacro::{self, Element};
+use crate::description::xml::read_text;
 use crate::description::{Diagnostics, Problem};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use search::{Found, config_error, search};
@@ -321,7 +322,7 @@ fn first_line(problem: &Problem) -> String {
 fn has_only_macros(file: &Path, options: &LoadOptions) -> bool {
     let Ok(written) = Element::parse_file(file) else { return false };
     let is_xacro = file.extension().is_some_and(|extension| extension == "xacro")
-        || std::fs::read_to_string(file).is_ok_and(|text| text.contains("xmlns:xacro"));
+        || read_text(file).is_ok_and(|text| text.contains("xmlns:xacro"));
     if !is_xacro || written.name == "sdf" {
         return false;
     }

@@ -2,6 +2,7 @@
 
 use super::normals;
 use crate::diagnostics::{Diagnostics, Source};
+use crate::encoding::Wide;
 use crate::model::{Material, Mesh};
 use glam::{DMat3, DVec3, Vec3};
 use std::borrow::Cow;
@@ -52,14 +53,9 @@ impl From<&str> for Unreadable {
 /// Decodes a file as text. Names in an unknown encoding are preserved as far as possible. Exporters on Windows may
 /// write UTF-16.
 pub(super) fn text(bytes: &[u8]) -> Cow<'_, str> {
-    let wide = |read: fn([u8; 2]) -> u16| {
-        let units: Vec<u16> = bytes[2..].chunks_exact(2).map(|pair| read([pair[0], pair[1]])).collect();
-        Cow::Owned(String::from_utf16_lossy(&units))
-    };
-    match bytes {
-        [0xff, 0xfe, ..] => wide(u16::from_le_bytes),
-        [0xfe, 0xff, ..] => wide(u16::from_be_bytes),
-        _ => String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)),
+    match Wide::of(bytes) {
+        Some(wide) => wide.decode(bytes).into(),
+        None => String::from_utf8_lossy(bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)),
     }
 }
 

@@ -4,7 +4,9 @@
 //! belongs to its neighbours, so that linear filtering sees no seam. The texels at the corners of the border are the
 //! means of the three that meet there.
 
-use super::texture::{CUBE, ColourSpace, Means, Texture, fill_levels, mip_levels, mip_texels, span};
+use super::texture::{
+    CUBE, ColourSpace, Means, Texture, TextureId, fill_levels, mip_levels, mip_texels, span,
+};
 
 /// The faces of a cube texture, in their order: the axis on which the face lies, and the directions to the right and
 /// down in its image.
@@ -16,6 +18,26 @@ const FACES: [[[i32; 3]; 3]; 6] = [
     [[0, 0, 1], [1, 0, 0], [0, -1, 0]],
     [[0, 0, -1], [-1, 0, 0], [0, -1, 0]],
 ];
+
+/// A cube texture around a shape.
+///
+/// It is looked up by the direction from the shape's origin to the point that was hit, along the shape's own axes, after
+/// solids were stretched to reach from −1 to 1 along each axis. Of a capsule, that is done with its straight part, and
+/// the ends get a radius of 1. Planes, meshes and height fields are not stretched.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct CubeTexture {
+    /// The texture, added by [`SceneBuilder::add_cube_texture`](super::SceneBuilder::add_cube_texture).
+    pub texture: TextureId,
+    /// Factors of the direction along the axes.
+    pub stretch: [f32; 3],
+}
+
+impl CubeTexture {
+    /// A cube texture that fits the shape.
+    pub const fn new(texture: TextureId) -> Self {
+        Self { texture, stretch: [1.0; 3] }
+    }
+}
 
 impl Texture {
     /// Describes a cube texture with faces of `size` × `size` texels, which starts at index `first_texel` of the

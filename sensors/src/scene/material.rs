@@ -1,5 +1,6 @@
 //! Materials and lights.
 
+use super::cube::CubeTexture;
 use super::pbr::Pbr;
 use super::texture::{TextureAlpha, TextureId, TextureMode};
 use bytemuck::{Pod, Zeroable};
@@ -53,26 +54,6 @@ pub struct MaterialConfig {
     pub texture_mode: TextureMode,
     /// Number of repetitions of the texture and all maps along u and v. The default is 1 along both.
     pub texture_repeat: [f32; 2],
-}
-
-/// A cube texture around a shape.
-///
-/// It is looked up by the direction from the shape's origin to the point that was hit, along the shape's own axes, after
-/// solids were stretched to reach from −1 to 1 along each axis. Of a capsule, that is done with its straight part, and
-/// the ends get a radius of 1. Planes, meshes and height fields are not stretched.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CubeTexture {
-    /// The texture, added by [`SceneBuilder::add_cube_texture`](super::SceneBuilder::add_cube_texture).
-    pub texture: TextureId,
-    /// Factors of the direction along the axes.
-    pub stretch: [f32; 3],
-}
-
-impl CubeTexture {
-    /// A cube texture that fits the shape.
-    pub const fn new(texture: TextureId) -> Self {
-        Self { texture, stretch: [1.0; 3] }
-    }
 }
 
 impl Default for MaterialConfig {

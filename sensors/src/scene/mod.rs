@@ -51,7 +51,7 @@ mod builder;
 
 pub use aabb::Aabb;
 pub use air::{Air, Fog, FogLaw, Sky};
-pub use cube::{cube_texels, fill_cube};
+pub use cube::{CubeTexture, cube_texels, fill_cube};
 pub use fault::SceneFault;
 pub(crate) use height_field::CORNERS;
 pub use height_field::{HeightField, HeightGrid};
@@ -61,8 +61,7 @@ pub use instance::{
 pub(crate) use kind::{Kind, Solid, Triangles};
 pub(crate) use material::{ALPHA_CUT_OUT, Form, NO_TEXTURE};
 pub use material::{
-    CubeTexture, Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material,
-    MaterialConfig,
+    Environment, Light, LightConfig, LightId, LightKind, MAX_FALLOFF, MAX_SHININESS, Material, MaterialConfig,
 };
 pub use mesh_slices::MeshSlices;
 pub use meshes::{MeshMemory, MeshStore, Meshes};

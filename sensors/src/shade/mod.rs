@@ -11,7 +11,6 @@
 mod air;
 mod axes;
 mod bumps;
-mod cube;
 mod face;
 mod facets;
 mod glow;
@@ -30,7 +29,7 @@ pub(crate) mod tile;
 pub(crate) mod transparency;
 pub(crate) mod uniform;
 
-use crate::scene::{ColourSpace, Kind, Material, NO_TEXTURE, Scene, Sky};
+use crate::scene::{ColourSpace, Kind, Material, NO_TEXTURE, Scene};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
 use crate::trace::packet::{Faces, Packet};
@@ -58,7 +57,7 @@ pub(crate) struct Shader {
     /// Diffuse colour multiplied by the texture; black where nothing was hit.
     albedo: Colours,
     gloss: Gloss,
-    /// Reads the maps of materials, all textures but that of their colour, and cube textures.
+    /// Reads the maps of materials: all textures but that of their colour.
     maps: Sampler,
     bumps: Bumps,
     /// The lanes whose texture is multiplied by all light, as one bit each; see [`modulation`].
@@ -190,12 +189,7 @@ impl Shader {
         if let Some(sky) = &scene.air.sky
             && tile.hits != !0
         {
-            match *sky {
-                Sky::Clear { zenith, horizon } => {
-                    air::paint_sky(simd, view, [zenith, horizon], tile, colours);
-                }
-                Sky::Cube(texture) => self.paint_cube(simd, scene, texture.0, (tile, steps), colours),
-            }
+            air::paint_sky(simd, view, sky, tile, colours);
         }
         if tile.hits != 0 {
             if self.modulated != 0 {
@@ -279,7 +273,7 @@ impl Shader {
         // Step 1: compute normals and footprints on the texture. Without lamps, nothing depends on normals.
         let mut footprints = [Footprint::nothing(simd); ROWS];
         let is_flat_light = scene.lights.is_empty() && self.seen.is_none();
-        if is_flat_light && !(mapped || material.has_cube()) {
+        if is_flat_light && !mapped {
             // Neither normals nor footprints are needed.
         } else if let Kind::Solid(solid) = instance.kind()
             && solid.has_flat_faces()
@@ -295,9 +289,6 @@ impl Shader {
         self.add_colours(simd, scene, material, &footprints, lanes, colours);
         if material.light_texture != NO_TEXTURE {
             self.modulate(simd, scene, material.light_texture, &footprints, lanes);
-        }
-        if material.has_cube() {
-            self.wrap(simd, (view, tile), steps, (placed, lanes), colours);
         }
         if material.emissive_map != NO_TEXTURE {
             self.glow(simd, scene, material, &footprints, lanes, colours);

@@ -72,14 +72,12 @@ impl Sampler {
         self.first_texel = texture.first_texel as usize;
         self.size = [texture.width as f32, texture.height as f32];
         self.coarsest = (texture.levels - 1) as f32;
-        let (mut width, mut height, mut offset) = (texture.width, texture.height, 0);
-        // The faces of a cube have borders.
-        let (faces, border) = if texture.is_cube() { (6, 2) } else { (1, 0) };
+        let mut level = Level { offset: 0, width: texture.width, height: texture.height };
         for (index, place) in self.levels.iter_mut().enumerate() {
-            *place = Level { offset, width: width + border, height: height + border };
+            *place = level;
             if index as u32 + 1 < texture.levels {
-                offset += faces * place.width * place.height;
-                (width, height) = ((width / 2).max(1), (height / 2).max(1));
+                level.offset += level.width * level.height;
+                (level.width, level.height) = ((level.width / 2).max(1), (level.height / 2).max(1));
             }
         }
     }
@@ -95,28 +93,11 @@ impl Sampler {
         mine: mask32x16<S>,
         reading: Reading,
     ) -> [f32x16<S>; 3] {
-        self.sample_face::<S, false>(simd, scene, (u32x16::splat(simd, 0), footprint), mine, reading)
-    }
-
-    /// [`Sampler::sample`] of an image, or, if it is a `CUBE`, of these faces.
-    #[inline(always)]
-    pub(super) fn sample_face<S: Simd, const CUBE: bool>(
-        &self,
-        simd: S,
-        scene: &Scene<'_>,
-        (face, footprint): (u32x16<S>, &Footprint<S>),
-        mine: mask32x16<S>,
-        reading: Reading,
-    ) -> [f32x16<S>; 3] {
         let texels = &scene.texels[self.first_texel..];
         let taps = self.taps(simd, footprint);
         let mixed = (taps.blend.simd_gt(0.0) & mine).any_true();
-        let mut fine = self.pick(simd, taps.level, mine);
-        let mut coarse = self.pick(simd, taps.level + 1, mine);
-        if CUBE {
-            fine.offset += face * fine.width * fine.height;
-            coarse.offset += face * coarse.width * coarse.height;
-        }
+        let fine = self.pick(simd, taps.level, mine);
+        let coarse = self.pick(simd, taps.level + 1, mine);
         // The loop runs for the greatest number of samples of any lane; others finish before.
         let zero = f32x16::splat(simd, 0.0);
         let counts = mine.select(taps.samples, zero);
@@ -127,9 +108,9 @@ impl Sampler {
         while index < most {
             let along = f32x16::splat(simd, index + 0.5) - counts * 0.5;
             let (u, v) = (u + taps.step[0] * along, v + taps.step[1] * along);
-            let mut colour = fine.bilinear::<CUBE>(simd, texels, [u, v], mine, reading);
+            let mut colour = fine.bilinear(simd, texels, [u, v], mine, reading);
             if mixed {
-                let other = coarse.bilinear::<CUBE>(simd, texels, [u, v], mine, reading);
+                let other = coarse.bilinear(simd, texels, [u, v], mine, reading);
                 for channel in 0..3 {
                     colour[channel] = mix(colour[channel], other[channel], taps.blend);
                 }
@@ -224,10 +205,9 @@ struct LaneLevels<S: Simd> {
 }
 
 impl<S: Simd> LaneLevels<S> {
-    /// The colours at (u, v), 0 to 255. Row 0 is the top, v = 1; texel centres are at half-integers; the image repeats,
-    /// or, if it is that of a `CUBE`, ends with its border.
+    /// The colours at (u, v), 0 to 255. Row 0 is the top, v = 1; texel centres are at half-integers; the image repeats.
     #[inline(always)]
-    fn bilinear<const CUBE: bool>(
+    fn bilinear(
         &self,
         simd: S,
         texels: &[[u8; 4]],
@@ -235,11 +215,8 @@ impl<S: Simd> LaneLevels<S> {
         mine: mask32x16<S>,
         reading: Reading,
     ) -> [f32x16<S>; 3] {
-        let from_top = f32x16::splat(simd, 1.0) - v;
-        let (left, right_of, right) =
-            if CUBE { within(simd, u, self.width) } else { neighbours(simd, u, self.width) };
-        let (top, below, down) =
-            if CUBE { within(simd, from_top, self.height) } else { neighbours(simd, from_top, self.height) };
+        let (left, right_of, right) = neighbours(simd, u, self.width);
+        let (top, below, down) = neighbours(simd, f32x16::splat(simd, 1.0) - v, self.height);
         let (top, below) = (self.offset + top * self.width, self.offset + below * self.width);
         let wrapping = (right_of.simd_ne(left + 1) & mine).to_bitmask();
         let [top_left, top_right] = look_up_neighbours(simd, texels, [top + left, top + right_of], wrapping);
@@ -339,16 +316,6 @@ fn neighbours<S: Simd>(simd: S, coordinate: f32x16<S>, size: u32x16<S>) -> (u32x
     let index = index.simd_gt(last).select(last, index);
     let next = index.simd_eq(last).select(u32x16::splat(simd, 0), index + one);
     (index, next, at - first)
-}
-
-/// The same for an image of `size` texels with its border, which ends at 0 and 1.
-#[inline(always)]
-fn within<S: Simd>(simd: S, coordinate: f32x16<S>, size: u32x16<S>) -> (u32x16<S>, u32x16<S>, f32x16<S>) {
-    let part = lesser(greater(coordinate, f32x16::splat(simd, 0.0)), f32x16::splat(simd, 1.0));
-    let at = part * (size.to_float::<f32x16<S>>() - 2.0) + 0.5;
-    let first = at.floor();
-    let index = first.to_int::<u32x16<S>>();
-    (index, index + 1, at - first)
 }
 
 #[inline(always)]

@@ -6,7 +6,6 @@ mod common;
 mod air;
 mod bad_input;
 mod beams;
-mod cubes;
 mod defaults;
 mod depth_formats;
 mod depth_models;

@@ -141,9 +141,9 @@ fn a_file_in_utf_16_or_utf_32_is_told_its_encoding_and_a_command_that_converts_i
     }
 }
 
-/// Whatever text a file names, and however it is reached, the encoding and the command that converts it are told.
+/// The error names the encoding and the command that converts it, whichever file refers to the text.
 #[test]
-fn each_text_that_a_file_names_is_told_its_encoding() {
+fn the_error_for_a_wide_text_names_its_encoding_in_each_format() {
     let folder = TempDir::new().unwrap();
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
     let wide = |text: &str| text.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>();

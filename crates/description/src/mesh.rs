@@ -160,8 +160,8 @@ fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnos
     }
 }
 
-/// Returns the encoding of a text that is not read. OBJ is read in all of them. In a binary STL, the first bytes may have any
-/// value, so its text is recognized by its first word.
+/// Returns the encoding of a mesh file whose text is in UTF-16 or UTF-32, unless that is read: OBJ files are decoded. In a
+/// binary STL, the first bytes may have any value, so an STL counts as text only if it begins with its keyword.
 fn unread_encoding(extension: &str, bytes: &[u8]) -> Option<Wide> {
     let mut letters = bytes.iter().filter(|byte| byte.is_ascii_alphabetic()).take(5);
     let is_unread = match extension.to_ascii_lowercase().as_str() {

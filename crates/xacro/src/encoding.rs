@@ -1,4 +1,4 @@
-//! The encodings of text files. UTF-8 is read; a text in UTF-16 or UTF-32 is told the command that converts it.
+//! The encodings of text files. UTF-8 is read; the error for a text in UTF-16 or UTF-32 names the command that converts it.
 
 use super::shell::quoted;
 use std::path::Path;

@@ -6,10 +6,10 @@ use crate::errors::of;
 use crate::lamps;
 use crate::load::{self, Options};
 use crate::poses;
-use crate::surface::{Look, add_material, of_shape, surface};
+use crate::surface::{Look, add_material, of_shape, remove_textures, surface, texels_of};
 use belvedere_sensors::Pose;
 use belvedere_sensors::scene::{
-    Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape,
+    Air, Environment, InstanceConfig, LightConfig, LightKind, MaterialConfig, SceneBuilder, Shape, Sky,
 };
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyReadonlyArrayDyn};
 use pyo3::prelude::*;
@@ -83,7 +83,7 @@ impl World {
             taken.inspect_err(|_| {
                 // They were added, and no instance uses them.
                 let _ = data.builder.remove_material(material);
-                config.texture.map(|texture| data.builder.remove_texture(texture));
+                remove_textures(data, &config);
             })
         })
     }
@@ -375,6 +375,26 @@ impl World {
     fn set_environment(&self, py: Python<'_>, ambient: [f32; 3], background: [f32; 3]) -> PyResult<()> {
         self.change(py, |data| {
             data.builder.set_environment(Environment { ambient, background });
+            Ok(())
+        })
+    }
+
+    /// Sets the sky to the six faces of a cube with this number of columns each, or removes it.
+    fn set_sky(&self, py: Python<'_>, faces: Option<(PyReadonlyArrayDyn<'_, u8>, u32)>) -> PyResult<()> {
+        let faces = match &faces {
+            Some((texels, size)) => Some((texels_of("faces", texels)?, *size)),
+            None => None,
+        };
+        self.change(py, |Data { builder, .. }| {
+            let cube = faces.map(|(texels, size)| builder.add_cube_texture(size, texels)).transpose();
+            let cube = cube.map_err(|error| of("faces", error))?;
+            let old = builder.scene().air();
+            let air = Air { sky: cube.map(Sky::Cube), ..old };
+            builder.set_air(air).map_err(|error| of("faces", error))?;
+            if let Some(Sky::Cube(texture)) = old.sky {
+                // Nothing else uses it.
+                let _ = builder.remove_texture(texture);
+            }
             Ok(())
         })
     }

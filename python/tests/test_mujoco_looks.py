@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import struct
+import zlib
+
 import numpy as np
 import pytest
 from numpy.typing import NDArray
@@ -212,3 +215,87 @@ def test_highlights_of_shininess_0_are_everywhere() -> None:
     picture = bvm.Scene(model).camera("down", 32, 32).render(data)["rgb"]
     # That of MuJoCo's pictures, too.
     assert np.unique(picture).tolist() == [102]
+
+
+#: The colours of the faces of a cube, right, left, up, down, front and back.
+FACES = np.array([[200, 0, 0], [100, 0, 0], [0, 200, 0], [0, 100, 0], [0, 0, 200], [0, 0, 100]], np.uint8)
+#: Cameras that look along the axes.
+AXES = {
+    "+x": "0 -1 0 0 0 1",
+    "-x": "0 1 0 0 0 1",
+    "+y": "1 0 0 0 0 1",
+    "-y": "-1 0 0 0 0 1",
+    "+z": "1 0 0 0 -1 0",
+    "-z": "1 0 0 0 1 0",
+}
+
+
+def seen_along_axes(assets: str, geoms: str, away: float, texels: NDArray[np.uint8]) -> dict[str, list[int]]:
+    """The colours that cameras see in their middle, which look along the axes, towards the origin from this far away."""
+    cameras = ""
+    for way, axes in AXES.items():
+        place = [0.0, 0.0, 0.0]
+        place["xyz".index(way[1])] = -away if way[0] == "+" else away
+        cameras += f'<camera name="{way}" pos="{place[0]} {place[1]} {place[2]}" xyaxes="{axes}" fovy="5"/>'
+    model = mujoco.MjModel.from_xml_string(f"""
+        <mujoco>
+          <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+          <asset>{assets}</asset>
+          <worldbody>{geoms}{cameras}</worldbody>
+        </mujoco>""")
+    model.tex_data[:] = texels.ravel()
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    scene = bvm.Scene(model)
+    assert scene.notes == []
+    return {way: scene.camera(way, 9, 9).render(data)["rgb"][4, 4].tolist() for way in AXES}
+
+
+def test_the_sky_is_that_of_mujoco() -> None:
+    texels = np.broadcast_to(FACES[:, None, None], (6, 4, 4, 3))
+    sky = '<texture name="sky" type="skybox" builtin="flat" width="4" height="24"/>'
+    seen = seen_along_axes(sky, "", 1.0, texels)
+    # In MuJoCo's own pictures, +y shows the back and −y the front.
+    assert seen == dict(zip(("+x", "-x", "+z", "-z", "-y", "+y"), FACES.tolist(), strict=True))
+    # Without a sky, there is nothing.
+    assert set(map(tuple, seen_along_axes("", "", 1.0, np.zeros(0, np.uint8)).values())) == {(0, 0, 0)}
+
+
+@pytest.mark.parametrize("uniform", ["true", "false"])
+@pytest.mark.parametrize(
+    "geom",
+    ['type="box" size="0.3 0.4 0.5"', 'type="ellipsoid" size="0.3 0.4 0.5"', 'type="capsule" size="0.3 0.4"'],
+)
+def test_cube_textures_of_geoms_are_those_of_mujoco(geom: str, uniform: str) -> None:
+    texels = np.broadcast_to(FACES[:, None, None], (6, 4, 4, 3))
+    assets = f"""<texture name="t" type="cube" builtin="flat" width="4" height="24"/>
+        <material name="m" texture="t" texuniform="{uniform}" specular="0" rgba="1 1 1 1"/>"""
+    # The same geom twice shares the texture.
+    geoms = f'<geom material="m" {geom}/><geom material="m" {geom} pos="50 50 50"/>'
+    seen = seen_along_axes(assets, geoms, 3.0, texels)
+    # What a camera sees that looks along +x is the face at −x.
+    assert seen == dict(zip(("-x", "+x", "-y", "+y", "-z", "+z"), FACES.tolist(), strict=True))
+
+
+def test_a_cube_texture_of_one_image_is_on_all_sides() -> None:
+    def chunk(kind: bytes, data: bytes) -> bytes:
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    header, rows = struct.pack(">IIBBBBB", 4, 4, 8, 2, 0, 0, 0), (b"\0" + bytes((30, 60, 90)) * 4) * 4
+    parts = chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    model = mujoco.MjModel.from_xml_string(
+        """<mujoco>
+          <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+          <asset>
+            <texture name="t" type="cube" file="t.png"/><texture name="sky" type="skybox" file="t.png"/>
+            <material name="m" texture="t" specular="0"/>
+          </asset>
+          <worldbody><geom size="0.4" material="m"/><camera name="c" pos="0 0 2"/></worldbody>
+        </mujoco>""",
+        {"t.png": b"\x89PNG\r\n\x1a\n" + parts},
+    )
+    assert model.tex_height.tolist() == [4, 4]
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    picture = bvm.Scene(model).camera("c", 32, 32).render(data)["rgb"]
+    assert np.unique(picture.reshape(-1, 3), axis=0).tolist() == [[30, 60, 90]]

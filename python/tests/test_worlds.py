@@ -188,6 +188,13 @@ def test_refused_calls_change_nothing() -> None:
         lambda: world.add_box((1, 1, 1), laser_retro=-1),
         lambda: world.add_box((1, 1, 1), laser_retro=np.inf),
         lambda: world.add_box((1, 1, 1), texture_repeat=(0, 0)),
+        lambda: world.add_box((1, 1, 1), texture=np.zeros((6, 2, 3, 3), np.uint8)),
+        lambda: world.add_box((1, 1, 1), texture=np.zeros((5, 2, 2, 3), np.uint8)),
+        lambda: world.add_box((1, 1, 1), texture_stretch=(1, 1)),
+        lambda: world.add_box((1, 1, 1), texture_stretch=(1, np.nan, 1)),
+        lambda: world.set_sky(np.zeros((6, 0, 0, 3), np.uint8)),
+        lambda: world.set_sky(np.zeros((6, 2, 2, 3))),
+        lambda: world.set_sky([np.zeros((size, size, 3), np.uint8) for size in (2, 2, 2, 2, 2, 3)]),
         lambda: world.add_box((1, 1, 1), texture_mode="modulate"),
         lambda: world.add_box((1, 1, 1), texture_mode="light", roughness=0.3),
         lambda: world.add_box((1, 1, 1), texture_mode="light", metalness=0.0),
@@ -312,3 +319,80 @@ def test_threads_read_a_world_while_another_adds_a_large_mesh() -> None:
         [sys.executable, "-c", READERS_AND_WRITERS], capture_output=True, text=True, timeout=120, check=False
     )
     assert (ran.returncode, ran.stdout) == (0, "4\n"), ran.stderr
+
+
+#: The colours of the faces +x, −x, +y, −y, +z and −z.
+FACES = np.array([[200, 0, 0], [100, 0, 0], [0, 200, 0], [0, 100, 0], [0, 0, 200], [0, 0, 100]], np.uint8)
+#: Directions in which a camera looks, and the quaternion with which it does.
+WAYS = {
+    "+x": (0, 0, 0, 1),
+    "-x": (0, 0, 1, 0),
+    "+y": (0, 0, 0.5**0.5, 0.5**0.5),
+    "-y": (0, 0, -(0.5**0.5), 0.5**0.5),
+    "+z": (0, -(0.5**0.5), 0, 0.5**0.5),
+    "-z": (0, 0.5**0.5, 0, 0.5**0.5),
+}
+
+
+def cube(size: int = 2) -> np.ndarray:
+    return np.broadcast_to(FACES[:, None, None], (6, size, size, 3))
+
+
+def middle(world: bv.World, pose: object) -> list[int]:
+    """The colour in the middle of a picture."""
+    return bv.Camera(9, 9, fov=0.3).render(world, pose)["rgb"][4, 4].tolist()
+
+
+def test_a_sky_shows_the_faces_of_a_cube_whose_y_axis_is_up() -> None:
+    world = bv.World()
+    world.set_environment(ambient=(1, 1, 1), background=(1, 0, 1))
+    world.set_sky(cube())
+    seen = {way: middle(world, (0, 0, 0, *turn)) for way, turn in WAYS.items()}
+    faces = dict(zip(("+x", "-x", "+z", "-z", "-y", "+y"), FACES.tolist(), strict=True))
+    assert seen == faces
+    world.set_sky(np.concatenate([cube(5), np.zeros((6, 5, 5, 1), np.uint8)], axis=-1)[::-1])
+    assert middle(world, HERE) == FACES[5].tolist()
+    world.set_sky(None)
+    assert middle(world, HERE) == [255, 0, 255]
+
+
+def test_a_sky_that_is_replaced_takes_no_memory() -> None:
+    world = bv.World()
+    sizes = []
+    for _ in range(6):
+        world.set_sky(cube(64))
+        sizes.append(world.memory)
+    # The new one is there before the old one is removed.
+    assert max(sizes) < 2.2 * sizes[0]
+    assert sizes[2:4] == sizes[4:]
+    world.set_sky(None)
+    assert world.memory < sizes[0] / 10
+
+
+def test_a_body_shows_the_faces_of_a_cube() -> None:
+    world = bv.World()
+    world.set_environment(ambient=(1, 1, 1))
+    first = world.add_box((0.5, 1, 2), color=(1, 1, 1), texture=cube())
+    for way, turn in WAYS.items():
+        axis, sign = "xyz".index(way[1]), 1.0 if way[0] == "+" else -1.0
+        place = [0.0, 0.0, 0.0]
+        place[axis] = -3.0 * sign
+        face = 2 * axis + (sign > 0.0)
+        assert middle(world, (*place, *turn)) == FACES[face].tolist(), way
+    # A ball with its texture, stretched so far along x that only the faces across it are seen.
+    world.add_sphere(0.4, (5, 0, 0), color=(1, 1, 1), texture=first, texture_stretch=(1e3, 1, 1))
+    turn = WAYS["-z"]
+    assert middle(world, (5.1, 0, 3, *turn)) == FACES[0].tolist()
+    assert middle(world, (4.9, 0, 3, *turn)) == FACES[1].tolist()
+    copy = world.add_copy(first, (0, 5, 0))
+    assert middle(world, (-3, 5, 0, 0, 0, 0, 1)) == FACES[1].tolist()
+    assert copy == 2
+
+
+def test_a_cube_of_faces_of_several_sizes_is_refused() -> None:
+    world = bv.World()
+    faces = [np.zeros((size, size, 3), np.uint8) for size in (2, 2, 2, 2, 2, 3)]
+    with pytest.raises(ValueError, match=r"faces: arrays of several shapes; \(6, size, size, 3 or 4\) of uint8"):
+        world.set_sky(faces)
+    with pytest.raises(ValueError, match=r"texture: shape \(6, 2, 3, 3\) of uint8; \(6, size, size, 3 or 4\)"):
+        world.add_sphere(1, texture=np.zeros((6, 2, 3, 3), np.uint8))

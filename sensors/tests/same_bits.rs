@@ -13,7 +13,8 @@ use belvedere_sensors::scanner::{
     Spinning, Weather, presets,
 };
 use belvedere_sensors::scene::{
-    ColourSpace, InstanceConfig, LightConfig, MaterialConfig, Pbr, SceneBuilder, Shape, TextureAlpha,
+    Air, ColourSpace, CubeTexture, InstanceConfig, LightConfig, MaterialConfig, Pbr, SceneBuilder, Shape,
+    Sky, TextureAlpha,
     TextureMode::{self, Light, Reflectance},
 };
 use belvedere_sensors::simd::Level;
@@ -173,6 +174,7 @@ fn sense_all(execution: Execution) -> Vec<(&'static str, Vec<u8>)> {
             "rgb8 of both sides of meshes with normals",
             picture_with(&smooth(builder.clone()), camera.faces(Faces::Both), pose, 7, execution),
         ),
+        ("rgb8 of cube textures", picture_with(&cubes(builder.clone()), camera, pose, 7, execution)),
         ("ranges of mirrors and panes", bytes(&mirrored)),
         ("intensities of mirrors and panes", bytes(&passed)),
         ("32fc1 of mirrors and panes", bytes(&glazed_depths)),
@@ -217,6 +219,26 @@ fn fire(
     let output = Echoes::new().ranges(&mut ranges).intensities(&mut intensities);
     scanner.sense(&scene, &capture, memory, output).expect("outputs of the right size");
     [ranges, intensities]
+}
+
+/// The scene below a sky of a cube texture, with shapes that have it, too.
+fn cubes(mut builder: SceneBuilder) -> SceneBuilder {
+    let texels: Vec<[u8; 4]> =
+        (0..6 * 16 * 16).map(|i| [i, 7 * i, 31 * i, 0].map(|value: u32| value as u8)).collect();
+    let cube = builder.add_cube_texture(16, &texels).unwrap();
+    builder.set_air(Air { sky: Some(Sky::Cube(cube)), ..Default::default() }).unwrap();
+    for (texture_mode, shape, y) in [
+        (Light, Shape::Capsule { radius: 0.2, length: 0.4 }, 0.8),
+        (Reflectance, Shape::Box { size: [0.3, 0.4, 0.6] }, 0.2),
+        (Light, Shape::Ellipsoid { radii: [0.2, 0.3, 0.4] }, -0.4),
+    ] {
+        let cube_texture = Some(CubeTexture { texture: cube, stretch: [1.0, 0.9, 1.2] });
+        let look = MaterialConfig { cube_texture, texture_mode, emissive: [0.1; 3], ..Default::default() };
+        let material = builder.add_material(&look).unwrap();
+        let at = Pose::from_xyz_rpy(DVec3::new(-1.6, y, 1.1), DVec3::new(0.3, 0.5, 0.7));
+        add(&mut builder, shape, at, material);
+    }
+    builder
 }
 
 /// The scene with a mirroring ball and two panes in front of everything.
@@ -345,7 +367,7 @@ fn fnv(bytes: &[u8]) -> u64 {
 
 #[test]
 fn every_machine() {
-    let expected: [(&str, u64); 27] = [
+    let expected: [(&str, u64); 28] = [
         ("rgb8", 0xe27f_c2a5_80e6_90f1),
         ("mono8", 0xbf0b_140d_d77e_a4a0),
         ("32fc1", 0xbffd_71f0_3bfb_bc79),
@@ -370,6 +392,7 @@ fn every_machine() {
         ("rgb8 of mapped facets", 0x8a99_00de_2846_e67c),
         ("rgb8 of meshes with normals", 0x1842_d74c_c512_5f28),
         ("rgb8 of both sides of meshes with normals", 0xaa1b_5e80_3110_39fe),
+        ("rgb8 of cube textures", 0x2797_350d_efbb_210d),
         ("ranges of mirrors and panes", 0xe32c_707c_86a7_e51a),
         ("intensities of mirrors and panes", 0xd852_0a22_7b22_d8ec),
         ("32fc1 of mirrors and panes", 0xc7c7_aba7_92a6_86d0),

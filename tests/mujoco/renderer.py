@@ -5,14 +5,14 @@
     MUJOCO_GL=egl python tests/mujoco/renderer.py --picture docs/mujoco.webp
 
 Each model is in a random state. OpenGL draws curved geoms as triangles, of which there are many here, and computes the
-light at their corners. Sites and other decoration are hidden, and so are reflections, haze and the sky, which
-docs/mujoco.md lists as differences. Then
+light at their corners. Sites and other decoration are hidden, and so are reflections and haze, which docs/mujoco.md lists
+as differences. Then
 
 - geoms are the same, or lie in the same place, but at outlines,
 - on flat shapes, half of the depths agree to 5 in a million; 99.9 % of all to 0.2 %,
-- mean colours of blocks of 8 × 8 pixels agree, in gymnasium's models and in one whose textures get more light than they
-  can show. Other models have cube textures, or planes at whose corners there is no highlight, so their colours are only
-  printed.
+- mean colours of blocks of 8 × 8 pixels agree, on geoms and in the sky: in gymnasium's models, in one whose textures get
+  more light than they can show, and in one whose shapes and whose sky show a cube of random colours. Other models have
+  planes at whose corners there is no highlight, so their colours are only printed.
 """
 
 from __future__ import annotations
@@ -90,6 +90,43 @@ BRIGHT = """
   </worldbody>
 </mujoco>
 """
+#: Cube textures on shapes of all kinds, of their size and of a metre, and as the sky. Their colours are random.
+CUBES = """
+<mujoco model="cube textures">
+  <visual><headlight ambient="0.6 0.6 0.6" diffuse="0.3 0.3 0.3" specular="0 0 0"/></visual>
+  <statistic center="0 0 0" extent="6"/>
+  <asset>
+    <texture name="sky" type="skybox" builtin="flat" width="4" height="24"/>
+    <texture name="cube" type="cube" builtin="flat" width="4" height="24"/>
+    <material name="fitting" texture="cube" specular="0"/>
+    <material name="uniform" texture="cube" texuniform="true" specular="0"/>
+    <mesh name="wedge" vertex="-1 -1 0  1 -1 0  1 1 0  -1 1 0  -1 1 1  1 1 1" face="0 1 5  0 5 4  1 2 5  0 4 3  2 3 4  2 4 5"
+          inertia="shell" smoothnormal="false"/>
+    <hfield name="hills" nrow="3" ncol="3" size="1 1.5 1 0.3" elevation="0 1 0 1 2 1 0 1 0"/>
+  </asset>
+  <default>
+    <default class="uniform"><geom material="uniform"/></default>
+    <default class="fitting"><geom material="fitting"/></default>
+  </default>
+  <worldbody>
+    <geom class="fitting" type="box" size="0.5 1 0.8" pos="-3 -2 0" euler="10 20 30"/>
+    <geom class="fitting" type="sphere" size="0.9" pos="-1 -2 0" euler="10 20 30"/>
+    <geom class="fitting" type="capsule" size="0.5 0.7" pos="1 -2 0" euler="40 20 30"/>
+    <geom class="fitting" type="cylinder" size="0.6 0.9" pos="3 -2 0" euler="50 20 30"/>
+    <geom class="fitting" type="ellipsoid" size="0.9 0.5 0.7" pos="-3 2 0" euler="10 20 30"/>
+    <geom class="fitting" type="mesh" mesh="wedge" pos="-1 2 0"/>
+    <geom class="fitting" type="hfield" hfield="hills" pos="1 2 0"/>
+    <geom class="fitting" type="plane" size="0.7 1.1 1" pos="3 2 0.5"/>
+    <geom class="uniform" type="box" size="0.5 0.3 0.8" pos="-3 -5 0" euler="10 20 30"/>
+    <geom class="uniform" type="capsule" size="0.5 0.7" pos="-1 -5 0" euler="40 20 30"/>
+    <geom class="uniform" type="ellipsoid" size="0.9 0.5 0.7" pos="1 -5 0" euler="10 20 30"/>
+    <geom class="uniform" type="mesh" mesh="wedge" pos="3 -5 0"/>
+    <geom class="uniform" type="plane" size="0.7 1.1 1" pos="3 5 0.5"/>
+    <camera name="front" pos="0 -10 3" xyaxes="1 0 0 0 0.2 1" fovy="60"/>
+    <camera name="below" pos="1 9 -6" xyaxes="-1 0.1 0 0 0.7 1" fovy="90"/>
+  </worldbody>
+</mujoco>
+"""
 
 
 @dataclass(frozen=True)
@@ -102,11 +139,12 @@ class Differences:
     depth: float
     colour: float
     blocks: float
+    sky: float
 
     def __str__(self) -> str:
         return (
             f"geoms {self.others:.3%}, inside {self.inside:.3%}; depths {self.median:.1e}, {self.depth:.1e}; "
-            f"colours {self.colour:.1f}, in blocks {self.blocks:.1f}"
+            f"colours {self.colour:.1f}, in blocks {self.blocks:.1f}, in the sky {self.sky:.1f}"
         )
 
     def faults(self, most_colour: float) -> list[str]:
@@ -116,6 +154,7 @@ class Differences:
             "median": MOST_MEDIAN,
             "depth": MOST_DEPTH,
             "blocks": most_colour,
+            "sky": most_colour,
         }
         return [
             f"{name} {getattr(self, name):.2g} > {most:g}"
@@ -206,7 +245,7 @@ class Pair:
         return planes[(ahead * normals).sum(axis=1) < 0.0].tolist()
 
     def compare(self, camera: int) -> Differences:
-        colours, depths, geoms = self.theirs(camera, ("REFLECTION", "HAZE", "SKYBOX"))
+        colours, depths, geoms = self.theirs(camera, ("REFLECTION", "HAZE"))
         own_colours, own_depths, own_geoms = self.ours(camera)
         # MuJoCo shows the backs of planes, transparent; and of two surfaces in one place, either may be seen.
         is_tie = np.abs(own_depths - depths) <= 1e-5 * depths
@@ -222,7 +261,10 @@ class Pair:
             float(np.median(relative[is_flat])) if is_flat.any() else 0.0,
             float(np.quantile(relative, 0.999)),
             float(difference.mean()) if same.any() else 0.0,
-            float(np.abs(blocks(own_colours, same) - blocks(colours, same)).mean()),
+            *(
+                float(np.abs(blocks(own_colours, shown) - blocks(colours, shown)).mean())
+                for shown in (same, (geoms < 0) & (own_geoms < 0))
+            ),
         )
 
 
@@ -240,6 +282,13 @@ def blocks(colours: np.ndarray, shown: np.ndarray) -> np.ndarray:
     """Return mean colours of blocks, which differences of the filters of textures do not change."""
     kept = colours * shown[..., None].astype(np.float64)
     return kept.reshape(HEIGHT // BLOCK, BLOCK, WIDTH // BLOCK, BLOCK, 3).mean(axis=(1, 3))
+
+
+def cubes() -> mujoco.MjModel:
+    """Return the model with cube textures."""
+    model = mujoco.MjModel.from_xml_string(CUBES)
+    model.tex_data[:] = np.random.default_rng(1).integers(0, 256, model.tex_data.shape)
+    return model
 
 
 def cameras_of(model: mujoco.MjModel) -> list[int]:
@@ -300,9 +349,12 @@ def main() -> None:
     if asked.picture:
         draw(asked.picture)
         return
-    bright = [("bright textures", mujoco.MjModel.from_xml_string(BRIGHT), MOST_COLOUR)]
+    own = [
+        ("bright textures", mujoco.MjModel.from_xml_string(BRIGHT), MOST_COLOUR),
+        ("cube textures", cubes(), MOST_COLOUR),
+    ]
     chosen = asked.models or paths(asked.all)
-    if compare(itertools.chain([] if asked.models else bright, models(chosen))):
+    if compare(itertools.chain([] if asked.models else own, models(chosen))):
         sys.exit(1)
 
 

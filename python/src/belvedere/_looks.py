@@ -50,6 +50,7 @@ def look_of(pose: ArrayLike | None, look: dict[str, Any]) -> tuple[_native._Look
         None if texture is None else _texture(texture),
         _arrays.numbers("texture_repeat", rest.pop("texture_repeat", (1.0, 1.0)), 2, 1e-12),
         by_light,
+        _arrays.numbers("texture_stretch", rest.pop("texture_stretch", (1.0, 1.0, 1.0)), 3),
     )
     said = (
         _arrays.text("name", rest.pop("name", "")),
@@ -81,15 +82,35 @@ def _pbr(roughness: float | None, metalness: float | None) -> list[float] | None
     ]
 
 
-def _texture(value: ArrayLike | int) -> tuple[NDArray[np.uint8], int] | int:
+def cube(argument: str, faces: ArrayLike) -> tuple[NDArray[np.uint8], int]:
+    """Return the six faces of a cube with alpha, and their size."""
+    expected = "(6, size, size, 3 or 4) of uint8, the faces +x, -x, +y, -y, +z and -z of a cube, is expected"
+    try:
+        texels = np.asarray(faces)
+    except ValueError as error:
+        raise ValueError(f"{argument}: arrays of several shapes; {expected}") from error
+    shape = texels.shape
+    is_cube = len(shape) == 4 and shape[0] == 6 and shape[1] == shape[2] > 0 and shape[3] in (3, 4)
+    if not is_cube or texels.dtype != np.uint8:
+        raise ValueError(f"{argument}: shape {shape} of {texels.dtype}; {expected}")
+    return _with_alpha(texels), int(shape[1])
+
+
+def _texture(value: ArrayLike | int) -> tuple[NDArray[np.uint8], int, bool] | int:
     if isinstance(value, (int, np.integer)) and not isinstance(value, bool):
         return _arrays.count("texture", int(value), 0)
     texels = np.asarray(value)
+    if texels.ndim == 4:
+        return *cube("texture", texels), True
     if texels.ndim != 3 or texels.shape[2] not in (3, 4) or texels.dtype != np.uint8 or 0 in texels.shape:
         raise ValueError(
             f"texture: shape {texels.shape} of {texels.dtype}; (height, width, 3 or 4) of uint8 is expected"
         )
-    if texels.shape[2] == 3:
-        opaque = np.full((*texels.shape[:2], 1), 255, np.uint8)
-        texels = np.concatenate([texels, opaque], axis=2)
-    return np.ascontiguousarray(texels), int(texels.shape[1])
+    return _with_alpha(texels), int(texels.shape[1]), False
+
+
+def _with_alpha(texels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    if texels.shape[-1] == 3:
+        opaque = np.full((*texels.shape[:-1], 1), 255, np.uint8)
+        texels = np.concatenate([texels, opaque], axis=-1)
+    return np.ascontiguousarray(texels)

@@ -46,9 +46,10 @@ _Look: TypeAlias = tuple[
     Sequence[float],
     float,
     Sequence[float] | None,
-    tuple[NDArray[np.uint8], int] | int | None,
+    tuple[NDArray[np.uint8], int, bool] | int | None,
     Sequence[float],
     bool,
+    Sequence[float],
 ]
 _Said: TypeAlias = tuple[str, NDArray[np.float64], Sequence[float], int, float, int]
 
@@ -121,6 +122,7 @@ class World:
         cast_shadows: bool,
     ) -> int: ...
     def set_environment(self, ambient: Sequence[float], background: Sequence[float]) -> None: ...
+    def set_sky(self, faces: tuple[NDArray[np.uint8], int] | None) -> None: ...
     def cast(
         self,
         origins: NDArray[np.float32],

@@ -12,7 +12,7 @@ from belvedere import _arrays, _native
 from belvedere._channels import prepare
 from belvedere._frames import Frames
 from belvedere._imported import Imported
-from belvedere._looks import SEES, look_of, rgba, round_size, table
+from belvedere._looks import SEES, cube, look_of, rgba, round_size, table
 from belvedere._sources import arguments, folders, report
 from belvedere._unpicklable import Unpicklable
 
@@ -137,14 +137,15 @@ class World(Imported, Unpicklable):
             size: (3,).
             pose: (7,), (4, 4) or (3,); by default the world's origin.
             **look: keywords of all ``add_`` methods: ``name``; ``color`` (red, green, blue[, alpha]) from 0 to 1;
-                ``emissive``, ``specular`` (3,), 0 or more, and ``shininess``; or ``roughness`` and ``metalness`` from
-                0 to 1 instead of the last two, by default 1 and 0 if only one is given; ``texture``, an image (height,
+                ``emissive``, ``specular`` (3,), 0 or more, and ``shininess``; or ``roughness`` and ``metalness`` from 0
+                to 1 instead of the last two, by default 1 and 0 if only one is given; ``texture``, an image (height,
                 width, 3 or 4) of uint8, or the number of a body that was added with one, which is shared, and
-                ``texture_repeat`` (2,); ``texture_mode``, by default ``reflectance``, which the texture is multiplied
-                by, or ``light``: all light, with highlights, limited to 1, as in OpenGL without shaders, which excludes
-                ``roughness`` and ``metalness``; ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro``
-                for intensities, 0 or more; ``seen_by``, ``all``, ``visual`` (only cameras) or ``collision`` (only
-                lidars).
+                ``texture_repeat`` (2,); or a cube around the shape as ``texture``, (6, size, size, 3 or 4), its faces
+                +x, −x, +y, −y, +z and −z as in OpenGL, and ``texture_stretch`` (3,), factors of its directions;
+                ``texture_mode``, by default ``reflectance``, which the texture is multiplied by, or ``light``: all
+                light, with highlights, limited to 1, as in OpenGL without shaders, which excludes ``roughness`` and
+                ``metalness``; ``scale`` (3,); ``class_id`` for the channel ``class``; ``laser_retro`` for intensities,
+                0 or more; ``seen_by``, ``all``, ``visual`` (only cameras) or ``collision`` (only lidars).
 
         Raises:
             ValueError: an argument is invalid, or a body with this name exists; nothing is added then.
@@ -336,6 +337,19 @@ class World(Imported, Unpicklable):
         self._native.set_environment(
             _arrays.numbers("ambient", ambient, 3, 0.0), _arrays.numbers("background", background, 3, 0.0)
         )
+
+    def set_sky(self, faces: ArrayLike | None) -> None:
+        """Set what cameras see where there is no body, instead of the background. Its place is infinitely far away.
+
+        Args:
+            faces: (6, size, size, 3 or 4) of uint8: the faces +x, −x, +y, −y, +z and −z of a cube as in OpenGL, whose y
+                axis points up and whose z axis points to −y of the world. None removes the sky.
+
+        Raises:
+            ValueError: the faces are not six squares of one size.
+
+        """
+        self._native.set_sky(None if faces is None else cube("faces", faces))
 
     def cast(
         self,

@@ -1,5 +1,7 @@
 //! What cameras see between and behind surfaces: fog and the sky.
 
+use super::texture::TextureId;
+
 /// What cameras see between and behind surfaces. Depths, lidars and ground truth do not depend on it.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Air {
@@ -43,19 +45,25 @@ pub enum FogLaw {
     },
 }
 
-/// A clear sky, which depends only on the direction of a ray in the world: with s = 1 − (1 − sin elevation)², it is
-/// horizon + (zenith − horizon) · s above the horizon, and horizon below it.
+/// The sky, which depends only on the direction of a ray in the world.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Sky {
-    /// The colour above, RGB in the scene's [`ColourSpace`](super::ColourSpace).
-    pub zenith: [f32; 3],
-    /// The colour at the horizon and below.
-    pub horizon: [f32; 3],
+pub enum Sky {
+    /// A clear sky: with s = 1 − (1 − sin elevation)², it is horizon + (zenith − horizon) · s above the horizon, and
+    /// horizon below it.
+    Clear {
+        /// The colour above, RGB in the scene's [`ColourSpace`](super::ColourSpace).
+        zenith: [f32; 3],
+        /// The colour at the horizon and below.
+        horizon: [f32; 3],
+    },
+    /// A cube texture, added by [`SceneBuilder::add_cube_texture`](super::SceneBuilder::add_cube_texture). The y axis
+    /// of the cube points up, and its z axis to −y of the world: the direction (x, y, z) shows what is at (x, z, −y).
+    Cube(TextureId),
 }
 
 impl Sky {
     /// A blue sky that is pale at the horizon.
-    pub const DAY: Self = Self { zenith: [0.25, 0.45, 0.75], horizon: [0.8, 0.87, 0.95] };
+    pub const DAY: Self = Self::Clear { zenith: [0.25, 0.45, 0.75], horizon: [0.8, 0.87, 0.95] };
 }
 
 /// [`Air`] as bytes.
@@ -67,11 +75,12 @@ pub(super) struct PackedAir {
     fog: u32,
     fog_colour: [f32; 3],
     fog_law: [f32; 2],
-    /// 0 for none, 1 for a sky.
+    /// 0 for none, 1 for a clear sky, 2 for a cube texture.
     sky: u32,
     zenith: [f32; 3],
     horizon: [f32; 3],
-    reserved: [u32; 3],
+    sky_texture: u32,
+    reserved: [u32; 2],
 }
 
 #[cfg(feature = "alloc")]
@@ -83,9 +92,13 @@ impl PackedAir {
             Some(FogLaw::Exponential { density_per_m }) => (2, [density_per_m, 0.0]),
             Some(FogLaw::ExponentialSquared { density_per_m }) => (3, [density_per_m, 0.0]),
         };
-        let Sky { zenith, horizon } = air.sky.unwrap_or(Sky { zenith: [0.0; 3], horizon: [0.0; 3] });
+        let (sky, [zenith, horizon], sky_texture) = match air.sky {
+            None => (0, [[0.0; 3]; 2], 0),
+            Some(Sky::Clear { zenith, horizon }) => (1, [zenith, horizon], 0),
+            Some(Sky::Cube(texture)) => (2, [[0.0; 3]; 2], texture.0),
+        };
         let fog_colour = air.fog.map_or([0.0; 3], |fog| fog.colour);
-        Self { fog, fog_colour, fog_law, sky: air.sky.is_some().into(), zenith, horizon, reserved: [0; 3] }
+        Self { fog, fog_colour, fog_law, sky, zenith, horizon, sky_texture, reserved: [0; 2] }
     }
 
     /// The air; unknown numbers count as none.
@@ -97,7 +110,11 @@ impl PackedAir {
             3 => Some(FogLaw::ExponentialSquared { density_per_m: first }),
             _ => None,
         };
-        let sky = Sky { zenith: self.zenith, horizon: self.horizon };
-        Air { fog: law.map(|law| Fog { colour: self.fog_colour, law }), sky: (self.sky == 1).then_some(sky) }
+        let sky = match self.sky {
+            1 => Some(Sky::Clear { zenith: self.zenith, horizon: self.horizon }),
+            2 => Some(Sky::Cube(TextureId(self.sky_texture))),
+            _ => None,
+        };
+        Air { fog: law.map(|law| Fog { colour: self.fog_colour, law }), sky }
     }
 }

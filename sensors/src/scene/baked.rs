@@ -29,7 +29,7 @@ use bytemuck::{Pod, Zeroable};
 /// `BLVDRSCN`, read as a little-endian number.
 const MAGIC: u64 = u64::from_le_bytes(*b"BLVDRSCN");
 /// Version of the layout of all elements.
-const VERSION: u32 = 7;
+const VERSION: u32 = 8;
 const LINE: usize = size_of::<CacheLine>();
 
 /// Names and element sizes of the sections, in file order.

@@ -4,13 +4,11 @@
 //! checking them takes time proportional to their length, whatever the elements contain.
 
 use super::fault::{Element, count};
-use super::texture::{mip_levels, mip_texels};
+use super::texture::{CUBE, mip_levels};
 use super::tree::{Facet, TriangleBlock};
 use super::validate::{validate_scratch_len, validate_tree};
 use super::vertices::MAX_COORDINATE;
-use super::{
-    Form, HeightField, Kind, Mesh, MeshSlices, NO_TEXTURE, Scene, SceneFault, Triangles, build, limits,
-};
+use super::{Form, HeightField, Kind, Mesh, MeshSlices, Scene, SceneFault, Triangles, build, limits};
 use crate::Execution;
 #[cfg(feature = "alloc")]
 use crate::pose::Pose;
@@ -21,7 +19,9 @@ use bytemuck::Zeroable;
 pub(super) fn all_but_meshes(scene: &Scene<'_>) -> Result<(), SceneFault> {
     height_fields(scene)?;
     textures(scene)?;
-    Element::of("air", 0).accept(limits::air(&scene.air))?;
+    let air = Element::of("air", 0);
+    air.accept(limits::air(&scene.air))?;
+    air.accept(limits::texture_of_sky(&scene.air, |texture| scene.textures.get(texture as usize)))?;
     materials(scene)?;
     instances(scene)?;
     lights(scene)
@@ -182,29 +182,29 @@ fn height_fields(scene: &Scene<'_>) -> Result<(), SceneFault> {
 }
 
 fn textures(scene: &Scene<'_>) -> Result<(), SceneFault> {
-    let mut texels = 0;
+    let mut end = 0;
     for (index, texture) in scene.textures.iter().enumerate() {
         let element = Element::of("textures", index);
         let (width, height) = (texture.width, texture.height);
         element.require(width > 0, "width", f64::from(width))?;
         // The finest level alone must fit, so that no count of all levels overflows.
-        let fits = u64::from(width) * u64::from(height) <= scene.texels.len() as u64;
+        let faces = if texture.is_cube() { 6 } else { 1 };
+        let texels = u128::from(width) * u128::from(height) * faces;
+        let fits = texels <= scene.texels.len() as u128;
         element.require(height > 0 && fits, "height", f64::from(height))?;
         element.require(texture.levels == mip_levels(width, height), "levels", f64::from(texture.levels))?;
-        let of_texels = mip_texels(width, height);
-        element.follows("texels", texture.first_texel, of_texels as u32, &mut texels, scene.texels.len())?;
+        element.require(texture.kind <= CUBE, "kind", f64::from(texture.kind))?;
+        element.require(!texture.is_cube() || width == height, "height of a cube", f64::from(height))?;
+        let of_texels = texture.texels();
+        element.follows("texels", texture.first_texel, of_texels as u32, &mut end, scene.texels.len())?;
     }
-    count("texels", scene.texels.len(), texels)
+    count("texels", scene.texels.len(), end)
 }
 
 fn materials(scene: &Scene<'_>) -> Result<(), SceneFault> {
     for (index, material) in scene.materials.iter().enumerate() {
         let element = Element::of("materials", index);
-        for (name, texture) in material.textures() {
-            if texture != NO_TEXTURE {
-                element.index(name, texture, scene.textures.len())?;
-            }
-        }
+        element.accept(limits::textures_of(material, |texture| scene.textures.get(texture as usize)))?;
         element.accept(limits::material(material))?;
     }
     Ok(())

@@ -4,9 +4,9 @@
 //! single precision.
 
 use super::SceneError;
-use super::material::{ALPHA_BLENDED, GLOSS_PBR};
+use super::material::{ALPHA_BLENDED, CUBE_TEXTURE, GLOSS_PBR, NO_TEXTURE};
 use super::vertices::MAX_COORDINATE;
-use super::{Air, FogLaw, Light, MAX_FALLOFF, MAX_SHININESS, Material};
+use super::{Air, FogLaw, Light, MAX_FALLOFF, MAX_SHININESS, Material, Sky, Texture, TextureId};
 use crate::pose::Pose;
 
 const MOST: f64 = MAX_COORDINATE as f64;
@@ -91,6 +91,8 @@ pub(crate) fn stored_normal(index: usize, normal: [f32; 3]) -> Result<(), Refusa
 
 pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
     all(material.texture_repeat.map(f64::from), in_space, "texture repeat", SceneError::BadTextureRepeat)?;
+    let stretch = material.cube_stretch.map(f64::from);
+    all(stretch, in_space, "stretch of the cube texture", SceneError::BadTextureRepeat)?;
     all([f64::from(material.shininess)], up_to(MAX_SHININESS), "shininess", SceneError::BadShininess)?;
     all(
         [f64::from(material.gloss)],
@@ -108,6 +110,40 @@ pub(crate) fn material(material: &Material) -> Result<(), Refusal> {
     all(shares, up_to(1.0), "specular reflectance and transmittance", SceneError::BadShares)?;
     let kind = f64::from(material.texture_alpha);
     all([kind], up_to(ALPHA_BLENDED as f32), "kind of texture alpha", SceneError::BadAlpha)
+}
+
+/// Checks the textures of a material, which `find` finds by their indices.
+pub(crate) fn textures_of<'t>(
+    material: &Material,
+    find: impl Fn(u32) -> Option<&'t Texture>,
+) -> Result<(), Refusal> {
+    for (name, index) in material.textures() {
+        if index != NO_TEXTURE {
+            texture(name, index, find(index), name == CUBE_TEXTURE)?;
+        }
+    }
+    Ok(())
+}
+
+/// Checks the texture of a sky, which `find` finds by its index.
+pub(crate) fn texture_of_sky<'t>(
+    air: &Air,
+    find: impl Fn(u32) -> Option<&'t Texture>,
+) -> Result<(), Refusal> {
+    match air.sky {
+        Some(Sky::Cube(TextureId(index))) => texture("texture of the sky", index, find(index), true),
+        Some(Sky::Clear { .. }) | None => Ok(()),
+    }
+}
+
+/// Checks that a texture exists, and is a cube exactly where one is expected.
+fn texture(field: &'static str, index: u32, found: Option<&Texture>, is_cube: bool) -> Result<(), Refusal> {
+    let error = match found {
+        None => SceneError::NoSuchTexture(index),
+        Some(texture) if texture.is_cube() != is_cube => SceneError::WrongTexture(index),
+        Some(_) => return Ok(()),
+    };
+    Err(Refusal { error, field, value: f64::from(index) })
 }
 
 pub(crate) fn instance(size: [f64; 3], scale: [f64; 3]) -> Result<(), Refusal> {
@@ -135,7 +171,10 @@ pub(crate) fn air(air: &Air) -> Result<(), Refusal> {
             }
         }
     }
-    let colours = air.sky.map_or([[0.0; 3]; 2], |sky| [sky.zenith, sky.horizon]);
+    let colours = match air.sky {
+        Some(Sky::Clear { zenith, horizon }) => [zenith, horizon],
+        Some(Sky::Cube(_)) | None => [[0.0; 3]; 2],
+    };
     all(colours.as_flattened().iter().copied().map(f64::from), in_space, "colour of the sky", bad)
 }
 

@@ -1,5 +1,6 @@
 //! Materials and lights.
 
+use super::cube::CubeTexture;
 use super::pbr::Pbr;
 use super::texture::{TextureAlpha, TextureId, TextureMode};
 use bytemuck::{Pod, Zeroable};
@@ -46,7 +47,10 @@ pub struct MaterialConfig {
     pub emissive_map: Option<TextureId>,
     /// Colour texture. The default is `None`.
     pub texture: Option<TextureId>,
-    /// What the texture is multiplied by. The default is [`TextureMode::Reflectance`].
+    /// Cube texture on the surface, which is used like [`MaterialConfig::texture`], and multiplied by it if there are
+    /// both. Its alpha is ignored. The default is `None`.
+    pub cube_texture: Option<CubeTexture>,
+    /// What the textures are multiplied by. The default is [`TextureMode::Reflectance`].
     pub texture_mode: TextureMode,
     /// Number of repetitions of the texture and all maps along u and v. The default is 1 along both.
     pub texture_repeat: [f32; 2],
@@ -70,6 +74,7 @@ impl Default for MaterialConfig {
             pbr_map: None,
             emissive_map: None,
             texture: None,
+            cube_texture: None,
             texture_mode: TextureMode::Reflectance,
             texture_repeat: [1.0; 2],
         }
@@ -89,6 +94,9 @@ pub(crate) const GLOSS_PBR: u32 = 2;
 pub const MAX_SHININESS: f32 = 1e4;
 
 pub(crate) const NO_TEXTURE: u32 = u32::MAX;
+
+/// The name of the texture of a material that is a cube.
+pub(super) const CUBE_TEXTURE: &str = "cube texture";
 
 /// A material as it is stored in a scene.
 #[derive(Debug, Clone, Copy, Pod, Zeroable)]
@@ -118,6 +126,10 @@ pub struct Material {
     pub(crate) texture: u32,
     /// The texture if its mode is [`TextureMode::Light`], otherwise [`NO_TEXTURE`], as for [`GLOSS_PBR`].
     pub(crate) light_texture: u32,
+    /// The cube texture, and whether its mode is [`TextureMode::Light`].
+    pub(crate) cube_texture: u32,
+    pub(crate) cube_by_light: u32,
+    pub(crate) cube_stretch: [f32; 3],
 }
 
 impl Material {
@@ -156,29 +168,44 @@ impl Material {
             texture_repeat: config.texture_repeat,
             texture: number(config.texture.filter(|_| !by_light)),
             light_texture: number(config.texture.filter(|_| by_light)),
+            cube_texture: number(config.cube_texture.map(|cube| cube.texture)),
+            cube_by_light: by_light.into(),
+            cube_stretch: config.cube_texture.map_or([1.0; 3], |cube| cube.stretch),
         }
     }
 
     /// The names and indices of its textures, which are [`NO_TEXTURE`] for those that it does not have.
-    pub(crate) const fn textures(&self) -> [(&'static str, u32); 5] {
+    pub(crate) const fn textures(&self) -> [(&'static str, u32); 6] {
         [
             ("texture", self.texture),
             ("texture", self.light_texture),
             ("normal map", self.normal_map),
             ("map of roughness and metalness", self.pbr_map),
             ("emissive map", self.emissive_map),
+            (CUBE_TEXTURE, self.cube_texture),
         ]
     }
 
-    /// Returns true if it has any texture.
+    /// Returns true if it has any texture with coordinates, which a cube texture has not.
     #[inline(always)]
     pub(crate) const fn is_mapped(&self) -> bool {
         // All bits of `NO_TEXTURE` are set.
         self.texture & self.light_texture & self.normal_map & self.pbr_map & self.emissive_map != NO_TEXTURE
     }
 
-    /// Returns true if the material has a texture, of either [`TextureMode`].
+    /// Returns true if the material has a cube texture.
+    #[inline(always)]
+    pub(crate) const fn has_cube(&self) -> bool {
+        self.cube_texture != NO_TEXTURE
+    }
+
+    /// Returns true if the material has a texture, of either [`TextureMode`], or a cube texture.
     pub const fn is_textured(&self) -> bool {
+        self.has_image() || self.has_cube()
+    }
+
+    /// Returns true if the material has a texture that is not a cube.
+    const fn has_image(&self) -> bool {
         self.texture & self.light_texture != NO_TEXTURE
     }
 
@@ -194,7 +221,7 @@ impl Material {
 
     /// Returns true if the texture's alpha is used.
     pub(crate) fn has_texture_alpha(&self) -> bool {
-        self.is_textured() && self.texture_alpha != ALPHA_IGNORED
+        self.has_image() && self.texture_alpha != ALPHA_IGNORED
     }
 
     /// Returns true if anything may be seen through the material.

@@ -18,7 +18,8 @@
 //! | ends of a cylinder, base of a cone | +x | +y / −y |
 //!
 //! Both run from 0 to 1 over a face; on the infinite plane they are metres from its origin. They belong to the shape,
-//! so the scale of an instance stretches the texture. Around an ellipsoid, u is the angle of (x/a, y/b).
+//! so the scale of an instance stretches the texture. Around an ellipsoid, u is the angle of (x/a, y/b). A
+//! [`CubeTexture`] needs no coordinates.
 
 mod aabb;
 mod air;
@@ -26,6 +27,7 @@ mod air;
 mod baked;
 pub mod build;
 mod check;
+mod cube;
 mod fault;
 mod height_field;
 mod instance;
@@ -49,6 +51,7 @@ mod builder;
 
 pub use aabb::Aabb;
 pub use air::{Air, Fog, FogLaw, Sky};
+pub use cube::{CubeTexture, cube_texels, fill_cube};
 pub use fault::SceneFault;
 pub(crate) use height_field::CORNERS;
 pub use height_field::{HeightField, HeightGrid};
@@ -243,7 +246,7 @@ pub enum SceneError {
     BadPose,
     /// A lamp's position is not finite, or more than 1e12 m away along an axis.
     BadLight,
-    /// The number of repetitions of a texture is not finite, or beyond ±1e12.
+    /// The number of repetitions of a texture, or the stretch of a cube texture, is not finite, or beyond ±1e12.
     BadTextureRepeat,
     /// A shininess is not between 0 and [`MAX_SHININESS`].
     BadShininess,
@@ -273,6 +276,10 @@ pub enum SceneError {
     BadNormal(usize),
     /// A texture has no pixels, or the number of texels is not width × height.
     BadTexture,
+    /// A cube texture has no pixels, or its faces are not six squares of one size.
+    BadCube,
+    /// The texture with this index is a cube texture where another one is expected, or the other way round.
+    WrongTexture(u32),
     /// A height field has fewer than 2 × 2 heights.
     HeightFieldTooSmall,
     /// The number of heights is not rows × columns.
@@ -302,7 +309,7 @@ pub enum SceneError {
     },
     /// The element that should be removed is still in use.
     InUse {
-        /// The kind of the user: `instance` or `material`.
+        /// The kind of the user: `instance`, `material` or `sky`.
         user: &'static str,
         /// The index of the user; of the first one if there are several.
         index: u32,
@@ -330,7 +337,7 @@ impl core::fmt::Display for SceneError {
             Self::BadPose => f.write_str("a pose is not finite, or is more than 1e12 m away"),
             Self::BadLight => f.write_str("a lamp's position is not finite, or is more than 1e12 m away"),
             Self::BadTextureRepeat => {
-                f.write_str("how often a texture repeats is not finite, or beyond 1e12")
+                f.write_str("how often a texture repeats, or is stretched, is not finite, or beyond 1e12")
             }
             Self::BadShininess => f.write_str("a shininess is not between 0 and 10000"),
             Self::BadPbr => f.write_str("a roughness or metalness is not between 0 and 1"),
@@ -358,6 +365,15 @@ impl core::fmt::Display for SceneError {
             Self::NormalCount => f.write_str("normals must be none or one per vertex"),
             Self::BadNormal(index) => write!(f, "the normal of vertex {index} is not finite, or is 0"),
             Self::BadTexture => f.write_str("a texture must have width × height texels, both at least 1"),
+            Self::BadCube => {
+                f.write_str("the faces of a cube texture must be six squares of one size, at least 1")
+            }
+            Self::WrongTexture(index) => {
+                write!(
+                    f,
+                    "texture {index} is a cube texture where another one is expected, or the other way round"
+                )
+            }
             Self::HeightFieldTooSmall => f.write_str("a height field must have 2 × 2 heights at least"),
             Self::HeightCount => f.write_str("a height field must have rows × columns heights"),
             Self::BadHeight(index) => write!(f, "height {index} is not finite, or beyond 1e12 m"),

@@ -63,15 +63,20 @@ pub struct Texture {
     pub(crate) width: u32,
     pub(crate) height: u32,
     pub(crate) levels: u32,
-    /// 1 if the texture holds data that are not colours.
-    pub(crate) is_data: u32,
+    /// What it holds: [`COLOURS`], [`DATA`] or [`CUBE`].
+    pub(crate) kind: u32,
 }
+
+/// Numbers of [`Texture::kind`]: an image of colours, an image of data that are not colours, and a cube of colours.
+pub(crate) const COLOURS: u32 = 0;
+pub(crate) const DATA: u32 = 1;
+pub(crate) const CUBE: u32 = 2;
 
 impl Texture {
     /// Describes a texture whose texels start at index `first_texel` of the scene's texels: [`mip_texels`] of them, as
     /// filled by [`fill_mip_levels`].
     pub const fn new(width: u32, height: u32, first_texel: u32) -> Self {
-        Self { first_texel, width, height, levels: mip_levels(width, height), is_data: 0 }
+        Self { first_texel, width, height, levels: mip_levels(width, height), kind: COLOURS }
     }
 }
 
@@ -108,8 +113,7 @@ pub fn fill_srgb_mip_levels(width: u32, height: u32, texels: &mut [[u8; 4]]) {
 }
 
 pub(crate) fn fill_levels(width: u32, height: u32, texels: &mut [[u8; 4]], space: ColourSpace) {
-    let tables = [Amounts::new(space), Amounts::new(ColourSpace::AsGiven)];
-    let tables = [&tables[0], &tables[0], &tables[0], &tables[1]];
+    let means = Means::new(space);
     let (mut width, mut height) = (width as usize, height as usize);
     let mut rest = texels;
     while width > 1 || height > 1 {
@@ -117,13 +121,8 @@ pub(crate) fn fill_levels(width: u32, height: u32, texels: &mut [[u8; 4]], space
         let (half_width, half_height) = ((width / 2).max(1), (height / 2).max(1));
         for row in 0..half_height {
             for column in 0..half_width {
-                coarse[row * half_width + column] = mean_of(
-                    fine,
-                    width,
-                    span(column, half_width, width),
-                    span(row, half_height, height),
-                    tables,
-                );
+                let (across, down) = (span(column, half_width, width), span(row, half_height, height));
+                coarse[row * half_width + column] = means.of_area(fine, width, across, down);
             }
         }
         (width, height, rest) = (half_width, half_height, coarse);
@@ -131,29 +130,63 @@ pub(crate) fn fill_levels(width: u32, height: u32, texels: &mut [[u8; 4]], space
 }
 
 /// The interval of fine texels that the coarse texel `index` covers: start and end, in units of 1/`coarse` texel.
-fn span(index: usize, coarse: usize, fine: usize) -> (usize, usize, usize) {
+pub(super) fn span(index: usize, coarse: usize, fine: usize) -> (usize, usize, usize) {
     (index * fine, (index + 1) * fine, coarse)
 }
 
-fn mean_of(
-    fine: &[[u8; 4]],
-    width: usize,
-    (left, right, x_unit): (usize, usize, usize),
-    (top, bottom, y_unit): (usize, usize, usize),
-    amounts: [&Amounts; 4],
-) -> [u8; 4] {
-    let mut sum = [0_u64; 4];
-    for row in top / y_unit..bottom.div_ceil(y_unit) {
-        let y_weight = bottom.min((row + 1) * y_unit) - top.max(row * y_unit);
-        for column in left / x_unit..right.div_ceil(x_unit) {
-            let weight = (y_weight * (right.min((column + 1) * x_unit) - left.max(column * x_unit))) as u64;
-            for (channel, value) in fine[row * width + column].into_iter().enumerate() {
-                sum[channel] += weight * u64::from(amounts[channel].of[usize::from(value)]);
+/// Computes means of texels.
+pub(super) struct Means {
+    colour: Amounts,
+    alpha: Amounts,
+}
+
+impl Means {
+    pub(super) fn new(space: ColourSpace) -> Self {
+        Self { colour: Amounts::new(space), alpha: Amounts::new(ColourSpace::AsGiven) }
+    }
+
+    /// The mean of an area, which is given by its [spans](span) across and down, of texels in rows of `width`.
+    pub(super) fn of_area(
+        &self,
+        fine: &[[u8; 4]],
+        width: usize,
+        (left, right, x_unit): (usize, usize, usize),
+        (top, bottom, y_unit): (usize, usize, usize),
+    ) -> [u8; 4] {
+        let mut sum = [0_u64; 4];
+        for row in top / y_unit..bottom.div_ceil(y_unit) {
+            let y_weight = bottom.min((row + 1) * y_unit) - top.max(row * y_unit);
+            for column in left / x_unit..right.div_ceil(x_unit) {
+                let weight =
+                    (y_weight * (right.min((column + 1) * x_unit) - left.max(column * x_unit))) as u64;
+                self.add(&mut sum, fine[row * width + column], weight);
             }
         }
+        self.back(sum, ((right - left) * (bottom - top)) as u64)
     }
-    let area = ((right - left) * (bottom - top)) as u64;
-    core::array::from_fn(|channel| amounts[channel].back((sum[channel] + area / 2) / area))
+
+    /// The mean of three texels.
+    pub(super) fn of_three(&self, texels: [[u8; 4]; 3]) -> [u8; 4] {
+        let mut sum = [0; 4];
+        for texel in texels {
+            self.add(&mut sum, texel, 1);
+        }
+        self.back(sum, 3)
+    }
+
+    fn of_channel(&self, channel: usize) -> &Amounts {
+        if channel < 3 { &self.colour } else { &self.alpha }
+    }
+
+    fn add(&self, sum: &mut [u64; 4], texel: [u8; 4], weight: u64) {
+        for (channel, value) in texel.into_iter().enumerate() {
+            sum[channel] += weight * u64::from(self.of_channel(channel).of[usize::from(value)]);
+        }
+    }
+
+    fn back(&self, sum: [u64; 4], weight: u64) -> [u8; 4] {
+        core::array::from_fn(|channel| self.of_channel(channel).back((sum[channel] + weight / 2) / weight))
+    }
 }
 
 /// The linear amount for each byte value, for averaging.

@@ -38,11 +38,7 @@ impl<'a> Scene<'a> {
         }
         for material in materials {
             limits::material(material)?;
-            for (_, texture) in material.textures() {
-                if texture != NO_TEXTURE && texture as usize >= self.textures.len() {
-                    return Err(SceneError::NoSuchTexture(texture));
-                }
-            }
+            limits::textures_of(material, |texture| self.textures.get(texture as usize))?;
         }
         Ok(Self { materials, ..self })
     }
@@ -90,9 +86,11 @@ impl Material {
         self
     }
 
-    /// Returns the material without its texture. A texture whose alpha is used is kept, since the shape depends on it.
+    /// Returns the material without its texture and its cube texture. A texture whose alpha is used is kept, since the
+    /// shape depends on it.
     #[must_use]
     pub fn without_texture(mut self) -> Self {
+        self.cube_texture = NO_TEXTURE;
         if !self.has_texture_alpha() {
             (self.texture, self.light_texture) = (NO_TEXTURE, NO_TEXTURE);
         }

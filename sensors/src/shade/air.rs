@@ -4,7 +4,7 @@
 use super::power::exp;
 use super::tile::Tile;
 use super::{Colours, ROWS, lanes_in, light_of, store_where};
-use crate::scene::{Fog, FogLaw, Sky};
+use crate::scene::{Fog, FogLaw};
 use crate::simd::load_row;
 use crate::trace::placed::view::View;
 use fearless_simd::{Select, Simd, SimdBase, SimdFloat, f32x16};
@@ -56,11 +56,17 @@ pub(super) fn blend<S: Simd>(
     );
 }
 
-/// Sets the lanes of a tile that hit nothing to the colour of the sky.
+/// Sets the lanes of a tile that hit nothing to a clear sky with these colours at the zenith and at the horizon.
 #[inline(never)]
-pub(super) fn paint_sky<S: Simd>(simd: S, view: &View<'_>, sky: &Sky, tile: &Tile, colours: &mut Colours) {
+pub(super) fn paint_sky<S: Simd>(
+    simd: S,
+    view: &View<'_>,
+    [zenith, horizon]: [[f32; 3]; 2],
+    tile: &Tile,
+    colours: &mut Colours,
+) {
     let space = view.scene.colour_space;
-    let (zenith, horizon) = (light_of(sky.zenith, space), light_of(sky.horizon, space));
+    let (zenith, horizon) = (light_of(zenith, space), light_of(horizon, space));
     simd.vectorize(
         #[inline(always)]
         || {

@@ -1,7 +1,7 @@
 //! Normal maps: images of normals in the axes of the surface, right (u), up (v) and outwards.
 
 use super::surface::Footprint;
-use super::texture::Reading;
+use super::texels::Reading;
 use super::tile::Tile;
 use super::{ROWS, Shader, lanes_in, store_where};
 use crate::scene::{Form, Light, Material, Scene};

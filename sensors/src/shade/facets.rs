@@ -5,7 +5,7 @@
 
 use super::lamp_ray::{Ray, row_of};
 use super::surface::Footprint;
-use super::texture::Reading;
+use super::texels::Reading;
 use super::tile::Tile;
 use super::{Colours, Gloss, ROWS, Shader, lanes_in, store_where};
 use crate::scene::{Form, Light, Material, Scene};

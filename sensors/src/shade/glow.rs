@@ -1,7 +1,7 @@
 //! Emissive maps: the light that a surface emits, for each pixel.
 
 use super::surface::Footprint;
-use super::texture::Reading;
+use super::texels::Reading;
 use super::{Colours, ROWS, Shader, lanes_in, light_of, store_where};
 use crate::scene::{ColourSpace, Material, Scene};
 use crate::simd::load_row;

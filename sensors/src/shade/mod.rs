@@ -11,8 +11,10 @@
 mod air;
 mod axes;
 mod bumps;
+mod cube;
 mod face;
 mod facets;
+mod gloss;
 mod glow;
 mod lamp;
 mod lamp_ray;
@@ -21,15 +23,17 @@ mod occluders;
 mod opacity;
 mod power;
 mod ray_offset;
+mod seen;
 mod shadow;
 mod smooth;
 mod surface;
+mod texels;
 mod texture;
 pub(crate) mod tile;
 pub(crate) mod transparency;
 pub(crate) mod uniform;
 
-use crate::scene::{ColourSpace, Kind, Material, NO_TEXTURE, Scene};
+use crate::scene::{ColourSpace, Kind, Material, NO_TEXTURE, Scene, Sky};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::srgb;
 use crate::trace::packet::{Faces, Packet};
@@ -37,10 +41,13 @@ use crate::trace::placed::view::View;
 use crate::trace::shapes::LocalRays;
 use bumps::Bumps;
 use face::KnownFaces;
-use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdMask, f32x16, mask32x16, u32x16};
+use fearless_simd::{Select, Simd, SimdBase, SimdMask, f32x16, mask32x16};
+use gloss::Gloss;
+use seen::tell_surfaces;
 use shadow::Shadows;
 use surface::{Footprint, Surfaces};
-use texture::{Reading, Sampler};
+use texels::Reading;
+use texture::Sampler;
 use tile::{Steps, Tile};
 
 /// Number of rows of sixteen lanes in a tile.
@@ -57,7 +64,7 @@ pub(crate) struct Shader {
     /// Diffuse colour multiplied by the texture; black where nothing was hit.
     albedo: Colours,
     gloss: Gloss,
-    /// Reads the maps of materials: all textures but that of their colour.
+    /// Reads the maps of materials, all textures but that of their colour, and cube textures.
     maps: Sampler,
     bumps: Bumps,
     /// The lanes whose texture is multiplied by all light, as one bit each; see [`modulation`].
@@ -75,20 +82,6 @@ pub(crate) struct Shader {
     seen: Option<Lanes<u32>>,
 }
 
-/// The highlights of a tile's lanes.
-struct Gloss {
-    /// The lanes with highlights of Blinn and Phong, as one bit each.
-    lanes: u64,
-    /// The lanes with facets. The values below are undefined for lanes in neither.
-    facets: u64,
-    /// For facets, their reflectance seen head-on.
-    specular: Colours,
-    /// For facets, their roughness.
-    shininess: Lanes<f32>,
-    /// For facets, the factor of their highlights; for [`Shader::modulated`] lanes, the texture.
-    factor: Colours,
-}
-
 impl Shader {
     /// A shader that does not record what is [seen](Shader::seen). It is a constant because the return value of a
     /// function that is then moved into a struct takes twice its size on the stack.
@@ -97,13 +90,7 @@ impl Shader {
         known_faces: KnownFaces::new(),
         sampler: Sampler::new(),
         albedo: [[0.0; LANES]; 3],
-        gloss: Gloss {
-            lanes: 0,
-            facets: 0,
-            specular: [[0.0; LANES]; 3],
-            shininess: [0.0; LANES],
-            factor: [[0.0; LANES]; 3],
-        },
+        gloss: Gloss::NONE,
         maps: Sampler::new(),
         bumps: Bumps::new(),
         modulated: 0,
@@ -168,7 +155,12 @@ impl Shader {
                     let placed = tile.placed[rest.trailing_zeros() as usize % LANES];
                     let lanes = tile.lanes_of(simd, placed) & rest;
                     rest &= !lanes;
-                    self.add_instance(simd, view, tile, steps, (placed, lanes), colours);
+                    let lanes = (placed, lanes);
+                    if view.scene.materials[view.instance(placed).material as usize].has_cube() {
+                        self.add_cube_instance(simd, view, tile, steps, lanes, colours);
+                    } else {
+                        self.add_instance::<S, false>(simd, view, tile, steps, lanes, colours);
+                    }
                 }
                 if self.faces == Faces::Both {
                     if self.surfaces.smooth == 0 {
@@ -189,7 +181,12 @@ impl Shader {
         if let Some(sky) = &scene.air.sky
             && tile.hits != !0
         {
-            air::paint_sky(simd, view, sky, tile, colours);
+            match *sky {
+                Sky::Clear { zenith, horizon } => {
+                    air::paint_sky(simd, view, [zenith, horizon], tile, colours);
+                }
+                Sky::Cube(texture) => self.paint_cube(simd, scene, texture.0, (tile, steps), colours),
+            }
         }
         if tile.hits != 0 {
             if self.modulated != 0 {
@@ -251,10 +248,27 @@ impl Shader {
         self.back = back & tile.hits;
     }
 
+    /// [`Shader::add_instance`] for materials with a cube texture, compiled separately so that others do not pay for it.
+    #[inline(never)]
+    fn add_cube_instance<S: Simd>(
+        &mut self,
+        simd: S,
+        view: &View<'_>,
+        tile: &Tile,
+        steps: &Steps,
+        lanes: (u32, u64),
+        colours: &mut Colours,
+    ) {
+        simd.vectorize(
+            #[inline(always)]
+            || self.add_instance::<S, true>(simd, view, tile, steps, lanes, colours),
+        );
+    }
+
     /// Sets the normals and the albedo of the lanes that hit an instance, and adds the part of their colours that does
     /// not depend on lamps.
     #[inline(always)]
-    fn add_instance<S: Simd>(
+    fn add_instance<S: Simd, const CUBE: bool>(
         &mut self,
         simd: S,
         view: &View<'_>,
@@ -273,7 +287,7 @@ impl Shader {
         // Step 1: compute normals and footprints on the texture. Without lamps, nothing depends on normals.
         let mut footprints = [Footprint::nothing(simd); ROWS];
         let is_flat_light = scene.lights.is_empty() && self.seen.is_none();
-        if is_flat_light && !mapped {
+        if is_flat_light && !(mapped || CUBE) {
             // Neither normals nor footprints are needed.
         } else if let Kind::Solid(solid) = instance.kind()
             && solid.has_flat_faces()
@@ -289,6 +303,9 @@ impl Shader {
         self.add_colours(simd, scene, material, &footprints, lanes, colours);
         if material.light_texture != NO_TEXTURE {
             self.modulate(simd, scene, material.light_texture, &footprints, lanes);
+        }
+        if CUBE {
+            self.wrap(simd, (view, tile), steps, (placed, lanes), colours);
         }
         if material.emissive_map != NO_TEXTURE {
             self.glow(simd, scene, material, &footprints, lanes, colours);
@@ -355,46 +372,6 @@ fn light_of(colour: [f32; 3], space: ColourSpace) -> [f32; 3] {
     match space {
         ColourSpace::AsGiven => colour,
         ColourSpace::Srgb => colour.map(srgb::decode),
-    }
-}
-
-impl Gloss {
-    #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, material: &Material, lanes: u64, space: ColourSpace) {
-        self.lanes |= lanes;
-        let colour = light_of(material.specular, space);
-        for row in 0..ROWS {
-            let mine = lanes_in(simd, lanes, row);
-            for channel in 0..3 {
-                let specular = f32x16::splat(simd, colour[channel]);
-                store_where(simd, mine, specular, &mut self.specular[channel], row);
-            }
-            let shininess = f32x16::splat(simd, material.shininess);
-            store_where(simd, mine, shininess, &mut self.shininess, row);
-        }
-    }
-}
-
-/// Fingerprints of the surfaces of a tile, from the instance, the normal, and the distance from the sensor to the plane
-/// through the point with that normal; the last two in coarse steps.
-#[inline(always)]
-fn tell_surfaces<S: Simd>(simd: S, tile: &Tile, surfaces: &Surfaces, seen: &mut Lanes<u32>) {
-    for row in 0..ROWS {
-        let zero = f32x16::splat(simd, 0.0);
-        let mut offset = zero;
-        let mut number = u32x16::load_array_ref(simd, &tile.placed.as_chunks().0[row]);
-        for axis in 0..3 {
-            let normal = load_row(simd, &surfaces.normal[axis], row);
-            offset += normal * load_row(simd, &tile.point[axis], row);
-            let step = normal * 2.3 + 2.5;
-            // NaN becomes a number.
-            let step = step.simd_gt(zero).select(step, zero);
-            number = number * 5 + step.to_int::<u32x16<S>>();
-        }
-        // Steps of a quarter, whose bounds are not at round numbers of metres.
-        let steps: u32x16<S> = (offset * 1.37).bitcast();
-        let mixed = (number * 0x9e37_79b1 + (steps >> 21)) * 0x85eb_ca6b;
-        (mixed >> 25).store_array(&mut seen.as_chunks_mut().0[row]);
     }
 }
 

@@ -7,7 +7,7 @@
 //! light that is set aside where normal maps have had their gradients.
 
 use super::surface::Footprint;
-use super::texture::Reading;
+use super::texels::Reading;
 use super::{Colours, ROWS, Shader, lanes_in, store_where};
 use crate::scene::{ColourSpace, Scene};
 use crate::simd::{LANES, load_row, store_row};

@@ -1,7 +1,7 @@
 //! The opacity of each pixel of clear surfaces.
 
 use super::surface::Footprint;
-use super::texture::Reading;
+use super::texels::Reading;
 use super::{ROWS, Shader, lanes_in, store_where};
 use crate::scene::{ALPHA_CUT_OUT, Material, Scene};
 use crate::simd::WIDTH;

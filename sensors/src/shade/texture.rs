@@ -4,29 +4,16 @@
 //! Tried without gain: reading a texel of every lane of a tile in advance, instead of a prefetch.
 
 use super::surface::Footprint;
+use super::texels::{Reading, look_up_neighbours, mix, mix_texels};
 use crate::scene::{NO_TEXTURE, Scene, Texture};
 use crate::simd::WIDTH;
-use crate::srgb::decode_row;
-use fearless_simd::{
-    Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x16, mask32x16, u32x16, u64x8,
-};
+use fearless_simd::{Bytes, Select, Simd, SimdBase, SimdFloat, SimdInt, SimdMask, f32x16, mask32x16, u32x16};
 
 /// Greatest number of samples along the footprint, equal to Ogre's default anisotropy of 8.
 const MAX_ANISOTROPY: f32 = 8.0;
 
 /// Greatest number of mip levels of a texture.
 const MOST_LEVELS: usize = 32;
-
-/// The quantity to read from a texture.
-#[derive(Clone, Copy, PartialEq, Eq)]
-pub(super) enum Reading {
-    /// The values as they are stored.
-    Numbers,
-    /// The linear light for values in sRGB.
-    Light,
-    /// The alpha, in all three channels.
-    Alpha,
-}
 
 /// Reads one texture after the other; caches the properties of the last one.
 pub(super) struct Sampler {
@@ -72,12 +59,14 @@ impl Sampler {
         self.first_texel = texture.first_texel as usize;
         self.size = [texture.width as f32, texture.height as f32];
         self.coarsest = (texture.levels - 1) as f32;
-        let mut level = Level { offset: 0, width: texture.width, height: texture.height };
+        let (mut width, mut height, mut offset) = (texture.width, texture.height, 0);
+        // The faces of a cube have borders.
+        let (faces, border) = if texture.is_cube() { (6, 2) } else { (1, 0) };
         for (index, place) in self.levels.iter_mut().enumerate() {
-            *place = level;
+            *place = Level { offset, width: width + border, height: height + border };
             if index as u32 + 1 < texture.levels {
-                level.offset += level.width * level.height;
-                (level.width, level.height) = ((level.width / 2).max(1), (level.height / 2).max(1));
+                offset += faces * place.width * place.height;
+                (width, height) = ((width / 2).max(1), (height / 2).max(1));
             }
         }
     }
@@ -93,11 +82,28 @@ impl Sampler {
         mine: mask32x16<S>,
         reading: Reading,
     ) -> [f32x16<S>; 3] {
+        self.sample_face::<S, false>(simd, scene, (u32x16::splat(simd, 0), footprint), mine, reading)
+    }
+
+    /// [`Sampler::sample`] of an image, or, if it is a `CUBE`, of these faces.
+    #[inline(always)]
+    pub(super) fn sample_face<S: Simd, const CUBE: bool>(
+        &self,
+        simd: S,
+        scene: &Scene<'_>,
+        (face, footprint): (u32x16<S>, &Footprint<S>),
+        mine: mask32x16<S>,
+        reading: Reading,
+    ) -> [f32x16<S>; 3] {
         let texels = &scene.texels[self.first_texel..];
         let taps = self.taps(simd, footprint);
         let mixed = (taps.blend.simd_gt(0.0) & mine).any_true();
-        let fine = self.pick(simd, taps.level, mine);
-        let coarse = self.pick(simd, taps.level + 1, mine);
+        let mut fine = self.pick(simd, taps.level, mine);
+        let mut coarse = self.pick(simd, taps.level + 1, mine);
+        if CUBE {
+            fine.offset += face * fine.width * fine.height;
+            coarse.offset += face * coarse.width * coarse.height;
+        }
         // The loop runs for the greatest number of samples of any lane; others finish before.
         let zero = f32x16::splat(simd, 0.0);
         let counts = mine.select(taps.samples, zero);
@@ -108,9 +114,9 @@ impl Sampler {
         while index < most {
             let along = f32x16::splat(simd, index + 0.5) - counts * 0.5;
             let (u, v) = (u + taps.step[0] * along, v + taps.step[1] * along);
-            let mut colour = fine.bilinear(simd, texels, [u, v], mine, reading);
+            let mut colour = fine.bilinear::<CUBE>(simd, texels, [u, v], mine, reading);
             if mixed {
-                let other = coarse.bilinear(simd, texels, [u, v], mine, reading);
+                let other = coarse.bilinear::<CUBE>(simd, texels, [u, v], mine, reading);
                 for channel in 0..3 {
                     colour[channel] = mix(colour[channel], other[channel], taps.blend);
                 }
@@ -205,9 +211,10 @@ struct LaneLevels<S: Simd> {
 }
 
 impl<S: Simd> LaneLevels<S> {
-    /// The colours at (u, v), 0 to 255. Row 0 is the top, v = 1; texel centres are at half-integers; the image repeats.
+    /// The colours at (u, v), 0 to 255. Row 0 is the top, v = 1; texel centres are at half-integers; the image repeats,
+    /// or, if it is that of a `CUBE`, ends with its border.
     #[inline(always)]
-    fn bilinear(
+    fn bilinear<const CUBE: bool>(
         &self,
         simd: S,
         texels: &[[u8; 4]],
@@ -215,8 +222,11 @@ impl<S: Simd> LaneLevels<S> {
         mine: mask32x16<S>,
         reading: Reading,
     ) -> [f32x16<S>; 3] {
-        let (left, right_of, right) = neighbours(simd, u, self.width);
-        let (top, below, down) = neighbours(simd, f32x16::splat(simd, 1.0) - v, self.height);
+        let from_top = f32x16::splat(simd, 1.0) - v;
+        let (left, right_of, right) =
+            if CUBE { within(simd, u, self.width) } else { neighbours(simd, u, self.width) };
+        let (top, below, down) =
+            if CUBE { within(simd, from_top, self.height) } else { neighbours(simd, from_top, self.height) };
         let (top, below) = (self.offset + top * self.width, self.offset + below * self.width);
         let wrapping = (right_of.simd_ne(left + 1) & mine).to_bitmask();
         let [top_left, top_right] = look_up_neighbours(simd, texels, [top + left, top + right_of], wrapping);
@@ -230,74 +240,6 @@ impl<S: Simd> LaneLevels<S> {
         }
         mixed
     }
-}
-
-/// Two texels for each lane. The second follows the first in memory, except in the lanes of `wrapping`, as one bit
-/// each.
-#[inline(always)]
-fn look_up_neighbours<S: Simd>(
-    simd: S,
-    texels: &[[u8; 4]],
-    [left, right]: [u32x16<S>; 2],
-    wrapping: u64,
-) -> [u32x16<S>; 2] {
-    let found = look_up_pairs(simd, texels, left);
-    if wrapping == 0 { found } else { look_up_apart(simd, texels, [left, right], wrapping, found) }
-}
-
-/// Reads the texels of some lanes one by one.
-#[inline(always)]
-fn look_up_apart<S: Simd>(
-    simd: S,
-    texels: &[[u8; 4]],
-    index: [u32x16<S>; 2],
-    wrapping: u64,
-    found: [u32x16<S>; 2],
-) -> [u32x16<S>; 2] {
-    let mut patched = found;
-    for side in 0..2 {
-        let (mut indices, mut values) = ([0; WIDTH], [0; WIDTH]);
-        index[side].store_array(&mut indices);
-        found[side].store_array(&mut values);
-        let mut rest = wrapping;
-        while rest != 0 {
-            let lane = rest.trailing_zeros() as usize % WIDTH;
-            rest &= rest - 1;
-            if let Some(texel) = texels.get(indices[lane] as usize) {
-                values[lane] = u32::from_le_bytes(*texel);
-            }
-        }
-        patched[side] = u32x16::load_array(simd, values);
-    }
-    patched
-}
-
-/// For each lane, a texel and the one after it, with a single load per lane. Unused lanes may read any texel.
-#[inline(always)]
-fn look_up_pairs<S: Simd>(simd: S, texels: &[[u8; 4]], index: u32x16<S>) -> [u32x16<S>; 2] {
-    let indices = indices_up_to(simd, index, texels.len().saturating_sub(2));
-    let mut found = [0_u64; WIDTH];
-    for lane in 0..WIDTH {
-        let from = indices[lane] as usize;
-        let Some(&[left, right]) = texels.get(from..from + 2) else {
-            return [index; 2];
-        };
-        found[lane] = u64::from_le(bytemuck::cast([left, right]));
-    }
-    let (low, high) = found.split_at(WIDTH / 2);
-    let low: u32x16<S> = u64x8::from_slice(simd, low).bitcast();
-    let high: u32x16<S> = u64x8::from_slice(simd, high).bitcast();
-    [simd.unzip_low_u32x16(low, high), simd.unzip_high_u32x16(low, high)]
-}
-
-/// Limits indices to `last`, so that the bounds check never fails and costs next to nothing.
-#[inline(always)]
-fn indices_up_to<S: Simd>(simd: S, index: u32x16<S>, last: usize) -> [u32; WIDTH] {
-    let last = u32x16::splat(simd, last as u32);
-    let mut indices = [0; WIDTH];
-    index.simd_lt(last).select(index, last).store_array(&mut indices);
-    // Transparency memory: sixteen loads are cheaper than as many extractions from a vector.
-    core::hint::black_box(indices)
 }
 
 /// The two texels out of `size` whose centres are around each coordinate, and the distance from the first to it.
@@ -316,6 +258,16 @@ fn neighbours<S: Simd>(simd: S, coordinate: f32x16<S>, size: u32x16<S>) -> (u32x
     let index = index.simd_gt(last).select(last, index);
     let next = index.simd_eq(last).select(u32x16::splat(simd, 0), index + one);
     (index, next, at - first)
+}
+
+/// The same for an image of `size` texels with its border, which ends at 0 and 1.
+#[inline(always)]
+fn within<S: Simd>(simd: S, coordinate: f32x16<S>, size: u32x16<S>) -> (u32x16<S>, u32x16<S>, f32x16<S>) {
+    let part = lesser(greater(coordinate, f32x16::splat(simd, 0.0)), f32x16::splat(simd, 1.0));
+    let at = part * (size.to_float::<f32x16<S>>() - 2.0) + 0.5;
+    let first = at.floor();
+    let index = first.to_int::<u32x16<S>>();
+    (index, index + 1, at - first)
 }
 
 #[inline(always)]
@@ -344,35 +296,4 @@ fn lesser<S: Simd>(x: f32x16<S>, limit: f32x16<S>) -> f32x16<S> {
 #[inline(always)]
 fn greater<S: Simd>(x: f32x16<S>, limit: f32x16<S>) -> f32x16<S> {
     x.simd_gt(limit).select(x, limit)
-}
-
-#[inline(always)]
-fn mix<S: Simd>(from: f32x16<S>, to: f32x16<S>, part: f32x16<S>) -> f32x16<S> {
-    from + (to - from) * part
-}
-
-/// Converts and mixes the values of texels, 0 to 255.
-#[inline(always)]
-fn mix_texels<S: Simd>(
-    simd: S,
-    [from, to]: [u32x16<S>; 2],
-    part: f32x16<S>,
-    reading: Reading,
-) -> [f32x16<S>; 3] {
-    let low = u32x16::splat(simd, 0xff);
-    if reading == Reading::Alpha {
-        return [mix((from >> 24).to_float(), (to >> 24).to_float(), part); 3];
-    }
-    let mut mixed = [part; 3];
-    for (channel, mixed) in mixed.iter_mut().enumerate() {
-        let shift = 8 * channel as u32;
-        let mut from = ((from >> shift) & low).to_float::<f32x16<S>>();
-        let mut to = ((to >> shift) & low).to_float::<f32x16<S>>();
-        if reading == Reading::Light {
-            from = decode_row(simd, from * (1.0 / 255.0)) * 255.0;
-            to = decode_row(simd, to * (1.0 / 255.0)) * 255.0;
-        }
-        *mixed = mix(from, to, part);
-    }
-    mixed
 }

@@ -5,6 +5,7 @@
 
 use crate::optics::rays::Rays;
 use crate::pose::Pose;
+use crate::scene::{Scene, Sky};
 use crate::simd::{LANES, Lanes, WIDTH, load_row, store_row};
 use crate::trace::grid::Band;
 use crate::trace::grid::tiling::{BLOCKS, Tiling, lane_in_tile, line_f32, line_u32};
@@ -267,7 +268,7 @@ impl Tile {
         self.resolve(simd, &slot, resolver);
 
         if !PINHOLE && band.view.scene.has_textures() {
-            self.find_steps(rays, [tile_column, block_row]);
+            self.find_steps(&band.view.scene, rays, [tile_column, block_row]);
         }
 
         // Step 3: recompute rays that graze a triangle, in double precision.
@@ -376,16 +377,25 @@ impl Tile {
         }
     }
 
-    /// Computes [`Tile::steps`] for the lanes that hit something.
-    fn find_steps(&mut self, rays: &CameraRays<'_>, [tile_column, block_row]: [usize; 2]) {
-        let tiling = Tiling::of(rays.rays.ray_grid());
+    /// Computes [`Tile::steps`] for the lanes that see a texture: those that hit something, or all if the sky is one.
+    fn find_steps(&mut self, scene: &Scene<'_>, rays: &CameraRays<'_>, [tile_column, block_row]: [usize; 2]) {
+        let ray_grid = rays.rays.ray_grid();
+        let size = [ray_grid.width as usize, ray_grid.height as usize];
+        let tiling = Tiling::of(ray_grid);
         let [columns, rows] = tiling.size();
         let mut rest = self.hits;
+        if let Some(Sky::Cube(_)) = scene.air.sky {
+            rest = !self.missing;
+        }
         while rest != 0 {
             let lane = rest.trailing_zeros() as usize % LANES;
             rest &= rest - 1;
             let [x, y] = tiling.line(lane / WIDTH);
-            let steps = rays.steps_at(tile_column * columns + x + lane % WIDTH, block_row * rows + y);
+            let [column, row] = [tile_column * columns + x + lane % WIDTH, block_row * rows + y];
+            if column >= size[0] || row >= size[1] {
+                continue;
+            }
+            let steps = rays.steps_at(column, row);
             for side in 0..2 {
                 for axis in 0..3 {
                     self.steps[side][axis][lane] = steps[side][axis] as f32;

@@ -141,7 +141,7 @@ fn common_face(
 
 /// Returns true if the colour of a flat face depends only on the light.
 fn is_plain(material: &Material) -> bool {
-    !(material.is_mapped() || material.is_glossy() || material.is_clear())
+    !(material.is_mapped() || material.has_cube() || material.is_glossy() || material.is_clear())
 }
 
 /// Returns true if the normal differs from point to point of a triangle.

@@ -117,8 +117,8 @@ fn fog_of_a_fisheye() {
 #[test]
 fn the_sky_depends_on_the_elevation() {
     for edges in [Edges::Sharp, Edges::Smooth] {
-        let sky = Sky { zenith: [0.1, 0.3, 0.9], horizon: [0.9, 0.8, 0.7] };
-        let builder = floor(Air { fog: None, sky: Some(sky) }, 1.0);
+        let (zenith, horizon) = ([0.1, 0.3, 0.9], [0.9, 0.8, 0.7]);
+        let builder = floor(Air { fog: None, sky: Some(Sky::Clear { zenith, horizon }) }, 1.0);
         let config = camera_of([160, 120], 1.2).edges(edges);
         if edges == Edges::Smooth {
             // Only the pixels at the edge of the floor differ.
@@ -135,7 +135,7 @@ fn the_sky_depends_on_the_elevation() {
             }
             let share = 1.0 - (1.0 - direction.z.max(0.0)).powi(2);
             core::array::from_fn(|channel| {
-                let [zenith, horizon] = [sky.zenith, sky.horizon].map(|colour| f64::from(colour[channel]));
+                let [zenith, horizon] = [zenith, horizon].map(|colour| f64::from(colour[channel]));
                 horizon + (zenith - horizon) * share
             })
         });
@@ -154,7 +154,7 @@ fn air_is_checked_and_baked() {
         let fog = Some(Fog { colour: COLOUR, law });
         assert_eq!(builder.set_air(Air { fog, sky: None }), Err(SceneError::BadAir), "{law:?}");
     }
-    let sky = Some(Sky { zenith: [f32::NAN; 3], horizon: COLOUR });
+    let sky = Some(Sky::Clear { zenith: [f32::NAN; 3], horizon: COLOUR });
     assert_eq!(builder.set_air(Air { fog: None, sky }), Err(SceneError::BadAir));
     for (law, _) in laws() {
         let air = Air { fog: Some(Fog { colour: COLOUR, law }), sky: Some(Sky::DAY) };

@@ -203,6 +203,7 @@ fn scenes_document_their_defaults() {
         pbr_map: "None" = None;
         emissive_map: "None" = None;
         texture: "None" = None;
+        cube_texture: "None" = None;
         texture_mode: "TextureMode::Reflectance" = TextureMode::Reflectance;
         texture_repeat: "1 along both" = [1.0; 2];
     }

@@ -6,6 +6,7 @@ mod common;
 mod air;
 mod bad_input;
 mod beams;
+mod cubes;
 mod defaults;
 mod depth_formats;
 mod depth_models;

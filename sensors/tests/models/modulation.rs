@@ -31,6 +31,7 @@ const FLOOR_LOOK: MaterialConfig = MaterialConfig {
     pbr_map: None,
     emissive_map: None,
     texture: None,
+    cube_texture: None,
     texture_mode: TextureMode::Light,
     texture_repeat: [1.0; 2],
 };

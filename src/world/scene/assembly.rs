@@ -239,6 +239,7 @@ impl Assembly {
             pbr_map,
             emissive_map: glow.flatten().map(|(texture, _)| texture),
             texture,
+            cube_texture: None,
             texture_mode: TextureMode::Reflectance,
             texture_repeat: material.texture_repeat,
         };

@@ -27,7 +27,7 @@ _MOST_FALLOFF = 1e4
 
 
 class Lamps:
-    """Lamps and background of a model, in a world."""
+    """Lamps of a model, in a world whose background is black."""
 
     def __init__(self, world: World, model: mujoco.MjModel) -> None:
         #: Differences from MuJoCo's renderer.
@@ -62,7 +62,7 @@ class Lamps:
         elif not self._lights:
             ambient += _DARK
         try:
-            world.set_environment(ambient, self._background(model))
+            world.set_environment(ambient, np.zeros(3))
         except ValueError as error:
             raise ValueError(f"model: lights: {error}") from error
 
@@ -85,22 +85,6 @@ class Lamps:
             shadows=bool(model.light_castshadow[light]),
         )
         self._lights.append((light, kind == "directional"))
-
-    def _background(self, model: mujoco.MjModel) -> NDArray[np.float64]:
-        """Return the mean colour of the sky, or black."""
-        skies = np.flatnonzero(model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX)
-        if len(skies) == 0:
-            return np.zeros(3)
-        self.notes.append("the sky has the mean colour of its texture")
-        sky = int(skies[0])
-        count = int(model.tex_nchannel[sky])
-        first = int(model.tex_adr[sky])
-        total = int(model.tex_height[sky]) * int(model.tex_width[sky]) * count
-        if total == 0:
-            return np.zeros(3)
-        pixels = model.tex_data[first : first + total].reshape(-1, count)
-        mean: NDArray[np.float64] = pixels[:, :3].mean(axis=0) / 255.0
-        return np.broadcast_to(mean, (3,)) if mean.size == 1 else mean
 
     def place(
         self, world: _native.World, states: States, matrices: NDArray[np.float64], camera: int

@@ -33,6 +33,10 @@ class Looks:
     def __init__(self, model: mujoco.MjModel) -> None:
         self._model = model
         self._textures: dict[int, NDArray[np.uint8]] = {}
+        #: The body of the world that has a cube texture, for others to share.
+        self._bodies: dict[int, int] = {}
+        #: The cube texture of the last look.
+        self._last = -1
         #: Differences, each once.
         self.notes: dict[str, None] = {}
 
@@ -64,13 +68,18 @@ class Looks:
         look, texture, material = self._plain(geom)
         if texture < 0:
             return look
-        if int(self._model.tex_type[texture]) == mujoco.mjtTexture.mjTEXTURE_2D and has_uvs:
+        is_image = int(self._model.tex_type[texture]) == mujoco.mjtTexture.mjTEXTURE_2D
+        if is_image and has_uvs:
             repeat = self._model.mat_texrepeat[material].tolist()
             return look | _painted(self._texels(texture), repeat)
+        if not is_image and not has_uvs:
+            return look | self._wrapped(geom, texture, material)
         self._note(
             material,
             "its texture is shown by its mean colour, since only meshes with coordinates and planes "
-            "have textures of images",
+            "have textures of images"
+            if is_image
+            else "its texture is shown by its mean colour, since meshes with coordinates have no cube textures",
         )
         mean = self._texels(texture).mean(axis=(0, 1)) / 255.0
         for light in ("specular", "emissive"):
@@ -82,7 +91,13 @@ class Looks:
         """Return the look of a plane with these edges, of which 0 means infinite, shown with these lengths."""
         look, texture, material = self._plain(geom)
         if texture < 0 or int(self._model.tex_type[texture]) != mujoco.mjtTexture.mjTEXTURE_2D:
-            return self.of(geom) if texture >= 0 else look
+            if texture < 0:
+                return look
+            look = self.of(geom)
+            # MuJoCo does not stretch planes.
+            halves = [length / 2.0 if length > 0.0 else 1.0 for length in lengths]
+            look["texture_stretch"] = (np.array(look["texture_stretch"]) * [*halves, 1.0]).tolist()
+            return look
         given = self._model.mat_texrepeat[material].astype(np.float64)
         if not (np.abs(given) < _MOST_REPEATS).all():
             raise ValueError(
@@ -103,8 +118,44 @@ class Looks:
             texels = np.roll(texels, turned if axis == 0 else -turned, axis=1 - axis)
         return look | _painted(texels, repeat)
 
+    def added(self, body: int) -> None:
+        """Take the number of the body that was added with the last look."""
+        if self._last >= 0:
+            self._bodies.setdefault(self._last, body)
+        self._last = -1
+
+    def sky(self) -> NDArray[np.uint8] | None:
+        """Return the faces of the sky, (6, size, size, 3), if there is one."""
+        skies = np.flatnonzero(self._model.tex_type == mujoco.mjtTexture.mjTEXTURE_SKYBOX)
+        # MuJoCo shows the first one.
+        return self.cube(int(skies[0])) if len(skies) else None
+
+    def cube(self, texture: int) -> NDArray[np.uint8] | None:
+        """Return the faces of a cube texture, (6, size, size, 3), or None if it has no pixels."""
+        texels = self._texels(texture)
+        height, width, _ = texels.shape
+        if 0 in (height, width):
+            return None
+        # One face stands for all.
+        return np.repeat(texels[None], 6, axis=0) if height == width else texels.reshape(6, width, width, 3)
+
+    def _wrapped(self, geom: int, texture: int, material: int) -> dict[str, Any]:
+        """Return the cube texture of a look."""
+        kind, size = int(self._model.geom_type[geom]), self._model.geom_size[geom].astype(np.float64)
+        if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
+            size = size[[0, 0, 0]]
+        elif kind in (mujoco.mjtGeom.mjGEOM_CAPSULE, mujoco.mjtGeom.mjGEOM_CYLINDER):
+            size = size[[0, 0, 1]]
+        # MuJoCo multiplies points on a shape of size 1, and those of meshes, by the size.
+        stretch = size if self._model.mat_texuniform[material] else np.ones(3)
+        self._last = texture
+        shared = self._bodies.get(texture)
+        texels = self.cube(texture) if shared is None else shared
+        return {"texture": texels, "texture_stretch": stretch.tolist(), "texture_mode": "light"}
+
     def _plain(self, geom: int) -> tuple[dict[str, Any], int, int]:
         """Return the look of a geom without its texture, the texture, and the material; -1 for none."""
+        self._last = -1
         model, material = self._model, int(self._model.geom_matid[geom])
         color = self.rgba(geom)
         specular, shininess = _PLAIN

@@ -71,7 +71,7 @@ class Scene(Unpicklable):
         #: Differences from MuJoCo's renderer, one line each.
         self.notes: list[str] = []
         looks = Looks(model)
-        geoms = []
+        geoms: list[int] = []
         for geom in range(model.ngeom):
             if int(model.geom_group[geom]) not in groups or looks.seen_by(geom) is None:
                 continue
@@ -82,11 +82,13 @@ class Scene(Unpicklable):
             except ValueError as error:
                 raise ValueError(f"model: geom {name or geom}: {error}") from error
             if why is None:
+                looks.added(len(geoms))
                 geoms.append(geom)
             else:
                 self.notes.append(f"geom {name or geom}: {why}, so it is not seen")
         #: The geom of each body of the world.
         self.geoms: NDArray[np.int64] = np.array(geoms, np.int64)
+        self.world.set_sky(looks.sky())
         lamps = Lamps(self.world, model)
         #: Renders a frame in the world of each state.
         self.worlds = Worlds(self.world, lamps)

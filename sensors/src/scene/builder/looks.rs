@@ -1,10 +1,10 @@
 //! Textures, materials and lamps of a builder.
 
 use super::{SceneBuilder, room, unused};
-use crate::scene::texture::{TextureId, fill_levels, mip_texels};
+use crate::scene::texture::{COLOURS, DATA, TextureId};
 use crate::scene::{
-    ColourSpace, Light, LightConfig, LightId, Material, MaterialConfig, MaterialId, NO_TEXTURE, SceneError,
-    Texture, limits,
+    ColourSpace, Light, LightConfig, LightId, Material, MaterialConfig, MaterialId, SceneError, Sky, Texture,
+    fill_cube, limits,
 };
 use alloc::vec;
 
@@ -20,7 +20,7 @@ impl SceneBuilder {
         rgba8: &[[u8; 4]],
     ) -> Result<TextureId, SceneError> {
         room(&self.textures)?;
-        let texture = self.store_texture(width, height, rgba8, false)?;
+        let texture = self.store_texture(width, height, rgba8, COLOURS)?;
         Ok(TextureId(self.textures.add(texture)))
     }
 
@@ -52,17 +52,48 @@ impl SceneBuilder {
         self.add_data(width, height, rgba8)
     }
 
+    /// Adds a cube texture from its six faces of `size` × `size` RGBA texels, one after the other, and computes its mip
+    /// levels. Each face is as in OpenGL; these are the directions to the right and up in its image:
+    ///
+    /// | face | right | up |
+    /// |---|---|---|
+    /// | +x | −z | +y |
+    /// | −x | +z | +y |
+    /// | +y | +x | −z |
+    /// | −y | +x | +z |
+    /// | +z | +x | +y |
+    /// | −z | −x | +y |
+    ///
+    /// It is the texture of a [sky](Sky::Cube) or a [`CubeTexture`](crate::scene::CubeTexture) of materials.
+    ///
+    /// # Errors
+    /// [`SceneError::BadCube`], [`SceneError::TooMany`].
+    pub fn add_cube_texture(&mut self, size: u32, rgba8: &[[u8; 4]]) -> Result<TextureId, SceneError> {
+        room(&self.textures)?;
+        let texels = u64::from(size).checked_mul(u64::from(size)).and_then(|face| face.checked_mul(6));
+        if size == 0 || texels != Some(rgba8.len() as u64) {
+            return Err(SceneError::BadCube);
+        }
+        let texture = Texture::cube(size, 0);
+        let start = self.texels.place(texture.texels(), 32)?;
+        let mut texels = vec![[0; 4]; texture.texels()];
+        fill_cube(size, rgba8, &mut texels, self.colour_space);
+        self.texels.put(start, &texels);
+        Ok(TextureId(self.textures.add(Texture { first_texel: start as u32, ..texture })))
+    }
+
     /// Adds a texture whose values are not colours.
     fn add_data(&mut self, width: u32, height: u32, rgba8: &[[u8; 4]]) -> Result<TextureId, SceneError> {
         room(&self.textures)?;
-        let texture = self.store_texture(width, height, rgba8, true)?;
+        let texture = self.store_texture(width, height, rgba8, DATA)?;
         Ok(TextureId(self.textures.add(texture)))
     }
 
-    /// Replaces a texture by another of any size. Materials that use it show the new one.
+    /// Replaces a texture that is not a cube by another of any size. Materials that use it show the new one.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchTexture`], and those of [`SceneBuilder::add_texture`]; the old texture is then kept.
+    /// [`SceneError::NoSuchTexture`], [`SceneError::WrongTexture`], and those of [`SceneBuilder::add_texture`]; the
+    /// old texture is then kept.
     pub fn set_texture(
         &mut self,
         texture: TextureId,
@@ -71,8 +102,11 @@ impl SceneBuilder {
         rgba8: &[[u8; 4]],
     ) -> Result<(), SceneError> {
         let old = *self.textures.get(texture.0).ok_or(SceneError::NoSuchTexture(texture.0))?;
-        let new = self.store_texture(width, height, rgba8, old.is_data != 0)?;
-        self.texels.release(old.first_texel, mip_texels(old.width, old.height));
+        if old.is_cube() {
+            return Err(SceneError::WrongTexture(texture.0));
+        }
+        let new = self.store_texture(width, height, rgba8, old.kind)?;
+        self.texels.release(old.first_texel, old.texels());
         if let Some(place) = self.textures.get_mut(texture.0) {
             *place = new;
         }
@@ -82,9 +116,12 @@ impl SceneBuilder {
     /// Removes a texture.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchTexture`], [`SceneError::InUse`] by a material.
+    /// [`SceneError::NoSuchTexture`], [`SceneError::InUse`] by a material or the sky.
     pub fn remove_texture(&mut self, texture: TextureId) -> Result<(), SceneError> {
         let old = unused(&self.textures, texture.0, SceneError::NoSuchTexture(texture.0), || {
+            if self.air.sky == Some(Sky::Cube(texture)) {
+                return SceneError::InUse { user: "sky", index: 0 };
+            }
             let mut users = self.materials.items().iter().enumerate();
             let user = users.position(|(index, material)| {
                 material.textures().iter().any(|&(_, of_material)| of_material == texture.0)
@@ -92,9 +129,9 @@ impl SceneBuilder {
             });
             SceneError::InUse { user: "material", index: user.unwrap_or(0) as u32 }
         })?;
-        self.texels.release(old.first_texel, mip_texels(old.width, old.height));
+        self.texels.release(old.first_texel, old.texels());
         self.textures
-            .remove(texture.0, Texture { first_texel: 0, width: 0, height: 0, levels: 0, is_data: 0 });
+            .remove(texture.0, Texture { first_texel: 0, width: 0, height: 0, levels: 0, kind: COLOURS });
         Ok(())
     }
 
@@ -103,18 +140,18 @@ impl SceneBuilder {
         width: u32,
         height: u32,
         rgba8: &[[u8; 4]],
-        is_data: bool,
+        kind: u32,
     ) -> Result<Texture, SceneError> {
         if width == 0 || height == 0 || rgba8.len() as u64 != u64::from(width) * u64::from(height) {
             return Err(SceneError::BadTexture);
         }
-        let start = self.texels.place(mip_texels(width, height), 32)?;
-        let mut texels = vec![[0; 4]; mip_texels(width, height)];
+        let texture = Texture { kind, ..Texture::new(width, height, 0) };
+        let start = self.texels.place(texture.texels(), 32)?;
+        let mut texels = vec![[0; 4]; texture.texels()];
         texels[..rgba8.len()].copy_from_slice(rgba8);
-        let space = if is_data { ColourSpace::AsGiven } else { self.colour_space };
-        fill_levels(width, height, &mut texels, space);
+        texture.fill(&mut texels, if kind == DATA { ColourSpace::AsGiven } else { self.colour_space });
         self.texels.put(start, &texels);
-        Ok(Texture { is_data: is_data.into(), ..Texture::new(width, height, start as u32) })
+        Ok(Texture { first_texel: start as u32, ..texture })
     }
 
     /// Sets the colour space of the background and of all materials and textures, present and future.
@@ -146,11 +183,10 @@ impl SceneBuilder {
         if core::mem::replace(&mut self.colour_space, colour_space) == colour_space {
             return;
         }
-        for &Texture { first_texel, width, height, is_data, .. } in self.textures.items() {
+        for texture in self.textures.items() {
             // Removed textures have no size.
-            if width > 0 && is_data == 0 {
-                let texels = self.texels.slice_mut(first_texel, mip_texels(width, height));
-                fill_levels(width, height, texels, colour_space);
+            if texture.width > 0 && texture.kind != DATA {
+                texture.fill(self.texels.slice_mut(texture.first_texel, texture.texels()), colour_space);
             }
         }
     }
@@ -158,8 +194,9 @@ impl SceneBuilder {
     /// Adds a material.
     ///
     /// # Errors
-    /// [`SceneError::NoSuchTexture`], [`SceneError::BadTextureRepeat`], [`SceneError::BadShininess`],
-    /// [`SceneError::BadPbr`], [`SceneError::BadAlpha`], [`SceneError::BadShares`], [`SceneError::TooMany`].
+    /// [`SceneError::NoSuchTexture`], [`SceneError::WrongTexture`], [`SceneError::BadTextureRepeat`],
+    /// [`SceneError::BadShininess`], [`SceneError::BadPbr`], [`SceneError::BadAlpha`], [`SceneError::BadShares`],
+    /// [`SceneError::TooMany`].
     pub fn add_material(&mut self, config: &MaterialConfig) -> Result<MaterialId, SceneError> {
         room(&self.materials)?;
         let material = self.check_material(config)?;
@@ -202,11 +239,7 @@ impl SceneBuilder {
     fn check_material(&self, config: &MaterialConfig) -> Result<Material, SceneError> {
         let material = Material::new(config);
         limits::material(&material)?;
-        for (_, texture) in material.textures() {
-            if texture != NO_TEXTURE && self.textures.get(texture).is_none() {
-                return Err(SceneError::NoSuchTexture(texture));
-            }
-        }
+        limits::textures_of(&material, |texture| self.textures.get(texture))?;
         Ok(material)
     }
 

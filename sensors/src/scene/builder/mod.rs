@@ -10,7 +10,8 @@ mod table;
 use super::limits;
 use super::tree::{Facet, TriangleBlock, WideNode};
 use super::{
-    Air, ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneError, Texture,
+    Air, ColourSpace, Environment, HeightField, Instance, Light, Material, Mesh, Scene, SceneError, Sky,
+    Texture,
 };
 use crate::moment::Moment;
 use crate::pose::Pose;
@@ -95,10 +96,17 @@ impl SceneBuilder {
     /// Sets fog and sky.
     ///
     /// # Errors
-    /// [`SceneError::BadAir`].
+    /// [`SceneError::BadAir`]; [`SceneError::NoSuchTexture`] and [`SceneError::WrongTexture`] for a sky of a texture.
     pub fn set_air(&mut self, air: Air) -> Result<(), SceneError> {
         limits::air(&air)?;
-        self.air = air;
+        limits::texture_of_sky(&air, |texture| self.textures.get(texture))?;
+        let old = core::mem::replace(&mut self.air, air);
+        if let Some(Sky::Cube(texture)) = air.sky {
+            self.textures.use_one(texture.0);
+        }
+        if let Some(Sky::Cube(texture)) = old.sky {
+            self.textures.leave_one(texture.0);
+        }
         Ok(())
     }
 

@@ -1,7 +1,7 @@
 //! A builder's scene without gaps, as it is written to a file.
 
 use super::SceneBuilder;
-use crate::scene::texture::mip_texels;
+use crate::scene::texture::COLOURS;
 use crate::scene::tree::{Facet, NONE, TriangleBlock, WideNode};
 use crate::scene::{HeightField, Mesh, Scene, Texture};
 use crate::simd::WIDTH;
@@ -95,10 +95,10 @@ impl Packed {
     fn add_texture(&mut self, scene: &Scene<'_>, texture: &Texture) {
         if texture.width == 0 {
             let first_texel = append(&mut self.texels, &[[0; 4]], 0, 1);
-            self.textures.push(Texture { first_texel, width: 1, height: 1, levels: 1, is_data: 0 });
+            self.textures.push(Texture { first_texel, width: 1, height: 1, levels: 1, kind: COLOURS });
             return;
         }
-        let count = mip_texels(texture.width, texture.height);
+        let count = texture.texels();
         let first_texel = append(&mut self.texels, scene.texels, texture.first_texel, count);
         self.textures.push(Texture { first_texel, ..*texture });
     }

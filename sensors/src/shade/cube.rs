@@ -28,24 +28,31 @@ struct Aim<S: Simd> {
 
 impl<S: Simd> Aim<S> {
     /// The colours that are seen, RGB in [0, 1]. Only lanes in `mine` are used, of which there must be at least one.
-    #[inline(always)]
+    /// Compiled once for surfaces and the sky.
+    #[inline(never)]
     fn sample(&self, simd: S, scene: &Scene<'_>, sampler: &Sampler, mine: mask32x16<S>) -> Vectors<S> {
-        let is_srgb = scene.colour_space == ColourSpace::Srgb;
-        let reading = if is_srgb { Reading::Light } else { Reading::Numbers };
-        let faces = Faces::of(simd, &self.direction);
-        let [right, up, outwards] = faces.turn(&self.direction);
-        let per_outwards = f32x16::splat(simd, 1.0) / outwards;
-        let place = [right * per_outwards, up * per_outwards];
-        let mut footprint = Footprint::nothing(simd);
-        for axis in 0..2 {
-            footprint.uv[axis] = place[axis] * 0.5 + 0.5;
-        }
-        for side in 0..2 {
-            let [right, up, outwards] = faces.turn(&self.steps[side]);
-            let half = per_outwards * 0.5;
-            footprint.steps[side] = [(right - place[0] * outwards) * half, (up - place[1] * outwards) * half];
-        }
-        sampler.sample_face::<S, true>(simd, scene, (faces.number(simd), &footprint), mine, reading)
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let is_srgb = scene.colour_space == ColourSpace::Srgb;
+                let reading = if is_srgb { Reading::Light } else { Reading::Numbers };
+                let faces = Faces::of(simd, &self.direction);
+                let [right, up, outwards] = faces.turn(&self.direction);
+                let per_outwards = f32x16::splat(simd, 1.0) / outwards;
+                let place = [right * per_outwards, up * per_outwards];
+                let mut footprint = Footprint::nothing(simd);
+                for axis in 0..2 {
+                    footprint.uv[axis] = place[axis] * 0.5 + 0.5;
+                }
+                for side in 0..2 {
+                    let [right, up, outwards] = faces.turn(&self.steps[side]);
+                    let half = per_outwards * 0.5;
+                    footprint.steps[side] =
+                        [(right - place[0] * outwards) * half, (up - place[1] * outwards) * half];
+                }
+                sampler.sample_face::<S, true>(simd, scene, (faces.number(simd), &footprint), mine, reading)
+            },
+        )
     }
 }
 

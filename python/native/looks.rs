@@ -7,13 +7,15 @@ use numpy::{Element, PyReadonlyArrayDyn};
 use pyo3::PyResult;
 
 /// Optional arrays from Python: colours of bodies (N, bodies, 3), colours of lamps (N, lamps, 3), positions or
-/// directions of lamps (N, lamps, 3), ambient light (N, 3), whether bodies are textured (N, bodies).
+/// directions of lamps (N, lamps, 3), ambient light (N, 3), whether bodies are textured (N, bodies), and directions of
+/// spotlights (N, lamps, 3), whose rows of other lamps are not used.
 pub(crate) type GivenLooks<'py> = (
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, f64>>,
     Option<PyReadonlyArrayDyn<'py, f32>>,
     Option<PyReadonlyArrayDyn<'py, bool>>,
+    Option<PyReadonlyArrayDyn<'py, f64>>,
 );
 
 /// Checked appearances. Missing arrays, and NaN as the colour of a body, mean the world's own values.
@@ -23,11 +25,12 @@ pub(crate) struct Looks {
     light_vectors: Option<Vec<[f64; 3]>>,
     ambient: Option<Vec<[f32; 3]>>,
     textured: Option<Vec<bool>>,
+    spot_directions: Option<Vec<[f64; 3]>>,
 }
 
 impl Looks {
     pub(crate) fn read(world: &Data, frames: usize, given: GivenLooks<'_>) -> PyResult<Self> {
-        let (colors, light_colors, light_vectors, ambient, textured) = given;
+        let (colors, light_colors, light_vectors, ambient, textured, spot_directions) = given;
         let (bodies, lamps) = (frames * world.bodies.len(), frames * world.builder.scene().lights().len());
         Ok(Self {
             colors: colors.map(|array| rows("colors", &array, bodies)).transpose()?,
@@ -35,6 +38,9 @@ impl Looks {
             light_vectors: light_vectors.map(|array| rows("light_vectors", &array, lamps)).transpose()?,
             ambient: ambient.map(|array| rows("ambient", &array, frames)).transpose()?,
             textured: textured.map(|array| flags("textured", &array, bodies)).transpose()?,
+            spot_directions: spot_directions
+                .map(|array| rows("spot_directions", &array, lamps))
+                .transpose()?,
         })
     }
 
@@ -67,24 +73,43 @@ impl Looks {
             }
             scene = scene.with_materials(materials)?;
         }
-        if self.light_colors.is_some() || self.light_vectors.is_some() {
-            lights.clear();
-            lights.extend_from_slice(scene.lights());
-            let first = frame * lights.len();
-            for (index, light) in lights.iter_mut().enumerate() {
-                if let Some(colors) = &self.light_colors {
-                    *light = light.with_diffuse(colors[first + index]);
-                }
-                if let Some(vectors) = &self.light_vectors {
-                    *light = light.with_vector(vectors[first + index]);
-                }
-            }
+        if let Some(lights) = self.lights_of_frame(scene, frame, lights) {
             scene = scene.with_lights(lights)?;
         }
         if let Some(ambient) = &self.ambient {
             scene = scene.with_environment(Environment { ambient: ambient[frame], ..scene.environment() });
         }
         Ok(scene)
+    }
+
+    /// Returns the lamps of a frame, if they are not those of the world.
+    fn lights_of_frame<'a>(
+        &self,
+        scene: Scene<'_>,
+        frame: usize,
+        lights: &'a mut Vec<Light>,
+    ) -> Option<&'a [Light]> {
+        let Self { light_colors, light_vectors, spot_directions, .. } = self;
+        if light_colors.is_none() && light_vectors.is_none() && spot_directions.is_none() {
+            return None;
+        }
+        lights.clear();
+        lights.extend_from_slice(scene.lights());
+        let first = frame * lights.len();
+        for (index, light) in lights.iter_mut().enumerate() {
+            if let Some(colors) = light_colors {
+                *light = light.with_diffuse(colors[first + index]);
+            }
+            if let Some(vectors) = light_vectors {
+                *light = light.with_vector(vectors[first + index]);
+            }
+            if let Some(directions) = spot_directions
+                && light.position().is_some()
+            {
+                *light = light.with_direction(directions[first + index]);
+            }
+        }
+        Some(lights)
     }
 }
 

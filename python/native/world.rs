@@ -167,18 +167,19 @@ impl World {
         facts.map(|((vector, colour), is_way)| (vector, colour, is_way)).collect()
     }
 
-    /// Returns the position or direction of each lamp in states of MuJoCo, (N, lamps, 3).
+    /// Returns the lamps in states of MuJoCo: position of each, or direction of a directional one, (N, lamps, 3), and
+    /// directions of spotlights, (N, lamps, 3), if the states have them.
     fn placed_lights<'py>(
         &self,
         py: Python<'py>,
-        lights: Vec<(usize, bool)>,
+        lights: Vec<usize>,
         xpos: Option<PyReadonlyArrayDyn<'_, f64>>,
         xdir: Option<PyReadonlyArrayDyn<'_, f64>>,
         camera: Option<(usize, PyReadonlyArrayDyn<'_, f64>, usize)>,
         states: usize,
-    ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        lamps::place(&self.data(py), &lights, [xpos, xdir], camera, states)
-            .map(|vectors| vectors.into_pyarray(py))
+    ) -> PyResult<(Bound<'py, PyArray3<f64>>, Option<Bound<'py, PyArray3<f64>>>)> {
+        let (vectors, spots) = lamps::place(&self.data(py), &lights, [xpos, xdir], camera, states)?;
+        Ok((vectors.into_pyarray(py), spots.map(|ways| ways.into_pyarray(py))))
     }
 
     /// Returns the ambient light.

@@ -234,7 +234,7 @@ class Batch(Unpicklable):
         self._refuse("light_vectors", ~_within(vectors, -_FARTHEST, _FARTHEST), "numbers up to 1e12 are expected")
         nowhere = self._is_parallel & (vectors == 0).all(axis=-1)
         self._refuse("light_vectors", nowhere, "a direction of any length but 0 is expected")
-        return colors, light_colors, vectors, ambient, self._own("textured")
+        return colors, light_colors, vectors, ambient, self._own("textured"), None
 
     def _refuse(self, name: str, bad: NDArray[np.bool_], expected: str) -> None:
         """Raise an error that names the first bad row of an array of the worlds."""

@@ -36,6 +36,7 @@ _Looks: TypeAlias = tuple[
     NDArray[np.float64] | None,
     NDArray[np.float32] | None,
     NDArray[np.bool_] | None,
+    NDArray[np.float64] | None,
 ]
 # Seeds, numbers of frames, mask, appearances.
 _Each: TypeAlias = tuple[Sequence[int], Sequence[int], Sequence[bool] | None, _Looks | None]
@@ -72,12 +73,12 @@ class World:
     def lights(self) -> list[tuple[list[float], list[float], bool]]: ...
     def placed_lights(
         self,
-        lights: Sequence[tuple[int, bool]],
+        lights: Sequence[int],
         xpos: NDArray[np.float64] | None,
         xdir: NDArray[np.float64] | None,
         camera: tuple[int, NDArray[np.float64], int] | None,
         states: int,
-    ) -> NDArray[np.float64]: ...
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]: ...
     def ambient(self) -> list[float]: ...
     def memory_len(self) -> int: ...
     def pose(self, body: int) -> NDArray[np.float64]: ...

@@ -24,6 +24,11 @@ _KINDS = {
 _DARK = 0.3
 #: The largest falloff of a lamp.
 _MOST_FALLOFF = 1e4
+#: A spotlight that is less bright than this at its cutoff needs no edge there.
+_DARK_EDGE = 0.05
+#: Exponents that are tried for spotlights with an edge, and cosines between that of the edge, 0, and 1.
+_FALLOFFS = 2.0 ** (np.arange(-56, 57) / 8.0)[:, None]
+_ABOVE = (np.arange(256) + 0.5) / 256
 
 
 class Lamps:
@@ -32,8 +37,8 @@ class Lamps:
     def __init__(self, world: World, model: mujoco.MjModel) -> None:
         #: Differences from MuJoCo's renderer.
         self.notes: list[str] = []
-        #: The number of each lamp in the model, and whether it has a direction instead of a position.
-        self._lights: list[tuple[int, bool]] = []
+        #: The number of each lamp in the model.
+        self._lights: list[int] = []
         headlight = model.vis.headlight
         ambient = np.zeros(3)
         first = _first_pose(model)
@@ -68,11 +73,10 @@ class Lamps:
 
     def _add(self, world: World, model: mujoco.MjModel, light: int, kind: str, first: mujoco.MjData) -> None:
         direction = first.light_xdir[light] if np.any(first.light_xdir[light]) else (0.0, 0.0, -1.0)
-        cone, falloff, error = _cone(float(model.light_cutoff[light]), float(model.light_exponent[light]))
-        if kind == "spot":
+        cone, falloff, difference = _cone(float(model.light_cutoff[light]), float(model.light_exponent[light]))
+        if kind == "spot" and difference:
             name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_LIGHT, light) or f"number {light}"
-            edge = "" if error < 0.05 else "it has no edge, and "
-            self.notes.append(f"light {name}: {edge}it keeps the direction that it has in the model's first pose")
+            self.notes.append(f"light {name}: {difference}")
         world.add_light(
             kind,
             position=first.light_xpos[light],
@@ -84,12 +88,14 @@ class Lamps:
             falloff=falloff,
             shadows=bool(model.light_castshadow[light]),
         )
-        self._lights.append((light, kind == "directional"))
+        self._lights.append(light)
 
     def place(
         self, world: _native.World, states: States, matrices: NDArray[np.float64], camera: int
-    ) -> NDArray[np.float64]:
-        """Return the positions and directions of the lamps of each state, (N, lamps, 3).
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64] | None]:
+        """Return the positions of the lamps of each state, or directions of directional ones, (N, lamps, 3).
+
+        Directions of spotlights are the second array, if there are any and the states have them.
 
         Args:
             world: the world of the lamps.
@@ -123,14 +129,26 @@ def _first_pose(model: mujoco.MjModel) -> mujoco.MjData:
     return first
 
 
-def _cone(cutoff: float, exponent: float) -> tuple[tuple[float, float], float, float]:
-    """Return the cone and the falloff that are most like a spotlight of MuJoCo, and the largest error of its brightness.
+def _cone(cutoff: float, exponent: float) -> tuple[tuple[float, float], float, str]:
+    """Return the cone and the falloff that are most like a spotlight of MuJoCo, and what differs, if anything does.
 
-    Its brightness at an angle is the cosine to this power, and 0 from the cutoff (degrees) on.
+    Its brightness at an angle is the cosine to this power, and 0 from the cutoff (degrees) on. Here it is 0 from an
+    angle on, too, but a power of what the cosine is above its value there.
     """
     edge = math.radians(min(cutoff, 90.0))
     power = min(max(exponent, 0.0), _MOST_FALLOFF)
-    at_edge = max(math.cos(edge), 0.0) ** power if edge < math.pi / 2.0 else 0.0
-    if at_edge > 0.5:
-        return (edge, edge), 1.0, 1.0 - at_edge
-    return (0.0, math.pi / 2.0), power, at_edge
+    least = max(math.cos(edge), 0.0)
+    at_edge = least**power if edge < math.pi / 2.0 else 0.0
+    wide = (0.0, math.pi / 2.0)
+    if at_edge < _DARK_EDGE:
+        return wide, power, ""
+    if power == 0.0:
+        return (edge, edge), 1.0, ""
+    # Squares of errors over all directions, with the light of MuJoCo inside the edge, and with an edge.
+    without_edge = least * at_edge**2 / (2.0 * power + 1.0)
+    errors = (_ABOVE**_FALLOFFS - (least + (1.0 - least) * _ABOVE) ** power) ** 2
+    with_edge = errors.mean(axis=1) * (1.0 - least)
+    best = int(np.argmin(with_edge))
+    if without_edge < with_edge[best]:
+        return wide, power, "it has no edge"
+    return (0.0, edge), float(_FALLOFFS[best, 0]), "its edge is less sharp"

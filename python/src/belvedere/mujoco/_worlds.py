@@ -39,7 +39,8 @@ class Worlds:
 
         """
         # All else is as in the scene.
-        return None, None, self._lamps.place(self._world._native, states, matrices, camera), None, None
+        vectors, spots = self._lamps.place(self._world._native, states, matrices, camera)
+        return None, None, vectors, None, None, spots
 
     def render(
         self,

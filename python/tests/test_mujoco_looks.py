@@ -299,3 +299,60 @@ def test_a_cube_texture_of_one_image_is_on_all_sides() -> None:
     mujoco.mj_forward(model, data)
     picture = bvm.Scene(model).camera("c", 32, 32).render(data)["rgb"]
     assert np.unique(picture.reshape(-1, 3), axis=0).tolist() == [[30, 60, 90]]
+
+
+@pytest.mark.parametrize("uniform", ["true", "false"])
+def test_images_lie_flat_on_meshes_without_coordinates(uniform: str) -> None:
+    def seen(texcoord: str) -> NDArray[np.uint8]:
+        model = mujoco.MjModel.from_xml_string(f"""
+            <mujoco>
+              <asset>
+                <texture name="tiles" type="2d" builtin="checker" rgb1="1 0 0" rgb2="0 0 1" width="8" height="8"/>
+                <material name="tiled" texture="tiles" texrepeat="3 2" texuniform="{uniform}" rgba="1 0.9 1 1"/>
+                <mesh name="wedge" vertex="-1 -0.5 0  1 -0.6 0.1  0.9 0.5 0  -1 0.7 0.2  0 0 1"
+                      face="0 1 4  1 2 4  2 3 4  3 0 4  0 2 1  0 3 2" {texcoord}/>
+              </asset>
+              <worldbody>
+                <geom type="mesh" mesh="wedge" material="tiled" euler="20 10 30"/>
+                <camera name="eye" pos="0 -3 2" xyaxes="1 0 0 0 0.6 0.8"/>
+              </worldbody>
+            </mujoco>""")
+        if texcoord:
+            # Those of an image that is as large as the geom, or two metres, and is repeated from its middle.
+            halves = np.ones(2) if uniform == "true" else model.geom_size[0, :2]
+            middle = 0.5 * model.mesh_vert[:, :2] / halves * (1.0, -1.0)
+            model.mesh_texcoord[:] = middle + 0.5 / model.mat_texrepeat[0]
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        scene = bvm.Scene(model)
+        assert scene.notes == []
+        return scene.camera("eye", 64, 48).render(data)["rgb"]
+
+    own, given = seen(""), seen('texcoord="0 0  0 0  0 0  0 0  0 0"')
+    assert len(np.unique(own.reshape(-1, 3), axis=0)) > 20
+    # Texture coordinates are rounded in another way, which matters at the edge of a tile.
+    assert (np.abs(own.astype(int) - given).max(axis=-1) > 2).mean() < 0.01
+
+
+def test_an_image_on_a_flat_height_field_is_that_of_a_plane() -> None:
+    def seen(geom: str) -> NDArray[np.uint8]:
+        model = mujoco.MjModel.from_xml_string(f"""
+            <mujoco>
+              <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+              <asset>
+                <texture name="blend" type="2d" builtin="gradient" rgb1="1 0 0" rgb2="0 0 1" width="8" height="8"/>
+                <material name="painted" texture="blend" specular="0"/>
+                <hfield name="flat" nrow="3" ncol="3" size="1 1.5 1 0.3"/>
+              </asset>
+              <worldbody>
+                <geom material="painted" {geom}/>
+                <camera name="down" pos="0 0 2" xyaxes="1 0.2 0 -0.2 1 0"/>
+              </worldbody>
+            </mujoco>""")
+        data = mujoco.MjData(model)
+        mujoco.mj_forward(model, data)
+        return bvm.Scene(model).camera("down", 48, 48).render(data)["rgb"]
+
+    hills, plane = seen('type="hfield" hfield="flat"'), seen('type="plane" size="1 1.5 1"')
+    assert np.ptp(plane[24, 24].astype(int) - plane[20, 4]) > 0
+    np.testing.assert_allclose(hills.astype(int), plane, atol=1)

@@ -127,6 +127,28 @@ CUBES = """
   </worldbody>
 </mujoco>
 """
+#: Images on meshes and height fields without texture coordinates, of their size and of two metres.
+IMAGES = """
+<mujoco model="images without coordinates">
+  <visual><headlight ambient="0.6 0.6 0.6" diffuse="0.3 0.3 0.3" specular="0 0 0"/></visual>
+  <statistic center="0 0 0" extent="4"/>
+  <asset>
+    <texture name="image" type="2d" builtin="flat" width="8" height="16"/>
+    <material name="fitting" texture="image" texrepeat="1.5 0.7" specular="0"/>
+    <material name="uniform" texture="image" texrepeat="1.5 0.7" texuniform="true" specular="0"/>
+    <mesh name="wedge" vertex="-1 -1 0  1 -1 0  1 0.8 0  -1 1 0  -1 1 1  1 0.9 1" face="0 1 5  0 5 4  1 2 5  0 4 3  2 3 4  2 4 5"
+          inertia="shell" smoothnormal="false"/>
+    <hfield name="hills" nrow="3" ncol="3" size="1 1.5 1 0.3" elevation="0 1 0 1 2 1 0 1 0"/>
+  </asset>
+  <worldbody>
+    <geom type="mesh" mesh="wedge" material="fitting" pos="-1.2 1.5 0" euler="10 20 30"/>
+    <geom type="mesh" mesh="wedge" material="uniform" pos="-1.2 -1.5 0" euler="10 20 30"/>
+    <geom type="hfield" hfield="hills" material="fitting" pos="1.2 1.5 0"/>
+    <geom type="hfield" hfield="hills" material="uniform" pos="1.2 -1.5 0"/>
+    <camera name="above" pos="0 -3 5" xyaxes="1 0 0 0 0.86 0.5" fovy="60"/>
+  </worldbody>
+</mujoco>
+"""
 
 
 @dataclass(frozen=True)
@@ -284,9 +306,9 @@ def blocks(colours: np.ndarray, shown: np.ndarray) -> np.ndarray:
     return kept.reshape(HEIGHT // BLOCK, BLOCK, WIDTH // BLOCK, BLOCK, 3).mean(axis=(1, 3))
 
 
-def cubes() -> mujoco.MjModel:
-    """Return the model with cube textures."""
-    model = mujoco.MjModel.from_xml_string(CUBES)
+def coloured(file: str) -> mujoco.MjModel:
+    """Return a model whose textures have random colours."""
+    model = mujoco.MjModel.from_xml_string(file)
     model.tex_data[:] = np.random.default_rng(1).integers(0, 256, model.tex_data.shape)
     return model
 
@@ -351,7 +373,8 @@ def main() -> None:
         return
     own = [
         ("bright textures", mujoco.MjModel.from_xml_string(BRIGHT), MOST_COLOUR),
-        ("cube textures", cubes(), MOST_COLOUR),
+        ("cube textures", coloured(CUBES), MOST_COLOUR),
+        ("images without coordinates", coloured(IMAGES), MOST_COLOUR),
     ]
     chosen = asked.models or paths(asked.all)
     if compare(itertools.chain([] if asked.models else own, models(chosen))):

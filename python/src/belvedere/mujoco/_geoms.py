@@ -40,7 +40,13 @@ def add_geom(world: World, model: mujoco.MjModel, geom: int, name: str, looks: L
         if model.geom_dataid[geom] < 0:
             return "it has no mesh"
         vertices, faces, uvs, normals = mesh(model, int(model.geom_dataid[geom]))
-        world.add_mesh(vertices, faces, uvs=uvs, normals=normals, **look, **looks.of(geom, has_uvs=uvs is not None))
+        shown, uvs = looks.of_vertices(geom, vertices, uvs)
+        world.add_mesh(vertices, faces, uvs=uvs, normals=normals, **look, **shown)
+        return None
+    if kind == _Geom.mjGEOM_HFIELD:
+        vertices, faces = height_field(model, int(model.geom_dataid[geom]))
+        shown, uvs = looks.of_vertices(geom, vertices, None)
+        world.add_mesh(vertices, faces, uvs=uvs, **look, **shown)
         return None
     look |= looks.of(geom)
     if kind == _Geom.mjGEOM_SPHERE:
@@ -53,8 +59,6 @@ def add_geom(world: World, model: mujoco.MjModel, geom: int, name: str, looks: L
         world.add_cylinder(size[0], 2.0 * size[1], **look)
     elif kind == _Geom.mjGEOM_BOX:
         world.add_box([2.0 * half for half in size], **look)
-    elif kind == _Geom.mjGEOM_HFIELD:
-        world.add_mesh(*height_field(model, int(model.geom_dataid[geom])), **look)
     else:
         return f"geoms of type {kind.name} have no shape"
     return None

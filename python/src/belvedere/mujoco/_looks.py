@@ -63,46 +63,73 @@ class Looks:
             return "all"
         return "visual" if is_shown else "collision" if is_hit else None
 
-    def of(self, geom: int, has_uvs: bool = False) -> dict[str, Any]:
-        """Return the look of a geom that is not a plane."""
+    def of(self, geom: int) -> dict[str, Any]:
+        """Return the look of a shape without texture coordinates that is not a plane."""
         look, texture, material = self._plain(geom)
         if texture < 0:
             return look
-        is_image = int(self._model.tex_type[texture]) == mujoco.mjtTexture.mjTEXTURE_2D
-        if is_image and has_uvs:
-            repeat = self._model.mat_texrepeat[material].tolist()
-            return look | _painted(self._texels(texture), repeat)
-        if not is_image and not has_uvs:
+        if not self._is_image(texture):
             return look | self._wrapped(geom, texture, material)
-        self._note(
-            material,
-            "its texture is shown by its mean colour, since only meshes with coordinates and planes "
-            "have textures of images"
-            if is_image
-            else "its texture is shown by its mean colour, since meshes with coordinates have no cube textures",
-        )
+        return self._mean(look, texture, material, "only planes, meshes and height fields have textures of images")
+
+    def of_vertices(
+        self, geom: int, vertices: NDArray[np.float32], uvs: NDArray[np.float32] | None
+    ) -> tuple[dict[str, Any], NDArray[np.float32] | None]:
+        """Return the look of a mesh with these vertices (V, 3), and its texture coordinates (V, 2).
+
+        Args:
+            geom: the geom.
+            vertices: its vertices.
+            uvs: the coordinates that the mesh has.
+
+        """
+        look, texture, material = self._plain(geom)
+        if texture < 0:
+            return look, uvs
+        if self._is_image(texture):
+            if uvs is not None:
+                return look | _painted(self._texels(texture), self._model.mat_texrepeat[material].tolist()), uvs
+            return look | _painted(self._texels(texture), [1.0, 1.0]), self._projected(geom, material, vertices)
+        if uvs is None:
+            return look | self._wrapped(geom, texture, material), None
+        return self._mean(look, texture, material, "meshes with coordinates have no cube textures"), uvs
+
+    def _projected(self, geom: int, material: int, vertices: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the texture coordinates that MuJoCo gives to vertices without their own.
+
+        The image lies in the plane of x and y, and its middle in the middle of the geom. It is as large as the geom, or
+        two metres with texuniform.
+        """
+        halves = self._model.geom_size[geom, :2].astype(np.float64)
+        if self._model.mat_texuniform[material]:
+            halves = np.ones(2)
+        per_metre = 0.5 * self._repeat(material) / np.where(halves > 0.0, halves, 1.0)
+        return np.asarray(vertices[:, :2] * per_metre + 0.5, np.float32)
+
+    def _mean(self, look: dict[str, Any], texture: int, material: int, why: str) -> dict[str, Any]:
+        """Return the look with the mean colour of a texture."""
+        self._note(material, f"its texture is shown by its mean colour, since {why}")
         mean = self._texels(texture).mean(axis=(0, 1)) / 255.0
         for light in ("specular", "emissive"):
             look[light] = (np.array(look[light]) * mean).tolist()
         look["color"] = [*(np.array(look["color"][:3]) * mean).tolist(), look["color"][3]]
         return look
 
+    def _is_image(self, texture: int) -> bool:
+        return bool(int(self._model.tex_type[texture]) == mujoco.mjtTexture.mjTEXTURE_2D)
+
     def of_plane(self, geom: int, edges: list[float], lengths: list[float]) -> dict[str, Any]:
         """Return the look of a plane with these edges, of which 0 means infinite, shown with these lengths."""
         look, texture, material = self._plain(geom)
-        if texture < 0 or int(self._model.tex_type[texture]) != mujoco.mjtTexture.mjTEXTURE_2D:
-            if texture < 0:
-                return look
+        if texture < 0:
+            return look
+        if not self._is_image(texture):
             look = self.of(geom)
             # MuJoCo does not stretch planes.
             halves = [length / 2.0 if length > 0.0 else 1.0 for length in lengths]
             look["texture_stretch"] = (np.array(look["texture_stretch"]) * [*halves, 1.0]).tolist()
             return look
-        given = self._model.mat_texrepeat[material].astype(np.float64)
-        if not (np.abs(given) < _MOST_REPEATS).all():
-            raise ValueError(
-                f"texrepeat of its material: numbers below {_MOST_REPEATS:g} are expected, not {given}"
-            )
+        given = self._repeat(material)
         is_uniform = bool(self._model.mat_texuniform[material])
         texels, repeat = self._texels(texture), given.tolist()
         for axis, (edge, length) in enumerate(zip(edges, lengths, strict=True)):
@@ -182,6 +209,15 @@ class Looks:
         }
         return look, texture, material
 
+    def _repeat(self, material: int) -> NDArray[np.float64]:
+        """Return how often an image is repeated along both axes, (2,)."""
+        given: NDArray[np.float64] = self._model.mat_texrepeat[material].astype(np.float64)
+        if not (np.abs(given) < _MOST_REPEATS).all():
+            raise ValueError(
+                f"texrepeat of its material: numbers below {_MOST_REPEATS:g} are expected, not {given}"
+            )
+        return given
+
     def _number(self, name: str, material: int) -> float:
         value = float(getattr(self._model, f"mat_{name}")[material])
         if not math.isfinite(value):
@@ -204,7 +240,7 @@ class Looks:
     def _is_srgb(self, texture: int) -> bool:
         """Return whether MuJoCo shows the linear values of a texture: only of images that say that they are sRGB."""
         spaces = getattr(self._model, "tex_colorspace", None)
-        if spaces is None or int(self._model.tex_type[texture]) != mujoco.mjtTexture.mjTEXTURE_2D:
+        if spaces is None or not self._is_image(texture):
             return False
         return bool(int(spaces[texture]) == mujoco.mjtColorSpace.mjCOLORSPACE_SRGB)
 

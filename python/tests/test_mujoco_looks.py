@@ -356,3 +356,34 @@ def test_an_image_on_a_flat_height_field_is_that_of_a_plane() -> None:
     hills, plane = seen('type="hfield" hfield="flat"'), seen('type="plane" size="1 1.5 1"')
     assert np.ptp(plane[24, 24].astype(int) - plane[20, 4]) > 0
     np.testing.assert_allclose(hills.astype(int), plane, atol=1)
+
+
+@pytest.mark.parametrize(
+    "geom",
+    [
+        'type="box" size="0.4 0.4 0.1"',
+        'type="sphere" size="0.4"',
+        'type="capsule" size="0.3 0.3"',
+        'type="cylinder" size="0.3 0.3"',
+        'type="ellipsoid" size="0.3 0.4 0.5"',
+        'type="mesh" mesh="wedge"',
+        'type="plane" size="0.5 0.5 0.1"',
+    ],
+)
+def test_both_sides_of_a_transparent_shape_count(geom: str) -> None:
+    model = mujoco.MjModel.from_xml_string(f"""
+        <mujoco>
+          <visual><headlight ambient="1 1 1" diffuse="0 0 0" specular="0 0 0"/></visual>
+          <asset><mesh name="wedge" vertex="-1 -1 0  1 -1 0  1 1 0  -1 1 0  0 0 0.5  0 0 -0.5"/></asset>
+          <worldbody>
+            <geom type="plane" size="4 4 1" rgba="0 0 1 1"/>
+            <geom {geom} pos="0.02 0.05 1" rgba="1 0 0 0.2"/>
+            <camera name="down" pos="0 0 4" fovy="10"/>
+          </worldbody>
+        </mujoco>""")
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    middle = bvm.Scene(model).camera("down", 9, 9).render(data)["rgb"][4, 4] / 255.0
+    # What MuJoCo's pictures have in the middle of these shapes.
+    opacity = 0.2 if "plane" in geom else 1.0 - 0.8**2
+    np.testing.assert_allclose(middle, (opacity, 0.0, 1.0 - opacity), atol=0.005)

@@ -136,8 +136,8 @@ IMAGES = """
     <texture name="image" type="2d" builtin="flat" width="8" height="16"/>
     <material name="fitting" texture="image" texrepeat="1.5 0.7" specular="0"/>
     <material name="uniform" texture="image" texrepeat="1.5 0.7" texuniform="true" specular="0"/>
-    <mesh name="wedge" vertex="-1 -1 0  1 -1 0  1 0.8 0  -1 1 0  -1 1 1  1 0.9 1" face="0 1 5  0 5 4  1 2 5  0 4 3  2 3 4  2 4 5"
-          inertia="shell" smoothnormal="false"/>
+    <mesh name="wedge" vertex="-1 -1 0  1 -1 0  1 0.8 0  -1 1 0  -1 1 1  1 0.9 1" inertia="shell" smoothnormal="false"
+          face="0 1 5  0 5 4  1 2 5  0 4 3  2 3 4  2 4 5"/>
     <hfield name="hills" nrow="3" ncol="3" size="1 1.5 1 0.3" elevation="0 1 0 1 2 1 0 1 0"/>
   </asset>
   <worldbody>

@@ -201,8 +201,12 @@ class Looks:
                 texture = -1
             if float(model.mat_reflectance[material]) > 0.0:
                 self._note(material, "it does not reflect other shapes")
+        alpha = float(color[3])
+        if int(model.geom_type[geom]) != mujoco.mjtGeom.mjGEOM_PLANE:
+            # MuJoCo draws the far side of a transparent shape, too; here only the near side is seen.
+            alpha = 1.0 - (1.0 - alpha) ** 2
         look: dict[str, Any] = {
-            "color": color.tolist(),
+            "color": [*color[:3].tolist(), alpha],
             "specular": [max(specular, 0.0)] * 3,
             "shininess": max(shininess * _EXPONENT, _LEAST_EXPONENT),
             "emissive": (color[:3] * max(emission, 0.0)).tolist(),

@@ -73,7 +73,7 @@ impl Looks {
             }
             scene = scene.with_materials(materials)?;
         }
-        if let Some(lights) = self.lights_of_frame(scene, frame, lights) {
+        if let Some(lights) = self.lights_of_frame(scene.lights(), frame, lights) {
             scene = scene.with_lights(lights)?;
         }
         if let Some(ambient) = &self.ambient {
@@ -85,7 +85,7 @@ impl Looks {
     /// Returns the lamps of a frame, if they are not those of the world.
     fn lights_of_frame<'a>(
         &self,
-        scene: Scene<'_>,
+        own: &[Light],
         frame: usize,
         lights: &'a mut Vec<Light>,
     ) -> Option<&'a [Light]> {
@@ -94,7 +94,7 @@ impl Looks {
             return None;
         }
         lights.clear();
-        lights.extend_from_slice(scene.lights());
+        lights.extend_from_slice(own);
         let first = frame * lights.len();
         for (index, light) in lights.iter_mut().enumerate() {
             if let Some(colors) = light_colors {

@@ -17,6 +17,9 @@ use pyo3::types::PyDict;
 use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// Lamps in states: positions or directions, and directions of spotlights.
+type PlacedLights<'py> = (Bound<'py, PyArray3<f64>>, Option<Bound<'py, PyArray3<f64>>>);
+
 #[pyclass(frozen, module = "belvedere._native")]
 pub(crate) struct World {
     data: Mutex<Arc<Data>>,
@@ -177,7 +180,7 @@ impl World {
         xdir: Option<PyReadonlyArrayDyn<'_, f64>>,
         camera: Option<(usize, PyReadonlyArrayDyn<'_, f64>, usize)>,
         states: usize,
-    ) -> PyResult<(Bound<'py, PyArray3<f64>>, Option<Bound<'py, PyArray3<f64>>>)> {
+    ) -> PyResult<PlacedLights<'py>> {
         let (vectors, spots) = lamps::place(&self.data(py), &lights, [xpos, xdir], camera, states)?;
         Ok((vectors.into_pyarray(py), spots.map(|ways| ways.into_pyarray(py))))
     }

@@ -11,13 +11,19 @@ const LARGEST: u64 = 1 << 30;
 const LARGEST_STREAM: u64 = 1 << 24;
 /// How long a pipe may give nothing while somebody has it open for writing.
 const PATIENCE: Duration = Duration::from_secs(60);
+/// The beginning of a pointer of Git LFS, a short text in place of a large file that was not downloaded.
+const LFS_POINTER: &[u8] = b"version https://git-lfs.github.com/spec/";
+/// The largest pointer, bytes.
+const LARGEST_POINTER: usize = 1024;
+/// The error for a pointer.
+const IS_POINTER: &str = "it is a pointer of Git LFS, and not the file itself";
 /// Time between two looks into a pipe.
 const NAP: Duration = Duration::from_millis(5);
 
 /// Reads a whole file.
 ///
 /// # Errors
-/// If it cannot be read, or is larger than a gigabyte; if it is a pipe that nobody writes into.
+/// If it cannot be read, or is larger than a gigabyte; if it is a pipe that nobody writes into, or a pointer of Git LFS.
 pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     if !std::fs::metadata(path)?.is_file() {
         return read_stream(path);
@@ -27,6 +33,9 @@ pub fn read(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(size.min(LARGEST) as usize)?;
     file.take(LARGEST + 1).read_to_end(&mut bytes)?;
+    if bytes.len() <= LARGEST_POINTER && bytes.starts_with(LFS_POINTER) {
+        return Err(io::Error::other(IS_POINTER));
+    }
     within(bytes, LARGEST)
 }
 
@@ -36,6 +45,7 @@ pub fn remedy(error: &io::Error) -> &'static str {
         io::ErrorKind::NotFound => "check the path",
         io::ErrorKind::IsADirectory => "name a file in it",
         io::ErrorKind::PermissionDenied => "check the file's permissions",
+        io::ErrorKind::Other if error.to_string() == IS_POINTER => "run git lfs pull in its repository",
         _ => "name another file",
     }
 }
@@ -133,6 +143,19 @@ fn open_without_waiting(path: &Path) -> io::Result<File> {
 mod tests {
     use super::*;
     use std::process::Command;
+
+    #[test]
+    fn a_pointer_of_git_lfs_is_not_taken_for_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.stl");
+        let pointer = "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n";
+        std::fs::write(&path, pointer).unwrap();
+        let error = read(&path).unwrap_err();
+        assert_eq!(error.to_string(), "it is a pointer of Git LFS, and not the file itself");
+        assert_eq!(remedy(&error), "run git lfs pull in its repository");
+        std::fs::write(&path, format!("{pointer}{}", " ".repeat(1024))).unwrap();
+        assert!(read(&path).is_ok());
+    }
 
     /// A pipe without a writer is an error at once; of one with a slow writer, everything is read.
     #[test]

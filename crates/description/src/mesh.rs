@@ -142,14 +142,26 @@ fn read(path: &Path, up_axis: UpAxis, source: &Source, diagnostics: &mut Diagnos
             return None;
         }
     };
-    let read = file::read(path).map_err(|error| Unreadable::from(error.to_string()));
-    if let Some(wide) = read.as_ref().ok().and_then(|bytes| unread_encoding(extension, bytes)) {
+    let bytes = match file::read(path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            let what = format!("the mesh {} cannot be read: {error}", path.display());
+            diagnostics.error(source, what, file::remedy(&error));
+            return None;
+        }
+    };
+    if bytes.is_empty() {
+        let what = format!("the mesh {} cannot be read: the file is empty", path.display());
+        diagnostics.error(source, what, "restore its content, or name another file");
+        return None;
+    }
+    if let Some(wide) = unread_encoding(extension, &bytes) {
         let NotRead { what, remedy } = wide.error(path);
         let what = format!("the mesh {} cannot be read: {what}", path.display());
         diagnostics.error(source, what, remedy);
         return None;
     }
-    match read.and_then(|bytes| parse(&bytes, path, diagnostics)) {
+    match parse(&bytes, path, diagnostics) {
         Ok(parts) => Some(parts),
         Err(Unreadable { line, what }) => {
             let place = line.map_or_else(|| source.clone(), |line| Source::new(path, line));

@@ -19,7 +19,8 @@ pub(super) fn parse(
     let length = |count: u32| HEADER as u64 + 4 + TRIANGLE as u64 * u64::from(count);
     // Some binary headers begin with the word that identifies text.
     let fits = count.is_some_and(|count| length(count) == bytes.len() as u64);
-    let begins = bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let words = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    let begins = words.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     let is_text = begins && !bytes.iter().take(1000).any(|byte| *byte == 0);
     if is_text && !fits {
         return solids(&text(bytes), path, diagnostics);
@@ -35,10 +36,18 @@ pub(super) fn parse(
         return Err(format!("it declares {count} triangles, and has {there}").into());
     }
     if !fits {
-        let what = format!(
-            "the mesh {} declares {count} triangles, and has bytes for {there}: the others are left out",
-            path.display()
-        );
+        let more = bytes.len() as u64 - length(count);
+        let what = if there == count as usize {
+            format!(
+                "the mesh {} has {more} bytes after its {count} triangles: they are left out",
+                path.display()
+            )
+        } else {
+            format!(
+                "the mesh {} declares {count} triangles, and has bytes for {there}: the others are left out",
+                path.display()
+            )
+        };
         diagnostics.warning(&Source::new(path, 0), what, "export it again");
     }
     let mut part = Part::default();

@@ -32,6 +32,9 @@ fn each_solid_is_a_part() {
     assert!((area(&files.meshes("a.stl")) - 1.0).abs() < 1e-9);
     assert_eq!(bounds(&files.part("a.stl", "right")), [[4.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
     assert_eq!(bounds(&files.part("a.stl", "left one")), [[0.0, 0.0, 0.0], [1.0, 1.0, 0.0]]);
+    // A byte-order mark, as editors on Windows write it.
+    files.write("a.stl", format!("\u{feff}solid a\n{}endsolid a\n", facet(2.0)));
+    assert_eq!(bounds(&files.meshes("a.stl")), [[2.0, 0.0, 0.0], [3.0, 1.0, 0.0]]);
     // All in one line.
     files.write("a.stl", format!("solid a {} endsolid a", facet(2.0).replace('\n', " ")));
     assert_eq!(bounds(&files.meshes("a.stl")), [[2.0, 0.0, 0.0], [3.0, 1.0, 0.0]]);
@@ -51,12 +54,15 @@ fn wrong_counts_are_reported() {
     bytes[9..80].fill(0);
     files.write("a.stl", bytes);
     assert!(files.error("a.stl").contains("3 triangles"));
-    for (said, triangles, more) in [(1, 2, 0), (2, 2, 4)] {
+    for (said, triangles, more, words) in [
+        (1, 2, 0, "declares 1 triangles, and has bytes for 2: the others are left out"),
+        (2, 2, 4, "has 4 bytes after its 2 triangles: they are left out"),
+    ] {
         files.write("a.stl", binary(said, triangles, more));
         let (meshes, problems) = files.load("a.stl");
         assert!((area(&meshes.unwrap()) - f64::from(said) / 2.0).abs() < 1e-9);
         assert!(
-            problems.len() == 1 && problems[0].contains(": warning: the mesh a.stl declares"),
+            problems.len() == 1 && problems[0].contains(&format!(": warning: the mesh a.stl {words}")),
             "{problems:?}"
         );
     }

@@ -1,5 +1,7 @@
 //! The time to read a file grows in proportion to its size, for each kind of thing that a file can have many of.
 
+mod meshes;
+
 use crate::{Reader, processor_time};
 use std::time::Duration;
 
@@ -45,41 +47,6 @@ const WORLD: &str = "<sdf version='1.9'><world name='w'>";
 const MODEL: &str = "<sdf version='1.9'><world name='w'><model name='m'><static>1</static><link name='l'>";
 const WORLD_END: &str = "</world></sdf>";
 const MODEL_END: &str = "</link></model></world></sdf>";
-const DAE: &str = "<COLLADA xmlns='http://x' version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
-    <float_array id='a' count='9'>0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source='#a' count='3' stride='3'/>\
-    </technique_common></source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices>";
-const DAE_END: &str = "</mesh></geometry></library_geometries><library_visual_scenes><visual_scene id='z'><node>\
-    <instance_geometry url='#g'/></node></visual_scene></library_visual_scenes><scene><instance_visual_scene url='#z'/></scene></COLLADA>";
-/// Collada with normals of the vertices, and further sources, up to the primitives.
-const SMOOTH_DAE: &str = "<COLLADA version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
-    <float_array count='9'>0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source='#a' count='3' stride='3'/>\
-    </technique_common></source><source id='n'><float_array count='3'>0 0 1</float_array><technique_common>\
-    <accessor source='#b' count='1' stride='3'/></technique_common></source>\
-    <vertices id='v'><input semantic='POSITION' source='#s'/></vertices>";
-/// The normals that primitives name are an array that grows.
-const NORMALS_DAE: &str = "<COLLADA version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
-    <float_array count='9'>0 0 0 1 0 0 0 1 0</float_array><technique_common><accessor source='#a' count='3' stride='3'/>\
-    </technique_common></source><vertices id='v'><input semantic='POSITION' source='#s'/></vertices>\
-    <source id='n'><float_array>";
-const SMOOTH_TRIANGLE: &str = "<triangles count='1'><input semantic='VERTEX' source='#v' offset='0'/>\
-    <input semantic='NORMAL' source='#n' offset='1'/><p>0 0 1 0 2 0</p></triangles>";
-const DAE_MESH_END: &str = "</mesh></geometry></library_geometries></COLLADA>";
-/// A triangle in the plane of x and y, with the accessors 0 of its positions and 1 of its normals.
-const SMOOTH_GLTF: &str = "{\"asset\":{\"version\":\"2.0\"},\"buffers\":[{\"byteLength\":72,\"uri\":\"data:;base64,\
-    AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/AAAAAAAAAAAAAIA/\"}],\
-    \"bufferViews\":[{\"buffer\":0,\"byteLength\":36},{\"buffer\":0,\"byteOffset\":36,\"byteLength\":36}],\
-    \"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},\
-    {\"bufferView\":1,\"componentType\":5126,\"type\":\"VEC3\",\"count\":3}],\
-    \"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[";
-const SMOOTH_PRIMITIVE: &str = "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}},";
-const FLAT_PRIMITIVES_END: &str = "{\"attributes\":{\"POSITION\":0}}]}]}";
-const SMOOTH_PLY: &str = "ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n\
-    property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face {count}\n\
-    property list uchar int vertex_indices\nend_header\n";
-/// The corners of its faces have texture coordinates of their own.
-const TEXTURED_PLY: &str = "ply\nformat ascii 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n\
-    property float z\nproperty float nx\nproperty float ny\nproperty float nz\nelement face {count}\n\
-    property list uchar int vertex_indices\nproperty list uchar float texcoord\nend_header\n";
 const PLAN: &str =
     "worlds = ['w.sdf']\nrobot = 'eyes.sdf'\nseeds = [1]\n[[sensors]]\nname = 'rgb'\ntopic = 'rgb'\n";
 
@@ -240,123 +207,6 @@ const SHAPES: &[Shape] = &[
         "</trajectory></script></actor></world></sdf>",
     ),
     nest("sdf", WORLD, ["<model name='m'><link name='l'/>", "</model>"], WORLD_END),
-    row(
-        "collada",
-        DAE,
-        "<triangles count='1'><input semantic='VERTEX' source='#v' offset='0'/><p>0 1 2</p></triangles>",
-        DAE_END,
-    ),
-    row(
-        "collada",
-        "<COLLADA version='1.4.1'><library_effects>",
-        "<effect id='e#'/>",
-        "</library_effects></COLLADA>",
-    ),
-    row(
-        "collada",
-        "<COLLADA xmlns='http://x' version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'><float_array id='a' count='9'>",
-        "0 1 ",
-        "</float_array></source></mesh></geometry></library_geometries></COLLADA>",
-    ),
-    nest(
-        "collada",
-        "<COLLADA version='1.4.1'><library_visual_scenes><visual_scene id='z'>",
-        ["<node>", "</node>"],
-        "</visual_scene></library_visual_scenes><scene><instance_visual_scene url='#z'/></scene></COLLADA>",
-    ),
-    row("collada", SMOOTH_DAE, SMOOTH_TRIANGLE, DAE_MESH_END),
-    // Every second primitive has no normals.
-    row(
-        "collada",
-        SMOOTH_DAE,
-        "<triangles><input semantic='VERTEX' source='#v'/><input semantic='NORMAL' source='#n'/><p>0 0 0</p></triangles>\
-         <triangles><input semantic='VERTEX' source='#v'/><p>0 1 2</p></triangles>",
-        DAE_MESH_END,
-    ),
-    // Many primitives name many normals: good ones, and damaged ones.
-    pair("collada", NORMALS_DAE, ["0 0 1 ", "</float_array></source>", SMOOTH_TRIANGLE], DAE_MESH_END),
-    pair("collada", NORMALS_DAE, ["0 0 1 ", "damaged</float_array></source>", SMOOTH_TRIANGLE], DAE_MESH_END),
-    pair(
-        "collada",
-        "<COLLADA version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
-         <float_array>0 0 0 1 0 0 0 1 0</float_array></source><vertices id='v'><input semantic='POSITION' source='#s'/>",
-        [
-            "<input semantic='NORMAL' source='#s'/>",
-            "</vertices>",
-            "<triangles><input semantic='VERTEX' source='#v'/><p>0 1 2</p></triangles>",
-        ],
-        DAE_MESH_END,
-    ),
-    pair(
-        "collada",
-        "<COLLADA version='1.4.1'><library_geometries><geometry id='g'><mesh><source id='s'>\
-         <float_array>0 0 0 1 0 0 0 1 0</float_array></source><vertices id='v'><input semantic='POSITION' source='#s'/>\
-         </vertices><polylist><input semantic='VERTEX' source='#v'/><vcount>",
-        ["0 ", "</vcount>", "<p/>"],
-        "</polylist></mesh></geometry></library_geometries></COLLADA>",
-    ),
-    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", ""),
-    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "o n#\nusemtl m#\nf 1 2 3\n", ""),
-    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n", "o n#\nf 1//1 2//1 3//1\n", ""),
-    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n", "o n#\nf 1//1 2//1 3//1\no m#\nf 1 2 3\n", ""),
-    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "mtllib m.mtl\n", ""),
-    row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf", " 1 2 3", "\n"),
-    row("obj", "v 0 0 0\n", "\\\n", "f 1 1 1\n"),
-    row("obj", "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 3", "e", "\n"),
-    row("mtl", "", "newmtl red\nKd 1 0 0\n", ""),
-    row("mtl", "", "newmtl m#\nKd 1 0 0\nmap_Kd none#.png\n", ""),
-    row(
-        "stl",
-        "solid a\n",
-        "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 #\nendloop\nendfacet\n",
-        "endsolid a\n",
-    ),
-    row("ply", "ply\nformat ascii 1.0\n", "comment c #\n", "end_header\n"),
-    row("ply", "ply\nformat ascii 1.0\nelement vertex 1\n", "property float x#\n", "end_header\n"),
-    row("ply", "ply\nformat ascii 1.0\n", "element e# 0\n", "end_header\n"),
-    nest("ply", SMOOTH_PLY, ["0 1 # 0 0 1\n", "3 0 1 2\n"], ""),
-    nest("ply", SMOOTH_PLY, ["0 1 # 0 0 0\n", "3 0 1 2\n"], ""),
-    nest("ply", TEXTURED_PLY, ["0 1 # 0 0 1\n", "3 0 1 2 6 0 0 1 0 1 1\n"], ""),
-    row("gltf", SMOOTH_GLTF, SMOOTH_PRIMITIVE, FLAT_PRIMITIVES_END),
-    // Every second primitive has no normals.
-    row(
-        "gltf",
-        SMOOTH_GLTF,
-        "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1}},{\"attributes\":{\"POSITION\":0}},",
-        FLAT_PRIMITIVES_END,
-    ),
-    // Many primitives name many normals, which are not theirs.
-    pair(
-        "gltf",
-        "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{\"mesh\":0}],\"buffers\":[{\"uri\":\"data:;base64,",
-        [
-            "AAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAAA",
-            "\"}],\"bufferViews\":[{\"buffer\":0,\"byteStride\":10,\"byteLength\":{count}0}],\"accessors\":[\
-             {\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},\
-             {\"bufferView\":0,\"componentType\":5120,\"type\":\"VEC3\",\"count\":{count}}],\
-             \"meshes\":[{\"primitives\":[",
-            SMOOTH_PRIMITIVE,
-        ],
-        FLAT_PRIMITIVES_END,
-    ),
-    // Many nodes have the same skin of many joints.
-    pair(
-        "gltf",
-        "{\"asset\":{\"version\":\"2.0\"},\"accessors\":[{\"componentType\":5126,\"type\":\"VEC3\",\"count\":3},\
-         {\"componentType\":5126,\"type\":\"VEC4\",\"count\":3}],\"meshes\":[{\"primitives\":[{\"attributes\":{\
-         \"POSITION\":0,\"NORMAL\":0,\"JOINTS_0\":1,\"WEIGHTS_0\":1}}]}],\"skins\":[{\"joints\":[0",
-        [",0", "]}],\"nodes\":[{}", ",{\"mesh\":0,\"skin\":0}"],
-        "]}",
-    ),
-    row("gltf", "{\"asset\":{\"version\":\"2.0\"},\"nodes\":[{}", ",{\"children\":[0]}", "]}"),
-    row(
-        "gltf",
-        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"children\":[1",
-        ",1",
-        "]},{}]}",
-    ),
-    nest("gltf", "{\"asset\":", ["[", "]"], "}"),
-    nest("gltf", "{\"asset\":", ["{\"a\":", "}"], "1}"),
     row("material", "", "material M# : M { technique { pass { ambient 1 0 0 } } }\n", ""),
     nest("material", "material A ", ["{ a ", "}"], ""),
     row("material", "material A {", "x ", "}"),
@@ -405,7 +255,7 @@ const LEAST: Duration = Duration::from_micros(500);
 /// Reads growing sizes of each shape of the reader's format and compares the times.
 pub(crate) fn check(reader: &mut Reader<'_>, is_full: bool) {
     let largest = if is_full { 1 << 22 } else { 1 << 17 };
-    for shape in SHAPES.iter().filter(|shape| shape.format == reader.format.name) {
+    for shape in SHAPES.iter().chain(meshes::SHAPES).filter(|shape| shape.format == reader.format.name) {
         // After a size that took too long, a larger one would take minutes.
         for bytes in [largest / 64, largest / 8] {
             if let Some(times) = grows_too_much(reader, shape, bytes) {

@@ -8,6 +8,7 @@
 
 mod look;
 mod numbers;
+mod scene;
 mod shape;
 
 use super::UpAxis;
@@ -19,7 +20,8 @@ use crate::diagnostics::{Diagnostics, Source};
 use crate::model::Material;
 use crate::xml::Element;
 use glam::{DAffine3, DMat3, DVec3};
-use numbers::{Values, transform};
+use numbers::Values;
+use scene::Known;
 use shape::{Shape, Vertices};
 use std::cell::RefCell;
 use std::collections::hash_map::Entry;
@@ -88,6 +90,8 @@ fn collect<'a>(
 struct Document<'a> {
     root: &'a Element,
     up_axis: UpAxis,
+    /// The transform from the file's unit and, on request, up axis to metres with z up.
+    world_from_file: DAffine3,
     by_id: HashMap<&'a str, &'a Element>,
     /// Elements whose id is already used by another.
     repeated: HashMap<&'a str, &'a Element>,
@@ -101,6 +105,8 @@ struct Document<'a> {
     vertices: HashMap<*const Element, Vertices<'a>>,
     /// Geometries that have been read.
     geometries: HashMap<*const Element, Rc<[Shape<'a>]>>,
+    /// What has been read of the scene.
+    known: Known<'a>,
     /// Errors in parts that the mesh can be loaded without.
     left_out: Vec<Wrong>,
 }
@@ -112,6 +118,7 @@ impl<'a> Document<'a> {
         Self {
             root,
             up_axis,
+            world_from_file: DAffine3::IDENTITY,
             by_id,
             repeated,
             ambiguous: RefCell::default(),
@@ -120,6 +127,7 @@ impl<'a> Document<'a> {
             values: HashMap::new(),
             vertices: HashMap::new(),
             geometries: HashMap::new(),
+            known: Known::default(),
             left_out: Vec::new(),
         }
     }
@@ -128,7 +136,8 @@ impl<'a> Document<'a> {
         if self.root.name != "COLLADA" {
             return wrong(self.root, format!("the root element is <{}>", self.root.name));
         }
-        let world_from_file = self.world_from_file()?;
+        self.world_from_file = self.read_axes()?;
+        let world_from_file = self.world_from_file;
         let mut parts = Vec::new();
         let scene = self.root.child("scene").and_then(|scene| scene.child("instance_visual_scene"));
         if let Some(instance) = scene {
@@ -146,7 +155,7 @@ impl<'a> Document<'a> {
     }
 
     /// Returns the transform from the file's unit and, on request, up axis to metres with z up.
-    fn world_from_file(&self) -> Outcome<DAffine3> {
+    fn read_axes(&self) -> Outcome<DAffine3> {
         let asset = self.root.child("asset");
         let unit = asset.and_then(|asset| asset.child("unit"));
         let metre = match unit.and_then(|unit| Some((unit, unit.attribute("meter")?))) {
@@ -183,114 +192,24 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Places the content of a node. `above` has the names of the nearest ancestor that has any.
-    fn node(
-        &mut self,
-        node: &'a Element,
-        world_from_parent: DAffine3,
-        above: &[&str],
-        parts: &mut Vec<Part>,
-    ) -> Outcome<()> {
-        // The content of camera and light nodes has no triangles.
-        let holds = |name: &str| {
-            matches!(name, "node" | "instance_node" | "instance_geometry" | "instance_controller")
-        };
-        if !node.elements().any(|child| holds(&child.name)) {
-            return Ok(());
-        }
-        if let Err(spent) = self.budget.take(1, 0).and_then(|()| self.budget.enter(1)) {
-            return wrong(node, spent.to_string());
-        }
-        let mut world_from_node = world_from_parent;
-        for child in node.elements() {
-            if child.name == "skew" {
-                self.left_out.push(Wrong(child.source.clone(), "<skew> is not read".into()));
-            } else if let Some(transform) = transform(child)? {
-                world_from_node *= transform;
-            }
-        }
-        // In Gazebo, the name of a part is that of its node, or of the nearest ancestor with a name.
-        let own: Vec<&str> = ["name", "id"].iter().filter_map(|name| node.attribute(name)).collect();
-        let names = if own.is_empty() { above } else { &own[..] };
-        for child in node.elements() {
-            let first = parts.len();
-            match child.name.as_str() {
-                "node" => self.node(child, world_from_node, names, parts)?,
-                "instance_node" => {
-                    self.node(self.referenced(child, "url")?, world_from_node, names, parts)?;
-                }
-                "instance_geometry" => {
-                    let materials = self.bound_materials(child);
-                    self.geometry(self.referenced(child, "url")?, world_from_node, &materials, parts)?;
-                }
-                "instance_controller" => self.skin(child, parts)?,
-                _ => {}
-            }
-            if child.name.starts_with("instance_") && child.name != "instance_node" {
-                for part in &mut parts[first..] {
-                    part.aliases.extend(names.iter().copied().map(str::to_owned));
-                }
-            }
-        }
-        self.budget.leave(1);
-        Ok(())
-    }
-
-    /// Places a skin in the pose in which its mesh was bound; skeletons are not applied.
-    fn skin(&mut self, instance: &'a Element, parts: &mut Vec<Part>) -> Outcome<()> {
-        let controller = self.referenced(instance, "url")?;
-        let Some(skin) = controller.child("skin") else {
-            self.left_out
-                .push(Wrong(controller.source.clone(), "a controller that is not a skin is not read".into()));
-            return Ok(());
-        };
-        let bind_shape = skin.child("bind_shape_matrix").map(transform).transpose()?.flatten();
-        let materials = self.bound_materials(instance);
-        let geometry = self.referenced(skin, "source")?;
-        // The pose of a skin follows from its joints, not from its node.
-        let world_from_geometry = self.world_from_file()? * bind_shape.unwrap_or(DAffine3::IDENTITY);
-        self.geometry(geometry, world_from_geometry, &materials, parts)
-    }
-
-    /// Returns the materials that an instance assigns to the symbols of its primitives.
-    fn bound_materials(&mut self, instance: &'a Element) -> HashMap<&'a str, Material> {
-        let mut materials = HashMap::new();
-        let technique = instance.child("bind_material").and_then(|binding| binding.child("technique_common"));
-        for bound in technique.iter().flat_map(|technique| technique.elements_named("instance_material")) {
-            match self.look_of(bound) {
-                Ok(look) => materials.extend(bound.attribute("symbol").zip(look)),
-                Err(wrong) => self.left_out.push(wrong),
-            }
-        }
-        materials
-    }
-
-    fn look_of(&self, bound: &Element) -> Outcome<Option<Material>> {
-        let material = self.referenced(bound, "target")?;
-        match material.child("instance_effect") {
-            Some(effect) => self.effect(self.referenced(effect, "url")?),
-            None => Ok(None),
-        }
-    }
-
     /// Places a copy of a geometry's parts.
     fn geometry(
         &mut self,
         geometry: &'a Element,
         world_from_geometry: DAffine3,
-        materials: &HashMap<&str, Material>,
+        materials: &HashMap<&str, Rc<Material>>,
         parts: &mut Vec<Part>,
     ) -> Outcome<()> {
         let shapes = if let Some(known) = self.geometries.get(&std::ptr::from_ref(geometry)) {
+            let known = known.clone();
             let bytes = |shape: &Shape<'_>| {
                 size_of_val(&shape.positions[..])
                     + size_of_val(&shape.uvs[..])
                     + size_of_val(&shape.normals[..])
+                    + size_of::<Part>()
             };
-            if let Err(spent) = self.budget.take(0, known.iter().map(bytes).sum()) {
-                return wrong(geometry, spent.to_string());
-            }
-            known.clone()
+            self.take(geometry, known.iter().map(bytes).sum())?;
+            known
         } else {
             let shapes: Rc<[Shape<'a>]> = self.shapes(geometry)?.into();
             self.geometries.insert(geometry, shapes.clone());
@@ -305,16 +224,23 @@ impl<'a> Document<'a> {
             };
             let triangles =
                 shape.triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
-            parts.push(Part {
+            let part = Part {
                 name: geometry.attribute("id").unwrap_or_default().into(),
                 aliases: geometry.attribute("name").map(str::to_owned).into_iter().collect(),
                 positions: shape.positions.iter().map(place).collect(),
                 uvs: shape.uvs.clone(),
                 normals: shape.normals.iter().map(|normal| normals::turned(&matrix, *normal)).collect(),
                 triangles: triangles.collect(),
-                material: shape.symbol.and_then(|symbol| materials.get(symbol)).cloned(),
-            });
+                material: shape.symbol.and_then(|symbol| materials.get(symbol)).map(|look| (**look).clone()),
+            };
+            self.take(geometry, part.names_len())?;
+            parts.push(part);
         }
         Ok(())
+    }
+
+    /// Counts bytes that the file expands to.
+    fn take(&mut self, element: &Element, bytes: usize) -> Outcome<()> {
+        self.budget.take(0, bytes).or_else(|spent| wrong(element, spent.to_string()))
     }
 }

@@ -18,13 +18,13 @@ use super::normals;
 use super::part::{Part, Unreadable};
 use crate::budget::Budget;
 use crate::diagnostics::{Diagnostics, Source};
-use accessor::Accessors;
+use accessor::{Accessors, Table};
 use container::{Container, unsupported};
 use glam::{DAffine3, DMat3, DMat4, DQuat, DVec3};
 use look::{numbers, surface};
 use means::Means;
 use serde_json::Value;
-use skin::{Skin, affine};
+use skin::{Bound, Skin, affine};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 use std::rc::Rc;
@@ -84,6 +84,9 @@ fn read(
     }
     Ok(scene.parts)
 }
+
+/// What the budget counts for each primitive of each node, in bytes: primitives take time, even those without triangles.
+const PRIMITIVE: usize = 64;
 
 struct Scene<'a> {
     container: &'a Container<'a>,
@@ -168,11 +171,13 @@ impl<'a> Scene<'a> {
         };
         let title = mesh["name"].as_str().unwrap_or_default();
         for primitive in mesh["primitives"].as_array().into_iter().flatten() {
+            self.budget.take(0, PRIMITIVE).map_err(|spent| spent.to_string())?;
             let part = self.primitive(primitive, skin.as_deref(), scene_from_node);
             let Some(mut part) = part.map_err(|what| format!("mesh '{title}': {what}"))? else { continue };
             if name.is_empty() { title } else { name }.clone_into(&mut part.name);
             part.aliases.push(title.to_owned());
             let bytes = size_of_val(&part.positions[..]) + size_of_val(&part.triangles[..]);
+            let bytes = bytes + size_of_val(&part) + part.names_len();
             self.budget.take(0, bytes).map_err(|spent| spent.to_string())?;
             self.parts.push(part);
         }
@@ -216,69 +221,106 @@ impl<'a> Scene<'a> {
         if !attributes["COLOR_0"].is_null() {
             self.left_out.insert("colours of vertices".into());
         }
-        let points: Vec<[f64; 3]> = self.accessors.read(&attributes["POSITION"])?;
-        let positions = match skin {
-            None => points.iter().map(|point| scene_from_node.transform_point3((*point).into())).collect(),
-            Some(skin) => self.posed(skin, attributes, &points)?,
-        };
-        let normals = self.normals(attributes, skin, scene_from_node, points.len());
-        let surface = surface(self.container, &primitive["material"], &mut self.left_out, &mut self.means)?;
-        let uvs: Vec<[f64; 2]> = match &attributes[format!("TEXCOORD_{}", surface.uv_set)] {
-            Value::Null => Vec::new(),
-            accessor => self.accessors.of_vertices(accessor, points.len())?,
-        };
+        let vertices: Table<'_, 3> = self.accessors.open(&attributes["POSITION"])?;
+        let count = vertices.len();
         let indices: Vec<u32> = match &primitive["indices"] {
-            Value::Null => (0..points.len() as u32).collect(),
+            Value::Null => (0..count as u32).collect(),
             accessor => self.accessors.read(accessor)?.iter().map(|[index]| *index as u32).collect(),
         };
         let mirrored = skin.is_none() && scene_from_node.matrix3.determinant() < 0.0;
         let triangles =
             triangles(mode, &indices).map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+        let mut triangles: Vec<[u32; 3]> = triangles.collect();
+        let used = take_used(&mut triangles, count);
+        let points = used.iter().map(|vertex| DVec3::from_array(vertices.get(*vertex)));
+        let positions: Vec<DVec3> = match skin {
+            None => points.map(|point| scene_from_node.transform_point3(point)).collect(),
+            Some(skin) => {
+                let bound = self.bound(attributes, count)?;
+                let bound = bound.ok_or("its vertices, joints and weights differ in number")?;
+                let placed = |(point, vertex): (DVec3, &usize)| skin.place(point, bound.of(*vertex));
+                points.zip(&used).map(placed).collect::<Result<_, _>>()?
+            }
+        };
+        let normals = self.normals(attributes, skin, scene_from_node, (&used, count));
+        let surface = surface(self.container, &primitive["material"], &mut self.left_out, &mut self.means)?;
+        let uvs: Option<Table<'_, 2>> = match &attributes[format!("TEXCOORD_{}", surface.uv_set)] {
+            Value::Null => None,
+            accessor => self.accessors.of_vertices(accessor, count)?,
+        };
+        let uvs =
+            uvs.map_or_else(Vec::new, |uvs| used.iter().map(|vertex| surface.uv(uvs.get(*vertex))).collect());
         Ok(Some(Part {
-            triangles: triangles.collect(),
+            triangles,
             positions: positions.iter().map(|point: &DVec3| point.as_vec3().to_array()).collect(),
-            uvs: uvs.iter().map(|uv| surface.uv(*uv)).collect(),
+            uvs,
             normals,
             material: surface.material,
             ..Part::default()
         }))
     }
 
-    /// Returns the normals of the vertices; none if they are damaged, as the triangles can be drawn without them.
+    /// Returns the normals of the `used` ones of `count` vertices; none if they are damaged, as the triangles can be drawn
+    /// without them.
     fn normals(
         &self,
         attributes: &Value,
         skin: Option<&Skin>,
         scene_from_node: DAffine3,
-        count: usize,
+        (used, count): (&[usize], usize),
     ) -> Vec<[f32; 3]> {
-        let normals: Vec<[f64; 3]> = match &attributes["NORMAL"] {
-            Value::Null => Vec::new(),
-            accessor => self.accessors.of_vertices(accessor, count).unwrap_or_default(),
+        let normals: Option<Table<'_, 3>> = match &attributes["NORMAL"] {
+            Value::Null => None,
+            accessor => self.accessors.of_vertices(accessor, count).ok().flatten(),
         };
-        if normals.len() != count {
-            return Vec::new();
-        }
+        let Some(normals) = normals else { return Vec::new() };
+        let normals = used.iter().map(|vertex| DVec3::from_array(normals.get(*vertex)));
         let Some(skin) = skin else {
             let matrix = normals::matrix(scene_from_node.matrix3);
-            return normals.iter().map(|normal| normals::unit(matrix * DVec3::from_array(*normal))).collect();
+            return normals.map(|normal| normals::unit(matrix * normal)).collect();
         };
-        let [joints, weights] = ["JOINTS_0", "WEIGHTS_0"]
-            .map(|name| self.accessors.of_vertices::<4>(&attributes[name], count).unwrap_or_default());
-        let bound = normals.iter().zip(joints.into_iter().zip(weights));
-        bound.map(|(normal, (joints, weights))| skin.turn((*normal).into(), joints, weights)).collect()
+        let Ok(Some(bound)) = self.bound(attributes, count) else { return Vec::new() };
+        normals.zip(used).map(|(normal, vertex)| skin.turn(normal, bound.of(*vertex))).collect()
     }
 
-    /// Returns the positions of the vertices as deformed by a skin.
-    fn posed(&self, skin: &Skin, attributes: &Value, points: &[[f64; 3]]) -> Result<Vec<DVec3>, String> {
-        let joints: Vec<[f64; 4]> = self.accessors.of_vertices(&attributes["JOINTS_0"], points.len())?;
-        let weights: Vec<[f64; 4]> = self.accessors.of_vertices(&attributes["WEIGHTS_0"], points.len())?;
-        if joints.len() != points.len() || weights.len() != points.len() {
-            return Err("its vertices, joints and weights differ in number".into());
-        }
-        let bound = points.iter().zip(joints.into_iter().zip(weights));
-        bound.map(|(point, (joints, weights))| skin.place((*point).into(), joints, weights)).collect()
+    /// Returns the joints of the vertices and their weights; `None` if there are not as many as vertices.
+    fn bound(&self, attributes: &Value, count: usize) -> Result<Option<Bound<'a>>, String> {
+        let joints = self.accessors.of_vertices(&attributes["JOINTS_0"], count)?;
+        let weights = self.accessors.of_vertices(&attributes["WEIGHTS_0"], count)?;
+        Ok(joints.zip(weights).map(|(joints, weights)| Bound { joints, weights }))
     }
+}
+
+/// Returns the vertices that triangles use, of `count`, in ascending order, and numbers the corners by them. Exporters
+/// often write one accessor that all primitives share, of which each uses a part. A corner that names no vertex still
+/// does so afterwards.
+fn take_used(triangles: &mut [[u32; 3]], count: usize) -> Vec<usize> {
+    let corners = triangles.as_flattened_mut();
+    let mut used: Vec<usize> = Vec::new();
+    if corners.len() >= count {
+        let mut places = vec![None; count];
+        for corner in &*corners {
+            if let Some(place) = places.get_mut(*corner as usize) {
+                *place = Some(0);
+            }
+        }
+        for (vertex, place) in places.iter_mut().enumerate().filter(|(_, place)| place.is_some()) {
+            *place = Some(used.len() as u32);
+            used.push(vertex);
+        }
+        for corner in corners {
+            *corner = places.get(*corner as usize).copied().flatten().unwrap_or(u32::MAX);
+        }
+    } else {
+        used.extend(corners.iter().map(|corner| *corner as usize).filter(|corner| *corner < count));
+        used.sort_unstable();
+        used.dedup();
+        for corner in corners {
+            let place = used.binary_search(&(*corner as usize));
+            *corner = place.map_or(u32::MAX, |place| place as u32);
+        }
+    }
+    used
 }
 
 /// The `mode` of triangles, and the last of the supported modes; between them are strips.

@@ -24,6 +24,15 @@ pub(super) struct Part {
     pub(super) material: Option<Material>,
 }
 
+impl Part {
+    /// Returns the number of bytes of its names. Many parts may have the same long name.
+    pub(super) fn names_len(&self) -> usize {
+        let texture = self.material.as_ref().and_then(|material| material.texture.as_ref());
+        let aliases: usize = self.aliases.iter().map(String::len).sum();
+        self.name.len() + aliases + texture.map_or(0, |texture| texture.as_os_str().len())
+    }
+}
+
 /// The reason why a mesh file cannot be read.
 pub(super) struct Unreadable {
     /// The line with the error, if the file has lines.

@@ -1,6 +1,6 @@
 //! Skins of a glTF in their rest pose: the vertices are moved by the joints.
 
-use super::accessor::Accessors;
+use super::accessor::{Accessors, Table};
 use super::container::Container;
 use crate::mesh::normals;
 use glam::{DAffine3, DMat4, DVec3};
@@ -9,6 +9,20 @@ use serde_json::Value;
 /// The transforms that the joints of a skin apply to its vertices.
 pub(super) struct Skin {
     scene_from_bound: Vec<DAffine3>,
+}
+
+/// The joints that move the vertices of a primitive, and their weights.
+pub(super) struct Bound<'a> {
+    pub(super) joints: Table<'a, 4>,
+    pub(super) weights: Table<'a, 4>,
+}
+
+impl Bound<'_> {
+    /// Returns the joints of a vertex with their weights.
+    pub(super) fn of(&self, vertex: usize) -> [(f64, f64); 4] {
+        let (joints, weights) = (self.joints.get(vertex), self.weights.get(vertex));
+        std::array::from_fn(|at| (joints[at], weights[at]))
+    }
 }
 
 impl Skin {
@@ -41,10 +55,10 @@ impl Skin {
     ///
     /// # Errors
     /// The vertex names a joint that the skin does not have.
-    pub(super) fn place(&self, point: DVec3, joints: [f64; 4], weights: [f64; 4]) -> Result<DVec3, String> {
-        let total: f64 = weights.iter().sum();
+    pub(super) fn place(&self, point: DVec3, bound: [(f64, f64); 4]) -> Result<DVec3, String> {
+        let total: f64 = bound.iter().map(|(_, weight)| weight).sum();
         let mut placed = DVec3::ZERO;
-        for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
+        for (joint, weight) in bound.into_iter().filter(|(_, weight)| *weight != 0.0) {
             let scene_from_bound = self.scene_from_bound.get(joint as usize);
             let scene_from_bound = scene_from_bound
                 .ok_or_else(|| format!("a vertex names joint {joint}, which the skin does not have"))?;
@@ -54,9 +68,9 @@ impl Skin {
     }
 
     /// Returns the normal of a vertex, from its joints and their weights.
-    pub(super) fn turn(&self, normal: DVec3, joints: [f64; 4], weights: [f64; 4]) -> [f32; 3] {
+    pub(super) fn turn(&self, normal: DVec3, bound: [(f64, f64); 4]) -> [f32; 3] {
         let mut turned = DVec3::ZERO;
-        for (joint, weight) in joints.into_iter().zip(weights).filter(|(_, weight)| *weight != 0.0) {
+        for (joint, weight) in bound.into_iter().filter(|(_, weight)| *weight != 0.0) {
             if let Some(scene_from_bound) = self.scene_from_bound.get(joint as usize) {
                 turned += normals::matrix(scene_from_bound.matrix3) * normal * weight;
             }

@@ -95,6 +95,37 @@ fn the_first_of_an_id_counts_and_the_second_is_a_warning() {
     assert!(problem.starts_with(words), "{problem}");
 }
 
+/// A material that many instances bind is read once, and so is what is wrong with it.
+#[test]
+fn a_damaged_effect_is_reported_once() {
+    let files = Files::new();
+    let bound = "<instance_material symbol='red' target='#m'/>";
+    let node = format!(
+        "<node name='n'><skew>0 1 0 0 0 1 0</skew><instance_geometry url='#g'><bind_material><technique_common>{bound}{bound}\
+         </technique_common></bind_material></instance_geometry></node>"
+    );
+    let nodes = format!("{}<node id='k'>{node}</node><node><instance_node url='#k'/></node>", node.repeat(3));
+    let primitive = format!("<triangles material='red'>{INPUT}<p>0 1 2</p></triangles>");
+    let materials = |color: &str| {
+        format!(
+            "<library_materials><material id='m'>\n<instance_effect url='#e'/></material></library_materials>\n\
+             <library_effects><effect id='e'><profile_COMMON><technique><phong><diffuse><color>{color}</color></diffuse>\
+             </phong></technique></profile_COMMON></effect></library_effects><library_geometries>"
+        )
+    };
+    for (color, looks, count) in [("1 0 0 1", Some([1.0, 0.0, 0.0]), 1), ("red", None, 2)] {
+        let file = dae(&l(), &primitive, &nodes).replacen("<library_geometries>", &materials(color), 1);
+        files.write("e.dae", file);
+        let (meshes, problems) = files.load("e.dae");
+        // One of them is about <skew>.
+        assert_eq!(problems.len(), count, "{problems:?}");
+        let meshes = meshes.unwrap();
+        let [mesh] = &meshes[..] else { panic!("one material is one mesh") };
+        assert_eq!(mesh.material.as_ref().map(|look| look.diffuse), looks);
+        assert_eq!(mesh.triangles.len(), 5);
+    }
+}
+
 /// Returns the time for which this thread has been running on a processor, in s.
 fn processor_s() -> f64 {
     let numbers = std::fs::read_to_string("/proc/thread-self/schedstat").unwrap();

@@ -114,6 +114,35 @@ pub(super) fn encoded(bytes: &[u8]) -> String {
     bytes.chunks(3).flat_map(group).collect()
 }
 
+/// Exporters write one accessor for all primitives. Each part has the vertices that its triangles use, in their order.
+#[test]
+fn primitives_that_share_an_accessor_have_their_own_vertices() {
+    let mut model = Model::block();
+    let away = [[9.0; 3]; 40];
+    let positions = model.floats([&CORNERS[..], &away].concat().as_flattened(), "VEC3", 48);
+    let normals: Vec<[f32; 3]> = (0..48).map(|at| [f32::from(at as u8), 1.0, 0.0]).collect();
+    let normals = model.floats(normals.as_flattened(), "VEC3", 48);
+    let [few, many] = [model.shorts(&[7, 4, 5]), model.shorts(&[3, 1, 0].repeat(30))];
+    let attributes = json!({ "POSITION": positions, "NORMAL": normals });
+    model.json["meshes"][0]["primitives"] =
+        json!([{ "attributes": attributes, "indices": few }, { "attributes": attributes, "indices": many }]);
+    let meshes = model.meshes();
+    let [mesh] = &meshes[..] else { panic!("one material is one mesh") };
+    let used = [4, 5, 7, 0, 1, 3];
+    assert_eq!(mesh.positions, used.map(|at: usize| CORNERS[at]));
+    assert_eq!((mesh.triangles.len(), &mesh.triangles[..2]), (31, &[[2, 0, 1], [5, 4, 3]][..]));
+    for (normal, at) in mesh.normals.iter().zip(used) {
+        assert!((normal[0] / normal[1] - at as f32).abs() < 1e-5, "{normal:?}");
+    }
+    // A vertex that does not exist is an error, however many there are.
+    for corners in [[1, 2, 48].to_vec(), [0, 1, 48].repeat(30)] {
+        let indices = model.shorts(&corners);
+        model.json["meshes"][0]["primitives"] = json!([{ "attributes": attributes, "indices": indices }]);
+        let error = model.error();
+        assert!(error.contains("triangle 0 names a vertex that does not exist"), "{error}");
+    }
+}
+
 #[test]
 fn buffers_are_inside_beside_or_in_uris() {
     let files = Files::new();

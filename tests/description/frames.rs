@@ -410,3 +410,56 @@ fn chains_of_eight_thousand() {
     assert_eq!(problems.len(), COUNT - 1);
     assert!(start.elapsed() < PATIENCE, "{:?}", start.elapsed());
 }
+
+/// libsdformat reads `frame` of SDF 1.5 and 1.6 as `relative_to` since Gazebo 11, and older ones ignore it.
+#[test]
+fn poses_of_old_files_are_relative_to_the_frame_that_they_name() {
+    let inside = format!(
+        "<link name='base'><pose>1 0 0 0 0 0</pose></link>\
+         <link name='a'><pose frame='base'>0 2 0 0 0 0</pose>\
+         <visual name='v'><pose frame='base'>0 0 3 0 0 0</pose>{BOX}</visual></link>\
+         <link name='b'><pose relative_to='base'>0 2 0 0 0 0</pose></link>\
+         <link name='c'><pose frame=''>0 2 0 0 0 0</pose></link>\
+         <joint name='ab' type='fixed'><parent>base</parent><child>a</child></joint>\
+         <joint name='bb' type='fixed'><parent>base</parent><child>b</child></joint>\
+         <joint name='cb' type='fixed'><parent>base</parent><child>c</child></joint>"
+    );
+    let world = good("1.6", &one_model(&inside));
+    let model = &world.models[0];
+    close(place(model, "a"), DVec3::new(1.0, 2.0, 0.0));
+    close(place(model, "b"), DVec3::new(1.0, 2.0, 0.0));
+    close(place(model, "c"), DVec3::new(0.0, 2.0, 0.0));
+    close(model.links[1].visuals[0].link_from_visual.translation(), DVec3::new(0.0, -2.0, 3.0));
+    // What does not exist is ignored.
+    let inside = format!(
+        "<link name='a'><pose frame='nothing'>0 2 0 0 0 0</pose><visual name='v'><pose frame='no'>0 0 3 0 0 0</pose>\
+         {BOX}</visual></link>"
+    );
+    let (world, problems) = Folder::new().load("1.6", &one_model(&inside), false);
+    let model = &world.unwrap().models[0];
+    close(place(model, "a"), DVec3::new(0.0, 2.0, 0.0));
+    close(model.links[0].visuals[0].link_from_visual.translation(), DVec3::new(0.0, 0.0, 3.0));
+    assert!(
+        problems.len() == 2 && problems.iter().all(|it| it.severity == Severity::Warning),
+        "{problems:#?}"
+    );
+    assert!(
+        problems[0].to_string().contains("no frame 'no") && problems[1].to_string().contains("no frame 'no")
+    );
+}
+
+/// libsdformat knows no `relative_to` there.
+#[test]
+fn the_pose_of_an_inertial_is_in_the_link() {
+    let content = one_model(
+        "<link name='a'><pose>1 0 0 0 0 0</pose><inertial><pose relative_to='__model__'>0 0 1 0 0 0</pose><mass>1</mass>\
+         </inertial></link>",
+    );
+    let (world, problems) = Folder::new().load("1.9", &content, false);
+    let inertial = world.unwrap().models[0].links[0].inertial;
+    close(inertial.unwrap().link_from_inertial.translation(), DVec3::new(0.0, 0.0, 1.0));
+    assert!(
+        problems.len() == 1 && problems[0].to_string().contains("is ignored, as in Gazebo"),
+        "{problems:#?}"
+    );
+}

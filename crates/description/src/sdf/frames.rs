@@ -40,6 +40,8 @@ enum Progress {
 
 struct Frame {
     parent: String,
+    /// The parent if there is none of that name, before SDF 1.7.
+    other_parent: Option<String>,
     attachment: Attachment,
     /// Pose in the parent.
     pose: Pose,
@@ -50,9 +52,11 @@ struct Frame {
 }
 
 impl Frame {
-    fn new(parent: String, attachment: Attachment, written: &WrittenPose) -> Self {
+    /// Creates a frame. `default` is the frame that its pose is relative to if the pose names none.
+    fn new(default: &str, attachment: Attachment, written: &WrittenPose) -> Self {
         Self {
-            parent,
+            parent: written.relative_to.as_deref().unwrap_or(default).to_owned(),
+            other_parent: written.is_old.then(|| default.to_owned()),
             attachment,
             pose: written.pose,
             source: written.source.clone(),
@@ -92,30 +96,27 @@ impl Frames {
 
     /// Adds the frame of a link.
     pub(super) fn add_link(&mut self, name: &str, written: &WrittenPose) {
-        let parent = written.relative_to.as_deref().unwrap_or(self.root).to_owned();
-        self.own.insert(name.to_owned(), Frame::new(parent, Attachment::Link, written));
+        self.own.insert(name.to_owned(), Frame::new(self.root, Attachment::Link, written));
     }
 
     /// Adds a `<frame>`. Without `relative_to`, its pose is relative to the frame that it is attached to.
     pub(super) fn add(&mut self, name: &str, written: &WrittenPose, attached_to: Option<&str>) {
         let attached_to = attached_to.unwrap_or(self.root).to_owned();
-        let parent = written.relative_to.clone().unwrap_or_else(|| attached_to.clone());
-        self.own.insert(name.to_owned(), Frame::new(parent, Attachment::To(attached_to), written));
+        let frame = Frame::new(&attached_to, Attachment::To(attached_to.clone()), written);
+        self.own.insert(name.to_owned(), frame);
     }
 
     /// Adds a joint's frame. Without `relative_to`, its pose is relative to the joint's child. Of several with the same name,
     /// the first is kept.
     pub(super) fn add_joint(&mut self, name: &str, written: &WrittenPose, child: Option<&str>) {
-        let child = child.unwrap_or(self.root).to_owned();
-        let parent = written.relative_to.clone().unwrap_or_else(|| child.clone());
-        let frame = || Frame::new(parent, Attachment::To(child), written);
+        let child = child.unwrap_or(self.root);
+        let frame = || Frame::new(child, Attachment::To(child.to_owned()), written);
         self.joints.entry(name.to_owned()).or_insert_with(frame);
     }
 
     /// Adds the frame of a nested model, and the frames inside it as `model::frame`.
     pub(super) fn add_model(&mut self, name: &str, written: &WrittenPose, inside: Frames) {
-        let parent = written.relative_to.as_deref().unwrap_or(self.root).to_owned();
-        self.own.insert(name.to_owned(), Frame::new(parent, Attachment::Model, written));
+        self.own.insert(name.to_owned(), Frame::new(self.root, Attachment::Model, written));
         self.nested.insert(name.to_owned(), inside);
     }
 
@@ -123,14 +124,14 @@ impl Frames {
     /// already taken; they keep their meaning.
     pub(super) fn merge(&mut self, name: &str, written: &WrittenPose, inside: Frames) -> Vec<String> {
         let canonical = inside.canonical.as_deref().unwrap_or(self.root);
-        let parent = written.relative_to.as_deref().unwrap_or(self.root).to_owned();
-        let root = Frame::new(parent, Attachment::To(canonical.to_owned()), written);
+        let root = Frame::new(self.root, Attachment::To(canonical.to_owned()), written);
         let mut taken = Vec::new();
         let outwards = |mut frame: Frame| {
-            for to in std::iter::once(&mut frame.parent).chain(match &mut frame.attachment {
+            let attached_to = match &mut frame.attachment {
                 Attachment::To(to) => Some(to),
                 _ => None,
-            }) {
+            };
+            for to in [&mut frame.parent].into_iter().chain(&mut frame.other_parent).chain(attached_to) {
                 if to == inside.root {
                     name.clone_into(to);
                 }
@@ -199,11 +200,24 @@ impl Frames {
 
     /// Returns the pose in the root of an element of the world or model itself.
     pub(super) fn place(&self, written: &WrittenPose, diagnostics: &mut Diagnostics) -> Pose {
-        let outer = written
-            .relative_to
-            .as_deref()
-            .and_then(|frame| self.resolve(frame, &written.source, diagnostics));
+        let frame = self.named_by(written, diagnostics);
+        let outer = frame.and_then(|frame| self.resolve(frame, &written.source, diagnostics));
         outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
+    }
+
+    /// Returns the frame that a pose is relative to, if it names one. Before SDF 1.7, one that does not exist is ignored with a
+    /// warning.
+    pub(super) fn named_by<'w>(
+        &self,
+        written: &'w WrittenPose,
+        diagnostics: &mut Diagnostics,
+    ) -> Option<&'w str> {
+        let frame = written.relative_to.as_deref()?;
+        if written.is_old && !self.knows(frame) {
+            self.tell_unknown(frame, &written.source, true, diagnostics);
+            return None;
+        }
+        Some(frame)
     }
 
     /// Returns the pose of a frame in the root. `source` is the element that refers to it, for errors.
@@ -244,8 +258,13 @@ impl Frames {
                 let Some(pose) = inner.resolve(rest, source, diagnostics) else { break None };
                 steps.push(Step { name, frame: None, pose });
                 name = model;
+            } else if let Some(other) = steps.last().and_then(|step| step.frame?.other_parent.as_deref())
+                && other != name
+            {
+                self.tell_unknown(name, source, true, diagnostics);
+                name = other;
             } else {
-                self.tell_unknown(name, source, diagnostics);
+                self.tell_unknown(name, source, false, diagnostics);
                 break None;
             }
             frame = self.get(name);
@@ -260,20 +279,22 @@ impl Frames {
         pose
     }
 
-    fn tell_unknown(&self, name: &str, source: &Source, diagnostics: &mut Diagnostics) {
+    fn tell_unknown(&self, name: &str, source: &Source, is_ignored: bool, diagnostics: &mut Diagnostics) {
         let mut known = vec![self.root.to_owned()];
         if !diagnostics.is_crowded() {
             self.collect_names("", &mut known);
         }
         let meant = diagnostics.did_you_mean(name, known.iter().map(String::as_str));
-        diagnostics.error(
-            source,
-            format!("there is no frame '{name}' here"),
-            format!(
-                "name a link, joint, frame or nested model of the same model{}",
-                meant.map(|meant| format!(" ({meant})")).unwrap_or_default()
-            ),
+        let remedy = format!(
+            "name a link, joint, frame or nested model of the same model{}",
+            meant.map(|meant| format!(" ({meant})")).unwrap_or_default()
         );
+        if is_ignored {
+            let what = format!("there is no frame '{name}' here: the <pose> is read as if it named none");
+            diagnostics.warning(source, what, remedy);
+        } else {
+            diagnostics.error(source, format!("there is no frame '{name}' here"), remedy);
+        }
     }
 
     /// Appends the names of the frames, up to the number that is compared with an unknown one.
@@ -342,7 +363,7 @@ impl Loader<'_> {
         frames: &Frames,
     ) -> Pose {
         let written = self.pose(part, version);
-        let Some(frame) = &written.relative_to else { return written.pose };
+        let Some(frame) = frames.named_by(&written, self.diagnostics) else { return written.pose };
         let model_from_frame = frames.resolve(frame, &written.source, self.diagnostics);
         let model_from_link = frames.resolve(link, &part.source, self.diagnostics);
         match (model_from_link, model_from_frame) {

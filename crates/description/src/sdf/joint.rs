@@ -101,7 +101,7 @@ impl Loader<'_> {
         frames: &Frames,
     ) -> Pose {
         let written = self.pose(sensor, version);
-        let frame = written.relative_to.as_deref();
+        let frame = frames.named_by(&written, self.diagnostics);
         let model_from_frame = frame.and_then(|name| frames.resolve(name, &written.source, self.diagnostics));
         model_from_frame.map_or(written.pose, |frame| model_from_joint.inverse() * frame * written.pose)
     }

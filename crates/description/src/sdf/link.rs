@@ -48,9 +48,7 @@ impl Loader<'_> {
         let mut link = Link {
             name: name.clone(),
             model_from_link,
-            inertial: self
-                .inertial(element, scope, frames, &name)
-                .or((!is_static).then_some(DEFAULT_INERTIAL)),
+            inertial: self.inertial(element, scope, &name).or((!is_static).then_some(DEFAULT_INERTIAL)),
             visuals: Vec::new(),
             collisions: Vec::new(),
             gravity: child_bool(element, "gravity", self.diagnostics).unwrap_or(true),
@@ -104,15 +102,17 @@ impl Loader<'_> {
         parts.links.push(link);
     }
 
-    fn inertial(
-        &mut self,
-        link: &Element,
-        scope: Scope<'_>,
-        frames: &Frames,
-        link_name: &str,
-    ) -> Option<Inertial> {
+    fn inertial(&mut self, link: &Element, scope: Scope<'_>, link_name: &str) -> Option<Inertial> {
         let element = link.child("inertial").filter(|inertial| !is_automatic(inertial))?;
-        let link_from_inertial = self.pose_in_link(element, scope.version, link_name, frames);
+        let written = self.pose(element, scope.version);
+        if let Some(frame) = &written.relative_to {
+            self.diagnostics.warning(
+                &written.source,
+                format!("the frame '{frame}' of the <pose> of an <inertial> is ignored, as in Gazebo"),
+                "write the pose in the frame of the link",
+            );
+        }
+        let link_from_inertial = written.pose;
         let mass_kg = child_number(element, "mass", self.diagnostics).unwrap_or(DEFAULT_INERTIAL.mass_kg);
         let source = element.child("mass").map_or(&element.source, |mass| &mass.source);
         if mass_kg == 0.0 {

@@ -45,7 +45,7 @@ impl Frames {
             chain.insert(name);
             // The ends of joints are checked with the joints.
             if !self.knows(to) && self.has(name) {
-                self.tell_unknown(to, &frame.source, diagnostics);
+                self.tell_unknown(to, &frame.source, false, diagnostics);
             }
             name = to;
         }

@@ -103,6 +103,13 @@ impl Loader<'_> {
                 );
             }
         }
+        // libsdformat copies elements of SDF into the link, behind those that it makes of URDF's names, and the first counts.
+        if let Some(has_gravity) = child_bool(element, "gravity", self.diagnostics) {
+            link.gravity = has_gravity;
+        }
+        if let Some(collides) = child_bool(element, "self_collide", self.diagnostics) {
+            link.self_collide = collides;
+        }
         // As in libsdformat, every value that does not mean false means true.
         if let Some(off) = element.child("turnGravityOff").map(value) {
             link.gravity = matches!(off.to_ascii_lowercase().as_str(), "false" | "no" | "0");

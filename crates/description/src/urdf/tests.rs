@@ -219,6 +219,24 @@ fn extensions_are_set_by_text_or_attribute() {
     assert_eq!(a.visuals[0].material.diffuse, [1.0, 0.0, 0.0]);
     assert_eq!((a.visuals[0].optics.transmittance, a.collisions[0].optics.transmittance), (0.9, 0.9));
     assert!(link("<turnGravityOff>no</turnGravityOff>").0.gravity);
+    // Elements of SDF, which libsdformat copies into the link; URDF's own names take precedence.
+    for (inside, gravity, self_collide) in [
+        ("<gravity>false</gravity><self_collide>1</self_collide>", false, true),
+        ("<gravity>1</gravity><turnGravityOff>true</turnGravityOff>", false, false),
+        ("<self_collide>true</self_collide><selfCollide>false</selfCollide>", true, false),
+    ] {
+        let (a, problems) = link(inside);
+        assert_eq!(
+            (a.gravity, a.self_collide, problems.len()),
+            (gravity, self_collide, 0),
+            "{inside}: {problems:?}"
+        );
+    }
+    let (_, problems) = link("<enable_wind>true</enable_wind>");
+    assert!(
+        problems.len() == 1 && problems[0].contains("is not simulated: there is no wind"),
+        "{problems:?}"
+    );
     let (a, problems) = link("<mu1>-1</mu1>");
     assert!(a.collisions[0].friction.unwrap() >= 1e6);
     assert!(problems.len() == 1 && problems[0].contains("warning: <mu1> of link 'a' is -1"), "{problems:?}");

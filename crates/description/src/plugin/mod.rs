@@ -77,9 +77,33 @@ fn reader(name: &str) -> Option<Read> {
     })
 }
 
+/// Systems of gz-sim, and plugins of Gazebo classic, whose work the simulator does without them for each world and sensor.
+const PROVIDED: [&str; 13] = [
+    "gazebo_ros_init",
+    "gz-sim-air-pressure",
+    "gz-sim-altimeter",
+    "gz-sim-contact",
+    "gz-sim-forcetorque",
+    "gz-sim-imu",
+    "gz-sim-logical-camera",
+    "gz-sim-magnetometer",
+    "gz-sim-navsat",
+    "gz-sim-physics",
+    "gz-sim-scene-broadcaster",
+    "gz-sim-sensors",
+    "gz-sim-user-commands",
+];
+
+/// Returns true if nothing is missing without a plugin, because the simulator does its work anyway.
+pub(super) fn is_provided(plugin: &Element) -> bool {
+    let name = plain_name(plugin.attribute("filename").unwrap_or_default());
+    PROVIDED.contains(&name.strip_suffix("-system").unwrap_or(&name))
+}
+
 /// Reads the plugins in an element into a model whose links and joints have been read.
 pub(super) fn read(parent: &Element, model: &mut Model, rules: Rules, diagnostics: &mut Diagnostics) {
-    for element in parent.elements_named("plugin").filter(|plugin| !is_label(plugin)) {
+    for element in parent.elements_named("plugin").filter(|plugin| !is_label(plugin) && !is_provided(plugin))
+    {
         let file = element.attribute("filename").unwrap_or_default();
         let name = plain_name(file);
         let name = name.strip_suffix("-system").unwrap_or(&name);

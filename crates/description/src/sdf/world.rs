@@ -5,6 +5,7 @@ use super::model::ParsedModel;
 use super::pose::WrittenPose;
 use super::{Loader, Scope, name_of};
 use crate::model::{Earth, Light, Model, World};
+use crate::plugin;
 use crate::values::{child_number, numbers};
 use crate::xml::Element;
 use glam::DVec3;
@@ -40,6 +41,7 @@ impl Loader<'_> {
                     let pose = self.pose(child, scope.version);
                     lights.extend(self.light(child, pose.pose).map(|light| (light, pose)));
                 }
+                "plugin" if plugin::is_provided(child) => {}
                 "plugin" => self.ignored(child, "plugins of a world are not run"),
                 "actor" => models.extend(self.actor(child, scope)),
                 "road" | "population" | "joint" => self.ignored(child, "it is not simulated"),

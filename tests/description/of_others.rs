@@ -51,6 +51,95 @@ fn a_model_around_a_missing_one_is_left_out_with_it() {
     assert!(model.is_none() && problems[1].to_string().contains("error: the model 'b' has no parts left"));
 }
 
+#[test]
+fn an_included_model_of_missing_parts_is_left_out_of_the_world() {
+    let folder = Folder::new();
+    let shelf = "<include><uri>model://nobodys_shelf</uri></include>";
+    folder.write("shelf/model.sdf", format!("<sdf version='1.9'><model name='shelf'>{shelf}</model></sdf>"));
+    folder.write("alias/model.sdf", format!("<sdf version='1.9'>{shelf}</sdf>"));
+    for name in ["shelf", "alias"] {
+        let text = format!(
+            "<sdf version='1.9'><world name='w'><include><uri>model://{name}</uri></include>\
+             <model name='kept'><link name='l'/></model></world></sdf>"
+        );
+        folder.write("test.world", text);
+        let (world, problems) = described(&folder, "test.world", skip_missing());
+        warnings(&problems, &["no model 'model://nobodys_shelf'"]);
+        let Some(Described::World(world)) = world else { panic!("{world:?}") };
+        assert_eq!(world.models.iter().map(|model| model.name.as_str()).collect::<Vec<_>>(), ["kept"]);
+    }
+    // The error about a file that is one <include> says what it includes.
+    let (_, problems) = described(&folder, "alias/model.sdf", skip_missing());
+    assert!(
+        problems[1].to_string().contains("the model 'model://nobodys_shelf' has no parts left"),
+        "{problems:#?}"
+    );
+}
+
+/// A model that is an extension of the one with its name on Fuel.
+#[test]
+fn a_model_of_fuel_is_not_the_one_that_includes_it() {
+    let folder = Folder::new();
+    folder.write(
+        "models/cube/model.sdf",
+        "<sdf version='1.9'><model name='cube'><include merge='true'>\
+         <uri>https://fuel.gazebosim.org/1.0/nobody/models/cube</uri></include><link name='l'/></model></sdf>",
+    );
+    let text = "<sdf version='1.9'><world name='w'><include><uri>model://cube</uri></include></world></sdf>";
+    folder.write("test.world", text);
+    let (_, problems) = described(&folder, "test.world", Rules::default());
+    assert_one_error(&problems, 1, &["nobody/models/cube' cannot be fetched", "gz fuel download"]);
+    let (world, problems) = described(&folder, "test.world", skip_missing());
+    warnings(&problems, &["nobody/models/cube' cannot be fetched"]);
+    assert!(matches!(world, Some(Described::World(world)) if world.models[0].links.len() == 1));
+    // A mesh of such a model has the same remedy.
+    let text = "<sdf version='1.9'><model name='m'><link name='l'><visual name='v'><geometry><mesh>\
+        <uri>https://fuel.gazebosim.org/1.0/nobody/models/cone/tip/files/meshes/a.dae</uri></mesh></geometry></visual>\
+        </link></model></sdf>";
+    folder.write("cone.sdf", text);
+    let (_, problems) = described(&folder, "cone.sdf", Rules::default());
+    assert_one_error(&problems, 1, &["files/meshes/a.dae' cannot be fetched", "gz fuel download"]);
+}
+
+/// What gz-sim leaves to systems, such as physics and the data of an inertial unit, is done without them.
+#[test]
+fn systems_of_gz_whose_work_is_done_anyway_give_no_warning() {
+    let folder = Folder::new();
+    let plugin = |file: &str| format!("<plugin filename='{file}' name='x'/>");
+    let world = |of_world: &str, of_model: &str| {
+        let (of_world, of_model) = (plugin(of_world), plugin(of_model));
+        let model = format!("<model name='m'><link name='l'/>{of_model}</model>");
+        folder.load("1.9", &format!("{of_world}\n{model}"), false).1
+    };
+    for (of_world, of_model) in [
+        ("gz-sim-physics-system", "gz-sim-imu-system"),
+        ("libignition-gazebo-sensors-system.so", "ignition-gazebo-navsat-system"),
+        ("libgazebo_ros_init.so", "gz-sim-forcetorque-system"),
+    ] {
+        assert_eq!(world(of_world, of_model), []);
+    }
+    warnings(
+        &world("gz-sim-wind-effects-system", "gz-sim-buoyancy-system"),
+        &["plugins of a world are not run", "'gz-sim-buoyancy-system' of model 'm' is not simulated"],
+    );
+}
+
+/// Packages for gz-sim add their own root to the folders of `model://`.
+#[test]
+fn a_path_of_model_may_begin_in_the_package_of_its_file() {
+    let folder = Folder::new();
+    folder.write("my_rovers/package.xml", "<package><name>my_rovers</name></package>");
+    folder.write("my_rovers/meshes/rover/board.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    folder.write(
+        "my_rovers/description/rover/model.sdf",
+        "<sdf version='1.9'><model name='m'><link name='l'><visual name='v'><geometry><mesh>\
+         <uri>model://meshes/rover/board.obj</uri></mesh></geometry></visual></link></model></sdf>",
+    );
+    let (model, problems) = described(&folder, "my_rovers/description/rover/model.sdf", Rules::default());
+    assert!(problems.is_empty(), "{problems:#?}");
+    assert!(matches!(model, Some(Described::Model(model)) if model.links[0].visuals.len() == 1));
+}
+
 /// A model in a folder of models, wherever that is, names its files by its own folder.
 #[test]
 fn a_model_finds_its_meshes_and_neighbouring_models() {

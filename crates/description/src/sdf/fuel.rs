@@ -24,6 +24,12 @@ pub(super) struct FuelUri {
 }
 
 impl FuelUri {
+    /// Reads an address with its scheme.
+    pub(super) fn of(uri: &str) -> Option<Self> {
+        let (scheme, rest) = uri.split_once("://")?;
+        Self::parse(rest).filter(|_| matches!(scheme, "https" | "http" | "fuel"))
+    }
+
     /// Reads `HOST[/1.0]/OWNER/models/NAME[/VERSION|tip][/files/FILE]`, the part after `https://`.
     pub(super) fn parse(rest: &str) -> Option<Self> {
         let rest = rest.replace("%20", " ");

@@ -1,5 +1,6 @@
 //! `<geometry>`.
 
+use super::fuel::FuelUri;
 use super::resources::Resolved;
 use super::{Loader, Scope, TEXTURE};
 use crate::file;
@@ -175,6 +176,10 @@ impl Loader<'_> {
             Resolved::UnknownScheme(scheme) => (
                 format!("the {what} '{uri}' cannot be fetched: '{scheme}://' is unsupported"),
                 match what {
+                    _ if FuelUri::of(uri).is_some() => {
+                        "download its model with `gz fuel download -u`, or put the model's folder into GAZEBO_MODEL_PATH"
+                            .to_owned()
+                    }
                     "mesh" => format!("download it and name the file (meshes: {MESH_FORMATS})"),
                     _ => "download it and name the file".to_owned(),
                 },

@@ -12,6 +12,13 @@ use crate::values::{child_bool, child_text};
 use crate::xml::{Element, Weight};
 use std::path::{Path, PathBuf};
 
+/// What to do about a model on a server.
+const DOWNLOAD: &str = "download it with `gz fuel download -u`, or put its folder into GAZEBO_MODEL_PATH; write model://NAME otherwise";
+
+fn is_on_a_server(uri: &str) -> bool {
+    ["https://", "http://", "fuel://"].iter().any(|scheme| uri.starts_with(scheme))
+}
+
 /// The content of an `<include>`.
 #[derive(Default)]
 pub(super) struct Included {
@@ -35,6 +42,15 @@ impl Loader<'_> {
         };
         let path = self.included_file(element, &uri, scope.folder)?;
         let key = canonical(&path);
+        if self.open_files.contains(&key) && is_on_a_server(&uri) {
+            // A model that extends the one of its name on Fuel, of which there is no copy here.
+            self.missing(
+                &element.source,
+                format!("'{uri}' cannot be fetched, and the only model with its name here includes it"),
+                DOWNLOAD,
+            );
+            return None;
+        }
         if self.open_files.contains(&key) {
             let chain: Vec<String> =
                 self.open_files.iter().chain([&key]).map(|file| file.display().to_string()).collect();
@@ -123,6 +139,9 @@ impl Loader<'_> {
             if let Some(pose) = pose {
                 *light_pose = pose;
             }
+        } else if root.elements().any(|child| matches!(child.name.as_str(), "model" | "include")) {
+            // It is made of what is missing, which has been reported.
+            return None;
         } else if !self.diagnostics.has_errors() {
             self.diagnostics.error(
                 &root.source,
@@ -155,7 +174,7 @@ impl Loader<'_> {
                 self.missing(
                     &element.source,
                     format!("'{uri}' cannot be fetched: '{scheme}://' is not read"),
-                    "download it with `gz fuel download -u`, or put its folder into GAZEBO_MODEL_PATH; write model://NAME otherwise",
+                    DOWNLOAD,
                 );
                 return None;
             }

@@ -49,7 +49,7 @@ use super::model::{Heights, Mesh, Model, World};
 use super::ogre_material::{Library, OgreMaterial};
 use super::package::PackagePath;
 use super::rules::Rules;
-use super::values::{child_number, numbers};
+use super::values::{child_number, child_text, numbers};
 use super::xml::{Element, Node};
 use resources::Resources;
 use std::collections::{HashMap, HashSet};
@@ -218,7 +218,7 @@ pub(super) fn load_model(
         if !diagnostics.has_errors() {
             diagnostics.error(
                 &element.source,
-                format!("the model '{}' has no parts left", name_of(element)),
+                format!("the model '{}' has no parts left", named_or_included(element)),
                 "install the models that it includes",
             );
         }
@@ -234,6 +234,12 @@ pub(super) fn load_model(
     let model = Model { world_from_model: parsed.pose.pose, ..parsed.model };
     warn_of_hulls([&model], loader.diagnostics);
     Some(model)
+}
+
+/// Returns the name of a `<model>`, or what an `<include>` names.
+fn named_or_included(element: &Element) -> String {
+    let included = || child_text(element, "name").or_else(|| child_text(element, "uri")).unwrap_or_default();
+    if element.name == "include" { included() } else { name_of(element) }
 }
 
 impl<'a> Loader<'a> {

@@ -111,7 +111,8 @@ impl<'a> Resources<'a> {
         };
         let found = candidates.iter().find(|candidate| candidate.exists()).cloned();
         let found = found.or_else(|| self.among_models(uri)).or_else(|| self.exported(uri));
-        match found.or_else(|| self.in_package(uri)) {
+        let found = found.or_else(|| self.in_package(uri));
+        match found.or_else(|| in_own_package(uri, folder)) {
             Some(found) => Resolved::Found(std::path::absolute(&found).unwrap_or(found)),
             None => Resolved::NotFound(candidates),
         }
@@ -177,4 +178,14 @@ impl<'a> Resources<'a> {
             .chain(indexed)
             .collect()
     }
+}
+
+/// Resolves `model://PATH` in the package that holds the folder of the file: packages for gz-sim add their own root to
+/// `GZ_SIM_RESOURCE_PATH` by a hook.
+fn in_own_package(uri: &str, folder: &Path) -> Option<PathBuf> {
+    let path =
+        uri.strip_prefix("model://").filter(|path| !path.is_empty() && Path::new(path).is_relative())?;
+    let folder = std::path::absolute(folder).ok()?;
+    let root = folder.ancestors().find(|folder| folder.join("package.xml").is_file())?;
+    Some(root.join(path)).filter(|place| place.exists())
 }

@@ -271,3 +271,13 @@ fn a_wheel_with_the_limits_of_sdf_drives() {
         "{said}"
     );
 }
+
+#[test]
+fn the_folder_itself_is_shown_as_a_dot() {
+    let folder = TempDir::new().unwrap();
+    let text = format!("<robot name='r' {XACRO}><xacro:include filename='$(find nobodys)/a.xacro'/></robot>");
+    write(&folder, "r.urdf.xacro", &text);
+    let at = format!("{}/", folder.path().display());
+    let (said, _, _) = checked(&["--all", &at]);
+    assert!(said.contains("package 'nobodys' is in none of the folders ., "), "{said}");
+}

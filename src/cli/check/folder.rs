@@ -204,6 +204,9 @@ fn without_prefix(text: &str, prefix: &str) -> String {
         kept.push_str(before);
         if !begins(&kept) {
             kept.push_str(prefix);
+        } else if after.is_empty() || after.starts_with([',', ';', '\'', ')', ' ']) {
+            // The folder itself.
+            kept.push('.');
         }
         rest = after;
     }

@@ -125,13 +125,12 @@ impl<'a> Document<'a> {
     /// Places a skin.
     fn skin(&mut self, instance: &'a Element, parts: &mut Vec<Part>) -> Outcome<()> {
         let controller = self.referenced(instance, "url")?;
-        let skin = match self.known.skins.get(&ptr::from_ref(controller)) {
-            Some(known) => *known,
-            None => {
-                let read = self.read_skin(controller)?;
-                self.known.skins.insert(controller, read);
-                read
-            }
+        let skin = if let Some(known) = self.known.skins.get(&ptr::from_ref(controller)) {
+            *known
+        } else {
+            let read = self.read_skin(controller)?;
+            self.known.skins.insert(controller, read);
+            read
         };
         let Some(skin) = skin else { return Ok(()) };
         let materials = self.bound_materials(instance);

@@ -193,11 +193,11 @@ fn select(
     diagnostics: &mut Diagnostics,
 ) -> Option<Vec<Part>> {
     let names = |part: &Part| std::iter::once(&part.name).chain(&part.aliases).cloned().collect::<Vec<_>>();
-    let known: Vec<String> = parts.iter().flat_map(names).filter(|name| !name.is_empty()).collect();
+    let known: Vec<Arc<str>> = parts.iter().flat_map(names).filter(|name| !name.is_empty()).collect();
     let mut chosen: Vec<Part> =
-        parts.into_iter().filter(|part| names(part).contains(&submesh.name)).collect();
+        parts.into_iter().filter(|part| names(part).iter().any(|name| **name == *submesh.name)).collect();
     if chosen.is_empty() {
-        let meant = diagnostics.did_you_mean(&submesh.name, known.iter().map(String::as_str));
+        let meant = diagnostics.did_you_mean(&submesh.name, known.iter().map(|name| &**name));
         diagnostics.error(
             source,
             format!("the mesh {} has no part '{}'", path.display(), submesh.name),

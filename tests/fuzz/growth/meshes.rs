@@ -201,6 +201,13 @@ pub(super) const SHAPES: &[Shape] = &[
     ),
     row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "f 1 2 3\n", ""),
     row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "o n#\nusemtl m#\nf 1 2 3\n", ""),
+    // Many parts have the same long name.
+    pair(
+        "obj",
+        "v 0 0 0\nv 1 0 0\nv 0 1 0\no ",
+        ["name", "\n", "usemtl a\nf 1 2 3\nusemtl b\nf 1 2 3\n"],
+        "",
+    ),
     row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n", "o n#\nf 1//1 2//1 3//1\n", ""),
     row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\n", "o n#\nf 1//1 2//1 3//1\no m#\nf 1 2 3\n", ""),
     row("obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "mtllib m.mtl\n", ""),

@@ -28,6 +28,7 @@ use std::collections::hash_map::Entry;
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// An error: its place in the file, and a description.
 struct Wrong(Source, String);
@@ -217,6 +218,10 @@ impl<'a> Document<'a> {
         };
         let matrix = normals::matrix(world_from_geometry.matrix3);
         let mirrored = world_from_geometry.matrix3.determinant() < 0.0;
+        let [id, name] = ["id", "name"].map(|attribute| geometry.attribute(attribute));
+        self.take(geometry, [id, name].into_iter().flatten().map(str::len).sum())?;
+        let id: Arc<str> = id.unwrap_or_default().into();
+        let aliases: Vec<Arc<str>> = name.map(Arc::from).into_iter().collect();
         for shape in &*shapes {
             let place = |position: &[f32; 3]| {
                 let point = DVec3::from_array(position.map(f64::from));
@@ -225,15 +230,15 @@ impl<'a> Document<'a> {
             let triangles =
                 shape.triangles.iter().map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
             let part = Part {
-                name: geometry.attribute("id").unwrap_or_default().into(),
-                aliases: geometry.attribute("name").map(str::to_owned).into_iter().collect(),
+                name: id.clone(),
+                aliases: aliases.clone(),
                 positions: shape.positions.iter().map(place).collect(),
                 uvs: shape.uvs.clone(),
                 normals: shape.normals.iter().map(|normal| normals::turned(&matrix, *normal)).collect(),
                 triangles: triangles.collect(),
                 material: shape.symbol.and_then(|symbol| materials.get(symbol)).map(|look| (**look).clone()),
             };
-            self.take(geometry, part.names_len())?;
+            self.take(geometry, part.strings_len())?;
             parts.push(part);
         }
         Ok(())

@@ -28,6 +28,7 @@ use skin::{Bound, Skin, affine};
 use std::collections::{BTreeSet, HashMap};
 use std::path::Path;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// Reads a file with unchanged coordinates.
 pub(super) fn parse(
@@ -169,15 +170,16 @@ impl<'a> Scene<'a> {
                 Some(self.skin(index)?)
             }
         };
-        let title = mesh["name"].as_str().unwrap_or_default();
+        let title: Arc<str> = mesh["name"].as_str().unwrap_or_default().into();
+        let name = if name.is_empty() { title.clone() } else { name.into() };
         for primitive in mesh["primitives"].as_array().into_iter().flatten() {
             self.budget.take(0, PRIMITIVE).map_err(|spent| spent.to_string())?;
             let part = self.primitive(primitive, skin.as_deref(), scene_from_node);
             let Some(mut part) = part.map_err(|what| format!("mesh '{title}': {what}"))? else { continue };
-            if name.is_empty() { title } else { name }.clone_into(&mut part.name);
-            part.aliases.push(title.to_owned());
+            part.name = name.clone();
+            part.aliases.push(title.clone());
             let bytes = size_of_val(&part.positions[..]) + size_of_val(&part.triangles[..]);
-            let bytes = bytes + size_of_val(&part) + part.names_len();
+            let bytes = bytes + size_of_val(&part) + part.strings_len();
             self.budget.take(0, bytes).map_err(|spent| spent.to_string())?;
             self.parts.push(part);
         }

@@ -12,6 +12,7 @@ use glam::{DVec3, Vec3};
 use std::borrow::Cow;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// The name of a group without a name.
 const DEFAULT: &str = "default";
@@ -59,8 +60,8 @@ struct Reader<'a> {
     positions: Vec<[f32; 3]>,
     uvs: Vec<[f32; 2]>,
     normals: Vec<[f32; 3]>,
-    object: String,
-    group: String,
+    object: Arc<str>,
+    group: Arc<str>,
     material: String,
     /// The materials of the libraries, as far as they are given.
     materials: HashMap<String, Option<Material>>,
@@ -90,8 +91,8 @@ impl<'a> Reader<'a> {
             positions: Vec::new(),
             uvs: Vec::new(),
             normals: Vec::new(),
-            object: String::new(),
-            group: String::new(),
+            object: Arc::default(),
+            group: Arc::default(),
             material: String::new(),
             materials: HashMap::new(),
             libraries: HashSet::new(),
@@ -123,12 +124,12 @@ impl<'a> Reader<'a> {
             "vn" => self.normals.push(numbers(rest, 3).map_or(MISSING, |(normal, _)| normal)),
             "f" | "fo" => self.face(rest)?,
             "g" => {
-                rest.clone_into(&mut self.group);
+                self.group = rest.into();
                 self.is_open = false;
             }
             "o" => {
-                rest.clone_into(&mut self.object);
-                self.group.clear();
+                self.object = rest.into();
+                self.group = Arc::default();
                 self.is_open = false;
             }
             "usemtl" if rest != self.material => {
@@ -212,7 +213,7 @@ impl<'a> Reader<'a> {
         self.is_open = true;
         self.vertices.clear();
         let mut names = [&self.group, &self.object].into_iter().filter(|name| !name.is_empty()).cloned();
-        let name = names.next().unwrap_or_else(|| DEFAULT.to_owned());
+        let name = names.next().unwrap_or_else(|| DEFAULT.into());
         let aliases = names.collect();
         let material = self.materials.get(&self.material).cloned();
         if material.is_none() && !self.material.is_empty() && !self.lacks_library {

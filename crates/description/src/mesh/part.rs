@@ -7,14 +7,15 @@ use crate::model::{Material, Mesh};
 use glam::{DMat3, DVec3, Vec3};
 use std::borrow::Cow;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Triangles with one material, as stored in a file.
 #[derive(Debug, Default)]
 pub(super) struct Part {
     /// The name in the file, for error messages.
-    pub(super) name: String,
-    /// Further names in the file.
-    pub(super) aliases: Vec<String>,
+    pub(super) name: Arc<str>,
+    /// Further names in the file. Many parts may have the same long name.
+    pub(super) aliases: Vec<Arc<str>>,
     pub(super) positions: Vec<[f32; 3]>,
     /// As many as positions, or none.
     pub(super) uvs: Vec<[f32; 2]>,
@@ -25,11 +26,10 @@ pub(super) struct Part {
 }
 
 impl Part {
-    /// Returns the number of bytes of its names. Many parts may have the same long name.
-    pub(super) fn names_len(&self) -> usize {
+    /// Returns the number of bytes of its own strings, of which many parts may have the same.
+    pub(super) fn strings_len(&self) -> usize {
         let texture = self.material.as_ref().and_then(|material| material.texture.as_ref());
-        let aliases: usize = self.aliases.iter().map(String::len).sum();
-        self.name.len() + aliases + texture.map_or(0, |texture| texture.as_os_str().len())
+        texture.map_or(0, |texture| texture.as_os_str().len()) + size_of_val(&self.aliases[..])
     }
 }
 

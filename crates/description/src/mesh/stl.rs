@@ -78,7 +78,7 @@ fn solids(text: &str, path: &Path, diagnostics: &mut Diagnostics) -> Result<Vec<
         if word.eq_ignore_ascii_case("solid") {
             is_open = true;
             // Some programs write a whole solid into one line.
-            let name = name.split(" facet ").next().unwrap_or_default().trim().to_owned();
+            let name = name.split(" facet ").next().unwrap_or_default().trim().into();
             parts.push(Part { name, ..Part::default() });
             if !line.contains(" facet ") {
                 continue;

@@ -11,6 +11,7 @@ use glam::DAffine3;
 use std::collections::HashMap;
 use std::ptr;
 use std::rc::Rc;
+use std::sync::Arc;
 
 /// What the budget counts for each child of a node, in bytes: children take time, even those without triangles.
 const CHILD: usize = 64;
@@ -38,7 +39,7 @@ struct Node<'a> {
     /// At most [`TRANSFORMS`]; the last is the product of all further ones.
     transforms: Vec<DAffine3>,
     /// Its name and its id.
-    names: Vec<&'a str>,
+    names: Vec<Arc<str>>,
     /// The nodes and the instances in it.
     children: Vec<&'a Element>,
 }
@@ -56,7 +57,7 @@ impl<'a> Document<'a> {
         &mut self,
         element: &'a Element,
         world_from_parent: DAffine3,
-        above: &[&str],
+        above: &[Arc<str>],
         parts: &mut Vec<Part>,
     ) -> Outcome<()> {
         let node = self.content(element)?;
@@ -85,10 +86,8 @@ impl<'a> Document<'a> {
             }
             if matches!(child.name.as_str(), "instance_geometry" | "instance_controller") {
                 for part in &mut parts[first..] {
-                    part.aliases.extend(names.iter().copied().map(str::to_owned));
+                    part.aliases.extend(names.iter().cloned());
                 }
-                let bytes: usize = names.iter().map(|name| name.len()).sum();
-                self.take(child, bytes.saturating_mul(parts.len() - first))?;
             }
         }
         self.budget.leave(1);
@@ -116,7 +115,7 @@ impl<'a> Document<'a> {
                 }
             }
         }
-        let names = ["name", "id"].iter().filter_map(|name| element.attribute(name)).collect();
+        let names = ["name", "id"].iter().filter_map(|name| element.attribute(name)).map(Arc::from).collect();
         let node = Rc::new(Node { transforms, names, children });
         self.known.nodes.insert(element, node.clone());
         Ok(node)

@@ -12,6 +12,9 @@ pub(super) struct Cutter {
     triangles: Vec<[u32; 3]>,
 }
 
+/// What a face is that has no triangles.
+pub(super) const SHORT_FACE: &str = "a face of fewer than three corners";
+
 impl Cutter {
     /// Returns the triangles of a polygon as indices of its corners, with the winding of the polygon. `holes` has the
     /// first corner of each hole, whose corners follow those of the outline.

@@ -2,7 +2,7 @@
 
 mod material;
 
-use super::faces::Cutter;
+use super::faces::{Cutter, SHORT_FACE};
 use super::normals::MISSING;
 use super::part::{Part, Unreadable, text};
 use crate::diagnostics::{Diagnostics, Source};
@@ -175,6 +175,10 @@ impl<'a> Reader<'a> {
             let normal = index(indices.next().unwrap_or_default(), self.normals.len(), "normal");
             self.face.push((vertex, uv, normal.map_or(0, |normal| normal + 1)));
             self.corners.push(Vec3::from(self.positions[vertex as usize]).as_dvec3());
+        }
+        if self.face.len() < 3 {
+            self.warn("f", &format!("{SHORT_FACE}: it is left out"), "export the mesh again");
+            return Ok(());
         }
         if !self.is_open {
             self.open();

@@ -5,16 +5,20 @@
 
 mod header;
 
-use super::faces::Cutter;
+use super::faces::{Cutter, SHORT_FACE};
 use super::look::Look;
 use super::part::{Part, Unreadable};
-use crate::diagnostics::Diagnostics;
+use crate::diagnostics::{Diagnostics, Source};
 use glam::{DVec3, Vec3};
 use header::{Element, Form, Number};
 use std::path::Path;
 
 /// Reads a file as one part.
-pub(super) fn parse(bytes: &[u8], _: &Path, _: &mut Diagnostics) -> Result<Vec<Part>, Unreadable> {
+pub(super) fn parse(
+    bytes: &[u8],
+    path: &Path,
+    diagnostics: &mut Diagnostics,
+) -> Result<Vec<Part>, Unreadable> {
     let header = header::read(bytes)?;
     let mut numbers =
         Numbers { form: header.form, rest: &bytes[header.bytes..], line: header.lines, words: Vec::new() };
@@ -23,6 +27,10 @@ pub(super) fn parse(bytes: &[u8], _: &Path, _: &mut Diagnostics) -> Result<Vec<P
         Reader { part: Part { material: look.material(), ..Part::default() }, ..Reader::default() };
     for element in &header.elements {
         mesh.element(element, &mut numbers)?;
+    }
+    if mesh.has_short_faces {
+        let what = format!("the mesh {}: {SHORT_FACE}: it is left out", path.display());
+        diagnostics.warning(&Source::new(path, 0), what, "export the mesh again");
     }
     if !mesh.corner_uvs.is_empty() {
         mesh.part.uvs = mesh.corner_uvs;
@@ -36,6 +44,7 @@ struct Reader {
     /// The texture coordinates of the corners of faces. Their vertices are not shared.
     corner_uvs: Vec<[f32; 2]>,
     cutter: Cutter,
+    has_short_faces: bool,
 }
 
 /// The vertices that faces with separate corners name.
@@ -88,6 +97,7 @@ impl Reader {
                     let Some(corners) = indices.map(|place| &row[place]) else {
                         return Err("its faces have no vertex_indices".into());
                     };
+                    self.has_short_faces |= corners.len() < 3;
                     match corner_uvs.map(|place| &row[place]) {
                         Some(uvs) => self.separate_face(corners, uvs, &shared).map_err(wrong)?,
                         None => self.face(corners).map_err(wrong)?,

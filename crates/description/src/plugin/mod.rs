@@ -77,7 +77,8 @@ fn reader(name: &str) -> Option<Read> {
     })
 }
 
-/// Systems of gz-sim, and plugins of Gazebo classic, whose work the simulator does without them for each world and sensor.
+/// Systems of gz-sim, and plugins of Gazebo classic, whose work the simulator does without them, for each world and
+/// sensor.
 const PROVIDED: [&str; 13] = [
     "gazebo_ros_init",
     "gz-sim-air-pressure",

@@ -205,8 +205,8 @@ impl Frames {
         outer.map_or(written.pose, |root_from_frame| root_from_frame * written.pose)
     }
 
-    /// Returns the frame that a pose is relative to, if it names one. Before SDF 1.7, one that does not exist is ignored with a
-    /// warning.
+    /// Returns the frame that a pose is relative to, if it names one. Before SDF 1.7, one that does not exist is ignored
+    /// with a warning.
     pub(super) fn named_by<'w>(
         &self,
         written: &'w WrittenPose,

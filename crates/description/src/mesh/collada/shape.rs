@@ -1,7 +1,8 @@
 //! Geometries of a Collada file: the triangles of each primitive in the geometry's own axes.
 
 use super::numbers::{Values, offset, polygons, values};
-use super::{Document, Outcome, wrong};
+use super::{Document, Outcome, Wrong, wrong};
+use crate::mesh::faces::SHORT_FACE;
 use crate::mesh::normals::MISSING;
 use crate::xml::Element;
 use glam::DVec3;
@@ -129,6 +130,7 @@ impl<'a> Document<'a> {
         let polygons = polygons(primitive)?;
         let mut shape = Shape { symbol: primitive.attribute("material"), ..Shape::default() };
         let mut corners = Vec::new();
+        let mut is_whole = true;
         for polygon in &polygons.outlines {
             let first = shape.positions.len() as u32;
             corners.clear();
@@ -145,8 +147,12 @@ impl<'a> Document<'a> {
                     shape.uvs.push(texture.values.get(corner[texture.offset])?);
                 }
             }
+            is_whole &= corners.len() >= 3;
             let cut = self.cutter.cut(&corners, &polygon.holes);
             shape.triangles.extend(cut.iter().map(|triangle| triangle.map(|corner| first + corner)));
+        }
+        if !is_whole {
+            self.left_out.push(Wrong(primitive.source.clone(), SHORT_FACE.into()));
         }
         Ok(shape)
     }

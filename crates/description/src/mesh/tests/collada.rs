@@ -95,6 +95,17 @@ fn the_first_of_an_id_counts_and_the_second_is_a_warning() {
     assert!(problem.starts_with(words), "{problem}");
 }
 
+#[test]
+fn faces_of_fewer_than_three_corners_are_a_warning() {
+    let files = Files::new();
+    let faces = format!("<polylist count='2'>{INPUT}<vcount>6 2</vcount><p>0 1 2 3 4 5 0 1</p></polylist>");
+    files.write("e.dae", dae(&l(), &faces, "<node name='n'><instance_geometry url='#g'/></node>"));
+    let (meshes, problems) = files.load("e.dae");
+    assert!((area(&meshes.unwrap()) - 3.0).abs() < 1e-9);
+    let [problem] = &problems[..] else { panic!("{problems:?}") };
+    assert!(problem.contains("warning: a face of fewer than three corners: it is left out"), "{problem}");
+}
+
 /// A material that many instances bind is read once, and so is what is wrong with it.
 #[test]
 fn a_damaged_effect_is_reported_once() {

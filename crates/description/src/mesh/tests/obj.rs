@@ -79,6 +79,10 @@ fn each_missing_item_gives_one_warning() {
         ),
         (format!("mtllib paint.mtl\nusemtl rd\n{faces}g x\nf 1 2 3\n"), "did you mean 'red'"),
         (format!("mtllib paint.mtl\nusemtl red\n{faces}g x\nf 1 2 3\n"), "there is no texture gone.png"),
+        (
+            format!("{faces}f 1 2\nf 3\n"),
+            "a.obj:5: warning: a face of fewer than three corners: it is left out",
+        ),
         (format!("{faces}surf 0 1 0 1 1 2 3\nsurf 0 1 0 1 1 2 3\n"), "a.obj:5: warning: free-form surfaces"),
     ] {
         files.write("a.obj", text);

@@ -82,6 +82,22 @@ fn strips_are_read_and_unknown_elements_ignored() {
 }
 
 #[test]
+fn faces_of_fewer_than_three_corners_are_a_warning() {
+    let files = Files::new();
+    let text = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+                element face 3\nproperty list uchar int vertex_indices\nend_header\n\
+                0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n2 0 1\n0\n";
+    files.write("a.ply", text);
+    let (meshes, problems) = files.load("a.ply");
+    assert!((area(&meshes.unwrap()) - 0.5).abs() < 1e-9);
+    let [problem] = &problems[..] else { panic!("{problems:?}") };
+    assert!(
+        problem.contains("warning: the mesh a.ply: a face of fewer than three corners: it is left out"),
+        "{problem}"
+    );
+}
+
+#[test]
 fn broken_files_name_their_line() {
     let files = Files::new();
     let rows = L.map(|[x, y, z]| format!("{x} {y} {z} 255\n")).concat();
